@@ -1,0 +1,55 @@
+//! What a controller remembers from one period to the next.
+
+use nalgebra::IsometryMatrix3;
+
+use super::ControllerConfig;
+use crate::linalg::Vector;
+use crate::resolution::ActiveSet;
+
+/// The whole state of a controller: with it, any replica continues where another stopped, to the last bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory {
+    /// ẋ of each task's integrator, m_k each, m/s and rad/s.
+    pub task_velocities: Vec<Vector>,
+    /// Tool pose at the first step, base frame, m.
+    pub initial_pose: IsometryMatrix3<f64>,
+    /// q̇ of the last command, n, rad/s.
+    pub last_command: Vector,
+    /// Active limits of the last command, level by level.
+    pub active_set: Vec<ActiveSet>,
+}
+
+/// Why a memory is refused: it belongs to another controller, or is damaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum MemoryError {
+    /// The task velocities do not fit the tasks.
+    #[error("the memory's task velocities do not fit the tasks; send back the memory of this controller's last answer")]
+    TaskVelocities,
+    /// The last command does not fit the robot.
+    #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
+    LastCommand,
+    /// The active set names a joint that the robot does not have.
+    #[error("the memory's active set names a joint that the robot lacks; send back the memory of this controller's last answer")]
+    ActiveSet,
+}
+
+impl Memory {
+    /// Checks that the memory fits the controller.
+    pub(super) fn check(&self, config: &ControllerConfig) -> Result<(), MemoryError> {
+        let n = config.robot.joint_count();
+        let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
+        let fits = |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.axes.len() && finite(velocity);
+        if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits) {
+            return Err(MemoryError::TaskVelocities);
+        }
+        if self.last_command.len() != n || !finite(&self.last_command) {
+            return Err(MemoryError::LastCommand);
+        }
+        // Each joint once per level and in order, as the solver leaves it.
+        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(joint, _)| joint < n)) {
+            return Err(MemoryError::ActiveSet);
+        }
+        Ok(())
+    }
+}

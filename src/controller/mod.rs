@@ -1,0 +1,9 @@
+//! The controller: one call per control period, measurement in, command out.
+
+mod config;
+mod memory;
+mod step;
+
+pub use config::{ConfigError, ControllerConfig, Limits, TargetPose, TaskConfig, WrenchConvention};
+pub use memory::{Memory, MemoryError};
+pub use step::{Command, Controller, Measurement, StepError, TaskTarget};

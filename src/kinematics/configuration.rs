@@ -1,0 +1,150 @@
+//! A posture of the arm with its forward kinematics done.
+
+use nalgebra::{IsometryMatrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use crate::robot::{JointKind, RobotModel};
+
+/// Tool Jacobian, 6 × n: linear rows (m/s), then angular rows (rad/s), base axes, at the tool point.
+pub type Jacobian = Matrix6xX<f64>;
+
+/// Why a posture is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ConfigurationError {
+    /// One position per joint is needed.
+    #[error("{given} joint positions for a robot of {expected} joints")]
+    Size {
+        /// Joints of the robot.
+        expected: usize,
+        /// Positions given.
+        given: usize,
+    },
+    /// NaN or infinite.
+    #[error("the position of joint `{joint}` is not a finite number")]
+    NotFinite {
+        /// The joint.
+        joint: String,
+    },
+}
+
+/// Joint positions of a robot together with the tool pose and Jacobian there.
+///
+/// Exists only after forward kinematics, so whoever holds one can rely on both.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    joint_position: Vec<f64>,
+    tool_pose: IsometryMatrix3<f64>,
+    jacobian: Jacobian,
+}
+
+impl Configuration {
+    /// Computes tool pose and Jacobian at `joint_position` (n; rad or m).
+    pub fn new(robot: &RobotModel, joint_position: &[f64]) -> Result<Self, ConfigurationError> {
+        check(robot, joint_position)?;
+        let mut frame = IsometryMatrix3::identity();
+        let mut joint_frames = Vec::with_capacity(robot.joint_count());
+        for (joint, &q) in robot.joints().iter().zip(joint_position) {
+            frame *= joint.placement;
+            joint_frames.push(frame);
+            frame *= motion(joint.kind, q);
+        }
+        let tool_pose = frame * robot.tool();
+        let tool_point = tool_pose.translation.vector;
+        let mut jacobian = Jacobian::zeros(robot.joint_count());
+        for (i, (joint, frame)) in robot.joints().iter().zip(&joint_frames).enumerate() {
+            let (linear, angular) = column(joint.kind, frame, &tool_point);
+            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&linear);
+            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&angular);
+        }
+        Ok(Self { joint_position: joint_position.to_vec(), tool_pose, jacobian })
+    }
+
+    /// q, the joint positions, n.
+    pub fn joint_position(&self) -> &[f64] {
+        &self.joint_position
+    }
+
+    /// Pose of the tool frame in the base frame, m.
+    pub fn tool_pose(&self) -> &IsometryMatrix3<f64> {
+        &self.tool_pose
+    }
+
+    /// J, the tool Jacobian, 6 × n.
+    pub fn jacobian(&self) -> &Jacobian {
+        &self.jacobian
+    }
+
+    /// J q̇: the tool's twist for joint velocities q̇ (n), in base axes.
+    pub fn twist(&self, joint_velocity: &[f64]) -> [f64; 6] {
+        let mut twist = [0.0; 6];
+        for (column, &speed) in self.jacobian.column_iter().zip(joint_velocity) {
+            for (entry, slope) in twist.iter_mut().zip(column.iter()) {
+                *entry += slope * speed;
+            }
+        }
+        twist
+    }
+}
+
+fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
+    if joint_position.len() != robot.joint_count() {
+        return Err(ConfigurationError::Size { expected: robot.joint_count(), given: joint_position.len() });
+    }
+    match robot.joints().iter().zip(joint_position).find(|(_, q)| !q.is_finite()) {
+        Some((joint, _)) => Err(ConfigurationError::NotFinite { joint: joint.name.clone() }),
+        None => Ok(()),
+    }
+}
+
+fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
+    match kind {
+        JointKind::Revolute => IsometryMatrix3::from_parts(
+            Translation3::identity(),
+            Rotation3::from_axis_angle(&Vector3::z_axis(), q),
+        ),
+        JointKind::Prismatic => IsometryMatrix3::translation(0.0, 0.0, q),
+    }
+}
+
+/// One column of the geometric Jacobian: what unit speed of the joint gives the tool point.
+fn column(kind: JointKind, frame: &IsometryMatrix3<f64>, tool_point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let z = frame.rotation * Vector3::z();
+    match kind {
+        JointKind::Revolute => (z.cross(&(tool_point - frame.translation.vector)), z),
+        JointKind::Prismatic => (z, Vector3::zeros()),
+    }
+}
+
+/// log(R R_dᵀ): the rotation vector (rad, base axes) that leads from the desired orientation to the actual one.
+///
+/// It is X − X_d of the control laws for the angular rows.
+pub fn orientation_error(actual: &Rotation3<f64>, desired: &Rotation3<f64>) -> Vector3<f64> {
+    // By way of the quaternion: the angle of a rotation matrix, an arc cosine, is blind below 1e-8 rad.
+    UnitQuaternion::from_rotation_matrix(&(actual * desired.inverse())).scaled_axis()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::built_in;
+
+    #[test]
+    fn wrong_postures_are_refused_by_name() {
+        let sawyer = &built_in()[0];
+        assert_eq!(
+            Configuration::new(sawyer, &[0.0; 6]),
+            Err(ConfigurationError::Size { expected: 7, given: 6 })
+        );
+        let refusal = Configuration::new(sawyer, &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap_err();
+        assert!(refusal.to_string().contains("`j3`"));
+    }
+
+    #[test]
+    fn orientation_error_is_the_rotation_vector_from_desired_to_actual() {
+        let desired = Rotation3::from_euler_angles(0.3, -0.2, 1.0);
+        let turn = Vector3::new(0.1, -0.4, 0.2);
+        let error = orientation_error(&(Rotation3::new(turn) * desired), &desired);
+        assert!((error - turn).norm() < 1e-14);
+        let tiny = Vector3::new(1e-12, 0.0, -2e-12);
+        assert!((orientation_error(&Rotation3::new(tiny), &Rotation3::identity()) - tiny).norm() < 1e-20);
+    }
+}

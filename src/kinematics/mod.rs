@@ -1,0 +1,7 @@
+//! Where the tool is and how it moves: forward kinematics, Jacobian, Cartesian axes.
+
+mod axes;
+mod configuration;
+
+pub use axes::{Axis, AxisSelection, AxisSelectionError};
+pub use configuration::{Configuration, ConfigurationError, Jacobian, orientation_error};

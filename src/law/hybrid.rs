@@ -1,0 +1,95 @@
+//! The hybrid law.
+
+use super::{Gains, Profile, TaskState};
+use crate::linalg::Vector;
+
+/// M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e, S = diag of 0 and 1.
+///
+/// Paper: Eqs. (48)-(51). Departs: (53) prints the wrong index; the resolution takes each task's own velocity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HybridLaw {
+    gains: Gains,
+    target_force: Profile,
+    position_controlled: Vec<bool>,
+}
+
+impl HybridLaw {
+    /// `position_controlled`: S, true = follows the pose, false = follows `target_force` (F_d, N and N·m);
+    /// `None` unless both have as many rows as the gains.
+    pub fn new(gains: Gains, target_force: Profile, position_controlled: Vec<bool>) -> Option<Self> {
+        let rows = gains.rows();
+        (target_force.rows() == rows && position_controlled.len() == rows).then_some(Self {
+            gains,
+            target_force,
+            position_controlled,
+        })
+    }
+
+    /// m.
+    pub fn rows(&self) -> usize {
+        self.gains.rows()
+    }
+
+    /// F_d at time t where a force is followed, N and N·m.
+    pub fn target_force(&self, time_s: f64) -> Vec<Option<f64>> {
+        let force = self.target_force.at(time_s);
+        force.iter().zip(&self.position_controlled).map(|(&f, &position)| (!position).then_some(f)).collect()
+    }
+
+    /// Ẍ = M_d⁻¹ ((I − S) F_d − F_e − B_d Ẋ − K_d S ΔX), m/s² and rad/s².
+    pub fn acceleration(&self, state: &TaskState) -> Vector {
+        let target = self.target_force.at(state.time_s);
+        let pull = |row: usize| {
+            if self.position_controlled[row] {
+                -self.gains.stiffness()[row] * state.displacement[row]
+            } else {
+                target[row]
+            }
+        };
+        let force = Vector::from_fn(self.rows(), |row, _| pull(row))
+            - &state.force
+            - self.gains.damping().component_mul(&state.velocity);
+        self.gains.accelerate(&force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ForceLaw, ImpedanceLaw};
+    use super::*;
+
+    fn gains() -> Gains {
+        Gains::new(2, &[15.0, 80.0], &[150.0, 280.0], &[1000.0, 100.0]).unwrap()
+    }
+
+    fn state() -> TaskState {
+        TaskState {
+            time_s: 0.3,
+            velocity: Vector::from_vec(vec![0.1, -0.2]),
+            displacement: Vector::from_vec(vec![0.01, 0.05]),
+            force: Vector::from_vec(vec![4.0, -3.0]),
+        }
+    }
+
+    fn target() -> Profile {
+        Profile::constant(vec![30.0, 2.0]).unwrap()
+    }
+
+    #[test]
+    fn hybrid_is_the_force_law_on_force_axes_and_the_impedance_law_on_position_axes() {
+        let hybrid = |s: [bool; 2]| HybridLaw::new(gains(), target(), s.to_vec()).unwrap().acceleration(&state());
+        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
+        let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
+        assert_eq!(hybrid([false, false]), force);
+        assert!((hybrid([true, true]) - &impedance).amax() < 1e-15);
+        assert!((hybrid([false, true]) - Vector::from_vec(vec![force[0], impedance[1]])).amax() < 1e-15);
+    }
+
+    #[test]
+    fn the_laws_are_the_printed_equations() {
+        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
+        assert!((force[0] - (30.0 - 4.0 - 150.0 * 0.1) / 15.0).abs() < 1e-15);
+        let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
+        assert!((impedance[1] - (280.0 * 0.2 - 100.0 * 0.05 + 3.0) / 80.0).abs() < 1e-15);
+    }
+}

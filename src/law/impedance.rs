@@ -1,0 +1,32 @@
+//! The impedance law.
+
+use super::{Gains, TaskState};
+use crate::linalg::Vector;
+
+/// M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e about a resting target pose: yield like mass, damper and spring.
+///
+/// Paper: Eqs. (43)-(46). Departs: (47) prints the bracket without J_1 J_2⁺; the resolution supplies it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpedanceLaw {
+    gains: Gains,
+}
+
+impl ImpedanceLaw {
+    /// A law with these gains.
+    pub fn new(gains: Gains) -> Self {
+        Self { gains }
+    }
+
+    /// m.
+    pub fn rows(&self) -> usize {
+        self.gains.rows()
+    }
+
+    /// Ẍ = M_d⁻¹ (−B_d Ẋ − K_d ΔX − F_e), m/s² and rad/s².
+    pub fn acceleration(&self, state: &TaskState) -> Vector {
+        let damping = self.gains.damping().component_mul(&state.velocity);
+        let stiffness = self.gains.stiffness().component_mul(&state.displacement);
+        let force = damping + stiffness + &state.force;
+        -self.gains.accelerate(&force)
+    }
+}

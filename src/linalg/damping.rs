@@ -1,0 +1,64 @@
+//! The variable damping factor of damped least squares.
+
+use serde::{Deserialize, Serialize};
+
+/// Damping that sets in near a singularity, as a function of the smallest singular value.
+///
+/// λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
+///
+/// Paper: Eqs. (18), (19). Departs: the paper squares twice; this is the usual form.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Damping {
+    threshold: f64,
+    max_factor: f64,
+}
+
+impl Damping {
+    /// δ = 0.05, λ_max = 0.1: the values of the singular scenarios.
+    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1 };
+
+    /// Damping below the singular value `threshold` (δ > 0), at most `max_factor` (λ_max ≥ 0);
+    /// `None` if either is out of range or not finite.
+    pub fn new(threshold: f64, max_factor: f64) -> Option<Self> {
+        let valid = threshold.is_finite() && threshold > 0.0 && max_factor.is_finite() && max_factor >= 0.0;
+        valid.then_some(Self { threshold, max_factor })
+    }
+
+    /// δ, the singular value below which damping acts.
+    pub fn threshold(&self) -> f64 {
+        self.threshold
+    }
+
+    /// λ_max, the damping factor at a singular value of zero.
+    pub fn max_factor(&self) -> f64 {
+        self.max_factor
+    }
+
+    /// λ for a matrix whose smallest singular value is `sigma_min`.
+    pub fn factor(&self, sigma_min: f64) -> f64 {
+        let ratio = sigma_min / self.threshold;
+        if ratio < 1.0 { self.max_factor * (1.0 - ratio * ratio).sqrt() } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damping_is_zero_at_and_above_the_threshold_and_full_at_zero() {
+        let damping = Damping::STANDARD;
+        assert_eq!(damping.factor(0.05), 0.0);
+        assert_eq!(damping.factor(1.0), 0.0);
+        assert_eq!(damping.factor(0.0), 0.1);
+        assert!(damping.factor(0.05 - 1e-9) > 0.0);
+        assert!((damping.factor(0.03).powi(2) - (1.0 - 0.36) * 0.01).abs() < 1e-15);
+    }
+
+    #[test]
+    fn impossible_dampings_do_not_exist() {
+        for (threshold, factor) in [(0.0, 0.1), (-1.0, 0.1), (0.05, -0.1), (f64::NAN, 0.1), (0.05, f64::INFINITY)] {
+            assert!(Damping::new(threshold, factor).is_none());
+        }
+    }
+}

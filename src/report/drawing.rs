@@ -1,0 +1,200 @@
+//! Draws a [`Figure`] as SVG: a title, then per panel a heading, a legend and the axes.
+
+use std::io;
+
+use plotters::backend::SVGBackend;
+use plotters::chart::ChartBuilder;
+use plotters::coord::{CoordTranslate, Shift};
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{DashedPathElement, PathElement};
+use plotters::style::{Color, FontStyle, RGBColor, ShapeStyle, TextStyle, WHITE};
+
+use super::axis::Axis;
+use super::decimation::extremes_per_bucket;
+use super::error::Error;
+use super::figure::{Colour, Curve, Figure, Panel, Stroke};
+use super::{legend, markup, typeface};
+
+/// The backend rounds every coordinate to a whole unit, so a unit is a quarter of a pixel.
+pub const UNITS_PER_PIXEL: u32 = 4;
+/// Width of a figure (pixels).
+pub const WIDTH: u32 = 680;
+
+/// Margin around everything (pixels).
+pub const MARGIN: u32 = 12;
+/// Margin right of the axes, where half a tick label may stand (pixels).
+pub const RIGHT_MARGIN: u32 = 18;
+/// Left end of the axes (pixels).
+pub const PLOT_LEFT: u32 = MARGIN + Y_LABELS_WIDTH;
+/// Text size of a title (pixels).
+pub const TITLE_EM: f64 = 14.0;
+
+const TITLE_HEIGHT: u32 = 36;
+const HEADING_HEIGHT: u32 = 24;
+const PLOT_HEIGHT: u32 = 190;
+const X_LABELS_HEIGHT: u32 = 42;
+const GAP: u32 = 14;
+const Y_LABELS_WIDTH: u32 = 76;
+const TICK: u32 = 4;
+/// Two points per bucket: more than the quarter pixels that a curve is rounded to would not show.
+const BUCKETS: usize = 600;
+
+const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+
+type Area<'a, C = Shift> = DrawingArea<SVGBackend<'a>, C>;
+type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+
+/// The SVG document of a figure, [`WIDTH`] pixels wide.
+///
+/// # Errors
+///
+/// [`Error::Font`] when the embedded font cannot be read, [`Error::Draw`] when the drawing fails.
+pub fn svg(figure: &Figure) -> Result<String, Error> {
+    typeface::register()?;
+    let mut elements = String::new();
+    let height = figure_height(figure);
+    {
+        let size = (WIDTH * UNITS_PER_PIXEL, height * UNITS_PER_PIXEL);
+        let page = SVGBackend::with_string(&mut elements, size).into_drawing_area();
+        draw(&page, figure).map_err(|source| Error::Draw {
+            figure: figure.name.clone(),
+            source,
+        })?;
+    }
+    Ok(markup::finished(&elements, figure, height))
+}
+
+/// Length in pixels as the units of the drawing library.
+#[must_use]
+pub fn units(pixels: u32) -> i32 {
+    (pixels * UNITS_PER_PIXEL).cast_signed()
+}
+
+/// Each panel, and whether it shows its legend: not when the panel above has the same one.
+fn shown(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
+    let same = |a: &Panel, b: &Panel| {
+        let labels = a.curves.iter().map(|c| &c.label);
+        labels.eq(b.curves.iter().map(|c| &c.label))
+    };
+    let repeats = move |i: usize| i > 0 && same(&panels[i], &panels[i - 1]);
+    panels
+        .iter()
+        .enumerate()
+        .map(move |(i, panel)| (panel, !repeats(i)))
+}
+
+fn figure_height(figure: &Figure) -> u32 {
+    let panels = shown(&figure.panels).map(|(panel, with_legend)| panel_height(panel, with_legend));
+    TITLE_HEIGHT + panels.sum::<u32>() + MARGIN
+}
+
+fn panel_height(panel: &Panel, with_legend: bool) -> u32 {
+    let legend = if with_legend {
+        legend::height(&panel.curves)
+    } else {
+        0
+    };
+    HEADING_HEIGHT + legend + PLOT_HEIGHT + X_LABELS_HEIGHT + GAP
+}
+
+fn draw(page: &Area, figure: &Figure) -> Drawn {
+    page.fill(&WHITE)?;
+    page.draw_text(
+        &figure.title,
+        &text(TITLE_EM, FontStyle::Bold),
+        (units(MARGIN), units(MARGIN)),
+    )?;
+    let (_, mut rest) = page.split_vertically(units(TITLE_HEIGHT));
+    for (panel, with_legend) in shown(&figure.panels) {
+        let (area, below) = rest.split_vertically(units(panel_height(panel, with_legend)));
+        draw_panel(&area, panel, with_legend)?;
+        rest = below;
+    }
+    page.present()
+}
+
+fn draw_panel(area: &Area, panel: &Panel, with_legend: bool) -> Drawn {
+    area.draw_text(
+        &panel.heading,
+        &text(13.0, FontStyle::Normal),
+        (units(MARGIN), units(4)),
+    )?;
+    let (_, below) = area.split_vertically(units(HEADING_HEIGHT));
+    if !with_legend {
+        return draw_axes(&below, panel);
+    }
+    let (strip, below) = below.split_vertically(units(legend::height(&panel.curves)));
+    legend::draw(&strip, &panel.curves)?;
+    draw_axes(&below, panel)
+}
+
+fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
+    let mut chart = ChartBuilder::on(area)
+        .margin_left(units(MARGIN))
+        .margin_right(units(RIGHT_MARGIN))
+        .margin_bottom(units(GAP))
+        .x_label_area_size(units(X_LABELS_HEIGHT))
+        .y_label_area_size(units(Y_LABELS_WIDTH))
+        .build_cartesian_2d(Axis::exactly(panel.window), Axis::around(panel.y_extent()))?;
+    chart
+        .configure_mesh()
+        .axis_style(INK.stroke_width(UNITS_PER_PIXEL))
+        .bold_line_style(GRID.stroke_width(3))
+        .light_line_style(GRID.mix(0.0))
+        .max_light_lines(0)
+        .set_all_tick_mark_size(units(TICK))
+        .label_style(text(12.0, FontStyle::Normal))
+        .axis_desc_style(text(13.0, FontStyle::Normal))
+        .x_desc("time (s)")
+        .y_desc(panel.y_label.as_str())
+        .draw()?;
+    for curve in &panel.curves {
+        let points = extremes_per_bucket(&panel.visible(curve), BUCKETS);
+        trace(chart.plotting_area(), points, curve)?;
+    }
+    Ok(())
+}
+
+/// Draws a line through the points in the colour and stroke of a curve.
+///
+/// # Errors
+///
+/// What the drawing library refuses.
+pub fn trace<C: CoordTranslate>(area: &Area<'_, C>, points: Vec<C::From>, curve: &Curve) -> Drawn
+where
+    C::From: Clone,
+{
+    let style = line(curve);
+    match curve.stroke {
+        Stroke::Wide | Stroke::Thin => area.draw(&PathElement::new(points, style)),
+        Stroke::Dashed => area.draw(&DashedPathElement::new(points, units(6), units(4), style)),
+    }
+}
+
+/// Text of an em of so many pixels.
+#[must_use]
+pub fn text(em: f64, weight: FontStyle) -> TextStyle<'static> {
+    let size = em * f64::from(UNITS_PER_PIXEL) * typeface::SIZE_PER_EM;
+    TextStyle::from((typeface::FAMILY, size, weight)).color(&INK)
+}
+
+/// Line widths are in units, quarters of a pixel.
+fn line(curve: &Curve) -> ShapeStyle {
+    let width = match curve.stroke {
+        Stroke::Wide => 17,
+        Stroke::Thin | Stroke::Dashed => 5,
+    };
+    rgb(curve.colour).stroke_width(width)
+}
+
+const fn rgb(colour: Colour) -> RGBColor {
+    match colour {
+        Colour::Black => RGBColor(0, 0, 0),
+        Colour::Orange => RGBColor(0xe6, 0x9f, 0x00),
+        Colour::Blue => RGBColor(0x00, 0x72, 0xb2),
+        Colour::Green => RGBColor(0x00, 0x9e, 0x73),
+        Colour::Vermillion => RGBColor(0xd5, 0x5e, 0x00),
+        Colour::SkyBlue => RGBColor(0x56, 0xb4, 0xe9),
+    }
+}

@@ -1,0 +1,153 @@
+//! What a figure shows, independent of how it is drawn.
+
+/// A figure of the report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// File name without extension, and anchor in the page: `figure5_nominal`.
+    pub name: String,
+    /// Title inside the picture. Here and in every other text, `_x` sets an index.
+    pub title: String,
+    /// Text below the picture, in the page only.
+    pub caption: String,
+    /// Panels from top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+/// One set of axes. Its x axis is the simulated time (s).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Heading above the axes.
+    pub heading: String,
+    /// Quantity and unit of the vertical axis.
+    pub y_label: String,
+    /// Shown part of the time (s); points outside are left out.
+    pub window: (f64, f64),
+    /// Values (unit of `y_label`) that the vertical axis covers besides its own curves, so that two
+    /// figures can share a scale.
+    pub y_covers: Vec<f64>,
+    /// Curves, the first one lowest.
+    pub curves: Vec<Curve>,
+}
+
+impl Panel {
+    /// Points of a curve inside the window.
+    #[must_use]
+    pub fn visible(&self, curve: &Curve) -> Vec<(f64, f64)> {
+        let (from, to) = self.window;
+        let shown = |&(time, value): &(f64, f64)| time >= from && time <= to && value.is_finite();
+        curve.points.iter().copied().filter(shown).collect()
+    }
+
+    /// Smallest and largest value that the vertical axis has to cover; (0, 0) without any.
+    #[must_use]
+    pub fn y_extent(&self) -> (f64, f64) {
+        let values = self
+            .curves
+            .iter()
+            .flat_map(|c| self.visible(c))
+            .map(|(_, value)| value);
+        let covered = values.chain(self.y_covers.iter().copied());
+        covered
+            .map(|value| (value, value))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or_default()
+    }
+}
+
+/// One curve over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Legend text.
+    pub label: String,
+    /// Colour of the line.
+    pub colour: Colour,
+    /// Shape of the line.
+    pub stroke: Stroke,
+    /// Time (s) and value (unit of the panel), in order of time.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// Largest vertical distance to another curve sampled at the same instants (unit of the panel).
+    #[must_use]
+    pub fn largest_distance(&self, other: &Self) -> f64 {
+        let distances = self
+            .points
+            .iter()
+            .zip(&other.points)
+            .map(|(a, b)| (a.1 - b.1).abs());
+        distances.fold(0.0, f64::max)
+    }
+}
+
+/// Line shapes that stay distinguishable when curves coincide: a wide line shows on both sides of
+/// a thin one, and through the gaps of a dashed one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// A broad line, to be drawn first.
+    Wide,
+    /// A fine line.
+    Thin,
+    /// A fine dashed line, to be drawn last.
+    Dashed,
+}
+
+/// Colours of Okabe and Ito, told apart by every kind of colour vision; orange and blue also differ
+/// in lightness, so they survive a black-and-white print.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Colour {
+    /// Black.
+    Black,
+    /// Orange, light.
+    Orange,
+    /// Blue, dark.
+    Blue,
+    /// Bluish green.
+    Green,
+    /// Vermillion.
+    Vermillion,
+    /// Sky blue, light.
+    SkyBlue,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(points: Vec<(f64, f64)>) -> Panel {
+        let curve = Curve {
+            label: String::new(),
+            colour: Colour::Blue,
+            stroke: Stroke::Thin,
+            points,
+        };
+        Panel {
+            heading: String::new(),
+            y_label: String::new(),
+            window: (0.0, 1.0),
+            y_covers: vec![],
+            curves: vec![curve],
+        }
+    }
+
+    #[test]
+    fn what_lies_outside_the_window_does_not_stretch_the_axis() {
+        let panel = panel(vec![
+            (-0.1, 50.0),
+            (0.0, 1.0),
+            (1.0, 3.0),
+            (1.1, -50.0),
+            (0.5, f64::NAN),
+        ]);
+        assert_eq!(panel.y_extent(), (1.0, 3.0));
+    }
+
+    #[test]
+    fn a_shared_scale_covers_the_values_of_the_other_figure() {
+        let panel = Panel {
+            y_covers: vec![-2.0, 9.0],
+            ..panel(vec![(0.0, 1.0)])
+        };
+        assert_eq!(panel.y_extent(), (-2.0, 9.0));
+    }
+}

@@ -1,0 +1,81 @@
+//! The legend: a strip of its own above the axes, so that it never covers a curve.
+
+use std::io;
+
+use plotters::backend::SVGBackend;
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::style::FontStyle;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::drawing::{self, PLOT_LEFT, RIGHT_MARGIN, UNITS_PER_PIXEL, WIDTH, units};
+use super::figure::Curve;
+use super::typeface;
+
+const ROW_HEIGHT: u32 = 20;
+const SAMPLE: u32 = 30;
+const GAP: u32 = 7;
+const SPACING: u32 = 22;
+const EM: f64 = 12.0;
+
+/// An entry's place: left end (units) and row.
+struct Place {
+    x: i32,
+    row: u32,
+}
+
+/// Height of the strip (pixels).
+#[must_use]
+pub fn height(curves: &[Curve]) -> u32 {
+    places(curves)
+        .last()
+        .map_or(0, |place| (place.row + 1) * ROW_HEIGHT)
+}
+
+/// Draws the strip from the top of `area`.
+///
+/// # Errors
+///
+/// What the drawing library refuses.
+pub fn draw(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    curves: &[Curve],
+) -> Result<(), DrawingAreaErrorKind<io::Error>> {
+    let style = drawing::text(EM, FontStyle::Normal).pos(Pos::new(HPos::Left, VPos::Center));
+    for (curve, place) in curves.iter().zip(places(curves)) {
+        let y = units(place.row * ROW_HEIGHT + ROW_HEIGHT / 2);
+        drawing::trace(
+            area,
+            vec![(place.x, y), (place.x + units(SAMPLE), y)],
+            curve,
+        )?;
+        area.draw_text(&curve.label, &style, (place.x + units(SAMPLE + GAP), y))?;
+    }
+    Ok(())
+}
+
+/// Sets the entries side by side and starts a new row where one would reach over the right end.
+fn places(curves: &[Curve]) -> Vec<Place> {
+    let right = units(WIDTH - RIGHT_MARGIN);
+    let mut next = Place {
+        x: units(PLOT_LEFT),
+        row: 0,
+    };
+    let mut places = Vec::with_capacity(curves.len());
+    for curve in curves {
+        let width =
+            units(SAMPLE + GAP) + typeface::width(&curve.label, EM * f64::from(UNITS_PER_PIXEL));
+        if next.x + width > right && next.x > units(PLOT_LEFT) {
+            next = Place {
+                x: units(PLOT_LEFT),
+                row: next.row + 1,
+            };
+        }
+        let following = Place {
+            x: next.x + width + units(SPACING),
+            row: next.row,
+        };
+        places.push(std::mem::replace(&mut next, following));
+    }
+    places
+}

@@ -1,0 +1,219 @@
+//! Each metric on runs whose answer is known by hand.
+
+use super::*;
+
+/// A free sample at `time_s`, 10 cm before the wall, with a target of 30 N in x.
+fn sample(time_s: f64) -> Sample {
+    Sample {
+        time_s,
+        joint_position: vec![0.0; 2],
+        joint_velocity: vec![0.0; 2],
+        position: [0.0; 3],
+        position_error: [0.0; 3],
+        force: [0.0; 3],
+        target_force: [Some(30.0), None, None],
+        wall_distance: Some(0.1),
+        path: "projector".to_owned(),
+        kkt_residual: 0.0,
+        residual_norms: vec![],
+    }
+}
+
+fn pressing(time_s: f64, force_x: f64) -> Sample {
+    Sample {
+        force: [force_x, 0.0, 0.0],
+        wall_distance: Some(-1e-4),
+        ..sample(time_s)
+    }
+}
+
+fn recording(samples: Vec<Sample>) -> Recording {
+    Recording {
+        scenario: "stiff_wall".to_owned(),
+        method: "reverse_priority".to_owned(),
+        solver: "closed_form".to_owned(),
+        period_s: 0.1,
+        wall_time_s: 0.5,
+        joint_names: vec!["a".to_owned(), "b".to_owned()],
+        samples,
+    }
+}
+
+/// A run in contact, one sample every 0.1 s, with these values of `F_x`.
+fn pressed(forces: &[f64]) -> Recording {
+    let times = (0..).map(|i| 0.1 * f64::from(i));
+    recording(times.zip(forces).map(|(t, f)| pressing(t, *f)).collect())
+}
+
+fn near(value: Option<f64>, expected: f64) -> bool {
+    value.is_some_and(|v| (v - expected).abs() < 1e-12)
+}
+
+#[test]
+fn a_short_run_is_judged_from_the_first_contact_on() {
+    let run = recording(vec![sample(0.0), pressing(0.1, 33.0), pressing(0.2, 26.0)]);
+    assert!(near(Metrics::of(&run).rmse_fx, 12.5_f64.sqrt()));
+}
+
+#[test]
+fn a_short_run_stays_judged_while_it_bounces_off() {
+    let run = recording(vec![pressing(0.0, 30.0), sample(0.1)]);
+    assert!(near(Metrics::of(&run).rmse_fx, 450.0_f64.sqrt()));
+}
+
+#[test]
+fn a_long_run_is_judged_from_five_seconds_on() {
+    let error = |t: f64| if t < 5.0 { 100.0 } else { 2.0 };
+    let samples = (0..=22)
+        .map(|i| 0.5 * f64::from(i))
+        .map(|t| pressing(t, 30.0 + error(t)));
+    assert!(near(
+        Metrics::of(&recording(samples.collect())).rmse_fx,
+        2.0
+    ));
+}
+
+#[test]
+fn a_run_of_exactly_ten_seconds_is_a_short_one() {
+    let run = recording(vec![pressing(0.0, 34.0), pressing(10.0, 30.0)]);
+    assert!(near(Metrics::of(&run).rmse_fx, 8.0_f64.sqrt()));
+}
+
+#[test]
+fn an_axis_without_a_target_has_no_rmse() {
+    let mut run = pressed(&[30.0]);
+    assert_eq!(Metrics::of(&run).rmse_fy, None);
+    run.samples[0].target_force[1] = Some(3.0);
+    assert!(near(Metrics::of(&run).rmse_fy, 3.0));
+}
+
+#[test]
+fn a_run_that_touches_nothing_has_no_contact_metrics() {
+    let metrics = Metrics::of(&recording(vec![sample(0.0), sample(1.0)]));
+    assert_eq!(metrics.rmse_fx, None);
+    assert_eq!(metrics.overshoot, None);
+    assert_eq!(metrics.settling_time_s, None);
+    assert_eq!(metrics.first_contact_s, None);
+    assert_eq!(metrics.contacts, 0);
+}
+
+#[test]
+fn an_empty_run_is_measured_without_a_panic() {
+    let metrics = Metrics::of(&recording(vec![]));
+    assert_eq!(metrics.final_force, None);
+    assert_eq!(metrics.calls_per_second, Some(0.0));
+}
+
+#[test]
+fn overshoot_is_relative_to_the_target_of_its_own_instant() {
+    let mut run = pressed(&[240.0, 31.0]);
+    run.samples[0].target_force[0] = Some(40.0);
+    let expected = Overshoot {
+        newton: 200.0,
+        percent: 500.0,
+    };
+    assert_eq!(Metrics::of(&run).overshoot, Some(expected));
+}
+
+#[test]
+fn a_force_below_its_target_does_not_overshoot() {
+    let expected = Overshoot {
+        newton: 0.0,
+        percent: 0.0,
+    };
+    assert_eq!(
+        Metrics::of(&pressed(&[10.0, 29.0])).overshoot,
+        Some(expected)
+    );
+}
+
+#[test]
+fn a_pull_overshoots_towards_the_negative_side() {
+    let mut run = pressed(&[-33.0, -20.0]);
+    run.samples
+        .iter_mut()
+        .for_each(|s| s.target_force[0] = Some(-30.0));
+    let expected = Overshoot {
+        newton: 3.0,
+        percent: 10.0,
+    };
+    assert_eq!(Metrics::of(&run).overshoot, Some(expected));
+}
+
+#[test]
+fn settling_starts_after_the_last_sample_outside_the_band() {
+    let run = pressed(&[30.0, 31.6, 31.4, 28.6, 30.0, 30.0]);
+    assert!(near(Metrics::of(&run).settling_time_s, 0.2));
+}
+
+#[test]
+fn a_force_that_ends_outside_the_band_does_not_settle() {
+    assert_eq!(
+        Metrics::of(&pressed(&[30.0, 30.0, 31.6])).settling_time_s,
+        None
+    );
+}
+
+#[test]
+fn a_force_that_only_crosses_the_band_at_the_end_does_not_settle() {
+    assert_eq!(
+        Metrics::of(&pressed(&[90.0, 0.0, 30.0])).settling_time_s,
+        None
+    );
+}
+
+#[test]
+fn each_bounce_is_a_contact() {
+    let bounces = vec![
+        sample(0.0),
+        pressing(0.1, 90.0),
+        pressing(0.2, 5.0),
+        sample(0.3),
+        pressing(0.4, 30.0),
+    ];
+    let metrics = Metrics::of(&recording(bounces));
+    assert_eq!(metrics.contacts, 2);
+    assert_eq!(metrics.first_contact_s, Some(0.1));
+    assert!(near(Some(metrics.peak_force), 90.0));
+    assert!(near(metrics.final_force, 30.0));
+}
+
+#[test]
+fn without_a_wall_a_force_is_a_contact() {
+    let mut run = pressed(&[0.0, 1.0, 2.0]);
+    run.samples.iter_mut().for_each(|s| s.wall_distance = None);
+    assert!(near(Metrics::of(&run).first_contact_s, 0.1));
+}
+
+#[test]
+fn speed_rate_and_paths_are_counted_over_every_sample() {
+    let mut run = pressed(&[30.0; 4]);
+    run.samples[2].joint_velocity = vec![0.5, -1.5];
+    run.samples[3].path = "qp".to_owned();
+    let metrics = Metrics::of(&run);
+    assert!(near(Some(metrics.max_joint_speed), 1.5));
+    assert!(near(metrics.calls_per_second, 8.0));
+    assert_eq!(metrics.paths["projector"], 3);
+    assert_eq!(metrics.paths["qp"], 1);
+}
+
+#[test]
+fn the_largest_difference_is_over_samples_and_joints() {
+    let a = pressed(&[30.0; 3]);
+    let mut b = a.clone();
+    b.samples[1].joint_velocity = vec![0.25, -0.5];
+    assert!(near(Some(largest_difference(&a, &b)), 0.5));
+    assert!(near(Some(largest_difference(&a, &a)), 0.0));
+}
+
+#[test]
+fn runs_that_cannot_be_compared_differ_infinitely() {
+    let a = pressed(&[30.0; 3]);
+    let mut other_joints = a.clone();
+    other_joints.samples[0].joint_velocity.push(0.0);
+    let mut not_a_number = a.clone();
+    not_a_number.samples[0].joint_velocity[0] = f64::NAN;
+    for b in [pressed(&[30.0; 2]), other_joints, not_a_number] {
+        assert!(largest_difference(&a, &b).is_infinite());
+    }
+}

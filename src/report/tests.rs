@@ -1,0 +1,73 @@
+//! What ends up in the directory.
+
+use super::figure::{Colour, Curve, Panel, Stroke};
+use super::*;
+
+fn report() -> Report {
+    let curve = Curve {
+        label: "F_x".to_owned(),
+        colour: Colour::Blue,
+        stroke: Stroke::Dashed,
+        points: vec![(0.0, 0.0), (1.0, 30.0)],
+    };
+    let panel = Panel {
+        heading: "(a)".to_owned(),
+        y_label: "force (N)".to_owned(),
+        window: (0.0, 1.0),
+        y_covers: vec![],
+        curves: vec![curve],
+    };
+    Report {
+        title: "Title".to_owned(),
+        introduction: vec![],
+        rows: vec![],
+        notes: vec![],
+        figures: vec![Figure {
+            name: "figure5_nominal".to_owned(),
+            title: "Force".to_owned(),
+            caption: String::new(),
+            panels: vec![panel],
+        }],
+        command: String::new(),
+    }
+}
+
+fn directory(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("revprio-{name}-{}", std::process::id()))
+}
+
+/// Width and height in the header of a PNG (pixels).
+fn png_size(bytes: &[u8]) -> [u32; 2] {
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+#[test]
+fn a_figure_is_written_as_svg_as_png_three_times_its_size_and_into_the_page() {
+    let directory = directory("figures");
+    let written = write(&directory, &report()).unwrap();
+    let names = ["figure5_nominal.svg", "figure5_nominal.png", "index.html"];
+    assert_eq!(written, names.map(|name| directory.join(name)));
+
+    let [svg, page] = [&written[0], &written[2]].map(|path| fs::read_to_string(path).unwrap());
+    assert!(page.contains(&svg));
+    let [width, height] = png_size(&fs::read(&written[1]).unwrap());
+    assert!(svg.contains(&format!(r#"width="{}" height="{}""#, width / 3, height / 3)));
+    fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
+fn the_same_report_is_the_same_picture() {
+    let figure = &report().figures[0];
+    assert_eq!(drawing::svg(figure).unwrap(), drawing::svg(figure).unwrap());
+}
+
+#[test]
+fn an_error_names_the_path_and_keeps_its_source() {
+    let file = directory("file");
+    fs::write(&file, "").unwrap();
+    let error = write(&file, &report()).unwrap_err();
+    assert!(error.to_string().contains(&file.display().to_string()));
+    assert!(std::error::Error::source(&error).is_some());
+    fs::remove_file(file).unwrap();
+}

@@ -1,0 +1,17 @@
+//! From prioritised tasks to joint velocities.
+//!
+//! Two ways lead there. The *closed form* is the literature's pseudo-inverse formula; it knows no limits. The
+//! *QP cascade* poses the same problem as a sequence of small least-squares problems with joint limits as
+//! inequalities. Inside the limits both give the same vector, and tests hold them to it.
+
+mod certificate;
+mod closed_form;
+mod hierarchy;
+mod problem;
+mod qp_cascade;
+mod resolve;
+
+pub use hierarchy::Singularity;
+pub use problem::{Method, Problem, ProblemError, Solver};
+pub use qp_cascade::{ActiveSet, Side};
+pub use resolve::{ActiveLimit, LimitViolation, Path, Resolution, SolverReport, Status, TaskOutcome, resolve};

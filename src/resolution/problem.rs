@@ -1,0 +1,90 @@
+//! What is asked of the resolution.
+
+use serde::{Deserialize, Serialize};
+
+use crate::limits::VelocityBox;
+use crate::linalg::{Damping, Vector};
+use crate::task::TaskStack;
+
+/// How priorities are understood.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// All tasks as one stack, q̇ = J⁺ẋ + (I − J⁺J) ζ̇. Never damped. Paper: Eq. (5).
+    Pseudoinverse,
+    /// All tasks as one stack with the variable damping factor: the paper's "classical" control. Paper: Eqs. (14)-(19).
+    DampedLeastSquares,
+    /// Tasks added from the lowest to the highest. Paper: Eqs. (22), (29), (32).
+    ReversePriority,
+    /// The lexicographic hierarchy that reverse priority promises, for any number of tasks.
+    StrictReversePriority,
+}
+
+/// How the problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Pseudo-inverses, limits ignored and violations reported: the reference.
+    ClosedForm,
+    /// Every level through Clarabel.
+    Qp,
+    /// The answer of `Qp` by the shortest certified way.
+    #[default]
+    Auto,
+}
+
+/// Prioritised tasks, the velocities that limits allow, and how to resolve them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// The tasks, highest priority first.
+    pub tasks: TaskStack,
+    /// lo ≤ q̇ ≤ hi, n joints, rad/s.
+    pub limits: VelocityBox,
+    /// How priorities are understood.
+    pub method: Method,
+    /// How the problem is solved.
+    pub solver: Solver,
+    /// Damping near singularities; `None` is exact.
+    pub damping: Option<Damping>,
+    /// ζ̇, the joint velocity (n, rad/s) that the tasks leave untouched as far as they can; `None` is zero.
+    pub null_space_velocity: Option<Vector>,
+}
+
+/// Why a problem is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ProblemError {
+    /// The limits are about another number of joints than the tasks.
+    #[error("limits for {given} joints, tasks for {expected}")]
+    Limits {
+        /// Joints of the tasks.
+        expected: usize,
+        /// Joints of the limits.
+        given: usize,
+    },
+    /// ζ̇ has the wrong size or is not finite.
+    #[error("the null-space velocity needs {expected} finite entries")]
+    NullSpaceVelocity {
+        /// Joints of the tasks.
+        expected: usize,
+    },
+}
+
+impl Problem {
+    /// Checks that the parts are about the same joints.
+    pub(super) fn check(&self) -> Result<(), ProblemError> {
+        let expected = self.tasks.joint_count();
+        if self.limits.joint_count() != expected {
+            return Err(ProblemError::Limits { expected, given: self.limits.joint_count() });
+        }
+        let fits = |zeta: &Vector| zeta.len() == expected && zeta.iter().all(|entry| entry.is_finite());
+        match &self.null_space_velocity {
+            Some(zeta) if !fits(zeta) => Err(ProblemError::NullSpaceVelocity { expected }),
+            _ => Ok(()),
+        }
+    }
+
+    /// ζ̇, n.
+    pub(super) fn start(&self) -> Vector {
+        self.null_space_velocity.clone().unwrap_or_else(|| Vector::zeros(self.tasks.joint_count()))
+    }
+}

@@ -1,0 +1,110 @@
+//! One level through Clarabel, an interior-point solver.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+
+use super::active_set::{ActiveSet, Side};
+use super::level::Level;
+use crate::linalg::{Matrix, Vector};
+
+/// Far above the 5-15 iterations that levels take; a cap, because a failing problem would run on.
+const MAX_ITERATIONS: u32 = 40;
+
+/// Clarabel reaches this on every level in reduced form; the exact answer comes from polishing.
+const TOLERANCE: f64 = 1e-10;
+
+/// An answer to the solver's tolerance.
+pub struct Approximate {
+    /// z, p; zero (feasible) if the solver failed.
+    pub z: Vector,
+    /// Limits whose multiplier exceeds their slack; none if the solver failed.
+    pub active_set: ActiveSet,
+    /// Iterations taken.
+    pub iterations: u32,
+}
+
+/// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0.
+pub fn solve(level: &Level) -> Approximate {
+    let constraints: Vec<(usize, Side, f64)> = level.constraints().collect();
+    let scale = Scale::of(level);
+    let p = upper_triangle(&(level.C.transpose() * &level.C * scale.objective));
+    let q = level.C.transpose() * &level.d * (-scale.objective / scale.unknowns);
+    let signed = |&(joint, side, _): &(usize, Side, f64)| match side {
+        Side::Lower => -level.G.row(joint),
+        Side::Upper => level.G.row(joint).into_owned(),
+    };
+    let rows: Vec<_> = constraints.iter().map(signed).collect();
+    let a = dense(constraints.len(), level.unknowns(), |i, j| rows[i][j]);
+    let b: Vec<f64> = constraints.iter().map(|(_, _, bound)| bound.abs() / scale.unknowns).collect();
+    let cones = if b.is_empty() { vec![] } else { vec![NonnegativeConeT(b.len())] };
+    match DefaultSolver::new(&p, q.as_slice(), &a, &b, &cones, settings()) {
+        Ok(mut solver) => {
+            solver.solve();
+            read(&solver, &constraints, scale.unknowns)
+        }
+        Err(_) => Approximate { z: Vector::zeros(level.unknowns()), active_set: ActiveSet::new(), iterations: 0 },
+    }
+}
+
+/// Units in which the problem is of size one, so that the solver's tolerances mean the same for every task.
+struct Scale {
+    /// Factor of the objective.
+    objective: f64,
+    /// Size of z.
+    unknowns: f64,
+}
+
+impl Scale {
+    fn of(level: &Level) -> Self {
+        let (c, d) = (level.C.norm(), level.d.norm());
+        let positive = |value: f64| if value.is_normal() { value } else { 1.0 };
+        Self { objective: positive(1.0 / (c * c)), unknowns: positive(d / c) }
+    }
+}
+
+fn settings() -> DefaultSettings<f64> {
+    DefaultSettings {
+        verbose: false,
+        presolve_enable: false,
+        max_iter: MAX_ITERATIONS,
+        tol_gap_abs: TOLERANCE,
+        tol_gap_rel: TOLERANCE,
+        tol_feas: TOLERANCE,
+        ..DefaultSettings::default()
+    }
+}
+
+fn read(solver: &DefaultSolver<f64>, constraints: &[(usize, Side, f64)], unit: f64) -> Approximate {
+    let solution = &solver.solution;
+    let usable = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved)
+        && solution.x.iter().all(|x| x.is_finite());
+    let iterations = solution.iterations;
+    if !usable {
+        return Approximate { z: Vector::zeros(solution.x.len()), active_set: ActiveSet::new(), iterations };
+    }
+    let pressed = solution.z.iter().zip(&solution.s).map(|(multiplier, slack)| multiplier > slack);
+    let active_set = constraints.iter().zip(pressed).filter(|(_, p)| *p).map(|(&(joint, side, _), _)| (joint, side));
+    Approximate { z: Vector::from_row_slice(&solution.x) * unit, active_set: active_set.collect(), iterations }
+}
+
+/// A full pattern, zeros included: the solver's structure then depends on sizes alone.
+fn dense(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> CscMatrix<f64> {
+    CscMatrix::new(
+        rows,
+        columns,
+        (0..=columns).map(|j| j * rows).collect(),
+        (0..columns).flat_map(|_| 0..rows).collect(),
+        (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))).map(|(i, j)| entry(i, j)).collect(),
+    )
+}
+
+fn upper_triangle(symmetric: &Matrix) -> CscMatrix<f64> {
+    let n = symmetric.ncols();
+    CscMatrix::new(
+        n,
+        n,
+        (0..=n).map(|j| j * (j + 1) / 2).collect(),
+        (0..n).flat_map(|j| 0..=j).collect(),
+        (0..n).flat_map(|j| (0..=j).map(move |i| symmetric[(i, j)])).collect(),
+    )
+}

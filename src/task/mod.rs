@@ -1,0 +1,96 @@
+//! Cartesian tasks in their order of priority.
+
+use crate::linalg::{Matrix, Vector};
+
+/// One task: J_k q̇ = ẋ_k.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Name, for people and answers.
+    pub name: String,
+    /// J_k, m_k × n; rows in m/s or rad/s per unit of joint speed.
+    pub jacobian: Matrix,
+    /// ẋ_k, m_k; m/s for linear rows, rad/s for angular rows.
+    pub velocity: Vector,
+}
+
+/// Why a stack is refused.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TaskError {
+    /// Nothing to do.
+    #[error("give at least one task")]
+    NoTasks,
+    /// Rows and velocities do not pair.
+    #[error("{rows} rows, but {velocities} velocities")]
+    Rows {
+        /// Place in the stack, 0 = highest priority.
+        task: usize,
+        /// m_k.
+        rows: usize,
+        /// Entries of ẋ_k.
+        velocities: usize,
+    },
+    /// Every task is about the same joints.
+    #[error("{columns} columns, but the arm has {joints} joints")]
+    Columns {
+        /// Place in the stack, 0 = highest priority.
+        task: usize,
+        /// Columns of J_k.
+        columns: usize,
+        /// n.
+        joints: usize,
+    },
+    /// NaN or infinite.
+    #[error("rows and velocities must be finite numbers")]
+    NotFinite {
+        /// Place in the stack, 0 = highest priority.
+        task: usize,
+    },
+}
+
+/// Tasks over the same n ≥ 1 joints, index 0 = highest priority (k = 1); at least one, all finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskStack {
+    tasks: Vec<Task>,
+    joints: usize,
+}
+
+impl TaskStack {
+    /// Checks that the tasks fit together; highest priority first.
+    pub fn new(tasks: Vec<Task>) -> Result<Self, TaskError> {
+        let joints = tasks.first().ok_or(TaskError::NoTasks)?.jacobian.ncols();
+        for (task, Task { jacobian, velocity, .. }) in tasks.iter().enumerate() {
+            if jacobian.nrows() != velocity.len() || velocity.is_empty() {
+                return Err(TaskError::Rows { task, rows: jacobian.nrows(), velocities: velocity.len() });
+            }
+            if jacobian.ncols() != joints || joints == 0 {
+                return Err(TaskError::Columns { task, columns: jacobian.ncols(), joints });
+            }
+            if !jacobian.iter().chain(velocity.iter()).all(|entry| entry.is_finite()) {
+                return Err(TaskError::NotFinite { task });
+            }
+        }
+        Ok(Self { tasks, joints })
+    }
+
+    /// The tasks, highest priority first.
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// n, the number of joints.
+    pub fn joint_count(&self) -> usize {
+        self.joints
+    }
+
+    /// All J_k, highest priority on top, Σm_k × n.
+    pub fn stacked_jacobian(&self) -> Matrix {
+        self.tasks.iter().fold(Matrix::zeros(0, self.joints), |stacked, task| crate::linalg::stack(&stacked, &task.jacobian))
+    }
+
+    /// All ẋ_k, in the same order, Σm_k.
+    pub fn stacked_velocity(&self) -> Vector {
+        self.tasks
+            .iter()
+            .fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.velocity))
+    }
+}
