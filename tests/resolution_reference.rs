@@ -94,6 +94,9 @@ fn strict_reverse_priority_in_the_box_equals_enumeration() {
 
 #[test]
 fn the_cases_shut_limits_and_leave_them_open() {
-    let open = cases().iter().filter(|case| case.solve(Method::ReversePriority, Solver::Auto).solver.path == Path::ClosedForm).count();
+    let open = cases()
+        .iter()
+        .filter(|case| case.solve(Method::ReversePriority, Solver::Auto).solver.path == Path::ClosedForm)
+        .count();
     assert!((10..=48).contains(&open), "{open} of 58 cases inside the limits");
 }

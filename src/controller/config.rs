@@ -2,19 +2,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::IsometryMatrix3;
-use serde::{Deserialize, Serialize};
-
 use crate::kinematics::AxisSelection;
 use crate::law::Law;
 use crate::limits::{LimitKind, LimitedBox, VelocityBox, robot_box};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 use crate::robot::RobotModel;
+use nalgebra::IsometryMatrix3;
 
 /// Whose wrench is measured; the laws speak of the wrench on the environment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WrenchConvention {
     /// What the tool exerts on the environment: pressing on a wall at +x gives a positive x force.
     #[default]

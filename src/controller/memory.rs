@@ -29,7 +29,9 @@ pub enum MemoryError {
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
     /// The active set names a joint that the robot does not have.
-    #[error("the memory's active set names a joint that the robot lacks; send back the memory of this controller's last answer")]
+    #[error(
+        "the memory's active set names a joint that the robot lacks; send back the memory of this controller's last answer"
+    )]
     ActiveSet,
 }
 
@@ -38,8 +40,10 @@ impl Memory {
     pub(super) fn check(&self, config: &ControllerConfig) -> Result<(), MemoryError> {
         let n = config.robot.joint_count();
         let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
-        let fits = |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.axes.len() && finite(velocity);
-        if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits) {
+        let fits =
+            |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.axes.len() && finite(velocity);
+        if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits)
+        {
             return Err(MemoryError::TaskVelocities);
         }
         if self.last_command.len() != n || !finite(&self.last_command) {

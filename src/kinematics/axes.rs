@@ -1,13 +1,10 @@
 //! The six directions of a twist or a wrench, and selections of them.
 
-use serde::{Deserialize, Serialize};
-
 use super::Jacobian;
 use crate::linalg::{Matrix, Vector};
 
 /// One row of a twist, in base axes at the tool point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Translation along x, m/s.
     X,

@@ -97,10 +97,9 @@ fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), Configuration
 
 fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
     match kind {
-        JointKind::Revolute => IsometryMatrix3::from_parts(
-            Translation3::identity(),
-            Rotation3::from_axis_angle(&Vector3::z_axis(), q),
-        ),
+        JointKind::Revolute => {
+            IsometryMatrix3::from_parts(Translation3::identity(), Rotation3::from_axis_angle(&Vector3::z_axis(), q))
+        }
         JointKind::Prismatic => IsometryMatrix3::translation(0.0, 0.0, q),
     }
 }
@@ -130,10 +129,7 @@ mod tests {
     #[test]
     fn wrong_postures_are_refused_by_name() {
         let sawyer = &built_in()[0];
-        assert_eq!(
-            Configuration::new(sawyer, &[0.0; 6]),
-            Err(ConfigurationError::Size { expected: 7, given: 6 })
-        );
+        assert_eq!(Configuration::new(sawyer, &[0.0; 6]), Err(ConfigurationError::Size { expected: 7, given: 6 }));
         let refusal = Configuration::new(sawyer, &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap_err();
         assert!(refusal.to_string().contains("`j3`"));
     }

@@ -30,7 +30,8 @@ impl ForceLaw {
 
     /// Ẍ = M_d⁻¹ (F_d − F_e − B_d Ẋ), m/s² and rad/s².
     pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let force = self.target_force(state.time_s) - &state.force - self.gains.damping().component_mul(&state.velocity);
+        let force =
+            self.target_force(state.time_s) - &state.force - self.gains.damping().component_mul(&state.velocity);
         self.gains.accelerate(&force)
     }
 }

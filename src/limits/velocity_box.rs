@@ -1,13 +1,10 @@
 //! The box itself, and how a robot's limits become one.
 
-use serde::{Deserialize, Serialize};
-
 use crate::linalg::Vector;
 use crate::robot::{JointLimits, RobotModel};
 
 /// Which of a robot's limits count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
     /// None: an unbounded box.
     None,
@@ -171,11 +168,7 @@ fn towards(way: f64, last: f64, velocity: f64, acceleration: f64, period: f64) -
         speed if speed.is_nan() => velocity,
         speed => speed.min(velocity),
     };
-    if way >= 0.0 {
-        braking(way)
-    } else {
-        (-braking(-way)).max(last - acceleration * period).min(0.0)
-    }
+    if way >= 0.0 { braking(way) } else { (-braking(-way)).max(last - acceleration * period).min(0.0) }
 }
 
 #[cfg(test)]

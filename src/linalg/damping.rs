@@ -1,13 +1,11 @@
 //! The variable damping factor of damped least squares.
 
-use serde::{Deserialize, Serialize};
-
 /// Damping that sets in near a singularity, as a function of the smallest singular value.
 ///
 /// λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
 ///
 /// Paper: Eqs. (18), (19). Departs: the paper squares twice; this is the usual form.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damping {
     threshold: f64,
     max_factor: f64,

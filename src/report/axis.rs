@@ -28,16 +28,8 @@ impl Axis {
     /// An axis that ends where the extent ends.
     #[must_use]
     pub fn exactly((low, high): (f64, f64)) -> Self {
-        let (low, high) = if high - low < SMALLEST_EXTENT {
-            (low - 1.0, high + 1.0)
-        } else {
-            (low, high)
-        };
-        Self {
-            low,
-            high,
-            step: round_step((high - low) / INTERVALS),
-        }
+        let (low, high) = if high - low < SMALLEST_EXTENT { (low - 1.0, high + 1.0) } else { (low, high) };
+        Self { low, high, step: round_step((high - low) / INTERVALS) }
     }
 
     /// An axis with a margin on both sides of the extent.
@@ -82,10 +74,7 @@ impl Axis {
 fn round_step(raw: f64) -> f64 {
     let power = 10_f64.powi(number::exponent(raw, 17));
     let steps = [1.0, 2.0, 5.0].map(|digit| digit * power);
-    steps
-        .into_iter()
-        .find(|step| *step >= raw)
-        .unwrap_or(10.0 * power)
+    steps.into_iter().find(|step| *step >= raw).unwrap_or(10.0 * power)
 }
 
 impl Ranged for Axis {
@@ -116,34 +105,19 @@ mod tests {
     use super::*;
 
     fn labels(axis: Axis) -> Vec<String> {
-        axis.ticks()
-            .into_iter()
-            .map(|tick| axis.label(tick))
-            .collect()
+        axis.ticks().into_iter().map(|tick| axis.label(tick)).collect()
     }
 
     #[test]
     fn ticks_are_round_and_reach_both_ends() {
-        assert_eq!(
-            labels(Axis::exactly((0.0, 20.0))),
-            ["0", "5", "10", "15", "20"]
-        );
-        assert_eq!(
-            labels(Axis::exactly((0.0, 0.6))),
-            ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]
-        );
+        assert_eq!(labels(Axis::exactly((0.0, 20.0))), ["0", "5", "10", "15", "20"]);
+        assert_eq!(labels(Axis::exactly((0.0, 0.6))), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
     }
 
     #[test]
     fn labels_carry_the_decimals_of_their_step_and_no_negative_zero() {
-        assert_eq!(
-            labels(Axis::exactly((-0.3, 0.25))),
-            ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2"]
-        );
-        assert_eq!(
-            labels(Axis::exactly((0.0, 4e-6))),
-            ["0", "1e−6", "2e−6", "3e−6", "4e−6"]
-        );
+        assert_eq!(labels(Axis::exactly((-0.3, 0.25))), ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2"]);
+        assert_eq!(labels(Axis::exactly((0.0, 4e-6))), ["0", "1e−6", "2e−6", "3e−6", "4e−6"]);
     }
 
     #[test]
@@ -154,10 +128,7 @@ mod tests {
 
     #[test]
     fn rounding_noise_is_not_magnified() {
-        assert_eq!(
-            labels(Axis::around((0.0, 1e-15))),
-            ["−1.0", "−0.5", "0.0", "0.5", "1.0"]
-        );
+        assert_eq!(labels(Axis::around((0.0, 1e-15))), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);
     }
 
     #[test]

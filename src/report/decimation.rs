@@ -13,10 +13,7 @@ pub fn extremes_per_bucket(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f
     }
     let length = points.len().div_ceil(buckets.max(1));
     let inner = points.chunks(length).flat_map(extremes);
-    let mut kept: Vec<_> = std::iter::once(*first)
-        .chain(inner)
-        .chain([*last])
-        .collect();
+    let mut kept: Vec<_> = std::iter::once(*first).chain(inner).chain([*last]).collect();
     kept.dedup();
     kept
 }
@@ -28,11 +25,7 @@ fn extremes(chunk: &[(f64, f64)]) -> [(f64, f64); 2] {
         (pick(low, *p, low.1 <= p.1), pick(high, *p, high.1 >= p.1))
     };
     let (low, high) = chunk.iter().fold((chunk[0], chunk[0]), fold);
-    if low.0 <= high.0 {
-        [low, high]
-    } else {
-        [high, low]
-    }
+    if low.0 <= high.0 { [low, high] } else { [high, low] }
 }
 
 #[cfg(test)]
@@ -40,9 +33,7 @@ mod tests {
     use super::*;
 
     fn ramp_with_spikes() -> Vec<(f64, f64)> {
-        let mut points: Vec<_> = (0..5000)
-            .map(|i| (f64::from(i), 0.01 * f64::from(i)))
-            .collect();
+        let mut points: Vec<_> = (0..5000).map(|i| (f64::from(i), 0.01 * f64::from(i))).collect();
         points[1234].1 = 900.0;
         points[1235].1 = -700.0;
         points

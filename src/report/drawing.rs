@@ -57,10 +57,7 @@ pub fn svg(figure: &Figure) -> Result<String, Error> {
     {
         let size = (WIDTH * UNITS_PER_PIXEL, height * UNITS_PER_PIXEL);
         let page = SVGBackend::with_string(&mut elements, size).into_drawing_area();
-        draw(&page, figure).map_err(|source| Error::Draw {
-            figure: figure.name.clone(),
-            source,
-        })?;
+        draw(&page, figure).map_err(|source| Error::Draw { figure: figure.name.clone(), source })?;
     }
     Ok(markup::finished(&elements, figure, height))
 }
@@ -78,10 +75,7 @@ fn shown(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
         labels.eq(b.curves.iter().map(|c| &c.label))
     };
     let repeats = move |i: usize| i > 0 && same(&panels[i], &panels[i - 1]);
-    panels
-        .iter()
-        .enumerate()
-        .map(move |(i, panel)| (panel, !repeats(i)))
+    panels.iter().enumerate().map(move |(i, panel)| (panel, !repeats(i)))
 }
 
 fn figure_height(figure: &Figure) -> u32 {
@@ -90,21 +84,13 @@ fn figure_height(figure: &Figure) -> u32 {
 }
 
 fn panel_height(panel: &Panel, with_legend: bool) -> u32 {
-    let legend = if with_legend {
-        legend::height(&panel.curves)
-    } else {
-        0
-    };
+    let legend = if with_legend { legend::height(&panel.curves) } else { 0 };
     HEADING_HEIGHT + legend + PLOT_HEIGHT + X_LABELS_HEIGHT + GAP
 }
 
 fn draw(page: &Area, figure: &Figure) -> Drawn {
     page.fill(&WHITE)?;
-    page.draw_text(
-        &figure.title,
-        &text(TITLE_EM, FontStyle::Bold),
-        (units(MARGIN), units(MARGIN)),
-    )?;
+    page.draw_text(&figure.title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
     let (_, mut rest) = page.split_vertically(units(TITLE_HEIGHT));
     for (panel, with_legend) in shown(&figure.panels) {
         let (area, below) = rest.split_vertically(units(panel_height(panel, with_legend)));
@@ -115,11 +101,7 @@ fn draw(page: &Area, figure: &Figure) -> Drawn {
 }
 
 fn draw_panel(area: &Area, panel: &Panel, with_legend: bool) -> Drawn {
-    area.draw_text(
-        &panel.heading,
-        &text(13.0, FontStyle::Normal),
-        (units(MARGIN), units(4)),
-    )?;
+    area.draw_text(&panel.heading, &text(13.0, FontStyle::Normal), (units(MARGIN), units(4)))?;
     let (_, below) = area.split_vertically(units(HEADING_HEIGHT));
     if !with_legend {
         return draw_axes(&below, panel);

@@ -41,16 +41,9 @@ impl Panel {
     /// Smallest and largest value that the vertical axis has to cover; (0, 0) without any.
     #[must_use]
     pub fn y_extent(&self) -> (f64, f64) {
-        let values = self
-            .curves
-            .iter()
-            .flat_map(|c| self.visible(c))
-            .map(|(_, value)| value);
+        let values = self.curves.iter().flat_map(|c| self.visible(c)).map(|(_, value)| value);
         let covered = values.chain(self.y_covers.iter().copied());
-        covered
-            .map(|value| (value, value))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-            .unwrap_or_default()
+        covered.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 }
 
@@ -71,11 +64,7 @@ impl Curve {
     /// Largest vertical distance to another curve sampled at the same instants (unit of the panel).
     #[must_use]
     pub fn largest_distance(&self, other: &Self) -> f64 {
-        let distances = self
-            .points
-            .iter()
-            .zip(&other.points)
-            .map(|(a, b)| (a.1 - b.1).abs());
+        let distances = self.points.iter().zip(&other.points).map(|(a, b)| (a.1 - b.1).abs());
         distances.fold(0.0, f64::max)
     }
 }
@@ -115,12 +104,7 @@ mod tests {
     use super::*;
 
     fn panel(points: Vec<(f64, f64)>) -> Panel {
-        let curve = Curve {
-            label: String::new(),
-            colour: Colour::Blue,
-            stroke: Stroke::Thin,
-            points,
-        };
+        let curve = Curve { label: String::new(), colour: Colour::Blue, stroke: Stroke::Thin, points };
         Panel {
             heading: String::new(),
             y_label: String::new(),
@@ -132,22 +116,13 @@ mod tests {
 
     #[test]
     fn what_lies_outside_the_window_does_not_stretch_the_axis() {
-        let panel = panel(vec![
-            (-0.1, 50.0),
-            (0.0, 1.0),
-            (1.0, 3.0),
-            (1.1, -50.0),
-            (0.5, f64::NAN),
-        ]);
+        let panel = panel(vec![(-0.1, 50.0), (0.0, 1.0), (1.0, 3.0), (1.1, -50.0), (0.5, f64::NAN)]);
         assert_eq!(panel.y_extent(), (1.0, 3.0));
     }
 
     #[test]
     fn a_shared_scale_covers_the_values_of_the_other_figure() {
-        let panel = Panel {
-            y_covers: vec![-2.0, 9.0],
-            ..panel(vec![(0.0, 1.0)])
-        };
+        let panel = Panel { y_covers: vec![-2.0, 9.0], ..panel(vec![(0.0, 1.0)]) };
         assert_eq!(panel.y_extent(), (-2.0, 9.0));
     }
 }

@@ -45,28 +45,14 @@ mod tests {
 
     #[test]
     fn a_symbol_has_an_index() {
-        assert_eq!(
-            pieces("F_x, F_y (N)"),
-            [Line("F"), Index("x"), Line(", F"), Index("y"), Line(" (N)")]
-        );
+        assert_eq!(pieces("F_x, F_y (N)"), [Line("F"), Index("x"), Line(", F"), Index("y"), Line(" (N)")]);
         assert_eq!(pieces("−λ_2"), [Line("−λ"), Index("2")]);
     }
 
     #[test]
     fn a_name_has_none() {
-        for name in [
-            "force_tracking",
-            "x_axis",
-            "stiff_w",
-            "_x",
-            "a_",
-            "a_b_c",
-            "",
-        ] {
-            let whole: Vec<_> = [Line(name)]
-                .into_iter()
-                .filter(|_| !name.is_empty())
-                .collect();
+        for name in ["force_tracking", "x_axis", "stiff_w", "_x", "a_", "a_b_c", ""] {
+            let whole: Vec<_> = [Line(name)].into_iter().filter(|_| !name.is_empty()).collect();
             assert_eq!(pieces(name), whole);
         }
     }

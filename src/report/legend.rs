@@ -27,9 +27,7 @@ struct Place {
 /// Height of the strip (pixels).
 #[must_use]
 pub fn height(curves: &[Curve]) -> u32 {
-    places(curves)
-        .last()
-        .map_or(0, |place| (place.row + 1) * ROW_HEIGHT)
+    places(curves).last().map_or(0, |place| (place.row + 1) * ROW_HEIGHT)
 }
 
 /// Draws the strip from the top of `area`.
@@ -44,11 +42,7 @@ pub fn draw(
     let style = drawing::text(EM, FontStyle::Normal).pos(Pos::new(HPos::Left, VPos::Center));
     for (curve, place) in curves.iter().zip(places(curves)) {
         let y = units(place.row * ROW_HEIGHT + ROW_HEIGHT / 2);
-        drawing::trace(
-            area,
-            vec![(place.x, y), (place.x + units(SAMPLE), y)],
-            curve,
-        )?;
+        drawing::trace(area, vec![(place.x, y), (place.x + units(SAMPLE), y)], curve)?;
         area.draw_text(&curve.label, &style, (place.x + units(SAMPLE + GAP), y))?;
     }
     Ok(())
@@ -57,24 +51,14 @@ pub fn draw(
 /// Sets the entries side by side and starts a new row where one would reach over the right end.
 fn places(curves: &[Curve]) -> Vec<Place> {
     let right = units(WIDTH - RIGHT_MARGIN);
-    let mut next = Place {
-        x: units(PLOT_LEFT),
-        row: 0,
-    };
+    let mut next = Place { x: units(PLOT_LEFT), row: 0 };
     let mut places = Vec::with_capacity(curves.len());
     for curve in curves {
-        let width =
-            units(SAMPLE + GAP) + typeface::width(&curve.label, EM * f64::from(UNITS_PER_PIXEL));
+        let width = units(SAMPLE + GAP) + typeface::width(&curve.label, EM * f64::from(UNITS_PER_PIXEL));
         if next.x + width > right && next.x > units(PLOT_LEFT) {
-            next = Place {
-                x: units(PLOT_LEFT),
-                row: next.row + 1,
-            };
+            next = Place { x: units(PLOT_LEFT), row: next.row + 1 };
         }
-        let following = Place {
-            x: next.x + width + units(SPACING),
-            row: next.row,
-        };
+        let following = Place { x: next.x + width + units(SPACING), row: next.row };
         places.push(std::mem::replace(&mut next, following));
     }
     places

@@ -11,11 +11,7 @@ pub fn finished(drawn: &str, figure: &Figure, height: u32) -> String {
     let (_root, elements) = drawn.split_once('\n').unwrap_or_default();
     let mut svg = root(&figure.title, height);
     for line in elements.lines() {
-        svg.push_str(&if line.starts_with('<') {
-            line.to_owned()
-        } else {
-            indexed(line)
-        });
+        svg.push_str(&if line.starts_with('<') { line.to_owned() } else { indexed(line) });
         svg.push('\n');
     }
     svg
@@ -57,8 +53,7 @@ mod tests {
 
     #[test]
     fn the_line_after_an_index_returns_to_its_height() {
-        let expected =
-            r#"F<tspan dy="0.3em" font-size="72%">x</tspan><tspan dy="-0.216em"> (N)</tspan>"#;
+        let expected = r#"F<tspan dy="0.3em" font-size="72%">x</tspan><tspan dy="-0.216em"> (N)</tspan>"#;
         assert_eq!(indexed("F_x (N)"), expected);
     }
 }

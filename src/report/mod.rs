@@ -18,9 +18,11 @@ mod index;
 mod legend;
 mod markup;
 pub mod metrics;
+pub mod notes;
 mod number;
 pub mod paper_figures;
 mod png;
+pub mod run_figure;
 pub mod table;
 mod typeface;
 
@@ -67,10 +69,7 @@ pub struct Note {
 /// [`Error::Write`] when a file cannot be written; the other variants when a figure cannot be
 /// drawn.
 pub fn write(directory: &Path, report: &Report) -> Result<Vec<PathBuf>, Error> {
-    fs::create_dir_all(directory).map_err(|source| Error::Write {
-        path: directory.to_owned(),
-        source,
-    })?;
+    fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })?;
     let mut written = Vec::new();
     let mut figures = Vec::new();
     for figure in &report.figures {

@@ -23,9 +23,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 #[must_use]
 pub fn exponent(value: f64, fraction: usize) -> i32 {
     let text = format!("{value:.fraction$e}");
-    text.split_once('e')
-        .and_then(|(_, e)| e.parse().ok())
-        .unwrap_or(0)
+    text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0)
 }
 
 fn decimals(digits: usize, exponent: i32) -> usize {

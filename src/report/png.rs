@@ -14,10 +14,7 @@ const SCALE: f32 = 3.0;
 ///
 /// [`Error::Pixels`] when the SVG does not parse or the image cannot be encoded.
 pub fn render(figure: &str, svg: &str) -> Result<Vec<u8>, Error> {
-    let options = usvg::Options {
-        fontdb: typeface::database(),
-        ..usvg::Options::default()
-    };
+    let options = usvg::Options { fontdb: typeface::database(), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(svg, &options).map_err(|e| pixels(figure, e))?;
     let size = tree.size().to_int_size().scale_by(SCALE);
     let size = size.ok_or_else(|| pixels(figure, "the figure has no area"))?;
@@ -29,8 +26,5 @@ pub fn render(figure: &str, svg: &str) -> Result<Vec<u8>, Error> {
 }
 
 fn pixels(figure: &str, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
-    Error::Pixels {
-        figure: figure.to_owned(),
-        source: source.into(),
-    }
+    Error::Pixels { figure: figure.to_owned(), source: source.into() }
 }

@@ -34,21 +34,13 @@ pub fn database() -> Arc<fontdb::Database> {
 ///
 /// [`Error::Font`] when the embedded font cannot be read.
 pub fn register() -> Result<(), Error> {
-    let faces = [
-        (FontStyle::Normal, dejavu::sans::regular()),
-        (FontStyle::Bold, dejavu::sans::bold()),
-    ];
-    faces
-        .into_iter()
-        .try_for_each(|(style, bytes)| register_font(FAMILY, style, bytes))
-        .map_err(|_| Error::Font)
+    let faces = [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
+    faces.into_iter().try_for_each(|(style, bytes)| register_font(FAMILY, style, bytes)).map_err(|_| Error::Font)
 }
 
 /// Width of a text set with an em of `em` units, in the same units. The fonts must be registered.
 #[must_use]
 pub fn width(text: &str, em: f64) -> i32 {
     let size = (FAMILY, em * SIZE_PER_EM).into_font().box_size(text);
-    size.ok()
-        .and_then(|(width, _)| i32::try_from(width).ok())
-        .unwrap_or(0)
+    size.ok().and_then(|(width, _)| i32::try_from(width).ok()).unwrap_or(0)
 }

@@ -1,14 +1,11 @@
 //! What is asked of the resolution.
 
-use serde::{Deserialize, Serialize};
-
 use crate::limits::VelocityBox;
 use crate::linalg::{Damping, Vector};
 use crate::task::TaskStack;
 
 /// How priorities are understood.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// All tasks as one stack, q̇ = J⁺ẋ + (I − J⁺J) ζ̇. Never damped. Paper: Eq. (5).
     Pseudoinverse,
@@ -21,8 +18,7 @@ pub enum Method {
 }
 
 /// How the problem is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// Pseudo-inverses, limits ignored and violations reported: the reference.
     ClosedForm,

@@ -1,7 +1,5 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
 
-use serde::{Deserialize, Serialize};
-
 use super::closed_form::{self, ClosedForm};
 use super::hierarchy::{Hierarchy, Singularity};
 use super::problem::{Method, Problem, ProblemError, Solver};
@@ -71,8 +69,7 @@ pub struct LimitViolation {
 }
 
 /// Which way led to the answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Path {
     /// Pseudo-inverses.
     ClosedForm,
@@ -83,8 +80,7 @@ pub enum Path {
 }
 
 /// How sure the answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// The optimality conditions hold.
     Optimal,
@@ -103,8 +99,8 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
-    /// Largest relative residual of the optimality conditions over all levels, dimensionless.
-    pub kkt_residual: f64,
+    /// Largest relative residual of the optimality conditions over all levels, dimensionless; `None` without an answer.
+    pub kkt_residual: Option<f64>,
 }
 
 /// Solves the problem; `guess` are the active limits of the period before (empty: none).
@@ -159,7 +155,7 @@ fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolut
             path: cascade.path,
             status: if certified { Status::Optimal } else { Status::NotCertified },
             iterations: cascade.iterations,
-            kkt_residual: cascade.kkt_residual,
+            kkt_residual: Some(cascade.kkt_residual),
         },
         singularity: hierarchy.singularity(),
         active_set: cascade.active_sets,
@@ -174,7 +170,7 @@ fn standstill(problem: &Problem) -> Resolution {
         tasks: outcomes(problem, &joint_velocity, |_| 0),
         active_limits: Vec::new(),
         violated_limits: Vec::new(),
-        solver: SolverReport { path: Path::ClosedForm, status: Status::Failed, iterations: 0, kkt_residual: f64::MAX },
+        solver: SolverReport { path: Path::ClosedForm, status: Status::Failed, iterations: 0, kkt_residual: None },
         singularity: Singularity { smallest_singular_value: 0.0, manipulability: 0.0, algorithmic: false },
         active_set: Vec::new(),
         joint_velocity,

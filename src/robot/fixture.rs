@@ -146,7 +146,9 @@ mod tests {
     #[test]
     fn refusals_name_the_joint_and_the_line() {
         let joint = |name: &str, extra: &str| {
-            format!("[[joints]]\nname = '{name}'\nkind = 'revolute'\ndh = {{ d = 0.0, a = 1.0, alpha = 0.0 }}\n{extra}\n")
+            format!(
+                "[[joints]]\nname = '{name}'\nkind = 'revolute'\ndh = {{ d = 0.0, a = 1.0, alpha = 0.0 }}\n{extra}\n"
+            )
         };
         assert!(refusal("joints = []").contains("at least one joint"));
         assert!(refusal(&(joint("a", "") + &joint("a", ""))).contains("two joints are named `a`"));

@@ -19,12 +19,8 @@ pub struct JointLimits {
 
 impl JointLimits {
     /// No limit at all.
-    pub const NONE: Self = Self {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        velocity: f64::INFINITY,
-        acceleration: f64::INFINITY,
-    };
+    pub const NONE: Self =
+        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, velocity: f64::INFINITY, acceleration: f64::INFINITY };
 
     /// Refuses an empty range, and speeds or accelerations that are not positive.
     pub(super) fn validated(self, joint: &str) -> Result<Self, ModelError> {

@@ -84,13 +84,13 @@ impl TaskStack {
 
     /// All J_k, highest priority on top, Σm_k × n.
     pub fn stacked_jacobian(&self) -> Matrix {
-        self.tasks.iter().fold(Matrix::zeros(0, self.joints), |stacked, task| crate::linalg::stack(&stacked, &task.jacobian))
+        self.tasks
+            .iter()
+            .fold(Matrix::zeros(0, self.joints), |stacked, task| crate::linalg::stack(&stacked, &task.jacobian))
     }
 
     /// All ẋ_k, in the same order, Σm_k.
     pub fn stacked_velocity(&self) -> Vector {
-        self.tasks
-            .iter()
-            .fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.velocity))
+        self.tasks.iter().fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.velocity))
     }
 }

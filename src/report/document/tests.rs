@@ -10,10 +10,7 @@ fn report() -> Report {
         title: "Runs <of today>".to_owned(),
         introduction: vec!["F_x & friends".to_owned()],
         rows: vec![],
-        notes: vec![Note {
-            scenario: "force_tracking".to_owned(),
-            text: "A note.".to_owned(),
-        }],
+        notes: vec![Note { scenario: "force_tracking".to_owned(), text: "A note.".to_owned() }],
         figures: vec![Figure {
             name: "figure5_nominal".to_owned(),
             title: String::new(),
@@ -26,14 +23,7 @@ fn report() -> Report {
 
 fn page() -> String {
     let report = report();
-    let figures: Vec<_> = report
-        .figures
-        .iter()
-        .map(|figure| Drawn {
-            figure,
-            svg: "<svg></svg>".to_owned(),
-        })
-        .collect();
+    let figures: Vec<_> = report.figures.iter().map(|figure| Drawn { figure, svg: "<svg></svg>".to_owned() }).collect();
     html(&report, &figures)
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::simulator::recording::{Recording, Sample};
+use crate::wire::Path;
 
 /// A run longer than this (s) is judged on its steady part only.
 pub const LONG_RUN_S: f64 = 10.0;
@@ -51,7 +52,7 @@ pub struct Metrics {
     /// Control periods per second of real time; `None` when the run took no measurable time.
     pub calls_per_second: Option<f64>,
     /// How many periods each solve path served.
-    pub paths: BTreeMap<String, usize>,
+    pub paths: BTreeMap<Path, usize>,
 }
 
 impl Metrics {
@@ -100,9 +101,7 @@ pub fn evaluation_start(recording: &Recording) -> Option<f64> {
     if last.time_s - first.time_s > LONG_RUN_S {
         return Some(STEADY_FROM_S);
     }
-    from_first_contact(&recording.samples)
-        .first()
-        .map(|s| s.time_s)
+    from_first_contact(&recording.samples).first().map(|s| s.time_s)
 }
 
 /// `F − F_d` on one axis (N); `None` where the axis has no target.
@@ -124,10 +123,7 @@ fn from_first_contact(samples: &[Sample]) -> &[Sample] {
 }
 
 fn contacts(samples: &[Sample]) -> usize {
-    samples
-        .chunk_by(|a, b| in_contact(a) == in_contact(b))
-        .filter(|run| in_contact(&run[0]))
-        .count()
+    samples.chunk_by(|a, b| in_contact(a) == in_contact(b)).filter(|run| in_contact(&run[0])).count()
 }
 
 fn rmse(recording: &Recording, axis: usize) -> Option<f64> {
@@ -137,9 +133,7 @@ fn rmse(recording: &Recording, axis: usize) -> Option<f64> {
 }
 
 fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = errors.fold((0.0, 0.0), |(sum, count), e| {
-        (e.mul_add(e, sum), count + 1.0)
-    });
+    let (sum, count) = errors.fold((0.0, 0.0), |(sum, count), e| (e.mul_add(e, sum), count + 1.0));
     (count > 0.0).then_some(sum / count)
 }
 
@@ -148,44 +142,25 @@ fn overshoot(samples: &[Sample]) -> Option<Overshoot> {
         let target = s.target_force[0]?;
         Some(((s.force[0] - target) * target.signum(), target.abs()))
     };
-    let (newton, target) = samples
-        .iter()
-        .filter_map(excess)
-        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (newton, target) = samples.iter().filter_map(excess).max_by(|a, b| a.0.total_cmp(&b.0))?;
     if newton <= 0.0 {
-        return Some(Overshoot {
-            newton: 0.0,
-            percent: 0.0,
-        });
+        return Some(Overshoot { newton: 0.0, percent: 0.0 });
     }
-    Some(Overshoot {
-        newton,
-        percent: 100.0 * newton / target,
-    })
+    Some(Overshoot { newton, percent: 100.0 * newton / target })
 }
 
 fn settling_time(samples: &[Sample]) -> Option<f64> {
     let end = samples.last()?.time_s;
-    let settled = samples
-        .iter()
-        .rev()
-        .take_while(|s| in_band(s))
-        .last()?
-        .time_s;
+    let settled = samples.iter().rev().take_while(|s| in_band(s)).last()?.time_s;
     (end - settled >= SETTLED_FOR_S).then_some(settled)
 }
 
 fn in_band(sample: &Sample) -> bool {
-    sample.target_force[0]
-        .is_some_and(|target| (sample.force[0] - target).abs() <= SETTLING_BAND * target.abs())
+    sample.target_force[0].is_some_and(|target| (sample.force[0] - target).abs() <= SETTLING_BAND * target.abs())
 }
 
 fn max_joint_speed(samples: &[Sample]) -> f64 {
-    samples
-        .iter()
-        .flat_map(|s| &s.joint_velocity)
-        .map(|v| v.abs())
-        .fold(0.0, larger)
+    samples.iter().flat_map(|s| &s.joint_velocity).map(|v| v.abs()).fold(0.0, larger)
 }
 
 fn calls_per_second(recording: &Recording) -> Option<f64> {
@@ -194,10 +169,10 @@ fn calls_per_second(recording: &Recording) -> Option<f64> {
     (recording.wall_time_s > 0.0).then(|| calls / recording.wall_time_s)
 }
 
-fn paths(samples: &[Sample]) -> BTreeMap<String, usize> {
+fn paths(samples: &[Sample]) -> BTreeMap<Path, usize> {
     let mut counts = BTreeMap::new();
     for sample in samples {
-        *counts.entry(sample.path.clone()).or_default() += 1;
+        *counts.entry(sample.path).or_default() += 1;
     }
     counts
 }
@@ -206,10 +181,7 @@ fn command_difference(a: &[f64], b: &[f64]) -> f64 {
     if a.len() != b.len() {
         return f64::INFINITY;
     }
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, larger)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
 }
 
 /// The larger of two numbers. A value that is not a number counts as infinite, where `f64::max`

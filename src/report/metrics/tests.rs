@@ -1,6 +1,7 @@
 //! Each metric on runs whose answer is known by hand.
 
 use super::*;
+use crate::wire::{Method, Solver, Status};
 
 /// A free sample at `time_s`, 10 cm before the wall, with a target of 30 N in x.
 fn sample(time_s: f64) -> Sample {
@@ -13,25 +14,23 @@ fn sample(time_s: f64) -> Sample {
         force: [0.0; 3],
         target_force: [Some(30.0), None, None],
         wall_distance: Some(0.1),
-        path: "projector".to_owned(),
-        kkt_residual: 0.0,
+        path: Path::ClosedForm,
+        status: Status::Optimal,
+        kkt_residual: Some(0.0),
+        smallest_singular_value: 0.2,
         residual_norms: vec![],
     }
 }
 
 fn pressing(time_s: f64, force_x: f64) -> Sample {
-    Sample {
-        force: [force_x, 0.0, 0.0],
-        wall_distance: Some(-1e-4),
-        ..sample(time_s)
-    }
+    Sample { force: [force_x, 0.0, 0.0], wall_distance: Some(-1e-4), ..sample(time_s) }
 }
 
 fn recording(samples: Vec<Sample>) -> Recording {
     Recording {
         scenario: "stiff_wall".to_owned(),
-        method: "reverse_priority".to_owned(),
-        solver: "closed_form".to_owned(),
+        method: Method::ReversePriority,
+        solver: Solver::ClosedForm,
         period_s: 0.1,
         wall_time_s: 0.5,
         joint_names: vec!["a".to_owned(), "b".to_owned()],
@@ -64,13 +63,8 @@ fn a_short_run_stays_judged_while_it_bounces_off() {
 #[test]
 fn a_long_run_is_judged_from_five_seconds_on() {
     let error = |t: f64| if t < 5.0 { 100.0 } else { 2.0 };
-    let samples = (0..=22)
-        .map(|i| 0.5 * f64::from(i))
-        .map(|t| pressing(t, 30.0 + error(t)));
-    assert!(near(
-        Metrics::of(&recording(samples.collect())).rmse_fx,
-        2.0
-    ));
+    let samples = (0..=22).map(|i| 0.5 * f64::from(i)).map(|t| pressing(t, 30.0 + error(t)));
+    assert!(near(Metrics::of(&recording(samples.collect())).rmse_fx, 2.0));
 }
 
 #[test]
@@ -108,35 +102,21 @@ fn an_empty_run_is_measured_without_a_panic() {
 fn overshoot_is_relative_to_the_target_of_its_own_instant() {
     let mut run = pressed(&[240.0, 31.0]);
     run.samples[0].target_force[0] = Some(40.0);
-    let expected = Overshoot {
-        newton: 200.0,
-        percent: 500.0,
-    };
+    let expected = Overshoot { newton: 200.0, percent: 500.0 };
     assert_eq!(Metrics::of(&run).overshoot, Some(expected));
 }
 
 #[test]
 fn a_force_below_its_target_does_not_overshoot() {
-    let expected = Overshoot {
-        newton: 0.0,
-        percent: 0.0,
-    };
-    assert_eq!(
-        Metrics::of(&pressed(&[10.0, 29.0])).overshoot,
-        Some(expected)
-    );
+    let expected = Overshoot { newton: 0.0, percent: 0.0 };
+    assert_eq!(Metrics::of(&pressed(&[10.0, 29.0])).overshoot, Some(expected));
 }
 
 #[test]
 fn a_pull_overshoots_towards_the_negative_side() {
     let mut run = pressed(&[-33.0, -20.0]);
-    run.samples
-        .iter_mut()
-        .for_each(|s| s.target_force[0] = Some(-30.0));
-    let expected = Overshoot {
-        newton: 3.0,
-        percent: 10.0,
-    };
+    run.samples.iter_mut().for_each(|s| s.target_force[0] = Some(-30.0));
+    let expected = Overshoot { newton: 3.0, percent: 10.0 };
     assert_eq!(Metrics::of(&run).overshoot, Some(expected));
 }
 
@@ -148,29 +128,17 @@ fn settling_starts_after_the_last_sample_outside_the_band() {
 
 #[test]
 fn a_force_that_ends_outside_the_band_does_not_settle() {
-    assert_eq!(
-        Metrics::of(&pressed(&[30.0, 30.0, 31.6])).settling_time_s,
-        None
-    );
+    assert_eq!(Metrics::of(&pressed(&[30.0, 30.0, 31.6])).settling_time_s, None);
 }
 
 #[test]
 fn a_force_that_only_crosses_the_band_at_the_end_does_not_settle() {
-    assert_eq!(
-        Metrics::of(&pressed(&[90.0, 0.0, 30.0])).settling_time_s,
-        None
-    );
+    assert_eq!(Metrics::of(&pressed(&[90.0, 0.0, 30.0])).settling_time_s, None);
 }
 
 #[test]
 fn each_bounce_is_a_contact() {
-    let bounces = vec![
-        sample(0.0),
-        pressing(0.1, 90.0),
-        pressing(0.2, 5.0),
-        sample(0.3),
-        pressing(0.4, 30.0),
-    ];
+    let bounces = vec![sample(0.0), pressing(0.1, 90.0), pressing(0.2, 5.0), sample(0.3), pressing(0.4, 30.0)];
     let metrics = Metrics::of(&recording(bounces));
     assert_eq!(metrics.contacts, 2);
     assert_eq!(metrics.first_contact_s, Some(0.1));
@@ -189,12 +157,12 @@ fn without_a_wall_a_force_is_a_contact() {
 fn speed_rate_and_paths_are_counted_over_every_sample() {
     let mut run = pressed(&[30.0; 4]);
     run.samples[2].joint_velocity = vec![0.5, -1.5];
-    run.samples[3].path = "qp".to_owned();
+    run.samples[3].path = Path::Qp;
     let metrics = Metrics::of(&run);
     assert!(near(Some(metrics.max_joint_speed), 1.5));
     assert!(near(metrics.calls_per_second, 8.0));
-    assert_eq!(metrics.paths["projector"], 3);
-    assert_eq!(metrics.paths["qp"], 1);
+    assert_eq!(metrics.paths[&Path::ClosedForm], 3);
+    assert_eq!(metrics.paths[&Path::Qp], 1);
 }
 
 #[test]

@@ -1,15 +1,16 @@
 //! The paper's Figures 5 to 8, made from recordings.
 
 use crate::simulator::recording::{Recording, Sample};
+use crate::wire::{Method, Solver};
 
 use super::figure::{Colour, Curve, Figure, Panel, Stroke};
 use super::metrics::{Metrics, evaluation_start, force_error};
 use super::number::significant;
 
-/// Method name of the paper's contribution.
-pub const REVERSE_PRIORITY: &str = "reverse_priority";
-/// Method name of the classical control it is compared with.
-pub const CLASSICAL: &str = "damped_least_squares";
+/// The paper's contribution.
+pub const REVERSE_PRIORITY: Method = Method::ReversePriority;
+/// The classical control it is compared with.
+pub const CLASSICAL: Method = Method::DampedLeastSquares;
 
 /// How long before and after the first contact the impact panel reaches (s).
 const IMPACT: (f64, f64) = (0.05, 1.0);
@@ -47,14 +48,8 @@ impl Posture {
 #[must_use]
 pub fn of_posture(posture: Posture, recordings: &[Recording]) -> Vec<Figure> {
     let find = |scenario: &str, method| pick(recordings, &posture.scenario(scenario), method);
-    let tracking = (
-        find("force_tracking", CLASSICAL),
-        find("force_tracking", REVERSE_PRIORITY),
-    );
-    let wall = (
-        find("stiff_wall", CLASSICAL),
-        find("stiff_wall", REVERSE_PRIORITY),
-    );
+    let tracking = (find("force_tracking", CLASSICAL), find("force_tracking", REVERSE_PRIORITY));
+    let wall = (find("stiff_wall", CLASSICAL), find("stiff_wall", REVERSE_PRIORITY));
     let mut figures = tracking_figures(posture, tracking.0, tracking.1);
     if let (Some(classical), Some(reverse)) = wall {
         figures.push(contact_force(posture, classical, reverse));
@@ -63,18 +58,12 @@ pub fn of_posture(posture: Posture, recordings: &[Recording]) -> Vec<Figure> {
     figures
 }
 
-fn pick<'a>(recordings: &'a [Recording], scenario: &str, method: &str) -> Option<&'a Recording> {
-    let runs = recordings
-        .iter()
-        .filter(|r| r.scenario == scenario && r.method == method);
-    runs.min_by_key(|r| r.solver != "closed_form")
+fn pick<'a>(recordings: &'a [Recording], scenario: &str, method: Method) -> Option<&'a Recording> {
+    let runs = recordings.iter().filter(|r| r.scenario == scenario && r.method == method);
+    runs.min_by_key(|r| r.solver != Solver::ClosedForm)
 }
 
-fn tracking_figures(
-    posture: Posture,
-    classical: Option<&Recording>,
-    reverse: Option<&Recording>,
-) -> Vec<Figure> {
+fn tracking_figures(posture: Posture, classical: Option<&Recording>, reverse: Option<&Recording>) -> Vec<Figure> {
     let figure = |number, control, run| tracking_force(posture, number, control, run);
     let mut fifth = reverse.map(|run| figure(5, "reverse priority control", run));
     let mut sixth = classical.map(|run| figure(6, "classical control", run));
@@ -96,21 +85,13 @@ fn tracking_force(posture: Posture, number: u8, control: &str, run: &Recording) 
         points: over_time(run, of),
     };
     let forces = vec![
-        curve("F_x (primary)", Colour::Orange, Stroke::Wide, &|s| {
-            Some(s.force[0])
-        }),
+        curve("F_x (primary)", Colour::Orange, Stroke::Wide, &|s| Some(s.force[0])),
         curve("F_y", Colour::Blue, Stroke::Thin, &|s| Some(s.force[1])),
-        curve("target F_d", Colour::Black, Stroke::Dashed, &|s| {
-            s.target_force[0]
-        }),
+        curve("target F_d", Colour::Black, Stroke::Dashed, &|s| s.target_force[0]),
     ];
     let errors = vec![
-        curve("F_x − F_d", Colour::Orange, Stroke::Wide, &|s| {
-            force_error(s, 0)
-        }),
-        curve("F_y − F_d", Colour::Blue, Stroke::Thin, &|s| {
-            force_error(s, 1)
-        }),
+        curve("F_x − F_d", Colour::Orange, Stroke::Wide, &|s| force_error(s, 0)),
+        curve("F_y − F_d", Colour::Blue, Stroke::Thin, &|s| force_error(s, 1)),
     ];
     let (start, end) = span(run);
     let judged = evaluation_start(run).unwrap_or(start);
@@ -125,18 +106,8 @@ fn tracking_force(posture: Posture, number: u8, control: &str, run: &Recording) 
             apart(distance, "N")
         ),
         panels: vec![
-            panel(
-                "(a) Force on the environment",
-                "force (N)",
-                (start, end),
-                forces,
-            ),
-            panel(
-                "(b) Force error, settled",
-                "force error (N)",
-                (judged, end),
-                errors,
-            ),
+            panel("(a) Force on the environment", "force (N)", (start, end), forces),
+            panel("(b) Force error, settled", "force error (N)", (judged, end), errors),
         ],
     }
 }
@@ -153,10 +124,7 @@ fn contact_force(posture: Posture, classical: &Recording, reverse: &Recording) -
     });
     let (start, end) = span(reverse);
     let measured = [classical, reverse].map(Metrics::of);
-    let first_contact = measured
-        .iter()
-        .filter_map(|m| m.first_contact_s)
-        .reduce(f64::min);
+    let first_contact = measured.iter().filter_map(|m| m.first_contact_s).reduce(f64::min);
     let impact = first_contact.map(|t| {
         let window = ((t - IMPACT.0).max(start), (t + IMPACT.1).min(end));
         panel("(b) The impact", "force F_x (N)", window, curves.clone())
@@ -183,8 +151,7 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
     let x = cases(classical, reverse, |s| s.wall_distance.map(|d| MM * d));
     let y = cases(classical, reverse, |s| Some(MM * s.position_error[1]));
     let z = cases(classical, reverse, |s| Some(MM * s.position_error[2]));
-    let [x_apart, y_apart, z_apart] =
-        [&x, &y, &z].map(|curves| apart(curves[0].largest_distance(&curves[1]), "mm"));
+    let [x_apart, y_apart, z_apart] = [&x, &y, &z].map(|curves| apart(curves[0].largest_distance(&curves[1]), "mm"));
     let window = span(reverse);
     Some(Figure {
         name: format!("figure8_{}", posture.name()),
@@ -204,11 +171,7 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
 }
 
 /// Case 1 and case 2 of the paper, drawn so that both are seen where they coincide.
-fn cases(
-    classical: &Recording,
-    reverse: &Recording,
-    of: impl Fn(&Sample) -> Option<f64>,
-) -> Vec<Curve> {
+fn cases(classical: &Recording, reverse: &Recording, of: impl Fn(&Sample) -> Option<f64>) -> Vec<Curve> {
     let curve = |label: &str, colour, stroke, run| Curve {
         label: label.to_owned(),
         colour,
@@ -216,18 +179,8 @@ fn cases(
         points: over_time(run, &of),
     };
     vec![
-        curve(
-            "case 1: classical control",
-            Colour::Orange,
-            Stroke::Wide,
-            classical,
-        ),
-        curve(
-            "case 2: reverse priority",
-            Colour::Blue,
-            Stroke::Thin,
-            reverse,
-        ),
+        curve("case 1: classical control", Colour::Orange, Stroke::Wide, classical),
+        curve("case 2: reverse priority", Colour::Blue, Stroke::Thin, reverse),
     ]
 }
 
@@ -266,29 +219,17 @@ fn title(number: u8, subject: &str, posture: Posture) -> String {
 
 fn panel(heading: &str, y_label: &str, window: (f64, f64), curves: Vec<Curve>) -> Panel {
     let (heading, y_label) = (heading.to_owned(), y_label.to_owned());
-    Panel {
-        heading,
-        y_label,
-        window,
-        y_covers: vec![],
-        curves,
-    }
+    Panel { heading, y_label, window, y_covers: vec![], curves }
 }
 
 fn over_time(run: &Recording, of: &dyn Fn(&Sample) -> Option<f64>) -> Vec<(f64, f64)> {
-    run.samples
-        .iter()
-        .filter_map(|s| Some((s.time_s, of(s)?)))
-        .collect()
+    run.samples.iter().filter_map(|s| Some((s.time_s, of(s)?))).collect()
 }
 
 /// First instant of a run and the end of its last period (s).
 fn span(run: &Recording) -> (f64, f64) {
     let time = |sample: Option<&Sample>| sample.map_or(0.0, |s| s.time_s);
-    (
-        time(run.samples.first()),
-        time(run.samples.last()) + run.period_s,
-    )
+    (time(run.samples.first()), time(run.samples.last()) + run.period_s)
 }
 
 #[cfg(test)]

@@ -3,19 +3,18 @@
 use super::*;
 use crate::report::drawing::{self, MARGIN, WIDTH};
 use crate::report::typeface;
+use crate::wire::{Path, Status};
 
 /// A run of 2 s that presses with `peak` N for one sample in the middle.
-fn run(scenario: &str, method: &str, solver: &str, peak: f64) -> Recording {
+fn run(scenario: &str, method: Method, solver: Solver, peak: f64) -> Recording {
     Recording {
         scenario: scenario.to_owned(),
-        method: method.to_owned(),
-        solver: solver.to_owned(),
+        method,
+        solver,
         period_s: 1e-3,
         wall_time_s: 1.0,
         joint_names: vec![],
-        samples: (0..2000)
-            .map(|i| sample(i, if i == 1000 { peak } else { 0.0 }))
-            .collect(),
+        samples: (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect(),
     }
 }
 
@@ -29,38 +28,28 @@ fn sample(index: i32, force: f64) -> Sample {
         force: [force, 0.0, 0.0],
         target_force: [Some(30.0), Some(30.0), None],
         wall_distance: Some(if force > 0.0 { -1e-3 } else { 0.05 }),
-        path: String::new(),
-        kkt_residual: 0.0,
+        path: Path::ClosedForm,
+        status: Status::Optimal,
+        kkt_residual: Some(0.0),
+        smallest_singular_value: 0.2,
         residual_norms: vec![],
     }
 }
 
 fn every_run(suffix: &str) -> Vec<Recording> {
     let scenarios = ["force_tracking", "stiff_wall"].map(|name| format!("{name}{suffix}"));
-    let pairs = scenarios
-        .iter()
-        .flat_map(|s| [(s, CLASSICAL, 200.0), (s, REVERSE_PRIORITY, 240.0)]);
-    pairs
-        .map(|(scenario, method, peak)| run(scenario, method, "closed_form", peak))
-        .collect()
+    let pairs = scenarios.iter().flat_map(|s| [(s, CLASSICAL, 200.0), (s, REVERSE_PRIORITY, 240.0)]);
+    pairs.map(|(scenario, method, peak)| run(scenario, method, Solver::ClosedForm, peak)).collect()
 }
 
 fn names(posture: Posture, recordings: &[Recording]) -> Vec<String> {
-    of_posture(posture, recordings)
-        .into_iter()
-        .map(|figure| figure.name)
-        .collect()
+    of_posture(posture, recordings).into_iter().map(|figure| figure.name).collect()
 }
 
 #[test]
 fn a_posture_has_the_four_figures_of_the_paper() {
     let recordings = every_run("_singular");
-    let expected = [
-        "figure5_singular",
-        "figure6_singular",
-        "figure7_singular",
-        "figure8_singular",
-    ];
+    let expected = ["figure5_singular", "figure6_singular", "figure7_singular", "figure8_singular"];
     assert_eq!(names(Posture::Singular, &recordings), expected);
     assert!(names(Posture::Nominal, &recordings).is_empty());
 }
@@ -74,8 +63,8 @@ fn a_figure_whose_recording_is_missing_is_left_out() {
 
 #[test]
 fn the_closed_form_is_drawn_where_it_was_run() {
-    let qp = run("force_tracking", REVERSE_PRIORITY, "qp", 1.0);
-    let closed_form = run("force_tracking", REVERSE_PRIORITY, "closed_form", 2.0);
+    let qp = run("force_tracking", REVERSE_PRIORITY, Solver::Qp, 1.0);
+    let closed_form = run("force_tracking", REVERSE_PRIORITY, Solver::ClosedForm, 2.0);
     let figures = of_posture(Posture::Nominal, &[qp, closed_form]);
     assert_eq!(figures[0].panels[0].y_extent(), (0.0, 30.0));
     assert!(figures[0].panels[0].curves[0].points.contains(&(1.0, 2.0)));
@@ -100,21 +89,12 @@ fn the_impact_panel_surrounds_the_first_contact() {
 #[test]
 fn captions_tell_how_far_the_curves_are_apart_and_who_touches() {
     let mut recordings = every_run("");
-    recordings
-        .iter_mut()
-        .filter(|r| r.method == CLASSICAL)
-        .for_each(|r| {
-            r.samples
-                .iter_mut()
-                .for_each(|s| (s.force[0], s.wall_distance) = (0.0, Some(0.05)));
-        });
+    recordings.iter_mut().filter(|r| r.method == CLASSICAL).for_each(|r| {
+        r.samples.iter_mut().for_each(|s| (s.force[0], s.wall_distance) = (0.0, Some(0.05)));
+    });
     let figures = of_posture(Posture::Nominal, &recordings);
     assert!(figures[2].caption.contains("Case 1 does not reach it"));
-    assert!(
-        figures[2]
-            .caption
-            .contains("case 2 touches it after 1.00 s and peaks at 240 N")
-    );
+    assert!(figures[2].caption.contains("case 2 touches it after 1.00 s and peaks at 240 N"));
     assert!(figures[2].caption.contains("at most 240 N apart"));
     assert!(figures[3].caption.contains("in y they coincide exactly"));
 }
@@ -124,17 +104,8 @@ fn every_title_and_heading_fits_into_the_picture() {
     typeface::register().unwrap();
     let room = i32::try_from(WIDTH).unwrap() - 2 * i32::try_from(MARGIN).unwrap();
     for figure in of_posture(Posture::Singular, &every_run("_singular")) {
-        assert!(
-            typeface::width(&figure.title, drawing::TITLE_EM) < room,
-            "{}",
-            figure.title
-        );
-        assert!(
-            figure
-                .panels
-                .iter()
-                .all(|p| typeface::width(&p.heading, 13.0) < room)
-        );
+        assert!(typeface::width(&figure.title, drawing::TITLE_EM) < room, "{}", figure.title);
+        assert!(figure.panels.iter().all(|p| typeface::width(&p.heading, 13.0) < room));
     }
 }
 
@@ -144,10 +115,7 @@ fn a_figure_is_drawn_small_with_its_indices_and_its_spike() {
     let svg = drawing::svg(&figures[2]).unwrap();
     assert!(svg.len() < 200_000);
     assert!(svg.contains(r#"F<tspan dy="0.3em" font-size="72%">x</tspan>"#));
-    assert!(
-        svg.contains(">\n250\n<"),
-        "the axis reaches the spike of 240 N"
-    );
+    assert!(svg.contains(">\n250\n<"), "the axis reaches the spike of 240 N");
     assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
 }
 

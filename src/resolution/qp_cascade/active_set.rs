@@ -1,15 +1,12 @@
 //! Exact solutions on a set of active limits, and the search for the right set.
 #![allow(non_snake_case)]
 
-use serde::{Deserialize, Serialize};
-
 use super::level::Level;
 use crate::linalg::{Matrix, Svd, SvdError, Vector};
 use crate::resolution::certificate::relative;
 
 /// A bound of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// q̇ ≥ lo.
     Lower,
@@ -168,7 +165,9 @@ fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> O
     for (joint, side, bound) in level.constraints() {
         let approach = side.sign() * direction[joint];
         // A limit that the move does not approach, or that the set holds already, cannot block.
-        if approach <= FEASIBILITY * bound.abs().max(1.0) * f64::EPSILON || active.iter().any(|&(held, _)| held == joint) {
+        if approach <= FEASIBILITY * bound.abs().max(1.0) * f64::EPSILON
+            || active.iter().any(|&(held, _)| held == joint)
+        {
             continue;
         }
         let step = (side.sign() * (bound - position[joint])).max(0.0) / approach;

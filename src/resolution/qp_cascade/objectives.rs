@@ -24,11 +24,7 @@ impl Objective {
             return Self { A: J.clone(), b: xdot.clone(), kept };
         }
         let n = J.ncols();
-        Self {
-            A: stack(J, &(Matrix::identity(n, n) * factor)),
-            b: concatenate(xdot, &(reference * factor)),
-            kept,
-        }
+        Self { A: stack(J, &(Matrix::identity(n, n) * factor)), b: concatenate(xdot, &(reference * factor)), kept }
     }
 
     /// min ‖q̇ − reference‖².

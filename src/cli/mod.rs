@@ -1,0 +1,133 @@
+//! The command line.
+
+mod demo;
+mod resolve;
+mod serve;
+mod simulate;
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::client::{Client, ClientError};
+use crate::report;
+use crate::service::{App, Robots, RunningServer, ServeError, router};
+use crate::simulator::{RunError, ScenarioError};
+
+/// Velocity resolution of redundant robot arms by reverse task priority, as a service.
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true, after_help = EXAMPLES)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  revprio demo                                       run the paper's experiments, write figures to ./revprio-out
+  revprio serve                                      serve on 127.0.0.1:8080
+  revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
+  revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Reproduce the paper's experiments: scenarios, table, figures, traces, one HTML page.
+    Demo(demo::Options),
+    /// Serve HTTP/JSON.
+    Serve(serve::Options),
+    /// Run one scenario with the built-in simulator against a service.
+    Simulate(simulate::Options),
+    /// Resolve one problem and print the answer as a table.
+    Resolve(resolve::Options),
+}
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The service cannot run.
+    #[error(transparent)]
+    Serve(#[from] ServeError),
+    /// The scenario cannot be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The run ended early.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The service gave no answer.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] report::Error),
+    /// A trace cannot be written.
+    #[error("cannot write {path}: {source}")]
+    Trace {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        source: csv::Error,
+    },
+    /// The output directory cannot be made.
+    #[error("cannot make {path}: {source}")]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+    /// The problem file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    ReadProblem {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+    /// The problem file is no request.
+    #[error("{path}: {source}")]
+    ParseProblem {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// Standard output is closed.
+    #[error("cannot print: {0}")]
+    Print(#[from] std::io::Error),
+}
+
+impl Cli {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), CliError> {
+        match self.command {
+            Command::Demo(options) => demo::run(&options),
+            Command::Serve(options) => serve::run(&options),
+            Command::Simulate(options) => simulate::run(&options),
+            Command::Resolve(options) => resolve::run(&options),
+        }
+    }
+}
+
+/// The service that a command calls: the given one, or one of its own for as long as this lives.
+struct Target {
+    client: Client,
+    _own: Option<RunningServer>,
+}
+
+impl Target {
+    fn open(url: Option<&str>) -> Result<Self, ServeError> {
+        if let Some(url) = url {
+            return Ok(Self { client: Client::new(url), _own: None });
+        }
+        let own = RunningServer::start(router(App::new(Robots::built_in())))?;
+        Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
+    }
+}
+
+/// A bar of so many control periods, hidden where nobody watches.
+fn progress_bar(periods: u64, label: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix:<60} {bar:30} {pos:>6}/{len} {per_sec:>14}, {eta} left");
+    let bar = ProgressBar::new(periods).with_prefix(label.to_owned());
+    style.map_or(bar.clone(), |style| bar.with_style(style))
+}

@@ -1,0 +1,78 @@
+//! `revprio resolve`
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::{CliError, Target};
+use crate::wire::{ResolveAnswer, ResolveRequest};
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Problem in JSON, as for POST /v1/resolve; `-` reads standard input
+    file: PathBuf,
+    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    #[arg(long)]
+    server: Option<String>,
+    /// Print the answer as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let request = read(&options.file)?;
+    let answer = Target::open(options.server.as_deref())?.client.resolve(&request)?;
+    if options.json {
+        let json = serde_json::to_string_pretty(&answer);
+        println!("{}", json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?);
+    } else {
+        print!("{}", describe(&answer));
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<ResolveRequest, CliError> {
+    let text =
+        if path == Path::new("-") { std::io::read_to_string(std::io::stdin()) } else { std::fs::read_to_string(path) };
+    let text = text.map_err(|source| CliError::ReadProblem { path: path.to_owned(), source })?;
+    serde_json::from_str(&text).map_err(|source| CliError::ParseProblem { path: path.to_owned(), source })
+}
+
+/// The answer for people.
+fn describe(answer: &ResolveAnswer) -> String {
+    let mut text = String::new();
+    let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<String>();
+    let _ = writeln!(text, "joint velocity  {}", numbers(&answer.joint_velocity));
+    for task in &answer.tasks {
+        let _ = writeln!(text, "\ntask `{}`, rank {}, residual {:.3e}", task.name, task.rank, task.residual_norm);
+        let _ = writeln!(text, "  requested     {}", numbers(&task.requested));
+        let _ = writeln!(text, "  achieved      {}", numbers(&task.achieved));
+    }
+    if !answer.active_limits.is_empty() {
+        let _ = writeln!(text, "\nlimits that hold it back");
+    }
+    for limit in &answer.active_limits {
+        let _ =
+            writeln!(text, "  {} {} {:.6}, multiplier {:.3e}", limit.joint, limit.side, limit.value, limit.multiplier);
+    }
+    if !answer.violated_limits.is_empty() {
+        let _ = writeln!(text, "\nlimits that it breaks");
+    }
+    for limit in &answer.violated_limits {
+        let _ = writeln!(text, "  {} {} {:.6}: {:.6}", limit.joint, limit.side, limit.limit, limit.value);
+    }
+    for joint in &answer.limit_conflict {
+        let _ = writeln!(text, "\n{joint}: its acceleration limit was overruled by position or velocity");
+    }
+    let solver = &answer.solver;
+    let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));
+    let _ = writeln!(text, "\nsolved by {}, {}, KKT residual {residual}", solver.path, solver.status);
+    let singularity = &answer.singularity;
+    let _ = writeln!(
+        text,
+        "smallest singular value {:.6}, manipulability {:.6}, algorithmic singularity: {}",
+        singularity.smallest_singular_value,
+        singularity.manipulability,
+        if singularity.algorithmic { "yes" } else { "no" }
+    );
+    text
+}

@@ -1,0 +1,72 @@
+//! Memory that travels with the request.
+
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
+
+use super::numbers::{joint_list, numbers};
+use super::terms;
+use crate::controller::{Controller, Memory};
+use crate::linalg::Vector;
+use crate::resolution::ActiveSet;
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::service::sessions::grows;
+use crate::wire;
+
+/// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
+const ROTATION: f64 = 1e-9;
+
+/// Reads the memory of a stateless step; `None` at the first.
+pub fn memory(request: &wire::StepRequest, controller: &Controller) -> Result<Option<Memory>, Problem> {
+    let Some(memory) = &request.memory else { return Ok(None) };
+    grows(memory.sequence, request.state.sequence)?;
+    let robot = &controller.config().robot;
+    let vector = |values: &Vec<f64>, pointer: String| numbers(values, &pointer).map(Vector::from_vec);
+    let velocities = memory.task_velocities.iter().enumerate();
+    Ok(Some(Memory {
+        task_velocities: velocities
+            .map(|(k, v)| vector(v, format!("/task_velocities/{k}")))
+            .collect::<Result<_, _>>()?,
+        initial_pose: pose(&memory.initial_pose)?,
+        last_command: joint_list(&memory.last_command, robot.joint_count(), "/last_command").map(Vector::from_vec)?,
+        active_set: memory.active_set.iter().map(|set| active_set(set, robot)).collect::<Result<_, _>>()?,
+    }))
+}
+
+fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
+    numbers(&pose.position, "/initial_pose/position")?;
+    let [x, y, z] = pose.position;
+    let matrix = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
+    if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= ROTATION && matrix.determinant() > 0.0) {
+        return Err(Problem::invalid("/initial_pose/rotation", "not a rotation matrix; send the memory as it came"));
+    }
+    Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix)))
+}
+
+fn active_set(names: &[wire::ActiveLimitName], robot: &RobotModel) -> Result<ActiveSet, Problem> {
+    let limit = |limit: &wire::ActiveLimitName| match robot.joints().iter().position(|joint| joint.name == limit.joint)
+    {
+        Some(joint) => Ok((joint, terms::side(limit.side))),
+        None => Err(Problem::invalid("/active_set", format!("`{}` has no joint `{}`", robot.name(), limit.joint))),
+    };
+    names.iter().map(limit).collect()
+}
+
+/// The memory as a part of an answer.
+pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
+    let joints = controller.config().robot.joints();
+    let name = |&(joint, side): &(usize, crate::resolution::Side)| wire::ActiveLimitName {
+        joint: joints[joint].name.clone(),
+        side: terms::side_answer(side),
+    };
+    let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
+    wire::Memory {
+        sequence,
+        task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
+        initial_pose: wire::FramePose {
+            position: [position.x, position.y, position.z],
+            rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
+        },
+        last_command: memory.last_command.as_slice().to_vec(),
+        active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
+    }
+}

@@ -1,0 +1,16 @@
+//! Bodies to the library's types and back; wrong fields are named by JSON pointer.
+
+mod controller;
+mod memory;
+mod numbers;
+mod outcome;
+mod resolve;
+mod robot;
+mod step;
+mod terms;
+
+pub use controller::controller;
+pub use memory::{memory, memory_answer};
+pub use resolve::{question, resolution_problem, resolve_answer};
+pub use robot::robot_answer;
+pub use step::{measurement, step_answer, step_problem};

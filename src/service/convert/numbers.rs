@@ -1,0 +1,99 @@
+//! Numbers, lists of numbers, joints.
+
+use crate::limits::{VelocityBox, VelocityBoxError};
+use crate::linalg::{Damping, Vector};
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::wire::{self, JointVector};
+
+/// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
+const LARGEST: f64 = 1e9;
+
+/// A number of sensible size.
+pub fn number(value: f64, pointer: &str) -> Result<f64, Problem> {
+    if value.abs() <= LARGEST {
+        Ok(value)
+    } else {
+        Err(Problem::invalid(pointer, format!("{value:e} is out of range; numbers lie between -1e9 and 1e9")))
+    }
+}
+
+/// A list of numbers of sensible size.
+pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, Problem> {
+    values.iter().enumerate().map(|(i, &value)| number(value, &format!("{pointer}/{i}"))).collect()
+}
+
+/// A list of as many numbers as there are joints.
+pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f64>, Problem> {
+    if values.len() != joints {
+        return Err(Problem::invalid(
+            pointer,
+            format!("{} numbers for {joints} joints; give one per joint", values.len()),
+        ));
+    }
+    numbers(values, pointer)
+}
+
+/// One number per joint of the robot, in its order.
+pub fn joint_vector(vector: &JointVector, robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, Problem> {
+    match vector {
+        JointVector::Ordered(values) => joint_list(values, robot.joint_count(), pointer),
+        JointVector::Named(values) => by_name(values, robot, pointer),
+    }
+}
+
+fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, Problem> {
+    let joints = robot.joints();
+    if let Some((name, _)) = values.iter().find(|(name, _)| joints.iter().all(|joint| joint.name != *name)) {
+        return Err(Problem::invalid(
+            format!("{pointer}/{name}"),
+            format!("`{}` has no joint `{name}`; its joints are {}", robot.name(), joint_names(robot)),
+        ));
+    }
+    let value_of = |joint: &crate::robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
+        Some((name, value)) => number(*value, &format!("{pointer}/{name}")),
+        None => Err(Problem::invalid(pointer, format!("joint `{}` is missing", joint.name))),
+    };
+    joints.iter().map(value_of).collect()
+}
+
+fn joint_names(robot: &RobotModel) -> String {
+    robot.joints().iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// A vector of one number per joint, by place alone where no robot is named.
+pub fn joint_vector_of(
+    vector: &JointVector,
+    robot: Option<&RobotModel>,
+    joints: usize,
+    pointer: &str,
+) -> Result<Vector, Problem> {
+    match (vector, robot) {
+        (vector, Some(robot)) => joint_vector(vector, robot, pointer).map(Vector::from_vec),
+        (JointVector::Ordered(values), None) => joint_list(values, joints, pointer).map(Vector::from_vec),
+        (JointVector::Named(_), None) => {
+            Err(Problem::invalid(pointer, "joints have names only with a `robot`; give a list instead"))
+        }
+    }
+}
+
+/// A damping law.
+pub fn damping(damping: Option<wire::Damping>, pointer: &str) -> Result<Option<Damping>, Problem> {
+    let Some(wire::Damping { threshold, max_factor }) = damping else { return Ok(None) };
+    number(threshold, &format!("{pointer}/threshold"))?;
+    number(max_factor, &format!("{pointer}/max_factor"))?;
+    match Damping::new(threshold, max_factor) {
+        Some(damping) => Ok(Some(damping)),
+        None => Err(Problem::invalid(pointer, "`threshold` must be positive and `max_factor` must not be negative")),
+    }
+}
+
+/// A box of joint velocities.
+pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize, pointer: &str) -> Result<VelocityBox, Problem> {
+    let lower = joint_list(lower, joints, &format!("{pointer}/lower"))?;
+    let upper = joint_list(upper, joints, &format!("{pointer}/upper"))?;
+    VelocityBox::new(&lower, &upper).map_err(|error| match error {
+        VelocityBoxError::Empty { joint, .. } => Problem::invalid(format!("{pointer}/lower/{joint}"), error),
+        VelocityBoxError::Size { .. } => Problem::invalid(pointer, error),
+    })
+}

@@ -1,0 +1,92 @@
+//! The parts that every answer with joint velocities has.
+
+use super::terms;
+use crate::resolution::Resolution;
+use crate::wire;
+
+/// A resolution in the words of the interface.
+pub struct Outcome<'a> {
+    /// The answer.
+    pub resolution: &'a Resolution,
+    /// Names of the joints, in order.
+    pub joints: Vec<String>,
+}
+
+impl Outcome<'_> {
+    /// Joint velocities, n.
+    pub fn joint_velocity(&self) -> Vec<f64> {
+        self.resolution.joint_velocity.as_slice().to_vec()
+    }
+
+    /// What became of the tasks; `describe`: name, requested velocity and target force of each.
+    pub fn tasks(
+        &self,
+        describe: impl Fn(usize) -> (String, Vec<f64>, Option<Vec<Option<f64>>>),
+    ) -> Vec<wire::TaskOutcome> {
+        let outcome = |(k, outcome): (usize, &crate::resolution::TaskOutcome)| {
+            let (name, requested, target_force) = describe(k);
+            wire::TaskOutcome {
+                name,
+                requested,
+                achieved: outcome.achieved.as_slice().to_vec(),
+                residual_norm: outcome.residual_norm,
+                rank: outcome.rank,
+                target_force,
+            }
+        };
+        self.resolution.tasks.iter().enumerate().map(outcome).collect()
+    }
+
+    /// Limits that hold the answer back.
+    pub fn active_limits(&self) -> Vec<wire::ActiveLimit> {
+        let limit = |limit: &crate::resolution::ActiveLimit| wire::ActiveLimit {
+            joint: self.joints[limit.joint].clone(),
+            side: terms::side_answer(limit.side),
+            value: limit.value,
+            multiplier: limit.multiplier,
+        };
+        self.resolution.active_limits.iter().map(limit).collect()
+    }
+
+    /// Limits that the answer breaks.
+    pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
+        let violation = |violation: &crate::resolution::LimitViolation| wire::ViolatedLimit {
+            joint: self.joints[violation.joint].clone(),
+            side: terms::side_answer(violation.side),
+            limit: violation.limit,
+            value: violation.value,
+        };
+        self.resolution.violated_limits.iter().map(violation).collect()
+    }
+
+    /// Names of joints.
+    pub fn names(&self, joints: &[usize]) -> Vec<String> {
+        joints.iter().map(|&joint| self.joints[joint].clone()).collect()
+    }
+
+    /// How the answer was found.
+    pub fn solver(&self) -> wire::SolverReport {
+        let report = &self.resolution.solver;
+        wire::SolverReport {
+            path: terms::path_answer(report.path),
+            status: terms::status_answer(report.status),
+            iterations: report.iterations,
+            kkt_residual: report.kkt_residual,
+        }
+    }
+
+    /// How near the tasks are to singularities.
+    pub fn singularity(&self) -> wire::Singularity {
+        let singularity = &self.resolution.singularity;
+        wire::Singularity {
+            smallest_singular_value: singularity.smallest_singular_value,
+            manipulability: singularity.manipulability,
+            algorithmic: singularity.algorithmic,
+        }
+    }
+}
+
+/// Time since `start`, µs.
+pub fn elapsed_us(start: std::time::Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e6
+}

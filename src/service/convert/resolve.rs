@@ -1,0 +1,237 @@
+//! `POST /v1/resolve`.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::numbers::{damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
+use super::outcome::{Outcome, elapsed_us};
+use super::terms;
+use crate::controller::Limits;
+use crate::kinematics::{AxisSelection, Configuration};
+use crate::limits::{LimitKind, LimitedBox, VelocityBox};
+use crate::linalg::{Matrix, Vector};
+use crate::resolution::{Problem as Question, ProblemError, Resolution};
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::service::robots::Robots;
+use crate::task::{Task, TaskError, TaskStack};
+use crate::wire;
+
+/// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
+const MOST_ROWS: usize = 256;
+const MOST_JOINTS: usize = 64;
+
+/// A request as a problem to resolve, with the names that its answer needs.
+pub struct ResolveQuestion {
+    /// The problem.
+    pub problem: Question,
+    /// Names of the joints.
+    joints: Vec<String>,
+    /// Joints whose acceleration limit was overruled.
+    conflicts: Vec<usize>,
+}
+
+/// Reads a request.
+pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveQuestion, Problem> {
+    let robot = request.robot.as_deref().map(|name| known_robot(name, robots)).transpose()?;
+    let configuration = configuration(request, robot)?;
+    let tasks = task_stack(request, configuration.as_ref())?;
+    let joints = tasks.joint_count();
+    if let Some(robot) = robot.filter(|robot| robot.joint_count() != joints) {
+        let detail = format!("{joints} columns, but `{}` has {} joints", robot.name(), robot.joint_count());
+        return Err(Problem::invalid("/tasks/0/jacobian", detail));
+    }
+    let limited = limits(request, robot, configuration.as_ref(), joints)?;
+    let zeta = request.null_space_velocity.as_ref();
+    let zeta =
+        zeta.map(|zeta| joint_vector_of(zeta, robot.map(Arc::as_ref), joints, "/null_space_velocity")).transpose()?;
+    Ok(ResolveQuestion {
+        problem: Question {
+            tasks,
+            limits: limited.velocity_box,
+            method: terms::method(request.method),
+            solver: terms::solver(request.solver),
+            damping: damping(request.damping, "/damping")?,
+            null_space_velocity: zeta,
+        },
+        joints: joint_names(robot.map(Arc::as_ref), joints),
+        conflicts: limited.conflicts,
+    })
+}
+
+/// A robot by name.
+pub fn known_robot<'a>(name: &str, robots: &'a Robots) -> Result<&'a Arc<RobotModel>, Problem> {
+    let unknown = || Problem::invalid("/robot", format!("there is no robot `{name}`; known: {}", robots.names()));
+    robots.get(name).ok_or_else(unknown)
+}
+
+fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {
+    match robot {
+        Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        None => (1..=joints).map(|joint| format!("j{joint}")).collect(),
+    }
+}
+
+fn configuration(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+) -> Result<Option<Configuration>, Problem> {
+    match (robot, &request.joint_position) {
+        (Some(robot), Some(position)) => {
+            let position = joint_vector(position, robot, "/joint_position")?;
+            let invalid = |error| Problem::invalid("/joint_position", error);
+            Configuration::new(robot, &position).map(Some).map_err(invalid)
+        }
+        (None, Some(_)) => Err(Problem::invalid("/robot", "`joint_position` needs the name of a robot")),
+        (_, None) => Ok(None),
+    }
+}
+
+fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack, Problem> {
+    let tasks: Vec<Task> =
+        request.tasks.iter().enumerate().map(|(k, t)| task(k, t, configuration)).collect::<Result<_, _>>()?;
+    if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MOST_ROWS {
+        return Err(Problem::invalid("/tasks", format!("at most {MOST_ROWS} rows in all tasks together")));
+    }
+    TaskStack::new(tasks).map_err(|error| Problem::invalid(task_pointer(&error), error))
+}
+
+fn task_pointer(error: &TaskError) -> String {
+    match error {
+        TaskError::NoTasks => "/tasks".to_owned(),
+        TaskError::Rows { task, .. } | TaskError::NotFinite { task } => format!("/tasks/{task}/velocity"),
+        TaskError::Columns { task, .. } => format!("/tasks/{task}/jacobian"),
+    }
+}
+
+fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration>) -> Result<Task, Problem> {
+    let pointer = format!("/tasks/{k}");
+    let jacobian = match (&task.axes, &task.jacobian) {
+        (Some(axes), None) => {
+            let axes = axis_selection(axes, &format!("{pointer}/axes"))?;
+            let detail = "axes need `robot` and `joint_position`; or give `jacobian` rows instead";
+            let configuration = configuration.ok_or_else(|| Problem::invalid(format!("{pointer}/axes"), detail))?;
+            axes.rows_of(configuration.jacobian())
+        }
+        (None, Some(rows)) => matrix(rows, &format!("{pointer}/jacobian"))?,
+        _ => return Err(Problem::invalid(pointer, "give either `axes` or `jacobian`")),
+    };
+    Ok(Task {
+        name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
+        jacobian,
+        velocity: Vector::from_vec(numbers(&task.velocity, &format!("{pointer}/velocity"))?),
+    })
+}
+
+/// Axes of a task.
+pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelection, Problem> {
+    let axes: Vec<_> = axes.iter().copied().map(terms::axis).collect();
+    AxisSelection::new(&axes).map_err(|error| Problem::invalid(pointer, error))
+}
+
+fn matrix(rows: &[Vec<f64>], pointer: &str) -> Result<Matrix, Problem> {
+    let columns = rows.first().map_or(0, Vec::len);
+    if columns == 0 || columns > MOST_JOINTS {
+        return Err(Problem::invalid(pointer, format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
+    }
+    for (i, row) in rows.iter().enumerate() {
+        let pointer = format!("{pointer}/{i}");
+        if row.len() != columns {
+            let detail = format!("{} numbers where the first row has {columns}", row.len());
+            return Err(Problem::invalid(pointer, detail));
+        }
+        numbers(row, &pointer)?;
+    }
+    Ok(Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+}
+
+fn limits(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+    configuration: Option<&Configuration>,
+    joints: usize,
+) -> Result<LimitedBox, Problem> {
+    let period = request.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
+    let kind = match &request.limits {
+        Some(wire::Limits::Box { lower, upper }) => {
+            let velocity_box = velocity_box(lower, upper, joints, "/limits")?;
+            return Ok(LimitedBox { velocity_box, conflicts: Vec::new() });
+        }
+        Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
+        None if configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
+        None => LimitKind::None,
+    };
+    let last = request.joint_velocity.as_ref();
+    let last = last.map(|last| joint_vector_of(last, robot.map(Arc::as_ref), joints, "/joint_velocity")).transpose()?;
+    match (kind, robot) {
+        (LimitKind::None, _) => Ok(LimitedBox { velocity_box: VelocityBox::unbounded(joints), conflicts: Vec::new() }),
+        (_, None) => {
+            Err(Problem::invalid("/limits", "the limits of a robot need `robot`; or give `lower` and `upper`"))
+        }
+        (kind, Some(robot)) => {
+            let state = RobotState { configuration, last: last.as_ref(), period };
+            state.limited_box(kind, robot)
+        }
+    }
+}
+
+/// What the limits of a robot depend on, as far as it was given.
+struct RobotState<'a> {
+    configuration: Option<&'a Configuration>,
+    last: Option<&'a Vector>,
+    period: Option<f64>,
+}
+
+impl RobotState<'_> {
+    fn limited_box(&self, kind: LimitKind, robot: &RobotModel) -> Result<LimitedBox, Problem> {
+        let needs_state = kind != LimitKind::Velocity;
+        let needs_last = kind == LimitKind::PositionVelocityAcceleration;
+        let missing = |pointer: &str, what: &str| Problem::invalid(pointer, format!("these limits need {what}"));
+        if needs_state && self.configuration.is_none() {
+            return Err(missing("/joint_position", "`joint_position`"));
+        }
+        if needs_state && self.period.is_none() {
+            return Err(missing("/period_s", "`period_s`"));
+        }
+        if needs_last && self.last.is_none() {
+            return Err(missing("/joint_velocity", "`joint_velocity`, the last command"));
+        }
+        let zeros = vec![0.0; robot.joint_count()];
+        let position = self.configuration.map_or(zeros.as_slice(), Configuration::joint_position);
+        let last = self.last.map_or(zeros.as_slice(), Vector::as_slice);
+        Ok(Limits::Robot(kind).at(robot, position, last, self.period.unwrap_or(1.0)))
+    }
+}
+
+/// T > 0.
+pub fn positive_period(period: f64, pointer: &str) -> Result<f64, Problem> {
+    if (1e-6..=10.0).contains(&period) {
+        return number(period, pointer);
+    }
+    Err(Problem::invalid(pointer, format!("{period} is out of range; a control period lies between 1e-6 and 10 s")))
+}
+
+/// The library's refusal of a problem whose parts were checked one by one.
+pub fn resolution_problem(error: ProblemError) -> Problem {
+    let pointer = match error {
+        ProblemError::Limits { .. } => "/limits",
+        ProblemError::NullSpaceVelocity { .. } => "/null_space_velocity",
+    };
+    Problem::invalid(pointer, error)
+}
+
+/// The answer's body.
+pub fn resolve_answer(question: &ResolveQuestion, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
+    let outcome = Outcome { resolution, joints: question.joints.clone() };
+    let tasks = question.problem.tasks.tasks();
+    wire::ResolveAnswer {
+        joint_velocity: outcome.joint_velocity(),
+        tasks: outcome.tasks(|k| (tasks[k].name.clone(), tasks[k].velocity.as_slice().to_vec(), None)),
+        active_limits: outcome.active_limits(),
+        violated_limits: outcome.violated_limits(),
+        limit_conflict: outcome.names(&question.conflicts),
+        solver: outcome.solver(),
+        singularity: outcome.singularity(),
+        elapsed_us: elapsed_us(start),
+    }
+}

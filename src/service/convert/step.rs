@@ -1,0 +1,81 @@
+//! States and their answers.
+
+use std::time::Instant;
+
+use super::numbers::{joint_vector, number, numbers};
+use super::outcome::{Outcome, elapsed_us};
+use crate::controller::{Command, Controller, Measurement, StepError};
+use crate::kinematics::ConfigurationError;
+use crate::law::Law;
+use crate::service::problem::Problem;
+use crate::wire;
+
+/// Without a newer answer, clients ramp to zero after this time: some periods of a slow loop.
+const VALID_FOR_MS: u64 = 100;
+
+/// Largest sequence number: beyond it, clients whose numbers are doubles could no longer count.
+const LARGEST_SEQUENCE: u64 = (1 << 53) - 1;
+
+/// Reads a state.
+pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, Problem> {
+    let robot = &controller.config().robot;
+    if state.sequence > LARGEST_SEQUENCE {
+        return Err(Problem::invalid("/sequence", format!("at most {LARGEST_SEQUENCE}")));
+    }
+    Ok(Measurement {
+        time_s: number(state.time_s, "/time_s")?,
+        joint_position: joint_vector(&state.joint_position, robot, "/joint_position")?,
+        joint_velocity: state.joint_velocity.as_ref().map(|v| joint_vector(v, robot, "/joint_velocity")).transpose()?,
+        wrench: wrench(state.wrench.as_ref(), controller)?,
+    })
+}
+
+fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], Problem> {
+    let Some(wire::Wrench { force, torque }) = wrench else {
+        return match controller.config().tasks.iter().find(|task| !matches!(task.law, Law::Velocity(_))) {
+            None => Ok([0.0; 6]),
+            Some(task) => Err(Problem::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name))),
+        };
+    };
+    numbers(force, "/wrench/force")?;
+    numbers(torque, "/wrench/torque")?;
+    Ok([force[0], force[1], force[2], torque[0], torque[1], torque[2]])
+}
+
+/// The library's refusal of a state that stands at the JSON pointer `state` of the body.
+pub fn step_problem(error: &StepError, state: &str) -> Problem {
+    let field = match error {
+        StepError::Configuration(ConfigurationError::Size { .. } | ConfigurationError::NotFinite { .. }) => {
+            "/joint_position"
+        }
+        StepError::JointVelocity { .. } => "/joint_velocity",
+        StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::Memory(_) => return Problem::invalid("/memory", error),
+        StepError::Problem(_) => "",
+    };
+    Problem::invalid(format!("{state}{field}"), error)
+}
+
+/// The answer's body, without memory.
+pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
+    let config = controller.config();
+    let joints = config.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let outcome = Outcome { resolution: &command.resolution, joints };
+    let task = |k: usize| {
+        let target = &command.targets[k];
+        (config.tasks[k].name.clone(), target.velocity.as_slice().to_vec(), Some(target.force.clone()))
+    };
+    wire::StepAnswer {
+        joint_velocity: outcome.joint_velocity(),
+        sequence,
+        memory: None,
+        valid_for_ms: VALID_FOR_MS,
+        tasks: outcome.tasks(task),
+        active_limits: outcome.active_limits(),
+        violated_limits: outcome.violated_limits(),
+        limit_conflict: outcome.names(&command.limit_conflicts),
+        solver: outcome.solver(),
+        singularity: outcome.singularity(),
+        elapsed_us: elapsed_us(start),
+    }
+}

@@ -1,0 +1,29 @@
+//! Words of the interface and their meaning in the library.
+
+use crate::controller::WrenchConvention;
+use crate::kinematics::Axis;
+use crate::limits::LimitKind;
+use crate::resolution::{Method, Path, Side, Solver, Status};
+use crate::robot::JointKind;
+use crate::wire;
+
+/// Pairs the variants of two enums of the same words.
+macro_rules! same_words {
+    ($name:ident: $from:ty => $to:ty { $($variant:ident),+ }) => {
+        /// The same word.
+        pub fn $name(word: $from) -> $to {
+            match word { $(<$from>::$variant => <$to>::$variant),+ }
+        }
+    };
+}
+
+same_words!(axis: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
+same_words!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, ReversePriority, StrictReversePriority });
+same_words!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });
+same_words!(limit_kind: wire::LimitKind => LimitKind { None, Velocity, PositionVelocity, PositionVelocityAcceleration });
+same_words!(wrench_convention: wire::WrenchConvention => WrenchConvention { OnEnvironment, OnTool });
+same_words!(side: wire::Side => Side { Lower, Upper });
+same_words!(side_answer: Side => wire::Side { Lower, Upper });
+same_words!(path_answer: Path => wire::Path { ClosedForm, ActiveSet, Qp });
+same_words!(status_answer: Status => wire::Status { Optimal, NotCertified, Failed });
+same_words!(joint_kind_answer: JointKind => wire::JointKind { Revolute, Prismatic });

@@ -1,0 +1,97 @@
+//! One function per route: extract, call, convert.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::{StatusCode, header};
+use axum::response::IntoResponse;
+
+use super::app::App;
+use super::body::Body;
+use super::convert;
+use super::problem::Problem;
+use super::sessions::IDLE_TIMEOUT;
+use crate::wire;
+
+type Shared = State<Arc<App>>;
+
+/// `POST /v1/resolve`
+pub async fn resolve(
+    State(app): Shared,
+    Body(request): Body<wire::ResolveRequest>,
+) -> Result<Json<wire::ResolveAnswer>, Problem> {
+    let start = Instant::now();
+    let question = convert::question(&request, &app.robots)?;
+    let resolution = crate::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
+    Ok(Json(convert::resolve_answer(&question, &resolution, start)))
+}
+
+/// `POST /v1/step`
+pub async fn step(
+    State(app): Shared,
+    Body(request): Body<wire::StepRequest>,
+) -> Result<Json<wire::StepAnswer>, Problem> {
+    let start = Instant::now();
+    let controller = convert::controller(&request.controller, &app.robots).map_err(|p| p.inside("/controller"))?;
+    let measurement = convert::measurement(&request.state, &controller).map_err(|p| p.inside("/state"))?;
+    let mut memory = convert::memory(&request, &controller).map_err(|p| p.inside("/memory"))?;
+    let command = controller.step(&mut memory, &measurement).map_err(|e| convert::step_problem(&e, "/state"))?;
+    let mut answer = convert::step_answer(&controller, request.state.sequence, &command, start);
+    answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
+    Ok(Json(answer))
+}
+
+/// `POST /v1/controllers`
+pub async fn create_controller(
+    State(app): Shared,
+    Body(request): Body<wire::Controller>,
+) -> Result<impl IntoResponse, Problem> {
+    let controller = convert::controller(&request, &app.robots)?;
+    let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let id = app.sessions.create(request, controller)?.to_string();
+    let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
+    let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs() };
+    Ok((StatusCode::CREATED, location, Json(created)))
+}
+
+/// `POST /v1/controllers/{id}/step`
+pub async fn step_controller(
+    State(app): Shared,
+    Path(id): Path<String>,
+    Body(state): Body<wire::State>,
+) -> Result<Json<wire::StepAnswer>, Problem> {
+    let start = Instant::now();
+    app.sessions
+        .with(&id, |_, session| {
+            let measurement = convert::measurement(&state, &session.controller)?;
+            session.answer(&state, &measurement, |controller, command| {
+                convert::step_answer(controller, state.sequence, command, start)
+            })
+        })
+        .map(Json)
+}
+
+/// `GET /v1/controllers/{id}`
+pub async fn show_controller(State(app): Shared, Path(id): Path<String>) -> Result<Json<wire::SessionStatus>, Problem> {
+    app.sessions.with(&id, |id, session| Ok(session.status(id))).map(Json)
+}
+
+/// `DELETE /v1/controllers/{id}`
+pub async fn delete_controller(State(app): Shared, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    app.sessions.delete(&id).map(|()| StatusCode::NO_CONTENT)
+}
+
+/// `GET /v1/robots`
+pub async fn robots(State(app): Shared) -> Json<wire::RobotList> {
+    Json(wire::RobotList { robots: app.robots.iter().map(|robot| convert::robot_answer(robot)).collect() })
+}
+
+/// `GET /v1/robots/{name}`
+pub async fn robot(State(app): Shared, Path(name): Path<String>) -> Result<Json<wire::Robot>, Problem> {
+    match app.robots.get(&name) {
+        Some(robot) => Ok(Json(convert::robot_answer(robot))),
+        None => Err(Problem::not_found(format!("there is no robot `{name}`; known: {}", app.robots.names()))),
+    }
+}

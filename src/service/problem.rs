@@ -1,0 +1,109 @@
+//! Errors as HTTP answers; the only place that knows both.
+
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::wire;
+
+/// Media type of RFC 9457.
+const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
+
+/// A request that cannot be answered, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    status: StatusCode,
+    /// Last part of the `type` reference.
+    kind: &'static str,
+    title: &'static str,
+    detail: String,
+    pointer: Option<String>,
+}
+
+impl Problem {
+    fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<String>) -> Self {
+        Self { status, kind, title, detail: detail.into(), pointer: None }
+    }
+
+    /// 400: the body is no JSON, or holds a number that is not finite.
+    pub fn malformed(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::BAD_REQUEST, "malformed", "The body is not valid JSON", detail)
+    }
+
+    /// 422: well-formed, but wrong at `pointer` (a JSON pointer).
+    pub fn invalid(pointer: impl Into<String>, detail: impl ToString) -> Self {
+        let kind = "invalid";
+        let problem =
+            Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, "A field of the body is wrong", detail.to_string());
+        Self { pointer: Some(pointer.into()), ..problem }
+    }
+
+    /// 404: no such resource.
+    pub fn not_found(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::NOT_FOUND, "not-found", "There is nothing here", detail)
+    }
+
+    /// 405: the route exists, the method does not.
+    pub fn method_not_allowed() -> Self {
+        let detail = "this route does not take that method; see the interface description";
+        Self::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The method is not allowed here", detail)
+    }
+
+    /// 408: the body did not come in time.
+    pub fn body_timeout() -> Self {
+        let detail = "the body did not arrive in time; send it whole and at once";
+        Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail)
+    }
+
+    /// 409: a sequence number that does not grow.
+    pub fn sequence(detail: impl Into<String>) -> Self {
+        let problem = Self::new(StatusCode::CONFLICT, "sequence", "The sequence number does not fit", detail);
+        Self { pointer: Some("/sequence".to_owned()), ..problem }
+    }
+
+    /// 413: the body is too large.
+    pub fn too_large(limit: usize) -> Self {
+        let detail = format!("a body may have at most {limit} bytes");
+        Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
+    }
+
+    /// 415: not JSON.
+    pub fn media_type() -> Self {
+        let detail = "send `Content-Type: application/json`";
+        Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "media-type", "The media type is not supported", detail)
+    }
+
+    /// 503: too many sessions.
+    pub fn too_many_sessions(limit: usize) -> Self {
+        let detail = format!("{limit} controllers are open already; delete one, or wait until an idle one ends");
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-controllers", "No room for another controller", detail)
+    }
+
+    /// 500: a defect of the service.
+    pub fn internal() -> Self {
+        let detail = "a defect of the service, not of your request; the log has the details";
+        Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "The service failed", detail)
+    }
+
+    /// The same problem, seen from a body in which the offending object stands at `prefix`.
+    pub fn inside(self, prefix: &str) -> Self {
+        Self { pointer: self.pointer.map(|pointer| format!("{prefix}{pointer}")), ..self }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let body = wire::Problem {
+            kind: format!("/problems/{}", self.kind),
+            title: self.title.to_owned(),
+            status: self.status.as_u16(),
+            detail: self.detail,
+            pointer: self.pointer,
+        };
+        let mut response = (self.status, axum::Json(body)).into_response();
+        response.headers_mut().insert(header::CONTENT_TYPE, PROBLEM_JSON);
+        if self.status == StatusCode::SERVICE_UNAVAILABLE {
+            response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+        response
+    }
+}

@@ -1,0 +1,126 @@
+//! Listening, timeouts and an orderly end.
+
+use std::future::Future;
+use std::io;
+use std::net::{SocketAddr, TcpListener};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use hyper_util::service::TowerToHyperService;
+use tokio::sync::oneshot;
+
+/// Time for a request's headers, and for an idle connection. Clients keep idle connections for some 15 s.
+const HEADER_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Time for requests in flight when the service ends.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Why the service cannot run.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The address cannot be listened on.
+    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The runtime or its thread cannot start.
+    #[error("cannot start the service: {0}")]
+    Start(#[from] io::Error),
+}
+
+/// Listens on an address; port 0 takes a free one.
+pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
+    TcpListener::bind(address).map_err(|source| ServeError::Listen { address, source })
+}
+
+/// Serves until `stop` is ready, then answers what is in flight and returns.
+///
+/// One thread serves all: a step takes microseconds, less than handing it to another thread.
+pub fn serve(listener: TcpListener, router: Router, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    runtime.block_on(async {
+        listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        accept(listener, router, stop).await;
+        Ok(())
+    })
+}
+
+async fn accept(listener: tokio::net::TcpListener, router: Router, stop: impl Future<Output = ()>) {
+    let graceful = GracefulShutdown::new();
+    let service = TowerToHyperService::new(router);
+    let mut stop = std::pin::pin!(stop);
+    loop {
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            () = &mut stop => break,
+        };
+        match accepted {
+            Ok((stream, _)) => {
+                // Answers are small and awaited: never hold one back to fill a packet.
+                let _ = stream.set_nodelay(true);
+                let connection = http1::Builder::new()
+                    .timer(TokioTimer::new())
+                    .header_read_timeout(HEADER_TIMEOUT)
+                    .serve_connection(TokioIo::new(stream), service.clone());
+                // A connection that fails concerns its client alone.
+                tokio::spawn(graceful.watch(connection));
+            }
+            Err(error) => {
+                tracing::warn!(%error, "cannot accept a connection");
+                tokio::time::sleep(Duration::from_millis(50)).await;
+            }
+        }
+    }
+    drop(listener);
+    if tokio::time::timeout(DRAIN_TIMEOUT, graceful.shutdown()).await.is_err() {
+        tracing::warn!("connections still open after {DRAIN_TIMEOUT:?} were dropped");
+    }
+}
+
+/// A service in a thread of its own, ended when dropped.
+pub struct RunningServer {
+    address: SocketAddr,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl RunningServer {
+    /// Starts on a free loopback port.
+    pub fn start(router: Router) -> Result<Self, ServeError> {
+        let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
+        let address = listener.local_addr()?;
+        let (stop, stopped) = oneshot::channel::<()>();
+        let run = move || {
+            let stopped = async {
+                let _ = stopped.await;
+            };
+            if let Err(error) = serve(listener, router, stopped) {
+                tracing::error!(%error, "the service ended");
+            }
+        };
+        let thread = std::thread::Builder::new().name("service".to_owned()).spawn(run)?;
+        Ok(Self { address, stop: Some(stop), thread: Some(thread) })
+    }
+
+    /// Base of all addresses, such as `http://127.0.0.1:40123`.
+    pub fn url(&self) -> String {
+        format!("http://{}", self.address)
+    }
+}
+
+impl Drop for RunningServer {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! A simulated arm and its environment, which call the service over HTTP once per control period.
+//!
+//! The simulator knows the robot's kinematics and the interface of the service, nothing of control or resolution: what
+//! it shows is what any client would get.
+
+mod arm;
+mod environment;
+pub mod recording;
+mod run;
+mod scenario;
+
+pub use arm::{Arm, VelocityLoop};
+pub use environment::{Contact, ContactKind, Environment};
+pub use run::{CallMode, RunError, run};
+pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

@@ -1,0 +1,226 @@
+//! One run of a scenario against a service.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::arm::Arm;
+use super::environment::Environment;
+use super::recording::{Recording, Sample};
+use super::scenario::Scenario;
+use crate::client::{Client, ClientError};
+use crate::kinematics::{Configuration, ConfigurationError};
+use crate::robot::{RobotModel, built_in};
+use crate::wire;
+
+/// Who keeps the controller's memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CallMode {
+    /// The service, in a session.
+    #[default]
+    Session,
+    /// The caller: it travels with every request.
+    Stateless,
+}
+
+/// Why a run ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The simulator has no such arm.
+    #[error("the simulator has no robot `{0}`; it knows those that ship with the crate")]
+    UnknownRobot(String),
+    /// The start posture does not fit the robot.
+    #[error("start_joint_position: {0}")]
+    Start(ConfigurationError),
+    /// The arm left the range of numbers, which no service should command.
+    #[error("at t = {time_s} s: {source}")]
+    Diverged {
+        /// Simulated time, s.
+        time_s: f64,
+        /// What is wrong with the posture.
+        source: ConfigurationError,
+    },
+    /// The service gave no answer.
+    #[error("at t = {time_s} s: {source}")]
+    Service {
+        /// Simulated time, s.
+        time_s: f64,
+        /// Why.
+        source: ClientError,
+    },
+}
+
+/// Runs the scenario, one call per control period; `progress` hears of every period that is done.
+pub fn run(
+    scenario: &Scenario,
+    client: &Client,
+    mode: CallMode,
+    mut progress: impl FnMut(u64),
+) -> Result<Recording, RunError> {
+    let name = &scenario.controller.robot;
+    let robot = built_in().iter().find(|robot| robot.name() == name);
+    let robot = robot.ok_or_else(|| RunError::UnknownRobot(name.clone()))?;
+    let mut plant = Plant::new(scenario, robot)?;
+    let mut caller = Caller::open(scenario, client, mode)?;
+    let start = Instant::now();
+    let mut samples = Vec::new();
+    for sequence in 0..scenario.cycles() {
+        let time_s = sequence as f64 * scenario.period_s();
+        let measured = plant.measure(time_s)?;
+        let answer =
+            caller.call(measured.state(sequence, time_s)).map_err(|source| RunError::Service { time_s, source })?;
+        plant.arm.advance(&answer.joint_velocity, scenario.period_s());
+        samples.push(measured.sample(time_s, &plant, scenario, answer));
+        progress(sequence + 1);
+    }
+    let wall_time_s = start.elapsed().as_secs_f64();
+    caller.close();
+    Ok(Recording {
+        scenario: scenario.name.clone(),
+        method: scenario.controller.method,
+        solver: scenario.controller.solver,
+        period_s: scenario.period_s(),
+        wall_time_s,
+        joint_names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        samples,
+    })
+}
+
+/// Arm and environment.
+struct Plant {
+    robot: Arc<RobotModel>,
+    arm: Arm,
+    environment: Environment,
+    start: [f64; 3],
+    period_s: f64,
+}
+
+impl Plant {
+    fn new(scenario: &Scenario, robot: &Arc<RobotModel>) -> Result<Self, RunError> {
+        let position = &scenario.start_joint_position;
+        let start = tool_position(&Configuration::new(robot, position).map_err(RunError::Start)?);
+        Ok(Self {
+            robot: Arc::clone(robot),
+            arm: Arm::at_rest(position.clone(), scenario.velocity_loop),
+            environment: Environment::new(scenario.contacts.clone(), start),
+            start,
+            period_s: scenario.period_s(),
+        })
+    }
+
+    fn measure(&mut self, time_s: f64) -> Result<Measured, RunError> {
+        let configuration = Configuration::new(&self.robot, self.arm.position())
+            .map_err(|source| RunError::Diverged { time_s, source })?;
+        let position = tool_position(&configuration);
+        let [x, y, z, ..] = configuration.twist(self.arm.velocity());
+        Ok(Measured {
+            joint_position: self.arm.position().to_vec(),
+            joint_velocity: self.arm.velocity().to_vec(),
+            position,
+            force: self.environment.force(position, [x, y, z], self.period_s),
+        })
+    }
+}
+
+fn tool_position(configuration: &Configuration) -> [f64; 3] {
+    configuration.tool_pose().translation.vector.into()
+}
+
+/// What a real arm would measure.
+struct Measured {
+    joint_position: Vec<f64>,
+    joint_velocity: Vec<f64>,
+    position: [f64; 3],
+    force: [f64; 3],
+}
+
+impl Measured {
+    fn state(&self, sequence: u64, time_s: f64) -> wire::State {
+        wire::State {
+            sequence,
+            time_s,
+            joint_position: self.joint_position.clone().into(),
+            joint_velocity: Some(self.joint_velocity.clone().into()),
+            wrench: Some(wire::Wrench { force: self.force, torque: [0.0; 3] }),
+        }
+    }
+
+    fn sample(self, time_s: f64, plant: &Plant, scenario: &Scenario, answer: wire::StepAnswer) -> Sample {
+        Sample {
+            time_s,
+            joint_position: self.joint_position,
+            position: self.position,
+            position_error: [0, 1, 2].map(|i| self.position[i] - plant.start[i]),
+            force: self.force,
+            target_force: target_force(scenario, &answer),
+            wall_distance: plant.environment.wall_distance(self.position),
+            path: answer.solver.path,
+            status: answer.solver.status,
+            kkt_residual: answer.solver.kkt_residual,
+            smallest_singular_value: answer.singularity.smallest_singular_value,
+            residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+            joint_velocity: answer.joint_velocity,
+        }
+    }
+}
+
+/// F_d on x, y and z, from the answers of the tasks that the axes belong to.
+fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>; 3] {
+    let mut target = [None; 3];
+    for (task, outcome) in scenario.controller.tasks.iter().zip(&answer.tasks) {
+        for (axis, &force) in task.axes.iter().zip(outcome.target_force.iter().flatten()) {
+            if let Some(slot) = target.get_mut(*axis as usize) {
+                *slot = force;
+            }
+        }
+    }
+    target
+}
+
+/// The service as one run sees it.
+enum Caller<'a> {
+    Session { client: &'a Client, id: String },
+    Stateless { client: &'a Client, request: Box<wire::StepRequest> },
+}
+
+impl<'a> Caller<'a> {
+    fn open(scenario: &Scenario, client: &'a Client, mode: CallMode) -> Result<Self, RunError> {
+        let controller = &scenario.controller;
+        match mode {
+            CallMode::Session => {
+                let created = client.create_controller(controller);
+                let created = created.map_err(|source| RunError::Service { time_s: 0.0, source })?;
+                Ok(Self::Session { client, id: created.id })
+            }
+            CallMode::Stateless => {
+                let nothing = wire::State {
+                    sequence: 0,
+                    time_s: 0.0,
+                    joint_position: Vec::new().into(),
+                    joint_velocity: None,
+                    wrench: None,
+                };
+                let request = wire::StepRequest { controller: controller.clone(), state: nothing, memory: None };
+                Ok(Self::Stateless { client, request: Box::new(request) })
+            }
+        }
+    }
+
+    fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
+        match self {
+            Self::Session { client, id } => client.step_controller(id, &state),
+            Self::Stateless { client, request } => {
+                request.state = state;
+                let mut answer = client.step(request)?;
+                request.memory = answer.memory.take();
+                Ok(answer)
+            }
+        }
+    }
+
+    /// Ends the session; if that fails, the service ends it by itself.
+    fn close(self) {
+        if let Self::Session { client, id } = self {
+            let _ = client.delete_controller(&id);
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The JSON bodies of the service, and nothing else.
+//!
+//! SI units; the unit stands in the name where a bare number stands alone. Unknown and repeated fields are refused.
+//! Vectors of joints follow the robot's joint order, or name their joints.
+
+mod controller;
+mod joints;
+mod outcome;
+mod pose;
+mod problem;
+mod resolve;
+mod robot;
+mod step;
+mod string_or_map;
+mod terms;
+
+pub use controller::{Controller, ControllerTask, CreatedController, Law, Profile, SessionStatus};
+pub use joints::JointVector;
+pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
+pub use pose::{Orientation, Pose, TargetPose};
+pub use problem::Problem;
+pub use resolve::{ResolveAnswer, ResolveRequest, ResolveTask};
+pub use robot::{Robot, RobotJoint, RobotList};
+pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
+pub use terms::{Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention};

@@ -1,0 +1,81 @@
+//! `POST /v1/resolve`: one stateless question.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    ActiveLimit, Axis, Damping, JointVector, Limits, Method, Singularity, Solver, SolverReport, TaskOutcome,
+    ViolatedLimit,
+};
+
+/// Prioritised tasks at one posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResolveRequest {
+    /// Name of a robot; may be left out when every task has its own `jacobian`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// q, rad or m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_position: Option<JointVector>,
+    /// q̇⁻, the last command, rad/s or m/s; for acceleration limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_velocity: Option<JointVector>,
+    /// T, s; for position and acceleration limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
+    /// The tasks, highest priority first.
+    pub tasks: Vec<ResolveTask>,
+    /// How priorities are understood.
+    #[serde(default)]
+    pub method: Method,
+    /// How the problem is solved.
+    #[serde(default)]
+    pub solver: Solver,
+    /// Allowed joint velocities; default `position_velocity` with a robot and a period, else `none`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Limits>,
+    /// Damping near singularities; none (exact) if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
+    /// ζ̇, rad/s or m/s, kept as far as the tasks allow; zero if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub null_space_velocity: Option<JointVector>,
+}
+
+/// One task: axes of the tool, or rows of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResolveTask {
+    /// Name; `task 1`, `task 2`, … if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Rows of the tool Jacobian.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Vec<Axis>>,
+    /// Own rows, m × n.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub jacobian: Option<Vec<Vec<f64>>>,
+    /// ẋ_k, m/s and rad/s, one entry per row.
+    pub velocity: Vec<f64>,
+}
+
+/// Joint velocities and why they are what they are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResolveAnswer {
+    /// q̇, rad/s or m/s.
+    pub joint_velocity: Vec<f64>,
+    /// What became of each task, highest priority first.
+    pub tasks: Vec<TaskOutcome>,
+    /// Limits that hold the answer back.
+    pub active_limits: Vec<ActiveLimit>,
+    /// Limits that the answer breaks.
+    pub violated_limits: Vec<ViolatedLimit>,
+    /// Joints whose acceleration limit was overruled by position or velocity.
+    pub limit_conflict: Vec<String>,
+    /// How the answer was found.
+    pub solver: SolverReport,
+    /// How near the tasks are to singularities.
+    pub singularity: Singularity,
+    /// Time to compute it, µs.
+    pub elapsed_us: f64,
+}

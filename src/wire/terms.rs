@@ -1,0 +1,186 @@
+//! The words that requests and answers choose from.
+
+use std::fmt;
+
+use serde::de::{MapAccess, value::MapAccessDeserializer};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::string_or_map::{self, StringOrMap};
+
+/// Writes a word as it stands in JSON.
+macro_rules! display_as_in_json {
+    ($($word:ty),+) => {$(
+        impl fmt::Display for $word {
+            fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+                self.serialize(formatter)
+            }
+        }
+    )+};
+}
+
+display_as_in_json!(Axis, Method, Solver, Path, Status, Side, LimitKind);
+
+/// One row of a twist, base axes, at the tool point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// Along x, m/s.
+    X,
+    /// Along y, m/s.
+    Y,
+    /// Along z, m/s.
+    Z,
+    /// About x, rad/s.
+    Rx,
+    /// About y, rad/s.
+    Ry,
+    /// About z, rad/s.
+    Rz,
+}
+
+/// How priorities are understood.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// All tasks as one stack, exact.
+    Pseudoinverse,
+    /// All tasks as one stack, damped near singularities.
+    DampedLeastSquares,
+    /// Tasks added from the lowest to the highest.
+    #[default]
+    ReversePriority,
+    /// The lexicographic hierarchy.
+    StrictReversePriority,
+}
+
+/// How the problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Pseudo-inverses, limits ignored.
+    ClosedForm,
+    /// Clarabel at every level.
+    Qp,
+    /// The answer of `qp` by the shortest certified way.
+    #[default]
+    Auto,
+}
+
+/// Which way led to an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Path {
+    /// Pseudo-inverses.
+    ClosedForm,
+    /// The last active set, confirmed.
+    ActiveSet,
+    /// Clarabel, polished.
+    Qp,
+}
+
+/// How sure an answer is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The optimality conditions hold.
+    Optimal,
+    /// The command is inside the limits, but may not be the best one.
+    NotCertified,
+    /// Nothing was found; the command is the slowest one inside the limits.
+    Failed,
+}
+
+/// A bound of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The lower bound.
+    Lower,
+    /// The upper bound.
+    Upper,
+}
+
+/// How a joint moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Rotation, rad.
+    Revolute,
+    /// Translation, m.
+    Prismatic,
+}
+
+/// Whose wrench a state carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WrenchConvention {
+    /// What the tool exerts on the environment.
+    #[default]
+    OnEnvironment,
+    /// What the environment exerts on the tool.
+    OnTool,
+}
+
+/// Damping that sets in near a singularity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// δ > 0, the smallest singular value below which damping acts.
+    pub threshold: f64,
+    /// λ_max ≥ 0, the factor at a singular value of zero.
+    pub max_factor: f64,
+}
+
+/// Which of the robot's limits count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LimitKind {
+    /// None.
+    None,
+    /// Speed.
+    Velocity,
+    /// Speed and remaining way.
+    PositionVelocity,
+    /// Speed, acceleration and braking distance.
+    PositionVelocityAcceleration,
+}
+
+/// The robot's own limits by name, or a box of joint velocities.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Limits {
+    /// The robot's own.
+    Robot(LimitKind),
+    /// lower ≤ q̇ ≤ upper, rad/s or m/s.
+    Box {
+        /// Lower bounds, n.
+        lower: Vec<f64>,
+        /// Upper bounds, n.
+        upper: Vec<f64>,
+    },
+}
+
+impl<'de> Deserialize<'de> for Limits {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        string_or_map::deserialize(deserializer)
+    }
+}
+
+impl StringOrMap for Limits {
+    const EXPECTED: &'static str = "the name of a limit set or an object with `lower` and `upper`";
+
+    fn from_string<E: serde::de::Error>(name: &str) -> Result<Self, E> {
+        LimitKind::deserialize(serde::de::value::StrDeserializer::new(name)).map(Self::Robot)
+    }
+
+    fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Bounds {
+            lower: Vec<f64>,
+            upper: Vec<f64>,
+        }
+        let Bounds { lower, upper } = Bounds::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Self::Box { lower, upper })
+    }
+}
