@@ -59,7 +59,7 @@ fn the_text_is_aligned_names_left_and_numbers_right() {
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 4);
     let column = lines[0].find("method").unwrap();
-    assert!(lines[2][column..].starts_with("rp ") && lines[3][column..].starts_with("reverse priority "));
+    assert!(lines[2][column..].starts_with("pseudoinverse ") && lines[3][column..].starts_with("reverse priority "));
     let length = lines[0].chars().count();
     assert!(lines.iter().all(|line| line.chars().count() == length));
 }
