@@ -1,4 +1,138 @@
-//! revprio
+//! Velocity resolution of redundant robot arms by *reverse task priority*, in closed form and as a cascade of small
+//! quadratic programs with joint limits, behind HTTP/JSON.
+//!
+//! A redundant arm gets several Cartesian tasks in an order of priority: push with 30 N along x, hold the rest. Each
+//! control period revprio turns the measured state into joint velocities, and says why they are what they are: which
+//! task gave way, which limit is active, how sure the solver is.
+//!
+//! # A control period
+//!
+//! ```text
+//! measurement ─→ configuration ─→ law ────────────→ resolution ────────→ command
+//! q, q̇, F_e      tool pose, J      ẋ_k of each task  q̇ within limits      q̇ and its explanation
+//! ```
+//!
+//! Each arrow is a module: [`kinematics`], [`law`], [`limits`] and [`resolution`]; [`controller`] is the whole line.
+//! [`service`] puts it behind HTTP, [`wire`] holds the JSON bodies, [`client`] calls it. [`simulator`] is an arm at a
+//! wall that knows nothing but the service's address, and [`report`] makes figures of what it recorded.
+//!
+//! ```
+//! use revprio::controller::Limits;
+//! use revprio::kinematics::{Axis, AxisSelection, Configuration};
+//! use revprio::limits::LimitKind;
+//! use revprio::linalg::Vector;
+//! use revprio::resolution::{Method, Problem, Solver, resolve};
+//! use revprio::robot::built_in;
+//! use revprio::task::{Task, TaskStack};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let sawyer = &built_in()[0];
+//! let posture = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+//! let configuration = Configuration::new(sawyer, &posture)?;
+//! let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
+//!     let jacobian = AxisSelection::new(axes)?.rows_of(configuration.jacobian());
+//!     Ok::<_, Box<dyn std::error::Error>>(Task { name: name.into(), jacobian, velocity: Vector::from_vec(velocity) })
+//! };
+//! let push = task("push", &[Axis::X], vec![0.05])?;
+//! let hold = task("hold", &[Axis::Y, Axis::Z], vec![0.0, 0.0])?;
+//! let problem = Problem {
+//!     tasks: TaskStack::new(vec![push, hold])?, // highest priority first
+//!     limits: Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box,
+//!     method: Method::ReversePriority,
+//!     solver: Solver::Auto,
+//!     damping: None,
+//!     null_space_velocity: None,
+//! };
+//! let answer = resolve(&problem, &[])?;
+//! assert!((answer.tasks[0].achieved[0] - 0.05).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What reverse priority is
+//!
+//! Classical task priority starts with the most important task and lets each further one move in the null space of those
+//! above it. *Reverse* priority starts with the least important one: q̇_{l+1} = 0, and stage k = l, …, 1 adds to
+//! q̇_{k+1} the correction that reaches task k and disturbs the lower tasks least. The most important task comes last,
+//! so that nothing comes after it that could spoil it. Stage k solves
+//!
+//! > minimise ‖J_{k+1}^RP (q̇ − q̇_{k+1})‖², then ‖q̇ − q̇_{k+1}‖², subject to J_k q̇ = the reachable part of ẋ_k,
+//!
+//! which is Eq. (29) of the paper, q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}).
+//!
+//! What it is not:
+//!
+//! - With *two* tasks and exact inverses it is the same vector as classical task priority and as the lexicographic
+//!   least-squares solution, dependent rows included. On an arm with Σ m_k ≤ n and independent rows all of them are J⁺ẋ.
+//!   It beats damped least squares over one stack exactly where that one damps, and where limits or conflicts bite.
+//! - With *three or more* tasks the recursion is strict for the top task alone. For J_1 = b + c, J_2 = b, J_3 = c and
+//!   ẋ = (1, 0, 0) it leaves the residuals (0, ½, ½); the strict hierarchy leaves (0, 0, 1).
+//!   [`resolution::Method::StrictReversePriority`] is strict for any number of tasks.
+//! - Undamped it does not bound q̇ near a conflict: rows a and a + ε b give |q̇| ≈ 1/ε. Two dampings per stage, one for
+//!   the singularity of task k itself and one for its conflict with the lower ones, do; the second costs task k nothing.
+//!
+//! # Notation
+//!
+//! | symbol | meaning | shape, unit |
+//! |---|---|---|
+//! | n | joints of the arm | |
+//! | q, q̇ | joint position, joint velocity (the command) | n; rad, rad/s |
+//! | l, k | number of tasks; task index, **k = 1 is the highest priority** and comes first in every list | |
+//! | J_k, ẋ_k | Jacobian and desired velocity of task k | m_k × n; m_k, m/s for linear rows, rad/s for angular rows |
+//! | J_k^RP | [J_k; J_{k+1}; …; J_l] stacked, Eq. (23) | Σ m × n |
+//! | T_k | first m_k columns of (J_k^RP)⁺, Eq. (25) | n × m_k |
+//! | A⁺ | Moore-Penrose inverse, rank decided at [a relative tolerance](linalg::RANK_TOLERANCE) | |
+//! | A^# | Aᵀ(A Aᵀ + λ² I)⁻¹, damped inverse | |
+//! | μ_k, λ_k | damping of task k's own singularity; of its conflict with lower tasks | |
+//! | ζ̇ | null-space velocity | n, rad/s |
+//! | F_e | wrench that the tool exerts **on the environment**: pressing on a wall at +x gives F_e,x > 0 | 6; N, N·m |
+//! | M_d, B_d, K_d | inertia, damping, stiffness that a law gives the arm to feel like | diagonal |
+//! | M_e, B_e, K_e | inertia, damping, stiffness of the environment | diagonal |
+//! | T | control period | s |
+//!
+//! Rows are linear x y z, then angular x y z, in base axes, at the tool point. The orientation error is the rotation
+//! vector log(R R_dᵀ) in base axes, counted like X − X_d. Denavit-Hartenberg parameters are the standard ones.
+//!
+//! # Where each equation of the paper lives
+//!
+//! Su, Liu, Li, Xue, Liu, Li, Lin, Wu: "Research on Hybrid Force Control of Redundant Manipulator with Reverse Task
+//! Priority", *Materials* 2022, 15, 6611.
+//!
+//! | equations | subject | place |
+//! |---|---|---|
+//! | (1)-(5) | pseudo-inverse with null-space velocity | [`resolution::Method::Pseudoinverse`] |
+//! | (6), (7), (14), (15) | damped least squares | [`resolution::Method::DampedLeastSquares`] |
+//! | (8), (10), (11), (13) | joint-limit index, classical task priority, singularity-robust form | not in this version |
+//! | (12) | algorithmic singularity | [`resolution::Singularity`] |
+//! | (16), (17) | singular value decomposition | [`linalg::Svd`] |
+//! | (18), (19) | variable damping factor | [`linalg::Damping`] |
+//! | (20)-(32) | reverse priority | [`resolution::Method::ReversePriority`] |
+//! | (35), (38)-(42) | force law | [`law::ForceLaw`] |
+//! | (36), (37) | environment | [`simulator::Environment`] |
+//! | (43)-(47) | impedance law | [`law::ImpedanceLaw`] |
+//! | (48)-(53) | hybrid law | [`law::HybridLaw`] |
+//! | (54), Table 1 | experiments, arm | `fixtures/scenarios`, `fixtures/robots` |
+//!
+//! Eqs. (33) and (34) are dynamics on the level of torques; a velocity-controlled arm leaves them to its inner loop.
+//!
+//! # Misprints of the paper, and what is used instead
+//!
+//! | place | printed | used |
+//! |---|---|---|
+//! | (4) | (JᵀJ)⁻¹Jᵀ, singular for n > m | J⁺ |
+//! | (7) | projector I − (JᵀJ + λ)⁻¹(JᵀJ + λ), identically zero | I − J⁺J |
+//! | (8) | Σ (θ − θ_mid)/(θ_mid − θ_max), linear and unbounded below | the usual 1/(2n) Σ of squares, when it comes |
+//! | (18), (19) | the factor is squared twice | λ² = (1 − (σ_min/δ)²) λ_max² |
+//! | (20), (31) | J̌ J without ⁺ | J̌⁺ J |
+//! | (21), (23) | stack ends with J_1, the highest task | ends with J_l, the lowest |
+//! | (26) | H_k from (J_k^RP)⁺, which has too many columns | H_k = (J_{k+1}^RP)⁺ − T_k J_k (J_{k+1}^RP)⁺ |
+//! | (47) | no J_1 J_2⁺ before the secondary velocity | Eq. (32) with each task's own velocity |
+//! | (53) | ẋ_{k+1} where ẋ_k belongs | ẋ_k |
+//! | Table 1, row 5 | "_pi/2" | −π/2 |
+//! | section 5.1 | M_d and B_d with five entries for six axes | diag(15 15 15 80 80 80), diag(150 150 150 280 280 280) |
+//! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |
+//! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
+
 pub mod cli;
 pub mod client;
 pub mod controller;

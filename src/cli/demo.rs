@@ -52,6 +52,7 @@ fn report(recordings: &[Recording]) -> Report {
         rows: table::rows(recordings),
         notes: report::notes::of_recordings(recordings),
         figures: [Posture::Nominal, Posture::Singular].iter().flat_map(|&p| of_posture(p, recordings)).collect(),
+        traces: recordings.iter().map(Recording::trace_name).collect(),
         command: "cargo run --release -- demo".to_owned(),
     }
 }

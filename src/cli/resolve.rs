@@ -40,7 +40,7 @@ fn read(path: &Path) -> Result<ResolveRequest, CliError> {
 /// The answer for people.
 fn describe(answer: &ResolveAnswer) -> String {
     let mut text = String::new();
-    let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<String>();
+    let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<Vec<_>>().concat();
     let _ = writeln!(text, "joint velocity  {}", numbers(&answer.joint_velocity));
     for task in &answer.tasks {
         let _ = writeln!(text, "\ntask `{}`, rank {}, residual {:.3e}", task.name, task.rank, task.residual_norm);

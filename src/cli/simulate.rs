@@ -47,10 +47,11 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         rows,
         notes: Vec::new(),
         figures: recordings.iter().map(report::run_figure::of_run).collect(),
+        traces: recordings.iter().map(Recording::trace_name).collect(),
         command: command(options, &scenario),
     };
-    let written = report::write(&options.out, &page)?;
-    println!("\n{} figures and traces, and one page: {}", written.len(), options.out.join("index.html").display());
+    report::write(&options.out, &page)?;
+    println!("\nfigure, trace and one page with both: {}", options.out.join("index.html").display());
     Ok(())
 }
 
@@ -74,7 +75,7 @@ pub fn record(scenario: &Scenario, target: &Target, mode: CallMode) -> Result<Re
 pub fn write_traces(out: &Path, recordings: &[Recording]) -> Result<(), CliError> {
     std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })?;
     for recording in recordings {
-        let path = out.join(format!("{}.csv", recording.label()));
+        let path = out.join(recording.trace_name());
         recording.write_csv(&path).map_err(|source| CliError::Trace { path, source })?;
     }
     Ok(())

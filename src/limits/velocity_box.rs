@@ -256,7 +256,7 @@ mod tests {
                 let command = (allowed.lower + choice * (allowed.upper - allowed.lower)).min(allowed.upper);
                 prop_assert!(command.abs() <= velocity && (command - last).abs() <= acceleration * period + 1e-9);
                 q += period * command;
-                prop_assert!(q >= limits.lower - 1e-9 && q <= limits.upper + 1e-9);
+                prop_assert!((limits.lower - 1e-9..=limits.upper + 1e-9).contains(&q));
                 last = command;
             }
         }
@@ -275,7 +275,7 @@ mod tests {
                 q += T * command;
                 last = command;
             }
-            prop_assert!(q <= LIMITS.upper + 1e-6 && q >= LIMITS.lower - 1e-6);
+            prop_assert!((LIMITS.lower - 1e-6..=LIMITS.upper + 1e-6).contains(&q));
         }
     }
 }

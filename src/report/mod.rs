@@ -48,6 +48,8 @@ pub struct Report {
     pub notes: Vec<Note>,
     /// Figures, as from [`paper_figures::of_posture`].
     pub figures: Vec<Figure>,
+    /// File names of the traces, in the directory of the page.
+    pub traces: Vec<String>,
     /// The command that made the report.
     pub command: String,
 }

@@ -61,7 +61,10 @@ fn comparison(reverse: &Recording, classical: &Recording) -> String {
 
 fn at_the_wall(reverse: &Recording, classical: &Recording) -> Option<String> {
     reverse.samples.first()?.wall_distance?;
-    let runs = [("Reverse priority", reverse), ("the classical control", classical)];
+    if largest_difference(reverse, classical) <= COINCIDE {
+        return Some(format!("{}.", wall_run("The tool", reverse)));
+    }
+    let runs = [("With reverse priority the tool", reverse), ("with the classical control it", classical)];
     Some(format!("{}.", runs.map(|(name, run)| wall_run(name, run)).join("; ")))
 }
 

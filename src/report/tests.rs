@@ -28,6 +28,7 @@ fn report() -> Report {
             caption: String::new(),
             panels: vec![panel],
         }],
+        traces: vec![],
         command: String::new(),
     }
 }

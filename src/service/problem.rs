@@ -30,6 +30,7 @@ impl Problem {
     }
 
     /// 422: well-formed, but wrong at `pointer` (a JSON pointer).
+    #[expect(clippy::needless_pass_by_value, reason = "errors and texts alike are made for this call")]
     pub fn invalid(pointer: impl Into<String>, detail: impl ToString) -> Self {
         let kind = "invalid";
         let problem =

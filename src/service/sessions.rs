@@ -15,7 +15,7 @@ use crate::wire;
 const MOST_SESSIONS: usize = 1024;
 
 /// A session that is not called for this long ends.
-pub const IDLE_TIMEOUT: Duration = Duration::from_secs(15 * 60);
+pub const IDLE_TIMEOUT: Duration = Duration::from_mins(15);
 
 /// One controller with its memory.
 pub struct Session {

@@ -130,7 +130,7 @@ mod tests {
             assert_eq!(wall.force([0.04 * side, 0.0, 0.0], [0.0; 3], 0.01)[0], 0.0);
             assert!((wall.force([0.06 * side, 0.0, 0.0], [0.0; 3], 0.01)[0] - 10.0 * side).abs() < 1e-9);
             // Fast withdrawal: damping alone would pull.
-            assert_eq!(wall.force([0.051 * side, 0.0, 0.0], [-1.0 * side, 0.0, 0.0], 0.01)[0], 0.0);
+            assert_eq!(wall.force([0.051 * side, 0.0, 0.0], [-side, 0.0, 0.0], 0.01)[0], 0.0);
             assert!((wall.wall_distance([0.02 * side, 0.0, 0.0]).unwrap() - 0.03).abs() < 1e-15);
         }
     }

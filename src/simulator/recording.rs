@@ -60,6 +60,11 @@ impl Recording {
         format!("{}-{}-{}", self.scenario, self.method, self.solver)
     }
 
+    /// File name of the trace.
+    pub fn trace_name(&self) -> String {
+        self.label() + ".csv"
+    }
+
     /// Writes one row per control period; units stand in the column names.
     pub fn write_csv(&self, path: &Path) -> Result<(), csv::Error> {
         let mut table = csv::Writer::from_path(path)?;

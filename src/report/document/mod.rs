@@ -53,6 +53,11 @@ fn content(report: &Report, figures: &[Drawn<'_>]) -> Markup {
             h2 { "Figures" }
             @for drawn in figures { (figure(drawn)) }
         }
+        @if !report.traces.is_empty() {
+            h2 { "Traces" }
+            p { "One row per control period; beside this page." }
+            ul { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
+        }
         h2 { "Made by" }
         pre { code { (report.command) } }
     }

@@ -17,6 +17,7 @@ fn report() -> Report {
             caption: "Force F_d.".to_owned(),
             panels: vec![],
         }],
+        traces: vec![],
         command: "revprio report --out <dir>".to_owned(),
     }
 }
