@@ -8,6 +8,11 @@ use crate::wire;
 /// Media type of RFC 9457.
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
+/// A name as a part of a JSON pointer (RFC 6901).
+pub fn escaped(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
+}
+
 /// A request that cannot be answered, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {

@@ -3,7 +3,7 @@
 use crate::limits::{VelocityBox, VelocityBoxError};
 use crate::linalg::{Damping, Vector};
 use crate::robot::RobotModel;
-use crate::service::problem::Problem;
+use crate::service::problem::{Problem, escaped};
 use crate::wire::{self, JointVector};
 
 /// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
@@ -46,12 +46,12 @@ fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Resul
     let joints = robot.joints();
     if let Some((name, _)) = values.iter().find(|(name, _)| joints.iter().all(|joint| joint.name != *name)) {
         return Err(Problem::invalid(
-            format!("{pointer}/{name}"),
+            format!("{pointer}/{}", escaped(name)),
             format!("`{}` has no joint `{name}`; its joints are {}", robot.name(), joint_names(robot)),
         ));
     }
     let value_of = |joint: &crate::robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
-        Some((name, value)) => number(*value, &format!("{pointer}/{name}")),
+        Some((name, value)) => number(*value, &format!("{pointer}/{}", escaped(name))),
         None => Err(Problem::invalid(pointer, format!("joint `{}` is missing", joint.name))),
     };
     joints.iter().map(value_of).collect()
