@@ -4,13 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
-use axum::extract::DefaultBodyLimit;
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::timeout::RequestBodyTimeoutLayer;
 
-use super::body::BODY_LIMIT;
 use super::handlers;
 use super::problem::Problem;
 use super::robots::Robots;
@@ -48,7 +46,6 @@ pub fn router(app: App) -> Router {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
         .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
-        .layer(DefaultBodyLimit::max(BODY_LIMIT))
         .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
         .layer(CatchPanicLayer::custom(|_| {
             tracing::error!("a handler panicked");

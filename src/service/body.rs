@@ -1,17 +1,23 @@
 //! Reading JSON bodies, with problems instead of axum's rejections.
 
-use axum::body::Bytes;
+use std::future::poll_fn;
+use std::pin::Pin;
+
+use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::IntoResponse;
+use axum::http::{HeaderMap, header};
 use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use serde_path_to_error::Segment;
 
-use super::problem::Problem;
+use super::problem::{Problem, escaped};
 
 /// Largest body in bytes; a state is about one thousandth of it.
 pub const BODY_LIMIT: usize = 1 << 20;
+
+/// Most bytes that are read of a body that is too large: most clients listen only after they have sent all of it, and
+/// would see a broken connection instead of the refusal.
+const FORGOTTEN_LIMIT: usize = 16 << 20;
 
 /// A JSON body.
 pub struct Body<T>(pub T);
@@ -19,16 +25,11 @@ pub struct Body<T>(pub T);
 impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
             return Err(Problem::media_type());
         }
-        let bytes = Bytes::from_request(request, state).await.map_err(|rejection| {
-            match rejection.into_response().status() {
-                StatusCode::PAYLOAD_TOO_LARGE => Problem::too_large(BODY_LIMIT),
-                _ => Problem::body_timeout(),
-            }
-        })?;
+        let bytes = read(request.into_body()).await?;
         parse(&bytes).map(Self)
     }
 }
@@ -41,12 +42,29 @@ fn is_json(headers: &HeaderMap) -> bool {
     })
 }
 
+/// Reads a body up to the limit; what is too much is read and forgotten.
+async fn read(mut body: axum::body::Body) -> Result<Vec<u8>, Problem> {
+    let (mut bytes, mut size) = (Vec::new(), 0);
+    while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
+        let frame = frame.map_err(|_| Problem::body_timeout())?;
+        let data = frame.data_ref().map_or(&[][..], |data| data);
+        size += data.len();
+        if size <= BODY_LIMIT {
+            bytes.extend_from_slice(data);
+        } else if size > FORGOTTEN_LIMIT {
+            break;
+        }
+    }
+    if size <= BODY_LIMIT { Ok(bytes) } else { Err(Problem::too_large(BODY_LIMIT)) }
+}
+
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         match cause.classify() {
             Category::Data => Problem::invalid(place, cause),
+            _ if is_well_formed(bytes) => Problem::invalid(place, cause),
             Category::Syntax | Category::Eof | Category::Io => Problem::malformed(cause.to_string()),
         }
     })?;
@@ -54,11 +72,16 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     Ok(value)
 }
 
+/// Whether it is JSON of finite numbers: a value of another type than the expected one can look like wrong syntax.
+fn is_well_formed(bytes: &[u8]) -> bool {
+    serde_json::from_slice::<serde_json::Value>(bytes).is_ok()
+}
+
 /// JSON pointer (RFC 6901) of a path.
 fn pointer(path: &serde_path_to_error::Path) -> String {
     let part = |segment: &Segment| match segment {
         Segment::Seq { index } => format!("/{index}"),
-        Segment::Map { key } => format!("/{}", key.replace('~', "~0").replace('/', "~1")),
+        Segment::Map { key } => format!("/{}", escaped(key)),
         Segment::Enum { .. } | Segment::Unknown => String::new(),
     };
     path.iter().map(part).collect()
