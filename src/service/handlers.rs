@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::IntoResponse;
 
@@ -12,6 +12,7 @@ use super::app::App;
 use super::body::Body;
 use super::convert;
 use super::problem::Problem;
+use super::segment::Segment;
 use super::sessions::IDLE_TIMEOUT;
 use crate::wire;
 
@@ -36,7 +37,7 @@ pub async fn step(
     let start = Instant::now();
     let controller = convert::controller(&request.controller, &app.robots).map_err(|p| p.inside("/controller"))?;
     let measurement = convert::measurement(&request.state, &controller).map_err(|p| p.inside("/state"))?;
-    let mut memory = convert::memory(&request, &controller).map_err(|p| p.inside("/memory"))?;
+    let mut memory = convert::memory(&request, &controller)?;
     let command = controller.step(&mut memory, &measurement).map_err(|e| convert::step_problem(&e, "/state"))?;
     let mut answer = convert::step_answer(&controller, request.state.sequence, &command, start);
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
@@ -59,7 +60,7 @@ pub async fn create_controller(
 /// `POST /v1/controllers/{id}/step`
 pub async fn step_controller(
     State(app): Shared,
-    Path(id): Path<String>,
+    Segment(id): Segment,
     Body(state): Body<wire::State>,
 ) -> Result<Json<wire::StepAnswer>, Problem> {
     let start = Instant::now();
@@ -74,12 +75,12 @@ pub async fn step_controller(
 }
 
 /// `GET /v1/controllers/{id}`
-pub async fn show_controller(State(app): Shared, Path(id): Path<String>) -> Result<Json<wire::SessionStatus>, Problem> {
+pub async fn show_controller(State(app): Shared, Segment(id): Segment) -> Result<Json<wire::SessionStatus>, Problem> {
     app.sessions.with(&id, |id, session| Ok(session.status(id))).map(Json)
 }
 
 /// `DELETE /v1/controllers/{id}`
-pub async fn delete_controller(State(app): Shared, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, Problem> {
     app.sessions.delete(&id).map(|()| StatusCode::NO_CONTENT)
 }
 
@@ -89,7 +90,7 @@ pub async fn robots(State(app): Shared) -> Json<wire::RobotList> {
 }
 
 /// `GET /v1/robots/{name}`
-pub async fn robot(State(app): Shared, Path(name): Path<String>) -> Result<Json<wire::Robot>, Problem> {
+pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Json<wire::Robot>, Problem> {
     match app.robots.get(&name) {
         Some(robot) => Ok(Json(convert::robot_answer(robot))),
         None => Err(Problem::not_found(format!("there is no robot `{name}`; known: {}", app.robots.names()))),

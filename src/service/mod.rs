@@ -6,6 +6,7 @@ mod convert;
 mod handlers;
 mod problem;
 mod robots;
+mod segment;
 mod server;
 mod sessions;
 

@@ -15,21 +15,24 @@ use crate::wire;
 /// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
 const ROTATION: f64 = 1e-9;
 
-/// Reads the memory of a stateless step; `None` at the first.
+/// Reads the memory of a stateless step; `None` at the first. Pointers count from the top of the request.
 pub fn memory(request: &wire::StepRequest, controller: &Controller) -> Result<Option<Memory>, Problem> {
     let Some(memory) = &request.memory else { return Ok(None) };
-    grows(memory.sequence, request.state.sequence)?;
-    let robot = &controller.config().robot;
+    grows(memory.sequence, request.state.sequence).map_err(|problem| problem.inside("/state"))?;
+    read(memory, &controller.config().robot).map(Some).map_err(|problem| problem.inside("/memory"))
+}
+
+fn read(memory: &wire::Memory, robot: &RobotModel) -> Result<Memory, Problem> {
     let vector = |values: &Vec<f64>, pointer: String| numbers(values, &pointer).map(Vector::from_vec);
     let velocities = memory.task_velocities.iter().enumerate();
-    Ok(Some(Memory {
+    Ok(Memory {
         task_velocities: velocities
             .map(|(k, v)| vector(v, format!("/task_velocities/{k}")))
             .collect::<Result<_, _>>()?,
         initial_pose: pose(&memory.initial_pose)?,
         last_command: joint_list(&memory.last_command, robot.joint_count(), "/last_command").map(Vector::from_vec)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, robot)).collect::<Result<_, _>>()?,
-    }))
+    })
 }
 
 fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
