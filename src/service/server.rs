@@ -16,8 +16,9 @@ use tokio::sync::oneshot;
 /// Time for a request's headers, and for an idle connection. Clients keep idle connections for some 15 s.
 const HEADER_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Time for requests in flight when the service ends.
-const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
+/// Time for requests in flight when the service ends. One that came in whole is answered within milliseconds; what is
+/// open after this waits for a client that stopped in the middle.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Why the service cannot run.
 #[derive(Debug, thiserror::Error)]
