@@ -54,14 +54,21 @@ impl<'de> Visitor<'de> for JointVectorVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<JointVector, A::Error> {
         let mut values: Vec<(String, f64)> = Vec::new();
-        while let Some((name, value)) = map.next_entry::<String, f64>()? {
-            if values.iter().any(|(known, _)| *known == name) {
-                return Err(Error::custom(format!("joint `{name}` is given twice")));
-            }
-            values.push((name, value));
+        while let Some(entry) = map.next_entry()? {
+            values.push(entry);
         }
-        Ok(JointVector::Named(values))
+        match repeated(&values) {
+            Some(name) => Err(Error::custom(format!("joint `{name}` is given twice"))),
+            None => Ok(JointVector::Named(values)),
+        }
     }
+}
+
+/// A name that stands twice. Sorted, not compared pair by pair: a body has room for a hundred thousand names.
+fn repeated(values: &[(String, f64)]) -> Option<&str> {
+    let mut names: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).collect();
+    names.sort_unstable();
+    names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
 #[cfg(test)]
