@@ -5,6 +5,7 @@
 
 mod controller;
 mod joints;
+mod object;
 mod outcome;
 mod pose;
 mod problem;

@@ -3,6 +3,7 @@
 use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::object;
 use super::string_or_map::{self, StringOrMap};
 
 /// A unit quaternion.
@@ -26,6 +27,7 @@ pub struct Pose {
     /// x, y, z, m.
     pub position: [f64; 3],
     /// Orientation.
+    #[serde(deserialize_with = "object::deserialize")]
     pub orientation: Orientation,
 }
 
