@@ -68,9 +68,9 @@ impl Svd {
         self.sigma.first().copied().unwrap_or(0.0)
     }
 
-    /// Product of the singular values, √det(A Aᵀ) for m ≤ n.
+    /// Product of the singular values, √det(A Aᵀ) for m ≤ n; the largest number where the product is larger.
     pub fn manipulability(&self) -> f64 {
-        self.sigma.iter().product()
+        self.sigma.iter().product::<f64>().min(f64::MAX)
     }
 
     /// λ that `damping` gives at σ_min; 0 without damping.
