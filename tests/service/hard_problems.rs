@@ -1,0 +1,143 @@
+//! Problems at the edge: whatever is asked, the answer is finite and inside the limits.
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, example, numbers};
+
+const METHODS: [&str; 4] = ["pseudoinverse", "damped_least_squares", "reverse_priority", "strict_reverse_priority"];
+
+/// Solvers that know limits.
+const SOLVERS: [&str; 2] = ["auto", "qp"];
+
+/// Rounding of the last operation on a limit.
+const ROUNDING: f64 = 1e-12;
+
+/// Numbers in −1 … 1 without any order.
+fn scattered(count: usize, seed: usize) -> Vec<f64> {
+    (0..count).map(|i| ((i * i + 13 * i * seed + 7 * seed) as f64 * 12.9898).sin()).collect()
+}
+
+/// A problem of so many tasks with rows of their own, entries up to `scale`.
+fn own_rows(tasks: usize, rows: usize, joints: usize, scale: f64) -> Value {
+    let row = |seed: usize| scattered(joints, seed).iter().map(|entry| entry * scale).collect::<Vec<_>>();
+    let task = |k: usize| {
+        let jacobian: Vec<_> = (0..rows).map(|i| row(1 + k * rows + i)).collect();
+        json!({"jacobian": jacobian, "velocity": scattered(rows, 100 + k)})
+    };
+    json!({"tasks": (0..tasks).map(task).collect::<Vec<_>>()})
+}
+
+/// Resolves with every method and solver, and holds that each answer is made of numbers and inside ±`limit`.
+fn assert_always_safe(service: &Service, problem: &Value, joints: usize, limit: f64) {
+    for (method, solver) in METHODS.iter().flat_map(|method| SOLVERS.map(|solver| (method, solver))) {
+        let mut problem = problem.clone();
+        (problem["method"], problem["solver"]) = (json!(method), json!(solver));
+        problem["limits"] = json!({"lower": vec![-limit; joints], "upper": vec![limit; joints]});
+        let answer = service.ask("/v1/resolve", &problem);
+        let context = format!("{method}, {solver}, {answer}");
+        let velocity = numbers(&answer["joint_velocity"]);
+        assert!(velocity.len() == joints && velocity.iter().all(|v| v.abs() <= limit + ROUNDING), "{context}");
+        assert!(answer["violated_limits"].as_array().unwrap().is_empty(), "{context}");
+        assert_made_of_numbers(&answer, &context);
+    }
+}
+
+/// JSON has no infinity and no NaN: they would be written as `null`.
+fn assert_made_of_numbers(answer: &Value, context: &str) {
+    let failed = answer["solver"]["status"] == "failed";
+    assert_eq!(answer["solver"]["kkt_residual"].is_null(), failed, "{context}");
+    let rest = crate::harness::without(answer.clone(), &["solver"]).to_string();
+    assert!(!rest.contains("null"), "{context}");
+}
+
+#[test]
+fn limits_that_are_shut_allow_standstill_only() {
+    let service = Service::start();
+    assert_always_safe(&service, &example("resolve.json"), 7, 0.0);
+    assert_always_safe(&service, &own_rows(3, 2, 5, 1.0), 5, 0.0);
+}
+
+#[test]
+fn singular_postures_are_no_exception() {
+    let service = Service::start();
+    let singular = [0.521, 1.867, 0.793, -0.671, 0.707, -2.336, -0.273];
+    for posture in [[0.0; 7], singular, [1e9; 7], [std::f64::consts::FRAC_PI_2; 7]] {
+        let mut problem = example("resolve.json");
+        problem["joint_position"] = json!(posture);
+        assert_always_safe(&service, &problem, 7, 1.0);
+    }
+}
+
+#[test]
+fn one_joint_and_thirty_joints_are_resolved() {
+    let service = Service::start();
+    for (tasks, rows, joints) in [(1, 1, 1), (3, 2, 1), (1, 40, 30), (5, 4, 30), (1, 1, 64)] {
+        for limit in [0.01, 100.0] {
+            assert_always_safe(&service, &own_rows(tasks, rows, joints, 1.0), joints, limit);
+        }
+    }
+}
+
+#[test]
+fn sixty_four_tasks_are_resolved() {
+    let service = Service::start();
+    assert_always_safe(&service, &own_rows(64, 1, 7, 1.0), 7, 0.1);
+    assert_always_safe(&service, &own_rows(64, 1, 7, 1.0), 7, 0.0);
+}
+
+#[test]
+fn rows_of_any_size_give_numbers() {
+    let service = Service::start();
+    for scale in [0.0, 5e-324, 1e-300, 1e-160, 1e-20, 1e9] {
+        assert_always_safe(&service, &own_rows(2, 2, 4, scale), 4, 1.0);
+    }
+    assert_always_safe(&service, &own_rows(1, 64, 64, 1e9), 64, 1.0);
+    assert_always_safe(&service, &own_rows(1, 64, 64, 1e-9), 64, 1.0);
+}
+
+#[test]
+fn rows_that_repeat_or_contradict_each_other_are_resolved() {
+    let service = Service::start();
+    let task = |row: [f64; 3], velocity: f64| json!({"jacobian": [row], "velocity": [velocity]});
+    let row = [1.0, 2.0, -1.0];
+    let nearly = [1.0, 2.0, -1.0 + 1e-13];
+    let problem = json!({"tasks": [task(row, 1.0), task(row, -1.0), task(nearly, 5.0), task([0.0; 3], 1.0)]});
+    for limit in [0.1, 1e9] {
+        assert_always_safe(&service, &problem, 3, limit);
+    }
+}
+
+#[test]
+fn the_closed_form_gives_numbers_and_says_which_limits_it_breaks() {
+    let service = Service::start();
+    for scale in [0.0, 5e-324, 1e-300, 1e-160, 1e9] {
+        let mut problem = own_rows(2, 2, 4, scale);
+        problem["solver"] = json!("closed_form");
+        let answer = service.ask("/v1/resolve", &problem);
+        assert_made_of_numbers(&answer, &answer.to_string());
+    }
+    let mut problem = example("resolve.json");
+    problem["solver"] = json!("closed_form");
+    problem["limits"] = json!({"lower": vec![0; 7], "upper": vec![0; 7]});
+    assert!(!service.ask("/v1/resolve", &problem)["violated_limits"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_controller_stays_inside_its_limits_whatever_it_measures() {
+    let service = Service::start();
+    let mut controller = example("controller.json");
+    for limits in ["velocity", "position_velocity", "position_velocity_acceleration"] {
+        controller["limits"] = json!(limits);
+        let address = format!("{}/step", service.open(&controller));
+        for sequence in 0..60 {
+            let size = 10.0_f64.powi(sequence % 10);
+            let wild: Vec<_> = scattered(7, 3 + sequence as usize).iter().map(|entry| entry * size).collect();
+            let force = [size, -size, 0.0];
+            let state = json!({"sequence": sequence, "time_s": size, "joint_position": wild, "joint_velocity": wild,
+                "wrench": {"force": force, "torque": force}});
+            let velocity = numbers(&service.ask(&address, &state)["joint_velocity"]);
+            // The fastest joint of the arm may move at 4.545 rad/s.
+            assert!(velocity.iter().all(|v| v.abs() <= 4.545 + ROUNDING), "{limits}, {state}: {velocity:?}");
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! A service on a port of its own and what a client does with it.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use revprio::service::{App, Robots, RunningServer, router};
+use serde_json::Value;
+use ureq::http::Response;
+use ureq::{Agent, Body};
+
+/// Longer than any time limit of the service, so that a test ends even if the service says nothing.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// A running service and a client that keeps its connection.
+pub struct Service {
+    server: RunningServer,
+    agent: Agent,
+}
+
+/// An answer with all that the tests look at.
+pub struct Answer {
+    pub status: u16,
+    pub media_type: String,
+    pub location: Option<String>,
+    pub allow: Option<String>,
+    pub text: String,
+}
+
+impl Service {
+    pub fn start() -> Self {
+        let config = Agent::config_builder().http_status_as_error(false).timeout_global(Some(PATIENCE));
+        Self {
+            server: RunningServer::start(router(App::new(Robots::built_in()))).unwrap(),
+            agent: config.build().into(),
+        }
+    }
+
+    pub fn url(&self) -> String {
+        self.server.url()
+    }
+
+    pub fn get(&self, path: &str) -> Answer {
+        Answer::of(self.agent.get(self.url() + path).call().unwrap())
+    }
+
+    pub fn delete(&self, path: &str) -> Answer {
+        Answer::of(self.agent.delete(self.url() + path).call().unwrap())
+    }
+
+    pub fn post(&self, path: &str, body: &str) -> Answer {
+        self.post_as(path, "application/json", body)
+    }
+
+    pub fn post_as(&self, path: &str, media_type: &str, body: &str) -> Answer {
+        let request = self.agent.post(self.url() + path).header("content-type", media_type);
+        Answer::of(request.send(body).unwrap())
+    }
+
+    /// Answer to a body that must be accepted.
+    pub fn ask(&self, path: &str, body: &Value) -> Value {
+        self.post(path, &body.to_string()).accepted()
+    }
+
+    /// Opens a session and returns its address.
+    pub fn open(&self, controller: &Value) -> String {
+        let answer = self.post("/v1/controllers", &controller.to_string());
+        assert_eq!(answer.status, 201, "{}", answer.text);
+        answer.location.unwrap()
+    }
+
+    /// A bare connection.
+    pub fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.url().trim_start_matches("http://")).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream
+    }
+
+    /// Sends bytes and returns all that comes back until the service closes the connection.
+    pub fn raw(&self, bytes: &[u8]) -> String {
+        let mut stream = self.connect();
+        stream.write_all(bytes).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    }
+
+    pub fn assert_alive(&self) {
+        let answer = self.get("/healthz");
+        assert_eq!((answer.status, answer.text.as_str()), (200, "ok"));
+    }
+}
+
+impl Answer {
+    fn of(mut response: Response<Body>) -> Self {
+        let header = |name: &str| response.headers().get(name).map(|value| value.to_str().unwrap().to_owned());
+        let (media_type, location, allow) = (header("content-type"), header("location"), header("allow"));
+        Self {
+            status: response.status().as_u16(),
+            media_type: media_type.unwrap_or_default(),
+            location,
+            allow,
+            text: response.body_mut().read_to_string().unwrap(),
+        }
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.text).unwrap()
+    }
+
+    /// The body of an answer that must be a success.
+    pub fn accepted(&self) -> Value {
+        assert!((200..300).contains(&self.status), "{}: {}", self.status, self.text);
+        assert_eq!(self.media_type, "application/json");
+        self.json()
+    }
+
+    /// What is wrong with this answer as a refusal with that status and JSON pointer; nothing if it is right.
+    pub fn flaw(&self, status: u16, pointer: Option<&str>) -> Option<String> {
+        if self.status != status || self.media_type != "application/problem+json" {
+            return Some(format!("{} {}, not {status}: {}", self.status, self.media_type, self.text));
+        }
+        let problem = self.json();
+        let text = |field: &str| problem[field].as_str().is_some_and(|text| !text.is_empty());
+        let whole = text("title") && text("detail") && problem["type"].as_str()?.starts_with("/problems/");
+        let right = problem["status"] == status && problem.get("pointer").and_then(Value::as_str) == pointer;
+        (!(whole && right)).then(|| format!("not at {pointer:?}: {problem}"))
+    }
+
+    /// Holds that this answer is such a refusal.
+    pub fn assert_refused(&self, status: u16, pointer: Option<&str>) {
+        assert_eq!(self.flaw(status, pointer), None);
+    }
+}
+
+/// A file of `api/examples`.
+pub fn example(name: &str) -> Value {
+    let path = format!("{}/api/examples/{name}", env!("CARGO_MANIFEST_DIR"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The value without the fields that differ from call to call.
+pub fn without(mut answer: Value, fields: &[&str]) -> Value {
+    for field in fields {
+        answer.as_object_mut().unwrap().remove(*field);
+    }
+    answer
+}
+
+/// A list of numbers.
+pub fn numbers(list: &Value) -> Vec<f64> {
+    list.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}

@@ -1,0 +1,108 @@
+//! Where the controller's memory is kept makes no difference, to the last bit.
+
+use revprio::client::Client;
+use revprio::simulator::{CallMode, Scenario, run};
+use serde_json::{Value, json};
+
+use crate::harness::{Service, example, numbers, without};
+
+const PERIODS: u64 = 200;
+
+/// A closed loop of an ideal arm pushing against something that gives way, with `step` as its service.
+fn closed_loop(mut step: impl FnMut(Value) -> Value) -> Vec<String> {
+    let mut position = numbers(&example("state.json")["joint_position"]);
+    let period = |sequence: u64| {
+        let time_s = sequence as f64 * 0.001;
+        let wrench = json!({"force": [40.0 * (50.0 * time_s).sin(), 7.0, -3.0 * time_s], "torque": [0.1, 0.0, -0.7]});
+        let state = json!({"sequence": sequence, "time_s": time_s, "joint_position": position, "wrench": wrench});
+        let answer = without(step(state), &["elapsed_us"]);
+        let velocity = numbers(&answer["joint_velocity"]);
+        position.iter_mut().zip(velocity).for_each(|(q, qdot)| *q += 0.001 * qdot);
+        answer.to_string()
+    };
+    (0..PERIODS).map(period).collect()
+}
+
+fn by_session(service: &Service, controller: &Value) -> Vec<String> {
+    let address = format!("{}/step", service.open(controller));
+    closed_loop(|state| service.ask(&address, &state))
+}
+
+/// The memory goes through JSON text twice per period: the service's own and that of this client.
+fn by_memory(service: &Service, controller: &Value) -> Vec<String> {
+    let mut memory = Value::Null;
+    closed_loop(|state| {
+        let answer = service.ask("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+        memory = answer["memory"].clone();
+        without(answer, &["memory"])
+    })
+}
+
+#[test]
+fn session_and_travelling_memory_give_the_same_bytes() {
+    let service = Service::start();
+    let narrow = json!({"lower": vec![-0.005; 7], "upper": vec![0.005; 7]});
+    for (solver, limits) in [("auto", json!("position_velocity")), ("auto", narrow.clone()), ("qp", narrow)] {
+        let mut controller = example("controller.json");
+        (controller["solver"], controller["limits"]) = (json!(solver), limits);
+        let (session, memory) = (by_session(&service, &controller), by_memory(&service, &controller));
+        let different = session.iter().zip(&memory).find(|(a, b)| a != b);
+        assert_eq!(different, None, "{solver}");
+    }
+}
+
+#[test]
+fn the_simulated_arm_moves_the_same_way_in_both_modes() {
+    let service = Service::start();
+    let mut scenario = Scenario::find("stiff_wall").unwrap();
+    scenario.duration_s = 0.45;
+    let client = Client::new(&service.url());
+    let samples = |mode| format!("{:?}", run(&scenario, &client, mode, |_| ()).unwrap().samples);
+    assert!(samples(CallMode::Session) == samples(CallMode::Stateless), "the two runs differ");
+}
+
+#[test]
+fn two_sessions_do_not_share_their_memory() {
+    let service = Service::start();
+    let alone = by_session(&service, &example("controller.json"));
+    let sessions = [(); 2].map(|()| format!("{}/step", service.open(&example("controller.json"))));
+    let together = closed_loop(|state| {
+        service.ask(&sessions[0], &state);
+        service.ask(&sessions[1], &state)
+    });
+    assert_eq!(alone, together);
+}
+
+#[test]
+fn a_memory_that_was_tampered_with_is_refused_or_harmless() {
+    let service = Service::start();
+    let mut request = example("step.json");
+    let memory = service.ask("/v1/step", &request)["memory"].clone();
+    request["state"]["sequence"] = json!(18);
+    let mut send = |pointer: &str, value: Value| {
+        request["memory"] = memory.clone();
+        *request["memory"].pointer_mut(pointer).unwrap() = value;
+        service.post("/v1/step", &request.to_string())
+    };
+    for (pointer, value, status, expected) in [
+        ("/sequence", json!(-1), 422, "/memory/sequence"),
+        ("/task_velocities", json!([[0.0]]), 422, "/memory"),
+        ("/task_velocities/0", json!([0.0, 0.0]), 422, "/memory"),
+        ("/task_velocities/1/4", json!(1e300), 422, "/memory/task_velocities/1/4"),
+        ("/last_command", json!([0.0]), 422, "/memory/last_command"),
+        ("/initial_pose/position/0", json!(1e300), 422, "/memory/initial_pose/position/0"),
+        ("/initial_pose/rotation/0/0", json!(2.0), 422, "/memory/initial_pose/rotation"),
+        ("/initial_pose/rotation/0", json!([1.0]), 422, "/memory/initial_pose/rotation/0"),
+        ("/active_set", json!([[{"joint": "j9", "side": "upper"}]]), 422, "/memory/active_set"),
+        ("/active_set", json!([[{"joint": "j1", "side": "up"}]]), 422, "/memory/active_set/0/0/side"),
+        ("/sequence", json!(18), 409, "/state/sequence"),
+    ] {
+        send(pointer, value).assert_refused(status, Some(expected));
+    }
+    let all_joints: Vec<_> = (1..=7).map(|joint| json!({"joint": format!("j{joint}"), "side": "lower"})).collect();
+    let many_levels = vec![all_joints; 40];
+    for (pointer, value) in [("/active_set", json!(many_levels)), ("/last_command/0", json!(1e9))] {
+        let velocity = numbers(&send(pointer, value).accepted()["joint_velocity"]);
+        assert!(velocity.iter().all(|v| v.abs() < 5.0), "{velocity:?}");
+    }
+}

@@ -1,0 +1,144 @@
+//! `POST /v1/controllers`, and the same object inside `POST /v1/step`.
+
+use serde_json::{Value, json};
+
+use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
+use crate::harness::{Service, example};
+
+const CONTROLLER: [Row; 73] = [
+    ("/robot", LEFT_OUT, 422, ""),
+    ("/robot", r#""puma""#, 422, "/robot"),
+    ("/robot", "null", 422, "/robot"),
+    ("/period_s", LEFT_OUT, 422, ""),
+    ("/period_s", "0", 422, "/period_s"),
+    ("/period_s", "-0.0", 422, "/period_s"),
+    ("/period_s", "-0.001", 422, "/period_s"),
+    ("/period_s", "1e-9", 422, "/period_s"),
+    ("/period_s", "3600", 422, "/period_s"),
+    ("/period_s", "1e308", 422, "/period_s"),
+    ("/period_s", "1e999", 400, NO_POINTER),
+    ("/period_s", "NaN", 400, NO_POINTER),
+    ("/period_s", "true", 422, "/period_s"),
+    ("/method", r#""fastest""#, 422, "/method"),
+    ("/solver", r#""qpoases""#, 422, "/solver"),
+    ("/limits", r#""some""#, 422, "/limits"),
+    ("/limits", r#"{"lower": [], "upper": []}"#, 422, "/limits/lower"),
+    ("/limits", r#"{"lower": [1, 0, 0, 0, 0, 0, 0], "upper": [0, 0, 0, 0, 0, 0, 0]}"#, 422, "/limits/lower/0"),
+    ("/limits", r#"{"lower": [0, 0, 0, 0, 0, 0, 0], "upper": [0, 0, 0, 0, 0, 0]}"#, 422, "/limits/upper"),
+    ("/limits", r#"{"lower": [0, 0, 0, 0, 0, 0, 0], "upper": [0, 0, 0, 0, 0, 0, "0"]}"#, 422, "/limits/upper/6"),
+    ("/wrench_convention", r#""on_table""#, 422, "/wrench_convention"),
+    ("/damping", r#"{"threshold": -1, "max_factor": 0.1}"#, 422, "/damping"),
+    ("/damping", r#"{"threshold": 1}"#, 422, "/damping"),
+    ("/damping", r#"{"threshold": 1, "max_factor": 0.1, "kind": "svd"}"#, 422, "/damping/kind"),
+    ("/gain", "1", 422, "/gain"),
+    ("/tasks", LEFT_OUT, 422, ""),
+    ("/tasks", "[]", 422, "/tasks"),
+    ("/tasks/1/name", r#""push""#, 422, "/tasks/1/name"),
+    ("/tasks/0/name", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/axes", "[]", 422, "/tasks/0/axes"),
+    ("/tasks/0/axes", r#"["x", "x"]"#, 422, "/tasks/0/axes"),
+    ("/tasks/0/axes", r#"["x", "y"]"#, 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/0/jacobian"),
+    ("/tasks/0/law", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/law", "{}", 422, "/tasks/0/law"),
+    ("/tasks/0/law", r#""force""#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/kind", r#""magic""#, 422, "/tasks/0/law/kind"),
+    ("/tasks/0/law/kind", r#""impedance""#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/stiffness", "[1]", 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", LEFT_OUT, 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", "15", 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", "[]", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "[15, 15]", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "[0]", 422, "/tasks/0/law/inertia/0"),
+    ("/tasks/0/law/inertia", "[-15]", 422, "/tasks/0/law/inertia/0"),
+    ("/tasks/0/law/inertia", "[1e308]", 422, "/tasks/0/law/inertia/0"),
+    ("/tasks/0/law/inertia", "[1e999]", 400, NO_POINTER),
+    ("/tasks/0/law/inertia", "[NaN]", 400, NO_POINTER),
+    ("/tasks/0/law/damping", "[-1]", 422, "/tasks/0/law/damping/0"),
+    ("/tasks/0/law/damping", "[]", 422, "/tasks/0/law/damping"),
+    ("/tasks/1/law/stiffness/4", "-1", 422, "/tasks/1/law/stiffness/4"),
+    ("/tasks/1/law/stiffness/4", "1e10", 422, "/tasks/1/law/stiffness/4"),
+    ("/tasks/1/law/stiffness", "[1, 1]", 422, "/tasks/1/law/stiffness"),
+    ("/tasks/0/law/target_force", "30", 422, "/tasks/0/law"),
+    ("/tasks/0/law/target_force/kind", r#""square""#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/target_force/value", "[]", 422, "/tasks/0/law/target_force/value"),
+    ("/tasks/0/law/target_force/value", "[30, 30]", 422, "/tasks/0/law/target_force/value"),
+    ("/tasks/0/law/target_force/value", "[1e300]", 422, "/tasks/0/law/target_force/value/0"),
+    ("/tasks/0/law/target_force", r#"{"kind": "sine", "offset": [1], "amplitude": [1]}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/target_force", SHORT_AMPLITUDE, 422, "/tasks/0/law/target_force/amplitude"),
+    ("/tasks/0/law/target_force", FAST_SINE, 422, "/tasks/0/law/target_force/angular_frequency_rad_s"),
+    ("/tasks/0/law", SHORT_SELECTION, 422, "/tasks/0/law/position_controlled"),
+    ("/tasks/0/law", LONG_VELOCITY, 422, "/tasks/0/law/target_velocity/value"),
+    ("/tasks/1/law/target_pose", r#""here""#, 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_pose", r#"{"position": [0, 0, 0]}"#, 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_pose", SHORT_POSITION, 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_pose", FAR_POSITION, 422, "/tasks/1/law/target_pose/position/1"),
+    ("/tasks/1/law/target_pose", ZERO_QUATERNION, 422, "/tasks/1/law/target_pose/orientation"),
+    ("/tasks/1/law/target_pose", LONG_QUATERNION, 422, "/tasks/1/law/target_pose/orientation"),
+    ("/tasks/1/law/target_pose", HUGE_QUATERNION, 422, "/tasks/1/law/target_pose/orientation"),
+    ("/tasks/1/law/target_pose", LIST_QUATERNION, 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_pose", "null", 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_pose/x", "1", 422, "/tasks/1/law"),
+];
+
+const SHORT_AMPLITUDE: &str = r#"{"kind": "sine", "offset": [1], "amplitude": [], "angular_frequency_rad_s": 1}"#;
+const FAST_SINE: &str = r#"{"kind": "sine", "offset": [1], "amplitude": [1], "angular_frequency_rad_s": 1e300}"#;
+const SHORT_SELECTION: &str = r#"{"kind": "hybrid", "inertia": [1], "damping": [1], "stiffness": [1],
+    "position_controlled": [], "target_force": {"kind": "constant", "value": [1]}}"#;
+const LONG_VELOCITY: &str = r#"{"kind": "velocity", "target_velocity": {"kind": "constant", "value": [1, 2]}}"#;
+const SHORT_POSITION: &str = r#"{"position": [0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}"#;
+const FAR_POSITION: &str = r#"{"position": [0, 1e300, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}"#;
+const ZERO_QUATERNION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 0, "x": 0, "y": 0, "z": 0}}"#;
+const LONG_QUATERNION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 1, "x": 0.1, "y": 0, "z": 0}}"#;
+const HUGE_QUATERNION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 1e300, "x": 1e300, "y": 0, "z": 0}}"#;
+const LIST_QUATERNION: &str = r#"{"position": [0, 0, 0], "orientation": [1, 0, 0, 0]}"#;
+
+/// The controller of the examples, with a pose to change.
+fn controller() -> Value {
+    let mut controller = example("controller.json");
+    controller["tasks"][1]["law"]["target_pose"] =
+        json!({"position": [0.6, 0.1, 0.3], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}});
+    controller
+}
+
+#[test]
+fn wrong_controllers_are_refused() {
+    assert_all_refused(&Service::start(), "/v1/controllers", &controller(), &CONTROLLER);
+}
+
+#[test]
+fn wrong_controllers_are_refused_in_a_step_with_the_pointer_from_its_top() {
+    let mut step = example("step.json");
+    step["controller"] = controller();
+    let service = Service::start();
+    let inside = |text: &'static str| -> &'static str {
+        if text == NO_POINTER { text } else { format!("/controller{text}").leak() }
+    };
+    let rows: Vec<Row> =
+        CONTROLLER.iter().map(|&(at, text, status, to)| (inside(at), text, status, inside(to))).collect();
+    assert_all_refused(&service, "/v1/step", &step, &rows);
+}
+
+#[test]
+fn a_controller_has_at_most_64_tasks() {
+    let service = Service::start();
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.01]}});
+    let task = |k: usize| json!({"name": format!("task {k}"), "axes": ["x"], "law": law});
+    let with = |tasks: usize| {
+        let tasks: Vec<_> = (0..tasks).map(task).collect();
+        json!({"robot": "sawyer_dh", "period_s": 0.001, "tasks": tasks}).to_string()
+    };
+    service.post("/v1/controllers", &with(65)).assert_refused(422, Some("/tasks"));
+    service.post("/v1/controllers", &with(64)).accepted();
+}
+
+#[test]
+fn a_thousand_sessions_are_the_most() {
+    let service = Service::start();
+    let body = example("controller.json").to_string();
+    for _ in 0..1024 {
+        service.post("/v1/controllers", &body).accepted();
+    }
+    service.post("/v1/controllers", &body).assert_refused(503, None);
+    service.assert_alive();
+}

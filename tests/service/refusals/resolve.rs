@@ -1,0 +1,129 @@
+//! `POST /v1/resolve`.
+
+use serde_json::{Value, json};
+
+use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
+use crate::harness::{Service, example};
+
+const WITH_ROBOT: [Row; 71] = [
+    ("/robot", r#""puma""#, 422, "/robot"),
+    ("/robot", r#""""#, 422, "/robot"),
+    ("/robot", "7", 422, "/robot"),
+    ("/robot", "[]", 422, "/robot"),
+    ("/robot", LEFT_OUT, 422, "/robot"),
+    ("/joint_position", LEFT_OUT, 422, "/tasks/0/axes"),
+    ("/joint_position", "[]", 422, "/joint_position"),
+    ("/joint_position", "[0, 0, 0, 0, 0, 0]", 422, "/joint_position"),
+    ("/joint_position", "[0, 0, 0, 0, 0, 0, 0, 0]", 422, "/joint_position"),
+    ("/joint_position", "0.5", 422, "/joint_position"),
+    ("/joint_position", r#""home""#, 422, "/joint_position"),
+    ("/joint_position/2", "null", 422, "/joint_position/2"),
+    ("/joint_position/2", r#""1.0""#, 422, "/joint_position/2"),
+    ("/joint_position/2", "NaN", 400, NO_POINTER),
+    ("/joint_position/2", "-Infinity", 400, NO_POINTER),
+    ("/joint_position/2", "1e999", 400, NO_POINTER),
+    ("/joint_position/2", "-1e999", 400, NO_POINTER),
+    ("/joint_position/2", "1e308", 422, "/joint_position/2"),
+    ("/joint_position/2", "-1.1e9", 422, "/joint_position/2"),
+    ("/joint_position/2", "01", 400, NO_POINTER),
+    ("/joint_position/2", ".5", 400, NO_POINTER),
+    ("/joint_position/2", "0x10", 400, NO_POINTER),
+    ("/joint_velocity", "0", 422, "/joint_velocity"),
+    ("/period_s", "0", 422, "/period_s"),
+    ("/period_s", "-0.001", 422, "/period_s"),
+    ("/period_s", "1e-300", 422, "/period_s"),
+    ("/period_s", "11", 422, "/period_s"),
+    ("/period_s", "1e308", 422, "/period_s"),
+    ("/period_s", r#""1 ms""#, 422, "/period_s"),
+    ("/tasks", LEFT_OUT, 422, ""),
+    ("/tasks", "[]", 422, "/tasks"),
+    ("/tasks", "{}", 422, "/tasks"),
+    ("/tasks", "null", 422, "/tasks"),
+    ("/tasks/0", "null", 422, "/tasks/0"),
+    ("/tasks/0", "{}", 422, "/tasks/0"),
+    ("/tasks/0", r#"{"velocity": [0.1]}"#, 422, "/tasks/0"),
+    ("/tasks/0/name", "1", 422, "/tasks/0/name"),
+    ("/tasks/0/axes", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/axes", "[]", 422, "/tasks/0/axes"),
+    ("/tasks/0/axes", r#"["w"]"#, 422, "/tasks/0/axes/0"),
+    ("/tasks/0/axes", r#"["X"]"#, 422, "/tasks/0/axes/0"),
+    ("/tasks/0/axes", r#""x""#, 422, "/tasks/0/axes"),
+    ("/tasks/1/axes", r#"["y", "z", "y", "ry", "rz"]"#, 422, "/tasks/1/axes"),
+    ("/tasks/0/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/0"),
+    ("/tasks/0/velocity", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/velocity", "[]", 422, "/tasks/0/velocity"),
+    ("/tasks/0/velocity", "[0.1, 0.1]", 422, "/tasks/0/velocity"),
+    ("/tasks/0/velocity", "0.1", 422, "/tasks/0/velocity"),
+    ("/tasks/1/velocity/4", "1e308", 422, "/tasks/1/velocity/4"),
+    ("/tasks/1/velocity/4", "Infinity", 400, NO_POINTER),
+    ("/tasks/0/priority", "1", 422, "/tasks/0/priority"),
+    ("/method", r#""newton""#, 422, "/method"),
+    ("/method", r#""ReversePriority""#, 422, "/method"),
+    ("/method", "null", 422, "/method"),
+    ("/solver", r#""osqp""#, 422, "/solver"),
+    ("/solver", "[]", 422, "/solver"),
+    ("/limits", r#""acceleration""#, 422, "/limits"),
+    ("/limits", r#""position_velocity""#, 422, "/period_s"),
+    ("/limits", r#"{"lower": [-1, -1, -1, -1, -1, -1, -1]}"#, 422, "/limits"),
+    ("/limits", "3", 422, "/limits"),
+    ("/limits/middle", "[]", 422, "/limits/middle"),
+    ("/limits/lower", "[-1]", 422, "/limits/lower"),
+    ("/limits/lower/3", "1.5", 422, "/limits/lower/3"),
+    ("/limits/upper/3", "-1.5", 422, "/limits/lower/3"),
+    ("/limits/upper/3", "1e308", 422, "/limits/upper/3"),
+    ("/damping", "0.1", 422, "/damping"),
+    ("/damping", r#"{"threshold": 0, "max_factor": 0.1}"#, 422, "/damping"),
+    ("/damping", r#"{"threshold": 0.05, "max_factor": -0.1}"#, 422, "/damping"),
+    ("/damping", r#"{"threshold": 0.05, "max_factor": 1e300}"#, 422, "/damping/max_factor"),
+    ("/null_space_velocity", "[1]", 422, "/null_space_velocity"),
+    ("/speed", "1", 422, "/speed"),
+];
+
+const WITH_OWN_ROWS: [Row; 16] = [
+    ("/robot", r#""sawyer_dh""#, 422, "/tasks/0/jacobian"),
+    ("/joint_position", "[0, 0, 0]", 422, "/robot"),
+    ("/tasks/0/axes", r#"["x"]"#, 422, "/tasks/0"),
+    ("/tasks/0/jacobian", "[]", 422, "/tasks/0/jacobian"),
+    ("/tasks/0/jacobian", "[[]]", 422, "/tasks/0/jacobian"),
+    ("/tasks/0/jacobian", "[1, 2, 3]", 422, "/tasks/0/jacobian/0"),
+    ("/tasks/0/jacobian", "[[1, 2, 3], [1, 2]]", 422, "/tasks/0/jacobian/1"),
+    ("/tasks/0/jacobian", "[[1, 2, 3], [4, 5, 6]]", 422, "/tasks/0/velocity"),
+    ("/tasks/0/jacobian/0/1", "1e10", 422, "/tasks/0/jacobian/0/1"),
+    ("/tasks/0/jacobian/0/1", "NaN", 400, NO_POINTER),
+    ("/tasks/1/jacobian", "[[1, 2]]", 422, "/tasks/1/jacobian"),
+    ("/limits", r#""velocity""#, 422, "/limits"),
+    ("/limits", r#"{"lower": [0, 0], "upper": [1, 1]}"#, 422, "/limits/lower"),
+    ("/limits", r#"{"lower": [0, 0, 0], "upper": [1, 1, 1], "lower": [0, 0, 0]}"#, 422, "/limits"),
+    ("/null_space_velocity", r#"{"j1": 1, "j2": 1, "j3": 1}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity/1", "1e10", 422, "/null_space_velocity/1"),
+];
+
+fn own_rows() -> Value {
+    let task = |row: [f64; 3]| json!({"jacobian": [row], "velocity": [0.1]});
+    let tasks = [task([1.0, 0.0, 0.0]), task([0.0, 1.0, 1.0])];
+    json!({"tasks": tasks, "null_space_velocity": [0.0, 0.1, 0.2]})
+}
+
+#[test]
+fn wrong_problems_are_refused() {
+    assert_all_refused(&Service::start(), "/v1/resolve", &example("resolve.json"), &WITH_ROBOT);
+}
+
+#[test]
+fn wrong_problems_of_ones_own_rows_are_refused() {
+    assert_all_refused(&Service::start(), "/v1/resolve", &own_rows(), &WITH_OWN_ROWS);
+}
+
+#[test]
+fn problems_beyond_any_arm_are_refused() {
+    let service = Service::start();
+    let refused = |tasks: Value, pointer: &str| {
+        service.post("/v1/resolve", &json!({"tasks": tasks}).to_string()).assert_refused(422, Some(pointer));
+    };
+    let task =
+        |rows: usize, columns: usize| json!({"jacobian": vec![vec![0.5; columns]; rows], "velocity": vec![0.1; rows]});
+    refused(json!([task(1, 65)]), "/tasks/0/jacobian");
+    refused(json!([task(257, 3)]), "/tasks");
+    refused(json!(vec![task(1, 3); 257]), "/tasks");
+    refused(json!(vec![json!({"jacobian": [], "velocity": []}); 10_000]), "/tasks/0/jacobian");
+}

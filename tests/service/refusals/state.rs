@@ -1,0 +1,57 @@
+//! `POST /v1/controllers/{id}/step`, and the same object inside `POST /v1/step`.
+
+use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
+use crate::harness::{Service, example};
+
+const STATE: [Row; 34] = [
+    ("/sequence", LEFT_OUT, 422, ""),
+    ("/sequence", "-1", 422, "/sequence"),
+    ("/sequence", "1.5", 422, "/sequence"),
+    ("/sequence", r#""17""#, 422, "/sequence"),
+    ("/sequence", "9007199254740992", 422, "/sequence"),
+    ("/sequence", "18446744073709551616", 422, "/sequence"),
+    ("/time_s", LEFT_OUT, 422, ""),
+    ("/time_s", "null", 422, "/time_s"),
+    ("/time_s", "1e308", 422, "/time_s"),
+    ("/time_s", "NaN", 400, NO_POINTER),
+    ("/time_s", "17, \"time_s\": 17", 422, ""),
+    ("/joint_position", LEFT_OUT, 422, ""),
+    ("/joint_position", "[]", 422, "/joint_position"),
+    ("/joint_position", "[1, 2, 3]", 422, "/joint_position"),
+    ("/joint_position", r#"{"j1": 1}"#, 422, "/joint_position"),
+    ("/joint_position", r#"{"elbow": 1}"#, 422, "/joint_position/elbow"),
+    ("/joint_position/6", "1e308", 422, "/joint_position/6"),
+    ("/joint_position/6", "Infinity", 400, NO_POINTER),
+    ("/joint_position/6", "[1]", 422, "/joint_position/6"),
+    ("/joint_velocity", "[1]", 422, "/joint_velocity"),
+    ("/joint_velocity/0", "-1e308", 422, "/joint_velocity/0"),
+    ("/joint_velocity/0", "1e999", 400, NO_POINTER),
+    ("/wrench", LEFT_OUT, 422, "/wrench"),
+    ("/wrench", "null", 422, "/wrench"),
+    ("/wrench", "[0, 0, 0, 0, 0, 0]", 422, "/wrench/0"),
+    ("/wrench", "{}", 422, "/wrench"),
+    ("/wrench/torque", LEFT_OUT, 422, "/wrench"),
+    ("/wrench/force", "[1, 2]", 422, "/wrench/force"),
+    ("/wrench/force", "[1, 2, 3, 4]", 422, "/wrench/force"),
+    ("/wrench/force/0", "1e308", 422, "/wrench/force/0"),
+    ("/wrench/torque/2", "-Infinity", 400, NO_POINTER),
+    ("/wrench/frame", r#""tool""#, 422, "/wrench/frame"),
+    ("/memory", "null", 422, "/memory"),
+    ("/q", "[]", 422, "/q"),
+];
+
+#[test]
+fn wrong_states_are_refused_by_a_session() {
+    let service = Service::start();
+    let address = format!("{}/step", service.open(&example("controller.json")));
+    assert_all_refused(&service, &address, &example("state.json"), &STATE);
+    assert_eq!(service.get(address.trim_end_matches("/step")).accepted()["steps"], 1);
+}
+
+#[test]
+fn wrong_states_are_refused_in_a_step_with_the_pointer_from_its_top() {
+    let inside =
+        |text: &'static str| -> &'static str { if text == NO_POINTER { text } else { format!("/state{text}").leak() } };
+    let rows: Vec<Row> = STATE.iter().map(|&(at, text, status, to)| (inside(at), text, status, inside(to))).collect();
+    assert_all_refused(&Service::start(), "/v1/step", &example("step.json"), &rows);
+}
