@@ -1,5 +1,6 @@
 //! `revprio demo`
 
+use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
 use super::simulate::{record, write_traces};
@@ -35,13 +36,13 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         }
     }
     let page = report(&recordings);
-    print!("{}", table::text(&page.rows));
+    write!(stdout(), "{}", table::text(&page.rows))?;
     for note in &page.notes {
-        println!("\n{}: {}", note.scenario, note.text);
+        writeln!(stdout(), "\n{}: {}", note.scenario, note.text)?;
     }
     write_traces(&options.out, &recordings)?;
     report::write(&options.out, &page)?;
-    println!("\nfigures, traces and one page with all of it: {}", options.out.join("index.html").display());
+    writeln!(stdout(), "\nfigures, traces and one page with all of it: {}", options.out.join("index.html").display())?;
     Ok(())
 }
 

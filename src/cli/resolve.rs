@@ -1,6 +1,7 @@
 //! `revprio resolve`
 
 use std::fmt::Write as _;
+use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use super::{CliError, Target};
@@ -23,9 +24,10 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let answer = Target::open(options.server.as_deref())?.client.resolve(&request)?;
     if options.json {
         let json = serde_json::to_string_pretty(&answer);
-        println!("{}", json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?);
+        let json = json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?;
+        writeln!(stdout(), "{json}")?;
     } else {
-        print!("{}", describe(&answer));
+        write!(stdout(), "{}", describe(&answer))?;
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `revprio serve`
 
+use std::io::{Write as _, stdout};
 use std::net::SocketAddr;
 
 use super::CliError;
@@ -16,7 +17,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let filter = tracing_subscriber::EnvFilter::builder().with_default_directive(tracing::Level::INFO.into());
     tracing_subscriber::fmt().with_env_filter(filter.from_env_lossy()).with_writer(std::io::stderr).init();
     let listener = bind(options.listen)?;
-    println!("listening on http://{}", listener.local_addr()?);
+    writeln!(stdout(), "listening on http://{}", listener.local_addr()?)?;
     Ok(serve(listener, router(App::new(Robots::built_in())), stop_signal())?)
 }
 

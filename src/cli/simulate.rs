@@ -1,5 +1,6 @@
 //! `revprio simulate`
 
+use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -39,7 +40,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
     let recordings = [record(&scenario, &target, mode)?];
     let rows = table::rows(&recordings);
-    print!("{}", table::text(&rows));
+    write!(stdout(), "{}", table::text(&rows))?;
     write_traces(&options.out, &recordings)?;
     let page = Report {
         title: format!("{}: {}", scenario.name, scenario.description),
@@ -51,7 +52,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         command: command(options, &scenario),
     };
     report::write(&options.out, &page)?;
-    println!("\nfigure, trace and one page with both: {}", options.out.join("index.html").display());
+    writeln!(stdout(), "\nfigure, trace and one page with both: {}", options.out.join("index.html").display())?;
     Ok(())
 }
 
