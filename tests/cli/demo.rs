@@ -1,0 +1,103 @@
+//! `revprio demo`: the paper's experiments, judged by the traces that they leave.
+
+use std::path::Path;
+
+use crate::program::{Scratch, files, success};
+use crate::trace::Trace;
+
+const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
+
+/// Largest difference that is rounding, rad/s.
+const COINCIDE: f64 = 1e-9;
+
+/// The three runs of a scenario.
+struct Runs {
+    reverse: Trace,
+    cascade: Trace,
+    classical: Trace,
+}
+
+impl Runs {
+    fn read(out: &Path, scenario: &str) -> Self {
+        let trace = |variant: &str| Trace::read(&out.join(format!("{scenario}-{variant}.csv")));
+        Self {
+            reverse: trace("reverse_priority-closed_form"),
+            cascade: trace("reverse_priority-qp"),
+            classical: trace("damped_least_squares-closed_form"),
+        }
+    }
+
+    /// Reverse priority and the classical control command the same.
+    fn assert_coincide(&self) {
+        let difference = self.reverse.largest_difference(&self.classical);
+        assert!(difference <= COINCIDE, "{difference}");
+    }
+}
+
+fn assert_between(value: f64, low: f64, high: f64) {
+    assert!((low..=high).contains(&value), "{value} is not between {low} and {high}");
+}
+
+fn force_tracking(runs: &Runs) {
+    runs.assert_coincide();
+    assert_eq!(runs.reverse.rows(), 20_000);
+    assert_between(runs.reverse.rmse_fx(5.0), 0.1, 0.2);
+}
+
+fn force_tracking_singular(runs: &Runs) {
+    assert_between(runs.reverse.rmse_fx(5.0), 0.1, 0.2);
+    assert_between(runs.classical.rmse_fx(5.0), 1.2, 1.6);
+}
+
+fn stiff_wall(runs: &Runs) {
+    runs.assert_coincide();
+    let contacts = runs.reverse.contacts_s();
+    assert_eq!(contacts.len(), 5);
+    assert_between(contacts[0], 0.3455, 0.3465);
+    assert_between(runs.reverse.peak_fx(), 242.0, 246.0);
+    assert_between(runs.reverse.final_fx(), 30.0 - 1e-6, 30.0 + 1e-6);
+}
+
+fn stiff_wall_singular(runs: &Runs) {
+    assert_between(runs.reverse.final_fx(), 30.0 - 1e-3, 30.0 + 1e-3);
+    assert_between(runs.reverse.contacts_s()[0], 0.3, 0.4);
+    assert!(runs.classical.contacts_s().is_empty());
+    assert_eq!(runs.classical.peak_fx(), 0.0);
+}
+
+/// What holds in every scenario: the cascade is certified, and equal to the closed form.
+fn cascade_is_the_closed_form(runs: &Runs) {
+    let difference = runs.cascade.largest_difference(&runs.reverse);
+    assert!(difference <= COINCIDE, "{difference}");
+    assert!(runs.cascade.words("status").iter().all(|status| status == "optimal"));
+    assert!(runs.cascade.words("path").iter().all(|path| path == "qp"));
+}
+
+fn files_are_complete(out: &Path, files: &[String]) {
+    let count = |ending: &str| files.iter().filter(|name| name.ends_with(ending)).count();
+    assert_eq!((count(".csv"), count(".html")), (12, 1));
+    assert!(count(".svg") >= 4 && count(".svg") == count(".png"), "{files:?}");
+    let page = std::fs::read_to_string(out.join("index.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("does not reach the wall"));
+    assert!(!page.contains("src=\"http"), "the page must not load anything");
+    for name in files.iter().filter(|name| name.ends_with(".png")) {
+        assert!(std::fs::read(out.join(name)).unwrap().starts_with(b"\x89PNG"), "{name}");
+    }
+}
+
+#[test]
+fn the_demo_reproduces_the_papers_experiments() {
+    let scratch = Scratch::new("demo");
+    let table = success(&["demo", "--out", scratch.path().to_str().unwrap()]);
+    for scenario in SCENARIOS {
+        assert!(table.contains(scenario), "{scenario} is not in {table}");
+    }
+    assert!(table.contains("does not reach the wall"), "{table}");
+    files_are_complete(scratch.path(), &files(scratch.path()));
+    let judges = [force_tracking, force_tracking_singular, stiff_wall, stiff_wall_singular];
+    for (scenario, judge) in SCENARIOS.iter().zip(judges) {
+        let runs = Runs::read(scratch.path(), scenario);
+        cascade_is_the_closed_form(&runs);
+        judge(&runs);
+    }
+}

@@ -1,0 +1,8 @@
+//! The program as its users run it.
+
+mod demo;
+mod program;
+mod resolve;
+mod serve;
+mod simulate;
+mod trace;

@@ -1,0 +1,75 @@
+//! `revprio`, its help, and `revprio resolve`.
+
+use std::process::Stdio;
+
+use crate::program::{failure, program, success, success_with_input};
+use crate::serve::Server;
+
+const EXAMPLE: &str = "api/examples/resolve.json";
+
+#[test]
+fn help_shows_every_command_and_examples() {
+    let help = success(&["--help"]);
+    for word in ["demo", "serve", "simulate", "resolve", "Examples:", "--version"] {
+        assert!(help.contains(word), "{word} is not in {help}");
+    }
+    for command in ["demo", "serve", "simulate", "resolve"] {
+        assert!(success(&[command, "--help"]).contains("Usage: revprio"), "{command}");
+    }
+    assert!(success(&["--version"]).starts_with("revprio "));
+}
+
+#[test]
+fn a_word_that_is_no_command_is_refused_with_help() {
+    let output = program(&["fly"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--help"));
+}
+
+#[test]
+fn an_answer_is_printed_for_people_and_as_json() {
+    let table = success(&["resolve", EXAMPLE]);
+    for part in ["joint velocity ", "task `push`, rank 1", "task `rest`, rank 5", "solved by closed_form, optimal"] {
+        assert!(table.contains(part), "{part} is not in {table}");
+    }
+    let answer: serde_json::Value = serde_json::from_str(&success(&["resolve", EXAMPLE, "--json"])).unwrap();
+    let achieved = answer["tasks"][0]["achieved"][0].as_f64().unwrap();
+    assert!((achieved - 0.05).abs() < 1e-9, "{achieved}");
+}
+
+#[test]
+fn a_problem_comes_from_standard_input_too() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/api/examples/resolve.json")).unwrap();
+    assert_eq!(success_with_input(&["resolve", "-"], &text), success(&["resolve", EXAMPLE]));
+}
+
+#[test]
+fn a_running_server_gives_the_same_answer() {
+    let server = Server::start();
+    assert_eq!(success(&["resolve", EXAMPLE, "--server", &server.url]), success(&["resolve", EXAMPLE]));
+}
+
+#[test]
+fn failures_say_what_and_where() {
+    assert!(failure(&["resolve", "no_such.json"]).contains("cannot read no_such.json"));
+    assert!(failure(&["resolve", "rustfmt.toml"]).contains("rustfmt.toml: expected value at line 1"));
+    let message = failure(&["resolve", EXAMPLE, "--server", "http://127.0.0.1:9"]);
+    assert!(message.contains("no answer from http://127.0.0.1:9/v1/resolve"), "{message}");
+}
+
+#[test]
+fn rows_of_ones_own_need_no_robot() {
+    let problem = r#"{"tasks": [{"jacobian": [[2]], "velocity": [3]}]}"#;
+    let answer: serde_json::Value =
+        serde_json::from_str(&success_with_input(&["resolve", "-", "--json"], problem)).unwrap();
+    assert!((answer["joint_velocity"][0].as_f64().unwrap() - 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn nobody_listening_to_the_output_is_an_orderly_end() {
+    let mut child = program(&["resolve", EXAMPLE]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && message.starts_with("error: cannot print"), "{message}");
+}

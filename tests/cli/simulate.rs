@@ -1,0 +1,82 @@
+//! `revprio simulate`
+
+use crate::program::{Scratch, failure, files, program, success};
+use crate::serve::Server;
+use crate::trace::Trace;
+
+/// A built-in scenario, cut to its first moments.
+fn short(name: &str, duration: &str) -> String {
+    let path = format!("{}/fixtures/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let lines = text.lines().map(|line| if line.starts_with("duration_s") { duration } else { line });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_scenario_of_ones_own_runs_against_a_server_and_leaves_trace_figures_and_page() {
+    let (scratch, server) = (Scratch::new("simulate"), Server::start());
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
+    let out = scratch.argument("out");
+    let options = ["--method", "strict_reverse_priority", "--solver", "qp", "--server", &server.url, "--out", &out];
+    let table = success(&[&["simulate", &file][..], &options].concat());
+    assert!(table.contains("strict reverse priority") && table.contains("index.html"), "{table}");
+    let files = files(&scratch.path().join("out"));
+    assert!(files.contains(&"stiff_wall-strict_reverse_priority-qp.csv".to_owned()), "{files:?}");
+    for ending in [".html", ".svg", ".png"] {
+        assert!(files.iter().any(|name| name.ends_with(ending)), "no {ending} in {files:?}");
+    }
+    let trace = Trace::read(&scratch.path().join("out/stiff_wall-strict_reverse_priority-qp.csv"));
+    assert_eq!(trace.rows(), 400);
+    assert!(trace.words("path").iter().all(|path| path == "qp"));
+}
+
+#[test]
+fn memory_that_travels_leaves_the_same_trace() {
+    let scratch = Scratch::new("stateless");
+    let file = scratch.write("mine.toml", &short("force_tracking_singular", "duration_s = 0.3"));
+    let trace = |out: &str, more: &[&str]| {
+        success(&[&["simulate", &file, "--out", &scratch.argument(out)], more].concat());
+        std::fs::read(scratch.path().join(out).join("force_tracking_singular-reverse_priority-auto.csv")).unwrap()
+    };
+    assert!(trace("session", &[]) == trace("stateless", &["--stateless"]), "the two traces differ");
+}
+
+#[test]
+fn failures_say_what_and_where() {
+    let scratch = Scratch::new("simulate_failures");
+    let known = failure(&["simulate", "stif_wall"]);
+    assert!(known.contains("no scenario `stif_wall`; known: force_tracking, "), "{known}");
+    assert!(failure(&["simulate", "no_such.toml"]).contains("cannot read no_such.toml"));
+    let broken = scratch.write("broken.toml", &short("stiff_wall", "duration_s = = 1"));
+    assert!(failure(&["simulate", &broken]).contains("line 5"));
+    let misspelt = scratch.write("misspelt.toml", &short("stiff_wall", "duration = 1.0"));
+    assert!(failure(&["simulate", &misspelt]).contains("line 5"));
+    let message = failure(&["simulate", "stiff_wall", "--server", "http://127.0.0.1:9"]);
+    assert!(
+        message.contains("no answer from http://127.0.0.1:9") && message.contains("is the service running"),
+        "{message}"
+    );
+}
+
+#[test]
+fn what_the_service_refuses_is_passed_on() {
+    let scratch = Scratch::new("simulate_refused");
+    let text = short("stiff_wall", "duration_s = 0.1").replacen("inertia = [15.0]", "inertia = [-15.0]", 1);
+    let message = failure(&["simulate", &scratch.write("heavy.toml", &text)]);
+    assert!(message.contains("inertia must be positive") && message.contains("/tasks/0/law/inertia/0"), "{message}");
+}
+
+#[test]
+fn an_unknown_method_is_refused_with_the_known_ones() {
+    let output = program(&["simulate", "stiff_wall", "--method", "newton"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("reverse_priority"));
+}
+
+#[test]
+fn an_output_directory_that_cannot_be_made_is_named() {
+    let scratch = Scratch::new("simulate_out");
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.01"));
+    let taken = scratch.write("taken", "");
+    assert!(failure(&["simulate", &file, "--out", &taken]).contains(&taken));
+}
