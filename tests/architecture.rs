@@ -57,7 +57,7 @@ impl Line {
     /// Paths that follow `crate::`, as far as the second word: `simulator::recording`.
     fn imports(&self) -> Vec<String> {
         let after = self.code.split("crate::").skip(1);
-        after.flat_map(|rest| branches(rest)).collect()
+        after.flat_map(branches).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! `revprio demo`: the paper's experiments, judged by the traces that they leave.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::program::{Scratch, files, success};
 use crate::trace::Trace;
@@ -74,14 +74,17 @@ fn cascade_is_the_closed_form(runs: &Runs) {
 }
 
 fn files_are_complete(out: &Path, files: &[String]) {
-    let count = |ending: &str| files.iter().filter(|name| name.ends_with(ending)).count();
-    assert_eq!((count(".csv"), count(".html")), (12, 1));
-    assert!(count(".svg") >= 4 && count(".svg") == count(".png"), "{files:?}");
-    let page = std::fs::read_to_string(out.join("index.html")).unwrap();
+    let with_ending = |ending: &str| -> Vec<PathBuf> {
+        files.iter().map(|name| out.join(name)).filter(|path| path.extension().is_some_and(|e| e == ending)).collect()
+    };
+    let [traces, pages, drawings, images] = ["csv", "html", "svg", "png"].map(with_ending);
+    assert_eq!((traces.len(), pages.len()), (12, 1));
+    assert!(drawings.len() >= 4 && drawings.len() == images.len(), "{files:?}");
+    let page = std::fs::read_to_string(&pages[0]).unwrap();
     assert!(page.contains("<svg") && page.contains("does not reach the wall"));
     assert!(!page.contains("src=\"http"), "the page must not load anything");
-    for name in files.iter().filter(|name| name.ends_with(".png")) {
-        assert!(std::fs::read(out.join(name)).unwrap().starts_with(b"\x89PNG"), "{name}");
+    for image in images {
+        assert!(std::fs::read(&image).unwrap().starts_with(b"\x89PNG"), "{}", image.display());
     }
 }
 
