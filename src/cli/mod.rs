@@ -4,6 +4,7 @@ mod demo;
 mod resolve;
 mod serve;
 mod simulate;
+mod stability;
 
 use std::path::PathBuf;
 
@@ -28,6 +29,7 @@ const EXAMPLES: &str = "Examples:
   revprio serve                                      serve on 127.0.0.1:8080
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
 #[derive(Debug, Subcommand)]
@@ -38,6 +40,8 @@ enum Command {
     Serve(serve::Options),
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
+    /// Tell how much lag, delay and how little damping one axis in contact bears.
+    Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
 }
@@ -104,6 +108,7 @@ impl Cli {
             Command::Demo(options) => demo::run(&options),
             Command::Serve(options) => serve::run(&options),
             Command::Simulate(options) => simulate::run(&options),
+            Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
         }
     }

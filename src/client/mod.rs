@@ -77,6 +77,11 @@ impl Client {
         self.post(&format!("/v1/controllers/{id}/step"), state)
     }
 
+    /// `POST /v1/stability`
+    pub fn stability(&self, request: &wire::StabilityRequest) -> Result<wire::StabilityAnswer, ClientError> {
+        self.post("/v1/stability", request)
+    }
+
     /// `DELETE /v1/controllers/{id}`
     pub fn delete_controller(&self, id: &str) -> Result<(), ClientError> {
         let url = format!("{}/v1/controllers/{id}", self.base);

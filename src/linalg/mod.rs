@@ -3,9 +3,11 @@
 //! Matrices are dynamic (`DMatrix`), because the number of joints and of task rows is data.
 
 mod damping;
+mod spectrum;
 mod svd;
 
 pub use damping::Damping;
+pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::{RANK_TOLERANCE, Svd, SvdError};
 
 /// A matrix of any shape.

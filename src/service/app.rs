@@ -39,6 +39,7 @@ pub fn router(app: App) -> Router {
         .route("/v1/controllers", post(handlers::create_controller))
         .route("/v1/controllers/{id}", get(handlers::show_controller).delete(handlers::delete_controller))
         .route("/v1/controllers/{id}/step", post(handlers::step_controller))
+        .route("/v1/stability", post(handlers::stability))
         .route("/v1/robots", get(handlers::robots))
         .route("/v1/robots/{name}", get(handlers::robot))
         .route("/healthz", get(|| async { "ok" }))

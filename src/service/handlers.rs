@@ -84,6 +84,12 @@ pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Resu
     app.sessions.delete(&id).map(|()| StatusCode::NO_CONTENT)
 }
 
+/// `POST /v1/stability`
+pub async fn stability(Body(request): Body<wire::StabilityRequest>) -> Result<Json<wire::StabilityAnswer>, Problem> {
+    let margin = convert::contact_loop(&request)?.margin().map_err(|_| Problem::internal())?;
+    Ok(Json(convert::margin_answer(&margin)))
+}
+
 /// `GET /v1/robots`
 pub async fn robots(State(app): Shared) -> Json<wire::RobotList> {
     Json(wire::RobotList { robots: app.robots.iter().map(|robot| convert::robot_answer(robot)).collect() })

@@ -6,6 +6,7 @@ mod numbers;
 mod outcome;
 mod resolve;
 mod robot;
+mod stability;
 mod step;
 mod terms;
 
@@ -13,4 +14,5 @@ pub use controller::controller;
 pub use memory::{memory, memory_answer};
 pub use resolve::{question, resolution_problem, resolve_answer};
 pub use robot::robot_answer;
+pub use stability::{contact_loop, margin_answer};
 pub use step::{measurement, step_answer, step_problem};

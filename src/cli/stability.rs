@@ -1,0 +1,77 @@
+//! `revprio stability`
+
+use super::{CliError, Target};
+use crate::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
+
+/// Linear axes in kg, N·s/m and N/m, angular ones in kg·m², N·m·s/rad and N·m/rad.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Inertia `M_d` of the law
+    #[arg(long)]
+    inertia: f64,
+    /// Damping `B_d` of the law
+    #[arg(long)]
+    damping: f64,
+    /// Stiffness `K_d` of the law; 0 where it follows a force
+    #[arg(long, default_value_t = 0.0)]
+    stiffness: f64,
+    /// Stiffness `K_e` of the environment
+    #[arg(long)]
+    environment_stiffness: f64,
+    /// Damping `B_e` of the environment
+    #[arg(long, default_value_t = 0.0)]
+    environment_damping: f64,
+    /// Inertia `M_e` of the environment
+    #[arg(long, default_value_t = 0.0)]
+    environment_inertia: f64,
+    /// Control period, s
+    #[arg(long, default_value_t = 0.001)]
+    period_s: f64,
+    /// First-order lag of the arm's velocity loop, s
+    #[arg(long, default_value_t = 0.0)]
+    lag_s: f64,
+    /// Whole periods that a command waits before it acts
+    #[arg(long, default_value_t = 0)]
+    delay_periods: usize,
+    /// The law damps the commanded velocity, because states carry no measured one
+    #[arg(long)]
+    velocity_not_measured: bool,
+    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    #[arg(long)]
+    server: Option<String>,
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let request = StabilityRequest {
+        inertia: options.inertia,
+        damping: options.damping,
+        stiffness: options.stiffness,
+        environment: EnvironmentAxis {
+            stiffness: options.environment_stiffness,
+            damping: options.environment_damping,
+            inertia: options.environment_inertia,
+        },
+        period_s: options.period_s,
+        lag_s: options.lag_s,
+        delay_periods: options.delay_periods,
+        velocity_measured: !options.velocity_not_measured,
+    };
+    let answer = Target::open(options.server.as_deref())?.client.stability(&request)?;
+    print!("{}", describe(&answer));
+    Ok(())
+}
+
+fn describe(answer: &StabilityAnswer) -> String {
+    let or_none = |value: Option<String>, none: &str| value.unwrap_or_else(|| none.to_owned());
+    let lag = match answer.stable_at_any_lag {
+        true => "any".to_owned(),
+        false => or_none(answer.largest_lag_s.map(|lag| format!("{:.4} ms", 1e3 * lag)), "none"),
+    };
+    format!(
+        "{}, spectral radius {:.6}\nlargest lag           {lag}\nlargest delay         {}\nsmallest damping B_d  {}\n",
+        if answer.stable { "stable" } else { "unstable: it would bounce for ever" },
+        answer.spectral_radius,
+        or_none(answer.largest_delay_periods.map(|periods| format!("{periods} periods")), "none"),
+        or_none(answer.smallest_damping.map(|damping| format!("{damping:.4}")), "none stabilises it"),
+    )
+}

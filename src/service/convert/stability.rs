@@ -1,0 +1,49 @@
+//! `POST /v1/stability`.
+
+use super::numbers::number;
+use super::resolve::positive_period;
+use crate::controller::{ContactLoop, LONGEST_DELAY, Margin};
+use crate::service::problem::Problem;
+use crate::wire;
+
+/// Reads a request.
+pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Problem> {
+    let wire::StabilityRequest { environment, .. } = request;
+    if request.delay_periods > LONGEST_DELAY {
+        return Err(Problem::invalid("/delay_periods", format!("at most {LONGEST_DELAY} periods")));
+    }
+    if request.inertia <= 0.0 {
+        return Err(Problem::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));
+    }
+    Ok(ContactLoop {
+        inertia: number(request.inertia, "/inertia")?,
+        damping: not_negative(request.damping, "/damping")?,
+        stiffness: not_negative(request.stiffness, "/stiffness")?,
+        environment_inertia: not_negative(environment.inertia, "/environment/inertia")?,
+        environment_damping: not_negative(environment.damping, "/environment/damping")?,
+        environment_stiffness: not_negative(environment.stiffness, "/environment/stiffness")?,
+        period_s: positive_period(request.period_s, "/period_s")?,
+        lag_s: not_negative(request.lag_s, "/lag_s")?,
+        delay_periods: request.delay_periods,
+        velocity_measured: request.velocity_measured,
+    })
+}
+
+fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
+    if value < 0.0 {
+        return Err(Problem::invalid(pointer, format!("{value} is out of range; it must not be negative")));
+    }
+    number(value, pointer)
+}
+
+/// The answer's body.
+pub fn margin_answer(margin: &Margin) -> wire::StabilityAnswer {
+    wire::StabilityAnswer {
+        stable: margin.is_stable(),
+        spectral_radius: margin.spectral_radius,
+        largest_lag_s: margin.largest_lag_s.filter(|lag| lag.is_finite()),
+        stable_at_any_lag: margin.largest_lag_s.is_some_and(f64::is_infinite),
+        largest_delay_periods: margin.largest_delay_periods,
+        smallest_damping: margin.smallest_damping,
+    }
+}

@@ -1,0 +1,84 @@
+//! The stability margin against the simulator: the lag at which a simulated contact begins to swing up, found by bisection
+//! over runs through the service, is the computed one.
+
+use revprio::client::Client;
+use revprio::service::{App, Robots, RunningServer, router};
+use revprio::simulator::{CallMode, Scenario, run};
+use revprio::wire::{EnvironmentAxis, StabilityRequest};
+
+/// A force of 30 N against a stiff spring in x, everything else at rest.
+const CONTACT: &str = r#"
+name = "stiff_spring"
+description = "force control against a stiff spring"
+duration_s = 4.0
+start_joint_position = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]
+
+[[contacts]]
+axis = "x"
+kind = "spring"
+stiffness = 1e5
+
+[controller]
+robot = "sawyer_dh"
+period_s = 0.001
+solver = "closed_form"
+
+[[controller.tasks]]
+name = "push"
+axes = ["x"]
+law = { kind = "force", inertia = [15.0], damping = [150.0], target_force = { kind = "constant", value = [30.0] } }
+
+[[controller.tasks]]
+name = "rest"
+axes = ["y", "z", "rx", "ry", "rz"]
+law = { kind = "velocity", target_velocity = { kind = "constant", value = [0.0, 0.0, 0.0, 0.0, 0.0] } }
+"#;
+
+/// Whether the force swings wider in the last second than in the second one.
+fn swings_up(client: &Client, lag_s: f64) -> bool {
+    let mut scenario = Scenario::parse(CONTACT, "stiff_spring.toml").unwrap();
+    scenario.velocity_loop.lag_s = lag_s;
+    let recording = run(&scenario, client, CallMode::Session, |_| ()).unwrap();
+    let swing = |from: usize| {
+        let forces = recording.samples[from..from + 1000].iter().map(|sample| sample.force[0]);
+        let (low, high) = forces.fold((f64::MAX, f64::MIN), |(low, high), force| (low.min(force), high.max(force)));
+        high - low
+    };
+    swing(3000) > swing(1000)
+}
+
+/// The lag at which the swing begins to grow, by eight halvings of 0.5 … 1.5 times `about`.
+fn simulated_largest_lag(client: &Client, about: f64) -> f64 {
+    let (mut calm, mut wild) = (0.5 * about, 1.5 * about);
+    assert!(!swings_up(client, calm) && swings_up(client, wild));
+    for _ in 0..8 {
+        let middle = f64::midpoint(calm, wild);
+        if swings_up(client, middle) {
+            wild = middle;
+        } else {
+            calm = middle;
+        }
+    }
+    f64::midpoint(calm, wild)
+}
+
+#[test]
+fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
+    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let client = Client::new(&server.url());
+    let request = StabilityRequest {
+        inertia: 15.0,
+        damping: 150.0,
+        stiffness: 0.0,
+        environment: EnvironmentAxis { stiffness: 1e5, damping: 0.0, inertia: 0.0 },
+        period_s: 0.001,
+        lag_s: 0.0,
+        delay_periods: 0,
+        velocity_measured: true,
+    };
+    let margin = client.stability(&request).unwrap();
+    assert!(margin.stable);
+    let computed = margin.largest_lag_s.unwrap();
+    let simulated = simulated_largest_lag(&client, computed);
+    assert!((simulated / computed - 1.0).abs() < 0.02, "simulated {simulated}, computed {computed}");
+}
