@@ -1,5 +1,7 @@
 //! `revprio stability`
 
+use std::io::{Write as _, stdout};
+
 use super::{CliError, Target};
 use crate::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
@@ -57,7 +59,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         velocity_measured: !options.velocity_not_measured,
     };
     let answer = Target::open(options.server.as_deref())?.client.stability(&request)?;
-    print!("{}", describe(&answer));
+    write!(stdout(), "{}", describe(&answer))?;
     Ok(())
 }
 

@@ -1,21 +1,16 @@
 //! Routes.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::Router;
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::timeout::RequestBodyTimeoutLayer;
 
 use super::handlers;
 use super::problem::Problem;
 use super::robots::Robots;
 use super::sessions::Sessions;
-
-/// Time in which a body must come in, counted from one piece to the next.
-const BODY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// What all requests share.
 pub struct App {
@@ -47,7 +42,6 @@ pub fn router(app: App) -> Router {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
         .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
-        .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
         .layer(CatchPanicLayer::custom(|_| {
             tracing::error!("a handler panicked");
             Problem::internal().into_response()

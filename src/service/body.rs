@@ -2,6 +2,7 @@
 
 use std::future::poll_fn;
 use std::pin::Pin;
+use std::time::Duration;
 
 use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
@@ -19,6 +20,9 @@ pub const BODY_LIMIT: usize = 1 << 20;
 /// would see a broken connection instead of the refusal.
 const FORGOTTEN_LIMIT: usize = 16 << 20;
 
+/// Time in which the whole body must come in, so that a client cannot hold its connection by trickling.
+const BODY_TIMEOUT: Duration = Duration::from_secs(10);
+
 /// A JSON body.
 pub struct Body<T>(pub T);
 
@@ -29,7 +33,8 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
         if !is_json(request.headers()) {
             return Err(Problem::media_type());
         }
-        let bytes = read(request.into_body()).await?;
+        let bytes = tokio::time::timeout(BODY_TIMEOUT, read(request.into_body()));
+        let bytes = bytes.await.map_err(|_| Problem::body_timeout())??;
         parse(&bytes).map(Self)
     }
 }

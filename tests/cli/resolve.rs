@@ -10,10 +10,10 @@ const EXAMPLE: &str = "api/examples/resolve.json";
 #[test]
 fn help_shows_every_command_and_examples() {
     let help = success(&["--help"]);
-    for word in ["demo", "serve", "simulate", "resolve", "Examples:", "--version"] {
+    for word in ["demo", "serve", "simulate", "resolve", "stability", "Examples:", "--version"] {
         assert!(help.contains(word), "{word} is not in {help}");
     }
-    for command in ["demo", "serve", "simulate", "resolve"] {
+    for command in ["demo", "serve", "simulate", "resolve", "stability"] {
         assert!(success(&[command, "--help"]).contains("Usage: revprio"), "{command}");
     }
     assert!(success(&["--version"]).starts_with("revprio "));
@@ -24,6 +24,15 @@ fn a_word_that_is_no_command_is_refused_with_help() {
     let output = program(&["fly"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--help"));
+}
+
+#[test]
+fn a_contact_that_would_bounce_is_told_its_margins() {
+    let contact = ["stability", "--inertia", "15", "--damping", "150", "--environment-stiffness", "1e5"];
+    let stable = success(&contact);
+    assert!(stable.starts_with("stable, ") && stable.contains("largest lag           1."), "{stable}");
+    let lagging = success(&[&contact[..], &["--lag-s", "0.005"]].concat());
+    assert!(lagging.starts_with("unstable: "), "{lagging}");
 }
 
 #[test]

@@ -73,6 +73,23 @@ fn a_shown_controller_can_be_created_again() {
 }
 
 #[test]
+fn a_contact_that_would_bounce_for_ever_is_told_what_would_help() {
+    let service = Service::start();
+    let lagging = service.ask("/v1/stability", &example("stability.json"));
+    assert_eq!(lagging["stable"], false);
+    let (lag, damping) = (&lagging["largest_lag_s"], &lagging["smallest_damping"]);
+    let mended = |field: &str, value: f64| {
+        let mut request = example("stability.json");
+        request[field] = json!(value);
+        service.ask("/v1/stability", &request)["stable"] == true
+    };
+    assert!(mended("lag_s", 0.99 * lag.as_f64().unwrap()) && !mended("lag_s", 1.01 * lag.as_f64().unwrap()));
+    assert!(
+        mended("damping", 1.01 * damping.as_f64().unwrap()) && !mended("damping", 0.99 * damping.as_f64().unwrap())
+    );
+}
+
+#[test]
 fn robots_are_listed_and_shown_with_their_limits() {
     let service = Service::start();
     let list = service.get("/v1/robots").accepted();

@@ -3,6 +3,7 @@
 mod controller;
 mod protocol;
 mod resolve;
+mod stability;
 mod state;
 
 use serde_json::Value;
