@@ -96,6 +96,16 @@ impl Svd {
         x
     }
 
+    /// A A⁺ b − A x for the damped x of [`Svd::damped_solve`]: what damping gives up of the reachable part of b.
+    pub fn damping_loss(&self, b: &Vector, lambda: f64) -> Vector {
+        let mut loss = Vector::zeros(self.u.nrows());
+        for (i, &sigma) in self.sigma.iter().enumerate().take(self.rank) {
+            let share = lambda * lambda / (sigma * sigma + lambda * lambda);
+            loss.axpy(share * self.u.column(i).dot(b), &self.u.column(i), 1.0);
+        }
+        loss
+    }
+
     /// A⁺, n × m.
     pub fn pseudo_inverse(&self) -> Matrix {
         let mut inverse = Matrix::zeros(self.v.nrows(), self.u.nrows());

@@ -40,7 +40,7 @@ impl Descent {
         let gradient = J_k_N.transpose() * (&J_k_N * &z - &e_k) + &z * (lambda * lambda);
         let step = Step {
             delta: &self.N * &z,
-            given_up: &J_k_N * (svd.solve(&e_k) - &z),
+            given_up: svd.damping_loss(&e_k, lambda),
             kkt_residual: relative(&gradient, gradient_scale(J_k, lambda, terms, xdot_k.norm())),
         };
         self.qdot += &step.delta;

@@ -40,6 +40,10 @@ const OPTIMALITY: f64 = 1e-12;
 /// A multiplier carries rounding of 1e-16; the relief that it promises is the multiplier divided by this effect.
 const SENSITIVITY: f64 = 1e-3;
 
+/// Change of C z, relative to the level's size, that is rounding: a move that achieves no more is not made. In a corner it
+/// would run into limits that depend on the active ones.
+const ARRIVED: f64 = 1e-13;
+
 /// Fraction of a move that, along a limit, is rounding and no approach.
 const APPROACH: f64 = 1e-13;
 
@@ -194,8 +198,10 @@ pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
     let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        let target = Minimiser::new(level, &z, &active)?;
-        if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
+        let mut target = Minimiser::new(level, &z, &active)?;
+        if (&level.C * (&target.z - &z)).norm() <= ARRIVED * level.size(&z) {
+            target.z.copy_from(&z);
+        } else if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
             z += (target.z - &z) * step;
             active.push(limit);
             active.sort_by_key(|&(joint, _)| joint);

@@ -111,7 +111,12 @@ pub fn solve(level: &Level, guess: Option<&ActiveSet>) -> Result<LevelSolution, 
         }
     }
     let approximate = clarabel_level::solve(level);
-    let polished = active_set::polish(level, &approximate.z, &approximate.active_set)?;
-    let candidate = if polished.is_optimal() { polished } else { active_set::iterate(level)? };
-    Ok(LevelSolution::new(candidate, Path::Qp, approximate.iterations))
+    // From z = 0 first: where the level leaves something open, Clarabel's point is large for no reason.
+    for near in [&Vector::zeros(level.unknowns()), &approximate.z] {
+        let polished = active_set::polish(level, near, &approximate.active_set)?;
+        if polished.is_optimal() {
+            return Ok(LevelSolution::new(polished, Path::Qp, approximate.iterations));
+        }
+    }
+    Ok(LevelSolution::new(active_set::iterate(level)?, Path::Qp, approximate.iterations))
 }

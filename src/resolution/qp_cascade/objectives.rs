@@ -50,18 +50,15 @@ pub fn stack_objectives(problem: &Problem, factor: f64, zeta: &Vector) -> Vec<Ob
 
 /// Stage k of reverse priority: reach what damping leaves of task k, spare what lies below, move least.
 ///
-/// Damping is a matter of the task's velocity, not of the limits: y_k = J_k (q̇_{k+1} + J_k^# e_k) is formed without them
-/// and then reached as well as they allow. Were the damped problem itself solved within the limits, they would change
-/// y_k even where the stage's answer keeps them.
+/// Damping is a matter of the task's velocity, not of the limits: what it leaves, J_k (q̇_{k+1} + J_k^# e_k) up to an
+/// unreachable part, is formed without them and then reached as well as they allow. Were the damped problem itself
+/// solved within the limits, they would change it even where the stage's answer keeps them.
 ///
 /// `qdot_low`: q̇_{k+1}, n, rad/s.
 pub fn stage_objectives(stage: &Stage, qdot_low: &Vector) -> Vec<Objective> {
     let Stage { J_k, xdot_k, J_low, svd, mu, lambda, .. } = stage;
-    let y_k = match mu {
-        0.0 => xdot_k.clone(),
-        mu => J_k * (qdot_low + svd.damped_solve(&(xdot_k - J_k * qdot_low), *mu)),
-    };
-    let mut levels = vec![Objective::exact(J_k, y_k)];
+    let given_up = svd.damping_loss(&(xdot_k - J_k * qdot_low), *mu);
+    let mut levels = vec![Objective::exact(J_k, xdot_k - given_up)];
     if J_low.nrows() > 0 {
         levels.push(Objective::damped(J_low, &(J_low * qdot_low), *lambda, qdot_low));
     }
