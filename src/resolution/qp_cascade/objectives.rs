@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 use crate::linalg::{Matrix, SvdError, Vector, concatenate, stack};
+use crate::resolution::certificate::relative;
 use crate::resolution::closed_form::damped_velocities;
 use crate::resolution::hierarchy::Stage;
 use crate::resolution::problem::Problem;
@@ -34,6 +35,16 @@ impl Objective {
     /// min ‖q̇ − reference‖².
     fn nearest_to(reference: &Vector) -> Self {
         Self::exact(&Matrix::identity(reference.len(), reference.len()), reference.clone())
+    }
+
+    /// The entries of A q̇ that later levels must not change.
+    pub fn kept_value(&self, qdot: &Vector) -> Vector {
+        self.A.rows(0, self.kept) * qdot
+    }
+
+    /// How far later levels moved them from `value`, relative to the size of the level at velocities up to ‖q̇‖ = `speed`.
+    pub fn drift(&self, value: &Vector, qdot: &Vector, speed: f64) -> f64 {
+        relative(&(self.kept_value(qdot) - value), self.A.norm() * speed + self.b.norm())
     }
 
     /// Whether all of A q̇ is kept, so that the level's multipliers prove which limits stay active.
