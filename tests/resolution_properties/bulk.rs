@@ -112,7 +112,7 @@ impl Findings {
         let first = &problem.tasks.tasks()[0];
         let tasks = TaskStack::new(vec![first.clone()]).unwrap();
         let alone = resolve(&Problem { tasks, ..with(problem, Solver::Qp) }, &[]).unwrap();
-        let size = first.velocity.norm().max(first.jacobian.norm() * qp.joint_velocity.norm()).max(1e-5);
+        let size = first.velocity.norm() + first.jacobian.norm() * (qp.joint_velocity.norm() + speed(problem)) + 1e-5;
         let error = (qp.tasks[0].residual_norm - alone.tasks[0].residual_norm).abs() / size;
         self.first_task.add(seed, error, 1e-9);
     }

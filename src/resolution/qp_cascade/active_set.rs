@@ -27,8 +27,8 @@ impl Side {
 /// The active limits of one level: joint index from 0, side; ordered by joint.
 pub type ActiveSet = Vec<(usize, Side)>;
 
-/// Bounds count as kept up to this, relative to their size (at least 1 rad/s); the rest is clamped away.
-const FEASIBILITY: f64 = 1e-12;
+/// Bounds count as kept up to this, relative to the speeds that the level deals with; the rest is clamped away.
+const FEASIBILITY: f64 = 1e-13;
 
 /// Residual of the optimality conditions, relative to the level's size, above which a set is not the right one.
 ///
@@ -140,7 +140,7 @@ fn signed_relative(value: f64, scale: f64) -> f64 {
 
 fn keeps(level: &Level, z: &Vector, (joint, side, bound): (usize, Side, f64)) -> bool {
     let excess = side.sign() * ((level.G.row(joint) * z)[0] - bound);
-    excess <= FEASIBILITY * bound.abs().max(1.0)
+    excess <= FEASIBILITY * (level.speed + z.norm())
 }
 
 fn active_rows(level: &Level, active: &ActiveSet) -> Matrix {

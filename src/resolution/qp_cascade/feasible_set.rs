@@ -57,6 +57,7 @@ impl<'a> FeasibleSet<'a> {
             lower: self.limits.lower() - &self.base,
             upper: self.limits.upper() - &self.base,
             bounded: self.fixed.iter().map(|fixed| !fixed).collect(),
+            speed: self.base.norm(),
             scale: objective.A.norm(),
             base_size: objective.A.norm() * self.base.norm() + objective.b.norm(),
         }

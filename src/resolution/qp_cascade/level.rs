@@ -20,6 +20,8 @@ pub struct Level {
     pub upper: Vector,
     /// Whether the joint's bounds are constraints of this level.
     pub bounded: Vec<bool>,
+    /// ‖base‖, the speed from which z counts.
+    pub speed: f64,
     /// ‖A‖ of the objective before reduction: C and products with it are rank-tested against this.
     pub scale: f64,
     /// ‖A‖ ‖base‖ + ‖b‖: the size of the terms whose difference is d.
