@@ -4,7 +4,8 @@ use faer::MatRef;
 
 use super::{Damping, Matrix, Vector};
 
-/// Singular values below this fraction of the reference scale count as zero.
+/// Singular values below this fraction of the matrix's Frobenius norm count as zero; of a product A N with an
+/// orthonormal N, below this fraction of the norm of A.
 ///
 /// Rounding in a product of task matrices leaves some 1e-15 of the scale, and rows that an engineer calls
 /// independent differ by far more than 1e-8; the decision sits between.
@@ -27,19 +28,19 @@ pub struct Svd {
 }
 
 impl Svd {
-    /// Decomposes `a` (m × n, either may be zero); rank relative to its own largest singular value.
+    /// Decomposes `a` (m × n, either may be zero); rank relative to its own norm.
     pub fn new(a: &Matrix) -> Result<Self, SvdError> {
-        Self::with_scale(a, 0.0)
+        Self::with_scale(a, a.norm())
     }
 
-    /// Decomposes `a`; rank relative to `scale` or to the largest singular value, whichever is larger.
+    /// Decomposes `a`; rank relative to `scale`.
     ///
-    /// A product like J_2 N, whose rows may be pure rounding, takes the scale of J_2.
+    /// A product like J_2 N, whose rows may be pure rounding, takes the norm of J_2.
     pub fn with_scale(a: &Matrix, scale: f64) -> Result<Self, SvdError> {
         let (m, n) = a.shape();
         let svd = MatRef::from_column_major_slice(a.as_slice(), m, n).svd().map_err(|_| SvdError)?;
         let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let cut = RANK_TOLERANCE * sigma.first().map_or(scale, |largest| largest.max(scale));
+        let cut = RANK_TOLERANCE * scale;
         Ok(Self {
             u: Matrix::from_fn(m, m, |i, j| svd.U()[(i, j)]),
             rank: sigma.iter().filter(|&&s| s > cut).count(),
@@ -95,6 +96,16 @@ impl Svd {
         x
     }
 
+    /// A A⁺ b − A x for the damped x of [`Svd::damped_solve`]: what damping gives up of the reachable part of b.
+    pub fn damping_loss(&self, b: &Vector, lambda: f64) -> Vector {
+        let mut loss = Vector::zeros(self.u.nrows());
+        for (i, &sigma) in self.sigma.iter().enumerate().take(self.rank) {
+            let share = lambda * lambda / (sigma * sigma + lambda * lambda);
+            loss.axpy(share * self.u.column(i).dot(b), &self.u.column(i), 1.0);
+        }
+        loss
+    }
+
     /// A⁺, n × m.
     pub fn pseudo_inverse(&self) -> Matrix {
         let mut inverse = Matrix::zeros(self.v.nrows(), self.u.nrows());
@@ -102,6 +113,11 @@ impl Svd {
             inverse.ger(1.0 / sigma, &self.v.column(i), &self.u.column(i), 1.0);
         }
         inverse
+    }
+
+    /// An orthonormal basis of {A x}, m × rank.
+    pub fn range(&self) -> Matrix {
+        self.u.columns_range(..self.rank).into_owned()
     }
 
     /// An orthonormal basis of {x : A x = 0}, n × (n − rank).

@@ -31,8 +31,6 @@ pub struct Stage {
     pub mu: f64,
     /// λ_k, damping of the conflict of task k with the lower ones.
     pub lambda: f64,
-    /// σ_max of J_{k+1}^RP, the scale at which products with it are rank-tested.
-    pub low_scale: f64,
     /// ρ(J_k) + ρ(J_{k+1}^RP) > ρ(J_k^RP). Paper: Eq. (12).
     pub algorithmic: bool,
 }
@@ -51,7 +49,7 @@ impl Hierarchy {
             let J_rp = stack(&task.jacobian, &J_low);
             let svd = Svd::new(&task.jacobian)?;
             let svd_rp = Svd::new(&J_rp)?;
-            let (low_rank, low_scale) = stages.last().map_or((0, 0.0), |s| (s.svd_rp.rank(), s.svd_rp.largest()));
+            let low_rank = stages.last().map_or(0, |stage| stage.svd_rp.rank());
             stages.push(Stage {
                 mu: svd.damping_factor(damping),
                 lambda: svd_rp.damping_factor(damping),
@@ -61,7 +59,6 @@ impl Hierarchy {
                 J_low,
                 svd,
                 svd_rp,
-                low_scale,
             });
             J_low = J_rp;
         }

@@ -16,7 +16,8 @@ pub fn least_squares(tasks: &TaskStack, top: &Stage, zeta: &Vector, lambda: f64)
     let (J, xdot) = (tasks.stacked_jacobian(), tasks.stacked_velocity());
     let delta = top.svd_rp.damped_solve(&(&xdot - &J * zeta), lambda);
     let qdot = zeta + &delta;
+    let terms = zeta.norm() + delta.norm();
     let gradient = J.transpose() * (&J * &qdot - &xdot) + delta * (lambda * lambda);
-    let kkt_residual = relative(&gradient, gradient_scale(&J, &qdot, &xdot));
+    let kkt_residual = relative(&gradient, gradient_scale(&J, lambda, terms, xdot.norm()));
     ClosedForm { joint_velocity: qdot, kkt_residual }
 }

@@ -6,7 +6,7 @@ mod strict;
 
 pub use least_squares::least_squares;
 pub use reverse_priority::reverse_priority;
-pub use strict::{strict_levels, strict_reverse_priority};
+pub use strict::{damped_velocities, strict_reverse_priority};
 
 use crate::linalg::Vector;
 

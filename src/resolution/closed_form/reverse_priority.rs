@@ -42,12 +42,12 @@ fn correction(stage: &Stage, qdot_low: &Vector) -> Result<(Vector, f64), SvdErro
     let reach = svd.damped_solve(&e_k, *mu);
     let N = svd.null_space();
     let J_low_N = J_low * &N;
-    let spared = Svd::with_scale(&J_low_N, stage.low_scale)?.damped_solve(&(J_low * &reach), *lambda);
+    let spared = Svd::with_scale(&J_low_N, J_low.norm())?.damped_solve(&(J_low * &reach), *lambda);
     let delta = &reach - &N * &spared;
 
     let reaching = J_k.transpose() * (J_k * &reach - &e_k) + &reach * (mu * mu);
     let sparing = N.transpose() * (J_low.transpose() * (J_low * &delta) + &delta * (lambda * lambda));
-    let residual = relative(&reaching, gradient_scale(J_k, &reach, &e_k))
-        .max(relative(&sparing, gradient_scale(J_low, &reach, &Vector::zeros(0))));
+    let residual = relative(&reaching, gradient_scale(J_k, *mu, qdot_low.norm() + reach.norm(), xdot_k.norm()))
+        .max(relative(&sparing, gradient_scale(J_low, *lambda, reach.norm() + spared.norm(), 0.0)));
     Ok((delta, residual))
 }

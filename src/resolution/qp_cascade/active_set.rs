@@ -27,11 +27,25 @@ impl Side {
 /// The active limits of one level: joint index from 0, side; ordered by joint.
 pub type ActiveSet = Vec<(usize, Side)>;
 
-/// Bounds count as kept up to this, relative to their size (at least 1 rad/s); the rest is clamped away.
-const FEASIBILITY: f64 = 1e-12;
+/// Bounds count as kept up to this, relative to the speeds that the level deals with; the rest is clamped away.
+const FEASIBILITY: f64 = 1e-13;
 
-/// Relative residual above which a set is not the right one.
-const OPTIMALITY: f64 = 1e-11;
+/// Residual of the optimality conditions, relative to the level's size, above which a set is not the right one.
+///
+/// Exact answers stay below 1e-14. Whatever is allowed here returns divided by the smallest singular value.
+const OPTIMALITY: f64 = 1e-12;
+
+/// Effect of a limit on ‖C z − d‖, relative to the norm of C, below which its multiplier is taken with a pinch of salt.
+///
+/// A multiplier carries rounding of 1e-16; the relief that it promises is the multiplier divided by this effect.
+const SENSITIVITY: f64 = 1e-3;
+
+/// Change of C z, relative to the level's size, that is rounding: a move that achieves no more is not made. In a corner it
+/// would run into limits that depend on the active ones.
+const ARRIVED: f64 = 1e-13;
+
+/// Fraction of a move that, along a limit, is rounding and no approach.
+const APPROACH: f64 = 1e-13;
 
 /// A point with the optimality conditions evaluated.
 pub struct Candidate {
@@ -39,6 +53,9 @@ pub struct Candidate {
     pub z: Vector,
     /// Signed multipliers, n; positive at the upper bound.
     pub multipliers: Vector,
+    /// By how much ‖C z − d‖ would fall, to first order and relative to its size, if only this joint's limit were moved
+    /// away, n; ≥ 0.
+    pub relief: Vector,
     /// The set that the point was computed on.
     pub active_set: ActiveSet,
     /// Relative residual of stationarity and multiplier signs.
@@ -48,40 +65,36 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The only point of a level without unknowns.
-    pub fn nothing_open(level: &Level) -> Self {
+    /// Stays at z = 0: the solution of a level that nothing open can influence.
+    pub fn stay(level: &Level) -> Self {
         Self {
-            z: Vector::zeros(0),
+            z: Vector::zeros(level.unknowns()),
             multipliers: Vector::zeros(level.G.nrows()),
+            relief: Vector::zeros(level.G.nrows()),
             active_set: ActiveSet::new(),
             kkt_residual: 0.0,
             feasible: true,
         }
     }
 
-    /// Evaluates the optimality conditions at `z` with the limits of `active` taken as equalities:
-    /// Cᵀ(C z − d) + Gᵀ m = 0 with m_i ≥ 0 at upper, m_i ≤ 0 at lower bounds.
-    fn new(level: &Level, z: Vector, active: &ActiveSet) -> Result<Self, SvdError> {
-        let gradient = level.C.transpose() * (&level.C * &z - &level.d);
-        let G_W = active_rows(level, active);
-        let m = Svd::with_scale(&G_W.transpose(), 1.0)?.solve(&-&gradient);
-        let mut multipliers = Vector::zeros(level.G.nrows());
-        let mut wrong_sign = 0.0_f64;
-        for (&(joint, side), &value) in active.iter().zip(m.iter()) {
-            if side.sign() * value > OPTIMALITY * level.gradient_scale {
-                multipliers[joint] = value;
+    fn new(level: &Level, minimiser: Minimiser, active: ActiveSet) -> Self {
+        let conditions = Conditions::new(level, &minimiser, &active);
+        let n = level.G.nrows();
+        let (mut multipliers, mut relief) = (Vector::zeros(n), Vector::zeros(n));
+        for (place, &(joint, _)) in active.iter().enumerate() {
+            if conditions.relief[place] > OPTIMALITY {
+                multipliers[joint] = conditions.multipliers[place];
+                relief[joint] = conditions.relief[place];
             }
-            wrong_sign = wrong_sign.max(-side.sign() * value);
         }
-        let stationarity = gradient + G_W.transpose() * m;
-        Ok(Self {
-            kkt_residual: relative(&stationarity, level.gradient_scale)
-                .max(relative(&Vector::from_element(1, wrong_sign), level.gradient_scale)),
-            feasible: level.constraints().all(|constraint| keeps(level, &z, constraint)),
-            active_set: active.clone(),
+        Self {
+            feasible: level.constraints().all(|constraint| keeps(level, &minimiser.z, constraint)),
+            kkt_residual: conditions.relief.iter().fold(conditions.stationarity, |worst, relief| worst.max(-relief)),
+            active_set: active,
             multipliers,
-            z,
-        })
+            relief,
+            z: minimiser.z,
+        }
     }
 
     /// Whether the point solves the level.
@@ -90,9 +103,44 @@ impl Candidate {
     }
 }
 
+/// The optimality conditions at a minimiser, measured as what could still be gained of ‖C z − d‖.
+///
+/// With the residual r = C z − d, a basis Q of the range of C N (what the set leaves open) and M = (I − Q Qᵀ) C G_W⁺
+/// (how r changes with each bound of the set), the conditions are Qᵀ r = 0 and multipliers m = −Mᵀ r that point
+/// outwards. Moving bound i alone changes ‖r‖ by m_i / ‖M_i‖ per unit of change in r: its relief. The usual gradient
+/// Cᵀ r in place of these shrinks with the square of a small singular value and would call wrong sets right.
+struct Conditions {
+    /// Signed multipliers, in the order of the set; positive: pressed upwards.
+    multipliers: Vector,
+    /// Relative relief, in the order of the set; negative where the multiplier points inwards.
+    relief: Vector,
+    /// ‖Qᵀ r‖_∞, relative.
+    stationarity: f64,
+}
+
+impl Conditions {
+    fn new(level: &Level, minimiser: &Minimiser, active: &ActiveSet) -> Self {
+        let (size, Q) = (level.size(&minimiser.z), &minimiser.range);
+        let across = |M: &Matrix| M - Q * (Q.transpose() * M);
+        let residual = &level.C * &minimiser.z - &level.d;
+        let per_bound = minimiser.limits.pseudo_inverse();
+        let M = across(&(&level.C * &per_bound));
+        let multipliers = -(M.transpose() * &residual);
+        let relief = Vector::from_fn(active.len(), |i, _| {
+            let effect = M.column(i).norm().max(SENSITIVITY * level.scale * per_bound.column(i).norm());
+            signed_relative(active[i].1.sign() * multipliers[i], effect * size)
+        });
+        Self { multipliers, relief, stationarity: relative(&(Q.transpose() * &residual), size) }
+    }
+}
+
+fn signed_relative(value: f64, scale: f64) -> f64 {
+    relative(&Vector::from_element(1, value), scale).copysign(value)
+}
+
 fn keeps(level: &Level, z: &Vector, (joint, side, bound): (usize, Side, f64)) -> bool {
     let excess = side.sign() * ((level.G.row(joint) * z)[0] - bound);
-    excess <= FEASIBILITY * bound.abs().max(1.0)
+    excess <= FEASIBILITY * (level.speed + z.norm())
 }
 
 fn active_rows(level: &Level, active: &ActiveSet) -> Matrix {
@@ -100,35 +148,45 @@ fn active_rows(level: &Level, active: &ActiveSet) -> Matrix {
 }
 
 fn active_bounds(level: &Level, active: &ActiveSet) -> Vector {
-    Vector::from_iterator(
-        active.len(),
-        active.iter().map(|&(joint, side)| match side {
-            Side::Lower => level.lower[joint],
-            Side::Upper => level.upper[joint],
-        }),
-    )
+    Vector::from_iterator(active.len(), active.iter().map(|&(joint, side)| level.bound(joint, side)))
 }
 
-/// The minimiser of ‖C z − d‖² with the limits of `active` as equalities, the one nearest to `near` if there are many.
-fn minimise_on(level: &Level, near: &Vector, active: &ActiveSet) -> Result<Vector, SvdError> {
-    let G_W = active_rows(level, active);
-    let svd = Svd::with_scale(&G_W, 1.0)?;
-    let on_limits = near + svd.solve(&(active_bounds(level, active) - &G_W * near));
-    let N = svd.null_space();
-    let step = Svd::with_scale(&(&level.C * &N), level.C.norm())?.solve(&(&level.d - &level.C * &on_limits));
-    Ok(on_limits + N * step)
+/// The minimiser of ‖C z − d‖² with the limits of a set as equalities.
+struct Minimiser {
+    /// z, p; the one nearest to where the search began, if there are many.
+    z: Vector,
+    /// Decomposition of G_W, the set's rows of G.
+    limits: Svd,
+    /// Orthonormal basis of the range of C N, with N the null space of G_W.
+    range: Matrix,
+}
+
+impl Minimiser {
+    fn new(level: &Level, near: &Vector, active: &ActiveSet) -> Result<Self, SvdError> {
+        let G_W = active_rows(level, active);
+        let limits = Svd::with_scale(&G_W, 1.0)?;
+        let on_limits = near + limits.solve(&(active_bounds(level, active) - &G_W * near));
+        let N = limits.null_space();
+        let open = Svd::with_scale(&(&level.C * &N), level.scale)?;
+        let z = &on_limits + N * open.solve(&(&level.d - &level.C * &on_limits));
+        Ok(Self { z, limits, range: open.range() })
+    }
 }
 
 /// Solves the level on a guessed set and says whether the guess was right.
 ///
-/// Limits of the guess that are no constraints of this level are left out.
+/// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
 pub fn polish(level: &Level, near: &Vector, guess: &ActiveSet) -> Result<Candidate, SvdError> {
-    let active: ActiveSet = guess
-        .iter()
-        .copied()
-        .filter(|&(joint, side)| level.constraints().any(|(j, s, _)| (j, s) == (joint, side)))
-        .collect();
-    Candidate::new(level, minimise_on(level, near, &active)?, &active)
+    let mut active = ActiveSet::new();
+    for &(joint, side) in guess {
+        if level.constraints().any(|(j, s, _)| (j, s) == (joint, side)) {
+            active.push((joint, side));
+            if Svd::with_scale(&active_rows(level, &active), 1.0)?.rank() < active.len() {
+                active.pop();
+            }
+        }
+    }
+    Ok(Candidate::new(level, Minimiser::new(level, near, &active)?, active))
 }
 
 /// A primal active-set method from z = 0: exact, finite, used where a guess fails.
@@ -137,37 +195,41 @@ pub fn polish(level: &Level, near: &Vector, guess: &ActiveSet) -> Result<Candida
 pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
     let mut z = Vector::zeros(level.unknowns());
     let mut active = ActiveSet::new();
+    let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        let target = minimise_on(level, &z, &active)?;
-        match blocking(level, &z, &target, &active) {
-            Some((step, limit)) => {
-                z += (target - &z) * step;
-                active.push(limit);
-                active.sort_by_key(|&(joint, _)| joint);
-            }
-            None => {
-                z = target;
-                match wrongly_active(level, &z, &active)? {
-                    Some(place) => drop(active.remove(place)),
-                    None => break,
-                }
-            }
+        let mut target = Minimiser::new(level, &z, &active)?;
+        if (&level.C * (&target.z - &z)).norm() <= ARRIVED * level.size(&z) {
+            target.z.copy_from(&z);
+        } else if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
+            z += (target.z - &z) * step;
+            active.push(limit);
+            active.sort_by_key(|&(joint, _)| joint);
+            continue;
+        }
+        z.copy_from(&target.z);
+        let conditions = Conditions::new(level, &target, &active);
+        let candidate = Candidate::new(level, target, active.clone());
+        if best.as_ref().is_none_or(|best| candidate.kkt_residual < best.kkt_residual) {
+            best = Some(candidate);
+        }
+        match conditions.relief.iter().position(|&relief| relief < -OPTIMALITY) {
+            Some(wrong) => drop(active.remove(wrong)),
+            None => break,
         }
     }
-    Candidate::new(level, z, &active)
+    best.map_or_else(|| polish(level, &z, &active), Ok)
 }
 
 /// The first limit met on the way from `z` to `target`, and how far along.
 fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> Option<(f64, (usize, Side))> {
-    let (position, direction) = (&level.G * z, &level.G * (target - z));
+    let way = target - z;
+    let (position, direction) = (&level.G * z, &level.G * &way);
     let mut first: Option<(f64, (usize, Side))> = None;
     for (joint, side, bound) in level.constraints() {
         let approach = side.sign() * direction[joint];
         // A limit that the move does not approach, or that the set holds already, cannot block.
-        if approach <= FEASIBILITY * bound.abs().max(1.0) * f64::EPSILON
-            || active.iter().any(|&(held, _)| held == joint)
-        {
+        if approach <= APPROACH * way.norm() || active.iter().any(|&(held, _)| held == joint) {
             continue;
         }
         let step = (side.sign() * (bound - position[joint])).max(0.0) / approach;
@@ -176,12 +238,4 @@ fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> O
         }
     }
     first
-}
-
-/// Place in the set of the first limit that the minimiser would rather leave.
-fn wrongly_active(level: &Level, z: &Vector, active: &ActiveSet) -> Result<Option<usize>, SvdError> {
-    let gradient = level.C.transpose() * (&level.C * z - &level.d);
-    let m = Svd::with_scale(&active_rows(level, active).transpose(), 1.0)?.solve(&-gradient);
-    let least = OPTIMALITY * level.gradient_scale;
-    Ok(active.iter().zip(m.iter()).position(|(&(_, side), &value)| side.sign() * value < -least))
 }

@@ -1,12 +1,13 @@
 //! What the levels so far leave open.
 #![allow(non_snake_case)]
 
+use super::active_set::Side;
 use super::level::{Level, LevelSolution};
 use super::objectives::Objective;
 use crate::limits::VelocityBox;
-use crate::linalg::{Matrix, Svd, SvdError, Vector, stack};
+use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, SvdError, Vector};
 
-/// Relative size of a multiplier that proves a limit active for good.
+/// Relative gain by moving a limit away that proves it active for good.
 ///
 /// Too large a value only leaves an inequality where an equality would do; too small a one would take rounding for proof.
 const PROOF: f64 = 1e-7;
@@ -56,29 +57,45 @@ impl<'a> FeasibleSet<'a> {
             lower: self.limits.lower() - &self.base,
             upper: self.limits.upper() - &self.base,
             bounded: self.fixed.iter().map(|fixed| !fixed).collect(),
-            gradient_scale: objective.A.norm() * (objective.A.norm() * self.base.norm()).max(objective.b.norm()),
+            speed: self.base.norm(),
+            scale: objective.A.norm(),
+            base_size: objective.A.norm() * self.base.norm() + objective.b.norm(),
         }
     }
 
     /// Moves to the solution and closes what it decides.
     pub fn keep(&mut self, objective: &Objective, solution: &LevelSolution) -> Result<(), SvdError> {
         self.base = self.limits.clamp(&(&self.base + &self.Z * &solution.z));
-        let mut decided = objective.A.rows(0, objective.kept) * &self.Z;
-        // One common scale for task rows and rows of Z, so that one rank decision serves both.
-        let scale = objective.A.rows(0, objective.kept).norm();
-        if scale > 0.0 {
-            decided /= scale;
+        for &(joint, side) in &solution.active_set {
+            self.base[joint] = match side {
+                Side::Lower => self.limits.lower()[joint],
+                Side::Upper => self.limits.upper()[joint],
+            };
         }
         if objective.is_exact() {
             for joint in solution.proved_active(PROOF) {
-                self.fixed[joint] = true;
-                decided = stack(&decided, &self.Z.rows(joint, 1).into_owned());
+                self.close(&self.Z.rows(joint, 1).into_owned(), 1.0)?;
             }
         }
-        self.Z *= Svd::with_scale(&decided, 1.0)?.null_space();
-        for joint in (0..self.fixed.len()).filter(|&joint| self.fixed[joint]) {
-            self.Z.row_mut(joint).fill(0.0);
-        }
+        let kept = objective.A.rows(0, objective.kept).into_owned();
+        self.close(&(&kept * &self.Z), kept.norm())?;
+        self.fix_decided_joints();
         Ok(())
+    }
+
+    /// Removes from Z what would change `rows` · z.
+    fn close(&mut self, rows: &Matrix, scale: f64) -> Result<(), SvdError> {
+        self.Z *= Svd::with_scale(rows, scale)?.null_space();
+        Ok(())
+    }
+
+    /// A joint that Z moves by rounding alone is fixed: its limits would be constraints without content.
+    fn fix_decided_joints(&mut self) {
+        for joint in 0..self.fixed.len() {
+            if self.Z.row(joint).norm() <= RANK_TOLERANCE {
+                self.fixed[joint] = true;
+                self.Z.row_mut(joint).fill(0.0);
+            }
+        }
     }
 }

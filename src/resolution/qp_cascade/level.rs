@@ -3,7 +3,7 @@
 
 use super::active_set::{self, ActiveSet, Candidate, Side};
 use super::clarabel_level;
-use crate::linalg::{Matrix, SvdError, Vector};
+use crate::linalg::{Matrix, RANK_TOLERANCE, SvdError, Vector};
 use crate::resolution::resolve::Path;
 
 /// min ‖C z − d‖² s.t. lower ≤ G z ≤ upper for the bounded joints; z = 0 is feasible.
@@ -20,14 +20,36 @@ pub struct Level {
     pub upper: Vector,
     /// Whether the joint's bounds are constraints of this level.
     pub bounded: Vec<bool>,
-    /// Size that a gradient of this level can have by scale alone.
-    pub gradient_scale: f64,
+    /// ‖base‖, the speed from which z counts.
+    pub speed: f64,
+    /// ‖A‖ of the objective before reduction: C and products with it are rank-tested against this.
+    pub scale: f64,
+    /// ‖A‖ ‖base‖ + ‖b‖: the size of the terms whose difference is d.
+    pub base_size: f64,
 }
 
 impl Level {
     /// p, the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.C.ncols()
+    }
+
+    /// Size of the terms whose difference is C z − d; rounding and optimality are judged against it.
+    pub fn size(&self, z: &Vector) -> f64 {
+        self.base_size + self.scale * z.norm()
+    }
+
+    /// Whether nothing that is open changes the objective.
+    fn is_decided(&self) -> bool {
+        self.C.norm() <= RANK_TOLERANCE * self.scale
+    }
+
+    /// Room of a joint towards one side.
+    pub fn bound(&self, joint: usize, side: Side) -> f64 {
+        match side {
+            Side::Lower => self.lower[joint],
+            Side::Upper => self.upper[joint],
+        }
     }
 
     /// The finite bounds: joint, side, right-hand side.
@@ -47,8 +69,8 @@ pub struct LevelSolution {
     pub multipliers: Vector,
     /// The limits that are active.
     pub active_set: ActiveSet,
-    /// Scale of the level's gradient, against which multipliers are small or large.
-    pub gradient_scale: f64,
+    /// What moving each limit away would gain, n, relative to the size of the level; ≥ 0.
+    relief: Vector,
     /// Relative residual of the optimality conditions.
     pub kkt_residual: f64,
     /// The way that led here.
@@ -58,22 +80,21 @@ pub struct LevelSolution {
 }
 
 impl LevelSolution {
-    fn new(level: &Level, candidate: Candidate, path: Path, iterations: u32) -> Self {
+    fn new(candidate: Candidate, path: Path, iterations: u32) -> Self {
         Self {
             z: candidate.z,
             multipliers: candidate.multipliers,
             active_set: candidate.active_set,
             kkt_residual: candidate.kkt_residual,
-            gradient_scale: level.gradient_scale,
+            relief: candidate.relief,
             path,
             iterations,
         }
     }
 
-    /// Joints whose multiplier is, relative to the gradient, larger than `proof`.
+    /// Joints whose limit, moved away, would gain more than `proof`.
     pub fn proved_active(&self, proof: f64) -> impl Iterator<Item = usize> {
-        let least = proof * self.gradient_scale;
-        self.multipliers.iter().enumerate().filter(move |(_, m)| m.abs() > least).map(|(joint, _)| joint)
+        self.relief.iter().enumerate().filter(move |(_, relief)| **relief > proof).map(|(joint, _)| joint)
     }
 }
 
@@ -82,17 +103,22 @@ impl LevelSolution {
 /// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
 /// be wrong, which happens at degenerate corners, an active-set iteration from z = 0 corrects it.
 pub fn solve(level: &Level, guess: Option<&ActiveSet>) -> Result<LevelSolution, SvdError> {
-    if level.unknowns() == 0 {
-        return Ok(LevelSolution::new(level, Candidate::nothing_open(level), Path::ActiveSet, 0));
+    if level.is_decided() {
+        return Ok(LevelSolution::new(Candidate::stay(level), Path::ActiveSet, 0));
     }
     if let Some(guess) = guess {
         let candidate = active_set::polish(level, &Vector::zeros(level.unknowns()), guess)?;
         if candidate.is_optimal() {
-            return Ok(LevelSolution::new(level, candidate, Path::ActiveSet, 0));
+            return Ok(LevelSolution::new(candidate, Path::ActiveSet, 0));
         }
     }
     let approximate = clarabel_level::solve(level);
-    let polished = active_set::polish(level, &approximate.z, &approximate.active_set)?;
-    let candidate = if polished.is_optimal() { polished } else { active_set::iterate(level)? };
-    Ok(LevelSolution::new(level, candidate, Path::Qp, approximate.iterations))
+    // From z = 0 first: where the level leaves something open, Clarabel's point is large for no reason.
+    for near in [&Vector::zeros(level.unknowns()), &approximate.z] {
+        let polished = active_set::polish(level, near, &approximate.active_set)?;
+        if polished.is_optimal() {
+            return Ok(LevelSolution::new(polished, Path::Qp, approximate.iterations));
+        }
+    }
+    Ok(LevelSolution::new(active_set::iterate(level)?, Path::Qp, approximate.iterations))
 }

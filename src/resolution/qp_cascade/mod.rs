@@ -128,6 +128,8 @@ fn descend(
     let mut set = FeasibleSet::new(limits, start);
     let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
     cascade.path = Path::ActiveSet;
+    let mut achieved = Vec::with_capacity(objectives.len());
+    let mut speed = set.base().norm();
     for (index, objective) in objectives.iter().enumerate() {
         let solution = level::solve(&set.reduce(objective), guesses.level(index))?;
         set.keep(objective, &solution)?;
@@ -136,7 +138,11 @@ fn descend(
         }
         cascade.add(&solution);
         cascade.active_sets.push(solution.active_set);
+        achieved.push(objective.kept_value(set.base()));
+        speed = speed.max(set.base().norm());
     }
+    let drift = objectives.iter().zip(&achieved).map(|(objective, value)| objective.drift(value, set.base(), speed));
+    cascade.kkt_residual = drift.fold(cascade.kkt_residual, f64::max);
     cascade.joint_velocity = set.base().clone();
     Ok(cascade)
 }

@@ -1,8 +1,9 @@
 //! Which least-squares problems the cascade solves, one after the other.
 #![allow(non_snake_case)]
 
-use crate::linalg::{Matrix, Vector, concatenate, stack};
-use crate::resolution::closed_form::strict_levels;
+use crate::linalg::{Matrix, SvdError, Vector, concatenate, stack};
+use crate::resolution::certificate::relative;
+use crate::resolution::closed_form::damped_velocities;
 use crate::resolution::hierarchy::Stage;
 use crate::resolution::problem::Problem;
 
@@ -17,20 +18,33 @@ pub struct Objective {
 }
 
 impl Objective {
+    /// min ‖J q̇ − ẋ‖².
+    fn exact(J: &Matrix, xdot: Vector) -> Self {
+        Self { A: J.clone(), b: xdot, kept: J.nrows() }
+    }
+
     /// min ‖J q̇ − ẋ‖² + factor² ‖q̇ − reference‖².
     fn damped(J: &Matrix, xdot: &Vector, factor: f64, reference: &Vector) -> Self {
-        let kept = J.nrows();
         if factor == 0.0 {
-            return Self { A: J.clone(), b: xdot.clone(), kept };
+            return Self::exact(J, xdot.clone());
         }
-        let n = J.ncols();
+        let (kept, n) = (J.nrows(), J.ncols());
         Self { A: stack(J, &(Matrix::identity(n, n) * factor)), b: concatenate(xdot, &(reference * factor)), kept }
     }
 
     /// min ‖q̇ − reference‖².
     fn nearest_to(reference: &Vector) -> Self {
-        let n = reference.len();
-        Self { A: Matrix::identity(n, n), b: reference.clone(), kept: n }
+        Self::exact(&Matrix::identity(reference.len(), reference.len()), reference.clone())
+    }
+
+    /// The entries of A q̇ that later levels must not change.
+    pub fn kept_value(&self, qdot: &Vector) -> Vector {
+        self.A.rows(0, self.kept) * qdot
+    }
+
+    /// How far later levels moved them from `value`, relative to the size of the level at velocities up to ‖q̇‖ = `speed`.
+    pub fn drift(&self, value: &Vector, qdot: &Vector, speed: f64) -> f64 {
+        relative(&(self.kept_value(qdot) - value), self.A.norm() * speed + self.b.norm())
     }
 
     /// Whether all of A q̇ is kept, so that the level's multipliers prove which limits stay active.
@@ -45,12 +59,17 @@ pub fn stack_objectives(problem: &Problem, factor: f64, zeta: &Vector) -> Vec<Ob
     vec![Objective::damped(&J, &xdot, factor, zeta), Objective::nearest_to(zeta)]
 }
 
-/// Stage k of reverse priority: reach task k, spare what lies below, move least.
+/// Stage k of reverse priority: reach what damping leaves of task k, spare what lies below, move least.
+///
+/// Damping is a matter of the task's velocity, not of the limits: what it leaves, J_k (q̇_{k+1} + J_k^# e_k) up to an
+/// unreachable part, is formed without them and then reached as well as they allow. Were the damped problem itself
+/// solved within the limits, they would change it even where the stage's answer keeps them.
 ///
 /// `qdot_low`: q̇_{k+1}, n, rad/s.
 pub fn stage_objectives(stage: &Stage, qdot_low: &Vector) -> Vec<Objective> {
-    let Stage { J_k, xdot_k, J_low, mu, lambda, .. } = stage;
-    let mut levels = vec![Objective::damped(J_k, xdot_k, *mu, qdot_low)];
+    let Stage { J_k, xdot_k, J_low, svd, mu, lambda, .. } = stage;
+    let given_up = svd.damping_loss(&(xdot_k - J_k * qdot_low), *mu);
+    let mut levels = vec![Objective::exact(J_k, xdot_k - given_up)];
     if J_low.nrows() > 0 {
         levels.push(Objective::damped(J_low, &(J_low * qdot_low), *lambda, qdot_low));
     }
@@ -58,15 +77,10 @@ pub fn stage_objectives(stage: &Stage, qdot_low: &Vector) -> Vec<Objective> {
     levels
 }
 
-/// The strict hierarchy: one level per task, then stay near ζ̇.
-pub fn strict_objectives(problem: &Problem, zeta: &Vector) -> Result<Vec<Objective>, crate::linalg::SvdError> {
-    let rest = Vector::zeros(zeta.len());
-    let levels = strict_levels(&problem.tasks, problem.damping)?;
-    let task_levels = problem
-        .tasks
-        .tasks()
-        .iter()
-        .zip(levels)
-        .map(|(task, level)| Objective::damped(&task.jacobian, &task.velocity, level.lambda, &rest));
+/// The strict hierarchy: one level per task, damped before limits count, then stay near ζ̇.
+pub fn strict_objectives(problem: &Problem, zeta: &Vector) -> Result<Vec<Objective>, SvdError> {
+    let velocities = damped_velocities(&problem.tasks, problem.damping)?;
+    let tasks = problem.tasks.tasks().iter().zip(velocities);
+    let task_levels = tasks.map(|(task, velocity)| Objective::exact(&task.jacobian, velocity));
     Ok(task_levels.chain([Objective::nearest_to(zeta)]).collect())
 }
