@@ -65,10 +65,8 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 
 fn describe(answer: &StabilityAnswer) -> String {
     let or_none = |value: Option<String>, none: &str| value.unwrap_or_else(|| none.to_owned());
-    let lag = match answer.stable_at_any_lag {
-        true => "any".to_owned(),
-        false => or_none(answer.largest_lag_s.map(|lag| format!("{:.4} ms", 1e3 * lag)), "none"),
-    };
+    let largest = answer.largest_lag_s.map(|lag| format!("{:.4} ms", 1e3 * lag));
+    let lag = or_none(largest, if answer.stable_at_any_lag { "any" } else { "none" });
     format!(
         "{}, spectral radius {:.6}\nlargest lag           {lag}\nlargest delay         {}\nsmallest damping B_d  {}\n",
         if answer.stable { "stable" } else { "unstable: it would bounce for ever" },
