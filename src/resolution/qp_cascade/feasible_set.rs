@@ -11,6 +11,9 @@ use crate::linalg::{Matrix, Svd, SvdError, Vector, stack};
 /// Too large a value only leaves an inequality where an equality would do; too small a one would take rounding for proof.
 const PROOF: f64 = 1e-7;
 
+/// Relative size up to which a multiplier is rounding.
+const NO_MULTIPLIER: f64 = 1e-11;
+
 /// {base + Z z : lo ≤ base + Z z ≤ hi}, with `base` in the box and the columns of Z orthonormal.
 pub struct FeasibleSet<'a> {
     limits: &'a VelocityBox,
@@ -18,6 +21,9 @@ pub struct FeasibleSet<'a> {
     Z: Matrix,
     /// Joints whose bounds coincide.
     pinned: Vec<usize>,
+    /// What Z would be if those joints were free as long as no level proves that it presses against them; empty without
+    /// such joints.
+    unpinned: Matrix,
     /// Joints whose velocity is decided, by their bounds or by a level.
     fixed: Vec<bool>,
 }
@@ -29,22 +35,13 @@ impl<'a> FeasibleSet<'a> {
         let fixed: Vec<bool> = (0..n).map(|i| limits.lower()[i] == limits.upper()[i]).collect();
         let (pinned, free): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| fixed[i]);
         let Z = Matrix::identity(n, n).select_columns(&free);
-        Self { limits, base: limits.clamp(start), Z, pinned, fixed }
+        let unpinned = if pinned.is_empty() { Matrix::zeros(n, 0) } else { Matrix::identity(n, n) };
+        Self { limits, base: limits.clamp(start), Z, pinned, unpinned, fixed }
     }
 
     /// A point of the set; after a level, that level's solution.
     pub fn base(&self) -> &Vector {
         &self.base
-    }
-
-    /// Signed multipliers (n) of the joints whose bounds coincide, at `base` as the solution of the first level.
-    pub fn multipliers_of_pinned(&self, first: &Objective) -> Vector {
-        let gradient = first.A.transpose() * (&first.A * &self.base - &first.b);
-        let mut multipliers = Vector::zeros(self.base.len());
-        for &joint in &self.pinned {
-            multipliers[joint] = -gradient[joint];
-        }
-        multipliers
     }
 
     /// The objective over what is open, as a problem in z.
@@ -60,25 +57,57 @@ impl<'a> FeasibleSet<'a> {
         }
     }
 
-    /// Moves to the solution and closes what it decides.
-    pub fn keep(&mut self, objective: &Objective, solution: &LevelSolution) -> Result<(), SvdError> {
+    /// Moves to the solution and closes what it decides; returns the signed multipliers (n) of all limits.
+    pub fn keep(&mut self, objective: &Objective, solution: &LevelSolution) -> Result<Vector, SvdError> {
         self.base = self.limits.clamp(&(&self.base + &self.Z * &solution.z));
-        let mut decided = objective.A.rows(0, objective.kept) * &self.Z;
-        // One common scale for task rows and rows of Z, so that one rank decision serves both.
-        let scale = objective.A.rows(0, objective.kept).norm();
-        if scale > 0.0 {
-            decided /= scale;
+        let multipliers = self.multipliers(objective, solution)?;
+        let proved: Vec<usize> = if objective.is_exact() { solution.proved_active(PROOF).collect() } else { Vec::new() };
+        for &joint in &proved {
+            self.fixed[joint] = true;
         }
-        if objective.is_exact() {
-            for joint in solution.proved_active(PROOF) {
-                self.fixed[joint] = true;
-                decided = stack(&decided, &self.Z.rows(joint, 1).into_owned());
-            }
-        }
-        self.Z *= Svd::with_scale(&decided, 1.0)?.null_space();
+        self.Z = closed(&self.Z, objective, &proved)?;
         for joint in (0..self.fixed.len()).filter(|&joint| self.fixed[joint]) {
             self.Z.row_mut(joint).fill(0.0);
         }
-        Ok(())
+        if self.unpinned.ncols() > 0 {
+            let least = PROOF * solution.gradient_scale;
+            let pressed = self.pinned.iter().copied().filter(|&joint| multipliers[joint].abs() > least);
+            let decided: Vec<usize> = proved.iter().copied().chain(pressed).collect();
+            self.unpinned = closed(&self.unpinned, objective, &decided)?;
+        }
+        Ok(multipliers)
     }
+
+    /// Multipliers of the level's bounds and, in the same sense, of the joints whose bounds coincide.
+    ///
+    /// The latter are no unknowns of the level: with U = `unpinned`, E the rows of those joints and m the multipliers of
+    /// the others, theirs are the p of Uᵀ(Aᵀ(A q̇ − b) + m + Eᵀp) = 0.
+    fn multipliers(&self, objective: &Objective, solution: &LevelSolution) -> Result<Vector, SvdError> {
+        let mut multipliers = solution.multipliers.clone();
+        if self.unpinned.ncols() == 0 {
+            return Ok(multipliers);
+        }
+        let gradient = objective.A.transpose() * (&objective.A * &self.base - &objective.b) + &multipliers;
+        let E_U = self.unpinned.select_rows(&self.pinned);
+        let p = Svd::with_scale(&E_U.transpose(), 1.0)?.solve(&-(self.unpinned.transpose() * gradient));
+        for (&joint, &value) in self.pinned.iter().zip(p.iter()) {
+            if value.abs() > NO_MULTIPLIER * solution.gradient_scale {
+                multipliers[joint] = value;
+            }
+        }
+        Ok(multipliers)
+    }
+}
+
+/// What is left of a basis when the kept rows of the objective and some joints must not change.
+fn closed(basis: &Matrix, objective: &Objective, joints: &[usize]) -> Result<Matrix, SvdError> {
+    let kept = objective.A.rows(0, objective.kept);
+    // One common scale for task rows and rows of the basis, so that one rank decision serves both.
+    let scale = kept.norm();
+    let mut decided = kept * basis;
+    if scale > 0.0 {
+        decided /= scale;
+    }
+    let decided = stack(&decided, &basis.select_rows(joints));
+    Ok(basis * Svd::with_scale(&decided, 1.0)?.null_space())
 }

@@ -130,11 +130,8 @@ fn descend(
     cascade.path = Path::ActiveSet;
     for (index, objective) in objectives.iter().enumerate() {
         let solution = level::solve(&set.reduce(objective), guesses.level(index))?;
-        set.keep(objective, &solution)?;
-        if index == 0 {
-            cascade.multipliers = set.multipliers_of_pinned(objective);
-        }
-        cascade.add(&solution);
+        let multipliers = set.keep(objective, &solution)?;
+        cascade.add(&solution, &multipliers);
         cascade.active_sets.push(solution.active_set);
     }
     cascade.joint_velocity = set.base().clone();
@@ -142,14 +139,14 @@ fn descend(
 }
 
 impl Cascade {
-    fn add(&mut self, solution: &LevelSolution) {
+    fn add(&mut self, solution: &LevelSolution, multipliers: &Vector) {
         if solution.path == Path::Qp {
             self.path = Path::Qp;
         }
         self.iterations += solution.iterations;
         self.kkt_residual = self.kkt_residual.max(solution.kkt_residual);
         // The highest level that a limit holds back is the reason for it.
-        self.multipliers.zip_apply(&solution.multipliers, |known, new| {
+        self.multipliers.zip_apply(multipliers, |known, new| {
             if *known == 0.0 {
                 *known = new;
             }
