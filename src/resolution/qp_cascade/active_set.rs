@@ -30,6 +30,10 @@ pub type ActiveSet = Vec<(usize, Side)>;
 /// Bounds count as kept up to this, relative to their size (at least 1 rad/s); the rest is clamped away.
 const FEASIBILITY: f64 = 1e-12;
 
+/// Approach to a bound, relative to the move (at least 1 rad/s), that is rounding: taken for real, a limit that the set
+/// implies already would join it and leave multipliers without a meaning.
+const ROUNDING: f64 = 1e-14;
+
 /// Relative residual above which a set is not the right one.
 const OPTIMALITY: f64 = 1e-11;
 
@@ -165,7 +169,7 @@ fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> O
     for (joint, side, bound) in level.constraints() {
         let approach = side.sign() * direction[joint];
         // A limit that the move does not approach, or that the set holds already, cannot block.
-        if approach <= FEASIBILITY * bound.abs().max(1.0) * f64::EPSILON
+        if approach <= ROUNDING * direction.amax().max(1.0)
             || active.iter().any(|&(held, _)| held == joint)
         {
             continue;
