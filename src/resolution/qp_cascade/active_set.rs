@@ -169,9 +169,7 @@ fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> O
     for (joint, side, bound) in level.constraints() {
         let approach = side.sign() * direction[joint];
         // A limit that the move does not approach, or that the set holds already, cannot block.
-        if approach <= ROUNDING * direction.amax().max(1.0)
-            || active.iter().any(|&(held, _)| held == joint)
-        {
+        if approach <= ROUNDING * direction.amax().max(1.0) || active.iter().any(|&(held, _)| held == joint) {
             continue;
         }
         let step = (side.sign() * (bound - position[joint])).max(0.0) / approach;

@@ -61,7 +61,8 @@ impl<'a> FeasibleSet<'a> {
     pub fn keep(&mut self, objective: &Objective, solution: &LevelSolution) -> Result<Vector, SvdError> {
         self.base = self.limits.clamp(&(&self.base + &self.Z * &solution.z));
         let multipliers = self.multipliers(objective, solution)?;
-        let proved: Vec<usize> = if objective.is_exact() { solution.proved_active(PROOF).collect() } else { Vec::new() };
+        let proved: Vec<usize> =
+            if objective.is_exact() { solution.proved_active(PROOF).collect() } else { Vec::new() };
         for &joint in &proved {
             self.fixed[joint] = true;
         }
