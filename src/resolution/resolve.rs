@@ -50,7 +50,8 @@ pub struct ActiveLimit {
     pub side: Side,
     /// The bound, rad/s.
     pub value: f64,
-    /// Multiplier ≥ 0 at the highest level that the limit holds back: how much ½‖J_k q̇ − ẋ_k‖² of that level would
+    /// Multiplier ≥ 0 at the highest level that the limit holds back; 0 for a joint whose bounds coincide and that holds
+    /// back no more than lower levels, which is listed all the same. It says how much ½‖J_k q̇ − ẋ_k‖² of that level would
     /// fall per rad/s of a wider limit.
     pub multiplier: f64,
 }
@@ -149,7 +150,7 @@ fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolut
     let certified = cascade.kkt_residual <= CERTIFIED;
     Resolution {
         tasks: outcomes(problem, &cascade.joint_velocity, |k| hierarchy.stages[k].svd.rank()),
-        active_limits: active_limits(problem, &cascade.multipliers),
+        active_limits: active_limits(problem, &cascade),
         violated_limits: violations(problem, &cascade.joint_velocity),
         solver: SolverReport {
             path: cascade.path,
@@ -185,17 +186,17 @@ fn outcomes(problem: &Problem, qdot: &Vector, rank: impl Fn(usize) -> usize) -> 
     problem.tasks.tasks().iter().enumerate().map(outcome).collect()
 }
 
-/// Signed multipliers (positive: upper bound) as a list.
-fn active_limits(problem: &Problem, multipliers: &Vector) -> Vec<ActiveLimit> {
+/// Limits with a multiplier, and joints that their bounds hold fast.
+fn active_limits(problem: &Problem, cascade: &Cascade) -> Vec<ActiveLimit> {
+    let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
+    let limits_count = cascade.path != Path::ClosedForm;
     let active = |(joint, &signed): (usize, &f64)| {
-        let (side, bounds) = match signed {
-            0.0 => return None,
-            s if s > 0.0 => (Side::Upper, problem.limits.upper()),
-            _ => (Side::Lower, problem.limits.lower()),
-        };
-        Some(ActiveLimit { joint, side, value: bounds[joint], multiplier: signed.abs() })
+        let (side, bounds) = if signed < 0.0 { (Side::Lower, lower) } else { (Side::Upper, upper) };
+        let held_fast = limits_count && lower[joint] == upper[joint];
+        let limit = ActiveLimit { joint, side, value: bounds[joint], multiplier: signed.abs() };
+        (held_fast || signed != 0.0).then_some(limit)
     };
-    multipliers.iter().enumerate().filter_map(active).collect()
+    cascade.multipliers.iter().enumerate().filter_map(active).collect()
 }
 
 fn violations(problem: &Problem, qdot: &Vector) -> Vec<LimitViolation> {

@@ -51,3 +51,30 @@ fn correction(stage: &Stage, qdot_low: &Vector) -> Result<(Vector, f64), SvdErro
         .max(relative(&sparing, gradient_scale(J_low, *lambda, reach.norm() + spared.norm(), 0.0)));
     Ok((delta, residual))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{Damping, Matrix};
+    use crate::resolution::hierarchy::Hierarchy;
+    use crate::task::{Task, TaskStack};
+
+    /// Rows a and a + ε b, damped.
+    fn nearly_dependent_rows(epsilon: f64, angle: f64) -> TaskStack {
+        let (s, c) = angle.sin_cos();
+        let jacobian = Matrix::from_row_slice(2, 3, &[c, s, 0.3, c - epsilon * s, s + epsilon * c, 0.3]);
+        let velocity = Vector::from_vec(vec![0.7, -0.4]);
+        TaskStack::new(vec![Task { name: "only".to_owned(), jacobian, velocity }]).unwrap()
+    }
+
+    #[test]
+    fn a_damped_lowest_task_is_certified() {
+        for i in 0..200 {
+            let tasks = nearly_dependent_rows(1e-4 * f64::from(i), 0.1 * f64::from(i));
+            let hierarchy = Hierarchy::new(&tasks, Some(Damping::STANDARD)).unwrap();
+            assert!(hierarchy.top().lambda > 0.0);
+            let residual = reverse_priority(&hierarchy.stages, &Vector::zeros(3)).unwrap().kkt_residual;
+            assert!(residual < 1e-12, "{i}: {residual:e}");
+        }
+    }
+}

@@ -82,9 +82,23 @@ fn read(solver: &DefaultSolver<f64>, constraints: &[(usize, Side, f64)], unit: f
     if !usable {
         return Approximate { z: Vector::zeros(solution.x.len()), active_set: ActiveSet::new(), iterations };
     }
-    let pressed = solution.z.iter().zip(&solution.s).map(|(multiplier, slack)| multiplier > slack);
-    let active_set = constraints.iter().zip(pressed).filter(|(_, p)| *p).map(|(&(joint, side, _), _)| (joint, side));
-    Approximate { z: Vector::from_row_slice(&solution.x) * unit, active_set: active_set.collect(), iterations }
+    let mut pressed: Vec<(usize, Side, f64)> = Vec::new();
+    for (&(joint, side, _), (&multiplier, &slack)) in constraints.iter().zip(solution.z.iter().zip(&solution.s)) {
+        if multiplier <= slack {
+            continue;
+        }
+        // Bounds nearer to each other than the solver's tolerance are both pressed; the set takes one per joint.
+        match pressed.last_mut() {
+            Some(other) if other.0 == joint => {
+                if multiplier > other.2 {
+                    *other = (joint, side, multiplier);
+                }
+            }
+            _ => pressed.push((joint, side, multiplier)),
+        }
+    }
+    let active_set = pressed.into_iter().map(|(joint, side, _)| (joint, side)).collect();
+    Approximate { z: Vector::from_row_slice(&solution.x) * unit, active_set, iterations }
 }
 
 /// A full pattern, zeros included: the solver's structure then depends on sizes alone.
@@ -107,4 +121,27 @@ fn upper_triangle(symmetric: &Matrix) -> CscMatrix<f64> {
         (0..n).flat_map(|j| 0..=j).collect(),
         (0..n).flat_map(|j| (0..=j).map(move |i| symmetric[(i, j)])).collect(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_between_bounds_that_nearly_coincide_is_active_at_one_of_them() {
+        for width in [0.0, 1e-16, 1e-12, 1e-8] {
+            let level = Level {
+                C: Matrix::from_row_slice(1, 2, &[1.0, 0.5]),
+                d: Vector::from_vec(vec![2.0]),
+                G: Matrix::identity(2, 2),
+                lower: Vector::from_vec(vec![-width, -1.0]),
+                upper: Vector::from_vec(vec![width, 1.0]),
+                bounded: vec![true; 2],
+                speed: 1.0,
+                scale: 1.0,
+                base_size: 1.0,
+            };
+            assert_eq!(solve(&level).active_set, [(0, Side::Upper), (1, Side::Upper)], "width {width:e}");
+        }
+    }
 }

@@ -1,0 +1,7 @@
+//! The controller and its laws, through the library.
+
+mod anti_windup;
+mod arms;
+mod laws;
+mod limits;
+mod memory;
