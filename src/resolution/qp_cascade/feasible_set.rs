@@ -27,7 +27,7 @@ impl<'a> FeasibleSet<'a> {
     /// The whole box, based at its point nearest to `start`; joints whose bounds coincide are fixed.
     pub fn new(limits: &'a VelocityBox, start: &Vector) -> Self {
         let n = start.len();
-        let fixed: Vec<bool> = (0..n).map(|i| limits.lower()[i] == limits.upper()[i]).collect();
+        let fixed: Vec<bool> = (0..n).map(|i| limits.lower()[i] >= limits.upper()[i]).collect();
         let (pinned, free): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| fixed[i]);
         let Z = Matrix::identity(n, n).select_columns(&free);
         Self { limits, base: limits.clamp(start), Z, pinned, fixed }
