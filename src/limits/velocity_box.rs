@@ -27,7 +27,7 @@ pub enum VelocityBoxError {
         /// Upper bounds given.
         upper: usize,
     },
-    /// No velocity is allowed, or a bound is NaN.
+    /// No finite velocity is allowed, or a bound is NaN.
     #[error("lower bound {lower} is not at or below upper bound {upper}")]
     Empty {
         /// Joint index, from 0.
@@ -52,8 +52,9 @@ impl VelocityBox {
         if lower.len() != upper.len() {
             return Err(VelocityBoxError::Size { lower: lower.len(), upper: upper.len() });
         }
-        // Written so that NaN fails.
-        if let Some(joint) = (0..lower.len()).find(|&i| !(lower[i] <= upper[i])) {
+        // NaN fails, and so does a bound that only an infinite velocity satisfies.
+        let allows = |i: usize| lower[i] <= upper[i] && lower[i] < f64::INFINITY && upper[i] > f64::NEG_INFINITY;
+        if let Some(joint) = (0..lower.len()).find(|&i| !allows(i)) {
             return Err(VelocityBoxError::Empty { joint, lower: lower[joint], upper: upper[joint] });
         }
         Ok(Self { lower: Vector::from_row_slice(lower), upper: Vector::from_row_slice(upper) })

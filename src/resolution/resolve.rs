@@ -204,7 +204,7 @@ fn violations(problem: &Problem, qdot: &Vector) -> Vec<LimitViolation> {
     let broken = |joint: usize| {
         let (value, limit) = (qdot[joint], nearest[joint]);
         let side = if value > limit { Side::Upper } else { Side::Lower };
-        (value != limit).then_some(LimitViolation { joint, side, limit, value })
+        ((value - limit).abs() > 0.0).then_some(LimitViolation { joint, side, limit, value })
     };
     (0..qdot.len()).filter_map(broken).collect()
 }

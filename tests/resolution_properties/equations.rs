@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use revprio::limits::VelocityBox;
-use revprio::linalg::{Damping, Matrix, Vector, concatenate, stack};
+use revprio::linalg::{Damping, Matrix, Vector, stack};
 use revprio::resolution::{Method, Problem, Solver, resolve};
 use revprio::task::{Task, TaskStack};
 

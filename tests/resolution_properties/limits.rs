@@ -97,6 +97,29 @@ proptest! {
 }
 
 #[test]
+fn numbers_near_the_ends_of_their_range_never_give_an_unsafe_command() {
+    for seed in 0..2000 {
+        let mut random = Random::new(seed);
+        let mut problem = problem(&mut random, SMALL, METHODS[(seed % 2) as usize]);
+        let mut extreme = || random.pick(&[1e-320, 1e-300, 1e-160, 1.0, 1e150, 1e160, 1e300]);
+        let stretched = |task: &Task, rows: f64, velocity: f64| Task {
+            jacobian: &task.jacobian * rows,
+            velocity: &task.velocity * velocity,
+            ..task.clone()
+        };
+        let tasks = problem.tasks.tasks().iter().map(|task| stretched(task, extreme(), extreme())).collect();
+        let Ok(tasks) = TaskStack::new(tasks) else { continue };
+        problem.tasks = tasks;
+        for solver in [Solver::Qp, Solver::Auto] {
+            let answer = resolve(&with(&problem, solver), &[]).unwrap();
+            assert!(answer.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}: {answer:?}");
+            assert!(problem.limits.violation(&answer.joint_velocity) <= 1e-12, "seed {seed}: {answer:?}");
+            assert!(answer.violated_limits.is_empty(), "seed {seed}: {answer:?}");
+        }
+    }
+}
+
+#[test]
 fn a_limit_that_only_a_corner_satisfies_is_no_trouble() {
     // q̇₁ + q̇₂ = 2 in a box of ±1 leaves one point, without a multiplier that would tell.
     let task = |row: &[f64], velocity: f64| Task {

@@ -44,6 +44,11 @@ impl Random {
         self.below(5) as f64 - 2.0
     }
 
+    /// 10^−most … 10^most.
+    pub fn decade(&mut self, most: i32) -> f64 {
+        10_f64.powi(self.pick(&(-most..=most).collect::<Vec<_>>()))
+    }
+
     pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.below(from.len())]
     }
@@ -86,11 +91,7 @@ fn tasks(random: &mut Random, n: usize, family: Family, integers: bool, limits: 
     let mut tasks = Vec::new();
     for k in 0..count {
         let m = 1 + if random.one_in(6) { random.below(n + 3) } else { random.below(3) };
-        let scale = if random.one_in(4) {
-            10_f64.powi(random.below(3) as i32 * family.decades / 2 - family.decades / 2)
-        } else {
-            1.0
-        };
+        let scale = if random.one_in(4) { random.decade(family.decades / 2) } else { 1.0 };
         let mut jacobian = Matrix::zeros(m, n);
         for i in 0..m {
             let new = row(random, n, &rows, family, integers, sawyer.as_ref());
@@ -153,7 +154,7 @@ fn velocity(random: &mut Random, jacobian: &Matrix, target: &Vector, integers: b
         0 => jacobian * target,
         1 => jacobian * target * 2.0,
         2 if !integers => {
-            let scale = 10_f64.powi(random.below(2 * family.decades as usize + 1) as i32 - family.decades);
+            let scale = random.decade(family.decades);
             Vector::from_fn(jacobian.nrows(), |_, _| random.unit() * scale)
         }
         3 => Vector::zeros(jacobian.nrows()),
@@ -166,7 +167,7 @@ fn limits(random: &mut Random, n: usize, family: Family, integers: bool) -> Velo
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]);
     for i in 0..n {
         let size = match (style, integers) {
-            (0, _) => 10_f64.powi(random.below(2 * family.decades as usize + 1) as i32 - family.decades),
+            (0, _) => random.decade(family.decades),
             (1, _) => 100.0,
             (_, true) => 1.0,
             _ => 0.1 + random.unit().abs(),

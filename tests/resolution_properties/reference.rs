@@ -75,11 +75,6 @@ pub fn residuals(levels: &[Level], qdot: &Vector) -> Vec<f64> {
     levels.iter().map(|level| (&level.A * qdot - &level.b).norm()).collect()
 }
 
-/// What rounding can make of a residual of this level.
-pub fn scale(level: &Level, qdot: &Vector) -> f64 {
-    level.A.norm() * qdot.norm() + level.b.norm()
-}
-
 /// Lexicographic least squares in a box by trying every set of active bounds.
 pub fn enumerate(levels: &[Level], lower: &Vector, upper: &Vector) -> Vector {
     let mut candidates = corners(levels, lower, upper);
@@ -97,8 +92,9 @@ pub fn enumerate(levels: &[Level], lower: &Vector, upper: &Vector) -> Vector {
 fn corners(levels: &[Level], lower: &Vector, upper: &Vector) -> Vec<Vector> {
     let n = lower.len();
     let mut found = Vec::new();
-    for pattern in 0..3_usize.pow(n as u32) {
-        let choice = |i: usize| pattern / 3_usize.pow(i as u32) % 3;
+    let powers: Vec<usize> = std::iter::successors(Some(1), |power| Some(3 * power)).take(n + 1).collect();
+    for pattern in 0..powers[n] {
+        let choice = |i: usize| pattern / powers[i] % 3;
         let start = Vector::from_fn(n, |i, _| [0.0, lower[i], upper[i]][choice(i)]);
         if start.iter().any(|x| x.is_infinite()) {
             continue;

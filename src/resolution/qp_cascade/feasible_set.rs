@@ -24,13 +24,15 @@ pub struct FeasibleSet<'a> {
 }
 
 impl<'a> FeasibleSet<'a> {
-    /// The whole box, based at its point nearest to `start`; joints whose bounds coincide are fixed.
-    pub fn new(limits: &'a VelocityBox, start: &Vector) -> Self {
-        let n = start.len();
-        let fixed: Vec<bool> = (0..n).map(|i| limits.lower()[i] == limits.upper()[i]).collect();
+    /// The whole box, based at its slowest point; joints whose bounds coincide are fixed.
+    ///
+    /// Not at what lower tasks ask: however much that is, task 1 must not lose digits to it.
+    pub fn new(limits: &'a VelocityBox) -> Self {
+        let n = limits.joint_count();
+        let fixed: Vec<bool> = (0..n).map(|i| limits.lower()[i] >= limits.upper()[i]).collect();
         let (pinned, free): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| fixed[i]);
         let Z = Matrix::identity(n, n).select_columns(&free);
-        Self { limits, base: limits.clamp(start), Z, pinned, fixed }
+        Self { limits, base: limits.clamp(&Vector::zeros(n)), Z, pinned, fixed }
     }
 
     /// A point of the set; after a level, that level's solution.

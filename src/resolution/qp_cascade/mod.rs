@@ -79,7 +79,7 @@ impl<'a> Guesses<'a> {
 /// Solves the problem level by level.
 pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Result<Cascade, SvdError> {
     let zeta = problem.start();
-    let within_limits = |levels: Vec<Objective>| descend(&levels, &problem.limits, &zeta, guesses);
+    let within_limits = |levels: Vec<Objective>| descend(&levels, &problem.limits, guesses);
     match problem.method {
         Method::ReversePriority => reverse_priority(problem, hierarchy, guesses),
         Method::StrictReversePriority => strict_objectives(problem, &zeta).and_then(within_limits),
@@ -98,12 +98,12 @@ fn reverse_priority(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) 
         let unbounded = VelocityBox::unbounded(problem.tasks.joint_count());
         for stage in lower.iter().rev() {
             let start = &before.joint_velocity;
-            let answer = descend(&stage_objectives(stage, start), &unbounded, start, guesses)?;
+            let answer = descend(&stage_objectives(stage, start), &unbounded, guesses)?;
             before = answer.after(&before);
         }
     }
     let start = &before.joint_velocity;
-    let answer = descend(&stage_objectives(top, start), &problem.limits, start, guesses)?;
+    let answer = descend(&stage_objectives(top, start), &problem.limits, guesses)?;
     Ok(answer.after(&before))
 }
 
@@ -118,14 +118,9 @@ impl Cascade {
     }
 }
 
-/// Goes down the levels of one stage from the point of the box nearest to `start`.
-fn descend(
-    objectives: &[Objective],
-    limits: &VelocityBox,
-    start: &Vector,
-    guesses: Guesses,
-) -> Result<Cascade, SvdError> {
-    let mut set = FeasibleSet::new(limits, start);
+/// Goes down the levels of one stage.
+fn descend(objectives: &[Objective], limits: &VelocityBox, guesses: Guesses) -> Result<Cascade, SvdError> {
+    let mut set = FeasibleSet::new(limits);
     let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
     cascade.path = Path::ActiveSet;
     let mut achieved = Vec::with_capacity(objectives.len());
