@@ -100,7 +100,8 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
-    /// Largest relative residual of the optimality conditions over all levels, dimensionless; `None` without an answer.
+    /// Largest relative residual of the optimality conditions over all levels, dimensionless; `None` without an
+    /// answer, or where its scale is beyond the numbers (rows of 1e-160).
     pub kkt_residual: Option<f64>,
 }
 
@@ -156,7 +157,7 @@ fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolut
             path: cascade.path,
             status: if certified { Status::Optimal } else { Status::NotCertified },
             iterations: cascade.iterations,
-            kkt_residual: Some(cascade.kkt_residual),
+            kkt_residual: Some(cascade.kkt_residual).filter(|residual| residual.is_finite()),
         },
         singularity: hierarchy.singularity(),
         active_set: cascade.active_sets,

@@ -57,7 +57,8 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
-    /// Largest relative residual of the optimality conditions; `null` without an answer.
+    /// Largest relative residual of the optimality conditions; `null` without an answer or beyond the numbers, never
+    /// when `status` is `optimal`.
     pub kkt_residual: Option<f64>,
 }
 

@@ -44,8 +44,8 @@ fn assert_always_safe(service: &Service, problem: &Value, joints: usize, limit: 
 
 /// JSON has no infinity and no NaN: they would be written as `null`.
 fn assert_made_of_numbers(answer: &Value, context: &str) {
-    let failed = answer["solver"]["status"] == "failed";
-    assert_eq!(answer["solver"]["kkt_residual"].is_null(), failed, "{context}");
+    let uncertain = answer["solver"]["status"] != "optimal";
+    assert!(uncertain || !answer["solver"]["kkt_residual"].is_null(), "{context}");
     let rest = crate::harness::without(answer.clone(), &["solver"]).to_string();
     assert!(!rest.contains("null"), "{context}");
 }
