@@ -102,8 +102,10 @@
 //! |---|---|---|
 //! | (1)-(5) | pseudo-inverse with null-space velocity | [`resolution::Method::Pseudoinverse`] |
 //! | (6), (7), (14), (15) | damped least squares | [`resolution::Method::DampedLeastSquares`] |
-//! | (8), (10), (11), (13) | joint-limit index, classical task priority, singularity-robust form | not in this version |
+//! | (8) | joint-limit index | not in this version |
+//! | (9)-(11) | classical task priority | [`resolution::Method::TaskPriority`] |
 //! | (12) | algorithmic singularity | [`resolution::Singularity`] |
+//! | (13) | singularity-robust task priority | [`resolution::Method::SingularityRobust`] |
 //! | (16), (17) | singular value decomposition | [`linalg::Svd`] |
 //! | (18), (19) | variable damping factor | [`linalg::Damping`] |
 //! | (20)-(32) | reverse priority | [`resolution::Method::ReversePriority`] |

@@ -97,5 +97,5 @@ macro_rules! value_enum {
     };
 }
 
-value_enum!(Method: Pseudoinverse, DampedLeastSquares, ReversePriority, StrictReversePriority);
+value_enum!(Method: Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority);
 value_enum!(Solver: ClosedForm, Qp, Auto);

@@ -66,6 +66,14 @@ impl Hierarchy {
         Ok(Self { stages })
     }
 
+    /// The same stages with nothing below them to spare: reverse priority on these is Eq. (13).
+    pub fn sparing_nothing(mut self) -> Self {
+        for stage in &mut self.stages {
+            stage.J_low = Matrix::zeros(0, stage.J_low.ncols());
+        }
+        self
+    }
+
     /// The highest stage, which contains all rows.
     pub fn top(&self) -> &Stage {
         &self.stages[0]

@@ -11,6 +11,14 @@ pub enum Method {
     Pseudoinverse,
     /// All tasks as one stack with the variable damping factor: the paper's "classical" control. Paper: Eqs. (14)-(19).
     DampedLeastSquares,
+    /// Classical task priority with the projector of all higher tasks. Paper: Eq. (11), for any number of tasks.
+    ///
+    /// In exact arithmetic, and here in code, the same as [`Method::StrictReversePriority`]: both are the lexicographic
+    /// least-squares solution.
+    TaskPriority,
+    /// Lower tasks first, each higher one then corrects in its own row space alone, q̇ = J_1⁺ẋ_1 + (I − J_1⁺J_1) J_2⁺ẋ_2.
+    /// Free of algorithmic singularities; lower tasks are not exact even where they could be. Paper: Eq. (13).
+    SingularityRobust,
     /// Tasks added from the lowest to the highest. Paper: Eqs. (22), (29), (32).
     ReversePriority,
     /// The lexicographic hierarchy that reverse priority promises, for any number of tasks.

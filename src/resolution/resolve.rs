@@ -111,6 +111,8 @@ pub struct SolverReport {
 pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, ProblemError> {
     problem.check()?;
     let answer = Hierarchy::new(&problem.tasks, problem.damping).and_then(|hierarchy| {
+        let sparing = problem.method != Method::SingularityRobust;
+        let hierarchy = if sparing { hierarchy } else { hierarchy.sparing_nothing() };
         let cascade = solve(problem, &hierarchy, guess)?;
         Ok((cascade, hierarchy))
     });
@@ -142,8 +144,10 @@ fn closed_form(problem: &Problem, hierarchy: &Hierarchy) -> Result<ClosedForm, S
     match problem.method {
         Method::Pseudoinverse => Ok(closed_form::least_squares(tasks, top, &zeta, 0.0)),
         Method::DampedLeastSquares => Ok(closed_form::least_squares(tasks, top, &zeta, top.lambda)),
-        Method::ReversePriority => closed_form::reverse_priority(&hierarchy.stages, &zeta),
-        Method::StrictReversePriority => closed_form::strict_reverse_priority(tasks, problem.damping, &zeta),
+        Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(&hierarchy.stages, &zeta),
+        Method::StrictReversePriority | Method::TaskPriority => {
+            closed_form::strict_reverse_priority(tasks, problem.damping, &zeta)
+        }
     }
 }
 

@@ -46,6 +46,10 @@ pub enum Method {
     Pseudoinverse,
     /// All tasks as one stack, damped near singularities.
     DampedLeastSquares,
+    /// Classical task priority.
+    TaskPriority,
+    /// Lower tasks first, each higher one corrects in its own row space alone.
+    SingularityRobust,
     /// Tasks added from the lowest to the highest.
     #[default]
     ReversePriority,

@@ -113,11 +113,38 @@ proptest! {
         let n = any.tasks.joint_count();
         let others = [
             solve(&any.tasks, Method::ReversePriority, None),
+            solve(&any.tasks, Method::TaskPriority, None),
             solve(&any.tasks, Method::StrictReversePriority, None),
             unlimited(&levels(&any), n),
         ];
         for other in others {
             prop_assert!((&other - &expected).amax() <= 1e-9 * (1.0 + expected.amax()), "{other} {expected}");
+        }
+    }
+}
+
+/// Eq. (13) as it stands.
+fn singularity_robust(first: &Task, second: &Task) -> Vector {
+    let n = first.jacobian.ncols();
+    let J1_inverse = pinv_own(&first.jacobian);
+    let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
+    J1_inverse * &first.velocity + N1 * pinv_own(&second.jacobian) * &second.velocity
+}
+
+#[test]
+fn the_singularity_robust_form_equals_the_printed_equation_and_its_cascade() {
+    let mut random = Random::new(13);
+    for _ in 0..500 {
+        let tasks = well_conditioned(&mut random);
+        let [first, second] = tasks.tasks() else { continue };
+        let expected = singularity_robust(first, second);
+        for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
+            let limits = VelocityBox::unbounded(tasks.joint_count());
+            let (tasks, method) = (tasks.clone(), Method::SingularityRobust);
+            let problem = Problem { tasks, limits, method, solver, damping: None, null_space_velocity: None };
+            let answer = resolve(&problem, &[]).unwrap();
+            assert!((&answer.joint_velocity - &expected).amax() < 1e-10, "{solver:?}");
+            assert!(answer.tasks[0].residual_norm < 1e-10);
         }
     }
 }

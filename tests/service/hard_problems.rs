@@ -4,7 +4,14 @@ use serde_json::{Value, json};
 
 use crate::harness::{Service, example, numbers};
 
-const METHODS: [&str; 4] = ["pseudoinverse", "damped_least_squares", "reverse_priority", "strict_reverse_priority"];
+const METHODS: [&str; 6] = [
+    "pseudoinverse",
+    "damped_least_squares",
+    "task_priority",
+    "singularity_robust",
+    "reverse_priority",
+    "strict_reverse_priority",
+];
 
 /// Solvers that know limits.
 const SOLVERS: [&str; 2] = ["auto", "qp"];

@@ -77,8 +77,7 @@ impl Candidate {
         }
     }
 
-    fn new(level: &Level, minimiser: Minimiser, active: ActiveSet) -> Self {
-        let conditions = Conditions::new(level, &minimiser, &active);
+    fn new(level: &Level, minimiser: Minimiser, active: ActiveSet, conditions: &Conditions) -> Self {
         let n = level.G.nrows();
         let (mut multipliers, mut relief) = (Vector::zeros(n), Vector::zeros(n));
         for (place, &(joint, _)) in active.iter().enumerate() {
@@ -186,7 +185,9 @@ pub fn polish(level: &Level, near: &Vector, guess: &ActiveSet) -> Result<Candida
             }
         }
     }
-    Ok(Candidate::new(level, Minimiser::new(level, near, &active)?, active))
+    let minimiser = Minimiser::new(level, near, &active)?;
+    let conditions = Conditions::new(level, &minimiser, &active);
+    Ok(Candidate::new(level, minimiser, active, &conditions))
 }
 
 /// A primal active-set method from z = 0: exact, finite, used where a guess fails.
@@ -209,7 +210,7 @@ pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
         }
         z.copy_from(&target.z);
         let conditions = Conditions::new(level, &target, &active);
-        let candidate = Candidate::new(level, target, active.clone());
+        let candidate = Candidate::new(level, target, active.clone(), &conditions);
         if best.as_ref().is_none_or(|best| candidate.kkt_residual < best.kkt_residual) {
             best = Some(candidate);
         }

@@ -81,8 +81,10 @@ pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Resu
     let zeta = problem.start();
     let within_limits = |levels: Vec<Objective>| descend(&levels, &problem.limits, guesses);
     match problem.method {
-        Method::ReversePriority => reverse_priority(problem, hierarchy, guesses),
-        Method::StrictReversePriority => strict_objectives(problem, &zeta).and_then(within_limits),
+        Method::ReversePriority | Method::SingularityRobust => reverse_priority(problem, hierarchy, guesses),
+        Method::StrictReversePriority | Method::TaskPriority => {
+            strict_objectives(problem, &zeta).and_then(within_limits)
+        }
         Method::Pseudoinverse => within_limits(stack_objectives(problem, 0.0, &zeta)),
         Method::DampedLeastSquares => within_limits(stack_objectives(problem, hierarchy.top().lambda, &zeta)),
     }
@@ -122,7 +124,8 @@ impl Cascade {
 fn descend(objectives: &[Objective], limits: &VelocityBox, guesses: Guesses) -> Result<Cascade, SvdError> {
     let mut set = FeasibleSet::new(limits);
     let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
-    cascade.path = Path::ActiveSet;
+    // Levels that leave nothing to decide need no solver; those that do say which way they took.
+    cascade.path = if guesses.allowed() { Path::ActiveSet } else { Path::Qp };
     let mut achieved = Vec::with_capacity(objectives.len());
     let mut speed = set.base().norm();
     for (index, objective) in objectives.iter().enumerate() {

@@ -18,7 +18,7 @@ macro_rules! same_words {
 }
 
 same_words!(axis: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
-same_words!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, ReversePriority, StrictReversePriority });
+same_words!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority });
 same_words!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });
 same_words!(limit_kind: wire::LimitKind => LimitKind { None, Velocity, PositionVelocity, PositionVelocityAcceleration });
 same_words!(wrench_convention: wire::WrenchConvention => WrenchConvention { OnEnvironment, OnTool });
