@@ -73,6 +73,7 @@ impl RobotFile {
                 },
                 limits: joint.limits(),
                 published_range: joint.published_range,
+                denavit_hartenberg: Some(joint.dh),
                 name: joint.name,
                 placement,
             });

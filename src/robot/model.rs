@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::JointLimits;
+use super::{DenavitHartenberg, JointLimits};
 
 /// How a joint moves: about or along the z axis of its own frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub struct Joint {
     pub limits: JointLimits,
     /// Position range (lower, upper) that a publication prints, where it differs from the real one; informative only.
     pub published_range: Option<[f64; 2]>,
+    /// The row that described it, where one did; informative only: `placement` and the tool pose contain it.
+    pub denavit_hartenberg: Option<DenavitHartenberg>,
 }
 
 /// Why a robot description is refused.

@@ -29,6 +29,8 @@ pub struct RobotJoint {
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
+    /// Unit of its position: `rad` or `m`; velocity and acceleration are per s and s².
+    pub unit: String,
     /// Smallest and largest position, rad or m.
     pub position_limit: Option<[f64; 2]>,
     /// Largest speed, rad/s or m/s.
@@ -38,4 +40,20 @@ pub struct RobotJoint {
     /// Position range that a publication prints instead; informative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_range: Option<[f64; 2]>,
+    /// Standard Denavit-Hartenberg row, where the robot was described by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub denavit_hartenberg: Option<DenavitHartenberg>,
+}
+
+/// Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d (prismatic).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DenavitHartenberg {
+    /// d, m.
+    pub d_m: f64,
+    /// a, m.
+    pub a_m: f64,
+    /// α, rad.
+    pub alpha_rad: f64,
+    /// θ at joint position zero, rad.
+    pub theta_rad: f64,
 }

@@ -36,6 +36,7 @@ pub fn gantry(limits: JointLimits) -> Arc<RobotModel> {
             placement,
             limits,
             published_range: None,
+            denavit_hartenberg: None,
         });
     }
     Arc::new(RobotModel::new("gantry", "", joints, IsometryMatrix3::identity()).unwrap())

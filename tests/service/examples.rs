@@ -99,6 +99,8 @@ fn robots_are_listed_and_shown_with_their_limits() {
     let first = &sawyer["joints"][0];
     assert_eq!((&first["name"], &first["kind"]), (&json!("j1"), &json!("revolute")));
     assert_eq!((&first["velocity_limit"], &first["acceleration_limit"]), (&json!(1.74), &json!(8.0)));
+    assert_eq!(first["unit"], "rad");
+    assert_eq!(first["denavit_hartenberg"]["d_m"], json!(0.317));
     service.get("/v1/robots/puma").assert_refused(404, None);
 }
 
