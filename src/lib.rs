@@ -122,14 +122,17 @@
 //! | place | printed | used |
 //! |---|---|---|
 //! | (4) | (JᵀJ)⁻¹Jᵀ, singular for n > m | J⁺ |
-//! | (7) | projector I − (JᵀJ + λ)⁻¹(JᵀJ + λ), identically zero | I − J⁺J |
-//! | (8) | Σ (θ − θ_mid)/(θ_mid − θ_max), linear and unbounded below | the usual 1/(2n) Σ of squares, when it comes |
+//! | (7) | projector I − (JᵀJ + λ)⁻¹(JᵀJ + λ), identically zero | I − J^# J, which is I − J⁺J where nothing is damped |
+//! | (8) | Σ (θ − θ_mid)/(θ_mid − θ_max), linear and unbounded below | not in this version |
+//! | (11) | N_2 = N_1 (I − J̄_2⁺ J_2), which moves task 2 | N_1 (I − J̄_2⁺ J̄_2) |
 //! | (18), (19) | the factor is squared twice | λ² = (1 − (σ_min/δ)²) λ_max² |
-//! | (20), (31) | J̌ J without ⁺ | J̌⁺ J |
+//! | (20), (31) | J̌ J without ⁺ | J̌⁺ J̌ |
 //! | (21), (23) | stack ends with J_1, the highest task | ends with J_l, the lowest |
 //! | (26) | H_k from (J_k^RP)⁺, which has too many columns | H_k = (J_{k+1}^RP)⁺ − T_k J_k (J_{k+1}^RP)⁺ |
+//! | (29) | ẋ without index | ẋ_k |
+//! | (36) | K_e X | K_e (X − X_0), X_0 the surface |
 //! | (47) | no J_1 J_2⁺ before the secondary velocity | Eq. (32) with each task's own velocity |
-//! | (53) | ẋ_{k+1} where ẋ_k belongs | ẋ_k |
+//! | (53) | ẋ_{k+1} where ẋ_k belongs, J_{k+1}⁺ẋ_{k+1} where q̇_{k+1} belongs | Eq. (29) with each task's own velocity |
 //! | Table 1, row 5 | "_pi/2" | −π/2 |
 //! | section 5.1 | M_d and B_d with five entries for six axes | diag(15 15 15 80 80 80), diag(150 150 150 280 280 280) |
 //! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |

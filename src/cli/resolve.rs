@@ -5,6 +5,7 @@ use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use super::{CliError, Target};
+use crate::client::Client;
 use crate::wire::{ResolveAnswer, ResolveRequest};
 
 #[derive(Debug, clap::Args)]
@@ -21,13 +22,15 @@ pub struct Options {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let request = read(&options.file)?;
-    let answer = Target::open(options.server.as_deref())?.client.resolve(&request)?;
+    let target = Target::open(options.server.as_deref())?;
+    let answer = target.client.resolve(&request)?;
     if options.json {
         let json = serde_json::to_string_pretty(&answer);
         let json = json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?;
         writeln!(stdout(), "{json}")?;
     } else {
-        write!(stdout(), "{}", describe(&answer))?;
+        let joints = joint_names(&target.client, &request, answer.joint_velocity.len())?;
+        write!(stdout(), "{}", describe(&answer, &joints))?;
     }
     Ok(())
 }
@@ -39,11 +42,21 @@ fn read(path: &Path) -> Result<ResolveRequest, CliError> {
     serde_json::from_str(&text).map_err(|source| CliError::ParseProblem { path: path.to_owned(), source })
 }
 
+/// Names of the joints in the order of the answer; their numbers where the problem names no robot.
+fn joint_names(client: &Client, request: &ResolveRequest, joints: usize) -> Result<Vec<String>, CliError> {
+    let Some(name) = &request.robot else { return Ok((1..=joints).map(|joint| format!("j{joint}")).collect()) };
+    let robots = client.robots()?.robots;
+    let robot = robots.into_iter().find(|robot| robot.name == *name);
+    Ok(robot.map(|robot| robot.joints.into_iter().map(|joint| joint.name).collect()).unwrap_or_default())
+}
+
 /// The answer for people.
-fn describe(answer: &ResolveAnswer) -> String {
+fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let mut text = String::new();
     let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<Vec<_>>().concat();
-    let _ = writeln!(text, "joint velocity  {}", numbers(&answer.joint_velocity));
+    let names = joints.iter().map(|name| format!("{name:>12}")).collect::<Vec<_>>().concat();
+    let _ = writeln!(text, "joint           {names}");
+    let _ = writeln!(text, "joint velocity  {}  rad/s, m/s", numbers(&answer.joint_velocity));
     for task in &answer.tasks {
         let _ = writeln!(text, "\ntask `{}`, rank {}, residual {:.3e}", task.name, task.rank, task.residual_norm);
         let _ = writeln!(text, "  requested     {}", numbers(&task.requested));

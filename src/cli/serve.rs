@@ -1,5 +1,6 @@
 //! `revprio serve`
 
+use std::io::IsTerminal;
 use std::io::{Write as _, stdout};
 use std::net::SocketAddr;
 
@@ -15,7 +16,11 @@ pub struct Options {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let filter = tracing_subscriber::EnvFilter::builder().with_default_directive(tracing::Level::INFO.into());
-    tracing_subscriber::fmt().with_env_filter(filter.from_env_lossy()).with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter.from_env_lossy())
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_writer(std::io::stderr)
+        .init();
     let listener = bind(options.listen)?;
     writeln!(stdout(), "listening on http://{}", listener.local_addr()?)?;
     Ok(serve(listener, router(App::new(Robots::built_in())), stop_signal())?)

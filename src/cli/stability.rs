@@ -7,6 +7,7 @@ use crate::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
 /// Linear axes in kg, N·s/m and N/m, angular ones in kg·m², N·m·s/rad and N·m/rad.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Options {
     /// Inertia `M_d` of the law
     #[arg(long)]
@@ -69,9 +70,9 @@ fn describe(answer: &StabilityAnswer) -> String {
     let lag = or_none(largest, if answer.stable_at_any_lag { "any" } else { "none" });
     format!(
         "{}, spectral radius {:.6}\nlargest lag           {lag}\nlargest delay         {}\nsmallest damping B_d  {}\n",
-        if answer.stable { "stable" } else { "unstable: it would bounce for ever" },
+        if answer.stable { "stable" } else { "unstable" },
         answer.spectral_radius,
-        or_none(answer.largest_delay_periods.map(|periods| format!("{periods} periods")), "none"),
-        or_none(answer.smallest_damping.map(|damping| format!("{damping:.4}")), "none stabilises it"),
+        or_none(answer.largest_delay_periods.map(|periods| format!("{periods} period(s)")), "none"),
+        or_none(answer.smallest_damping.map(|damping| format!("anything above {damping:.4}")), "none stabilises it"),
     )
 }

@@ -29,9 +29,7 @@ pub enum MemoryError {
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
     /// The active set names a joint that the robot does not have.
-    #[error(
-        "the memory's active set names a joint that the robot lacks; send back the memory of this controller's last answer"
-    )]
+    #[error("the memory's active set does not fit the robot; send back the memory of this controller's last answer")]
     ActiveSet,
 }
 

@@ -85,7 +85,7 @@ impl VelocityBox {
         velocity.zip_zip_map(&self.lower, &self.upper, |v, lo, hi| v.max(lo).min(hi))
     }
 
-    /// How far `velocity` lies outside, largest joint first come; 0 inside.
+    /// How far `velocity` lies outside, of the worst joint, rad/s; 0 inside.
     pub fn violation(&self, velocity: &Vector) -> f64 {
         (velocity - self.clamp(velocity)).amax()
     }

@@ -11,6 +11,9 @@ use super::{Damping, Matrix, Vector};
 /// independent differ by far more than 1e-8; the decision sits between.
 pub const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Matrices smaller than this have rank zero.
+const SMALLEST_SCALE: f64 = 1e-140;
+
 /// The decomposition did not converge, which finite matrices of task size are not known to cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the singular value decomposition did not converge")]
@@ -40,7 +43,8 @@ impl Svd {
         let (m, n) = a.shape();
         let svd = MatRef::from_column_major_slice(a.as_slice(), m, n).svd().map_err(|_| SvdError)?;
         let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let cut = RANK_TOLERANCE * scale;
+        // The norm of rows below some 1e-154 underflows to zero: such rows count as zero themselves.
+        let cut = RANK_TOLERANCE * scale.max(SMALLEST_SCALE);
         Ok(Self {
             u: Matrix::from_fn(m, m, |i, j| svd.U()[(i, j)]),
             rank: sigma.iter().filter(|&&s| s > cut).count(),

@@ -10,6 +10,8 @@ use crate::wire::{Method, Solver, Status};
 /// Commands that differ less (rad/s) count as the same.
 const COINCIDE: f64 = 1e-9;
 
+const MM: f64 = 1e3;
+
 /// Remarks on each scenario for which both methods were run, in the order of the recordings.
 pub fn of_recordings(recordings: &[Recording]) -> Vec<Note> {
     let mut scenarios: Vec<&str> = recordings.iter().map(|run| run.scenario.as_str()).collect();
@@ -53,7 +55,8 @@ fn comparison(reverse: &Recording, classical: &Recording) -> String {
     format!(
         "The smallest singular value of all task rows falls to {} (reverse priority) and {} (classical), far into the \
          damping. The classical control damps all rows alike; reverse priority damps only how far the lower task is \
-         spared, so that the primary one stays exact.{rmse}",
+         spared, so that the primary one stays exact and \
+         the lower one pays: its axes leave their set-points on the way.{rmse}",
         significant(sigma(reverse), 2),
         significant(sigma(classical), 2)
     )
@@ -71,8 +74,8 @@ fn at_the_wall(reverse: &Recording, classical: &Recording) -> Option<String> {
 fn wall_run(name: &str, run: &Recording) -> String {
     let metrics = Metrics::of(run);
     let error = |axis: usize| largest(run.samples.iter().map(|sample| sample.position_error[axis].abs()));
-    let (y, z) = (significant(100.0 * error(1), 2), significant(100.0 * error(2), 2));
-    let given_up = format!("y and z leave their place by up to {y} and {z} cm");
+    let (y, z) = (significant(MM * error(1), 2), significant(MM * error(2), 2));
+    let given_up = format!("y and z leave their place by up to {y} and {z} mm");
     match (metrics.first_contact_s, metrics.final_force) {
         (Some(contact), Some(force)) => format!(
             "{name} touches the wall after {} s, peaks at {} N, makes {} contacts and ends at {} N, {given_up}",
@@ -81,7 +84,7 @@ fn wall_run(name: &str, run: &Recording) -> String {
             metrics.contacts,
             significant(force, 8)
         ),
-        _ => format!("{name} does not reach the wall, {} cm short, {given_up}", significant(100.0 * shortfall(run), 2)),
+        _ => format!("{name} does not reach the wall, {} mm short, {given_up}", significant(MM * shortfall(run), 2)),
     }
 }
 

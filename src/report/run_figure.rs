@@ -26,11 +26,12 @@ pub fn of_run(run: &Recording) -> Figure {
 
 fn forces(run: &Recording) -> Vec<Curve> {
     let measured = AXES.iter().enumerate().map(|(i, (axis, colour))| {
-        curve(run, format!("F_{axis}"), *colour, Stroke::Wide, |sample| Some(sample.force[i]))
+        let stroke = if i == 0 { Stroke::Wide } else { Stroke::Thin };
+        curve(run, format!("F_{axis}"), *colour, stroke, |sample| Some(sample.force[i]))
     });
     let has_target = |i: &usize| run.samples.first().is_some_and(|sample| sample.target_force[*i].is_some());
     let targets = (0..AXES.len()).filter(has_target).map(|i| {
-        curve(run, format!("target F_d,{}", AXES[i].0), Colour::Black, Stroke::Dashed, |sample| sample.target_force[i])
+        curve(run, format!("target, {}", AXES[i].0), Colour::Black, Stroke::Dashed, |sample| sample.target_force[i])
     });
     measured.chain(targets).collect()
 }

@@ -83,7 +83,7 @@ pub enum Path {
 /// How sure the answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// The optimality conditions hold.
+    /// The optimality conditions hold; those of the problem without limits for the solver `closed_form`.
     Optimal,
     /// They do not hold closely enough; the command is inside the limits, but may not be the best one.
     NotCertified,

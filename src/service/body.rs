@@ -12,6 +12,7 @@ use serde_json::error::Category;
 use serde_path_to_error::Segment;
 
 use super::problem::{Problem, escaped};
+use crate::wire::Object;
 
 /// Largest body in bytes; a state is about one thousandth of it.
 pub const BODY_LIMIT: usize = 1 << 20;
@@ -65,7 +66,7 @@ async fn read(mut body: axum::body::Body) -> Result<Vec<u8>, Problem> {
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+    let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         match cause.classify() {
             Category::Data => Problem::invalid(place, cause),

@@ -14,7 +14,7 @@ pub enum ContactKind {
 
 /// A contact on one axis: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0).
 ///
-/// Paper: Eq. (36).
+/// Paper: Eq. (36). Departs: X_0, where the surface is, is not printed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
@@ -55,7 +55,7 @@ mod axis_name {
 }
 
 impl Contact {
-    /// Distance of the surface from the start position along the axis, and the direction of the material.
+    /// Direction in which the material lies, ±1.
     fn side(&self) -> f64 {
         if self.offset_m < 0.0 { -1.0 } else { 1.0 }
     }

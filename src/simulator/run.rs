@@ -39,6 +39,18 @@ pub enum RunError {
         /// What is wrong with the posture.
         source: ConfigurationError,
     },
+    /// The service's robot of that name is another one.
+    #[error(
+        "at t = {time_s} s: {given} joint velocities for {expected} joints; the service knows another robot of that name"
+    )]
+    AnswerSize {
+        /// Simulated time, s.
+        time_s: f64,
+        /// Joints of the simulated arm.
+        expected: usize,
+        /// Velocities in the answer.
+        given: usize,
+    },
     /// The service gave no answer.
     #[error("at t = {time_s} s: {source}")]
     Service {
@@ -68,12 +80,15 @@ pub fn run(
         let measured = plant.measure(time_s)?;
         let answer =
             caller.call(measured.state(sequence, time_s)).map_err(|source| RunError::Service { time_s, source })?;
+        let (expected, given) = (robot.joint_count(), answer.joint_velocity.len());
+        if given != expected {
+            return Err(RunError::AnswerSize { time_s, expected, given });
+        }
         plant.arm.advance(&answer.joint_velocity, scenario.period_s());
         samples.push(measured.sample(time_s, &plant, scenario, answer));
         progress(sequence + 1);
     }
     let wall_time_s = start.elapsed().as_secs_f64();
-    caller.close();
     Ok(Recording {
         scenario: scenario.name.clone(),
         method: scenario.controller.method,
@@ -216,11 +231,13 @@ impl<'a> Caller<'a> {
             }
         }
     }
+}
 
-    /// Ends the session; if that fails, the service ends it by itself.
-    fn close(self) {
+impl Drop for Caller<'_> {
+    /// Ends the session, after a failure too; if that fails, the service ends it by itself.
+    fn drop(&mut self) {
         if let Self::Session { client, id } = self {
-            let _ = client.delete_controller(&id);
+            let _ = client.delete_controller(id);
         }
     }
 }

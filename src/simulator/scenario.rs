@@ -133,7 +133,10 @@ impl Scenario {
             finite(c.offset_m) && not_negative(c.stiffness) && not_negative(c.damping) && not_negative(c.inertia)
         };
         let periods = self.duration_s / self.period_s();
-        if !(self.period_s() > 0.0 && (0.5..=1e8).contains(&periods)) {
+        if !(self.period_s() > 0.0 && self.period_s().is_finite()) {
+            return Some(("controller.period_s", "must be a positive number"));
+        }
+        if !(0.5..=1e8).contains(&periods) {
             return Some(("duration_s", "must be positive and at most 10^8 periods"));
         }
         if !self.start_joint_position.iter().copied().all(finite) {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::object;
 use super::{Axis, Damping, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
 
 /// Robot, tasks with their laws, method, solver, limits, period.
@@ -25,9 +26,10 @@ pub struct Controller {
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
     /// Damping near singularities; 0.05 and 0.1 if left out, exact if `null`.
-    #[serde(default = "default_damping")]
+    #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
     /// The tasks, highest priority first.
+    #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
 }
 
@@ -49,6 +51,7 @@ pub struct ControllerTask {
     /// Rows of the tool Jacobian.
     pub axes: Vec<Axis>,
     /// How the task's velocity is made.
+    #[serde(deserialize_with = "object::deserialize")]
     pub law: Law,
 }
 
@@ -59,6 +62,7 @@ pub enum Law {
     /// ẋ as given.
     Velocity {
         /// ẋ, m/s and rad/s.
+        #[serde(deserialize_with = "object::deserialize")]
         target_velocity: Profile,
     },
     /// Follow a force.
@@ -68,6 +72,7 @@ pub enum Law {
         /// B_d, N·s/m and N·m·s/rad.
         damping: Vec<f64>,
         /// F_d, N and N·m.
+        #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
     },
     /// Behave as mass, damper and spring about a pose.
@@ -93,6 +98,7 @@ pub enum Law {
         /// S: true = position-controlled, false = force-controlled.
         position_controlled: Vec<bool>,
         /// F_d, N and N·m; counts on force-controlled axes.
+        #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
         /// X_d.
         #[serde(default)]

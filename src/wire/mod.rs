@@ -18,6 +18,7 @@ mod terms;
 
 pub use controller::{Controller, ControllerTask, CreatedController, Law, Profile, SessionStatus};
 pub use joints::JointVector;
+pub use object::Object;
 pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
 pub use pose::{Orientation, Pose, TargetPose};
 pub use problem::Problem;

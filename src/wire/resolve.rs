@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::object;
 use super::{
     ActiveLimit, Axis, Damping, JointVector, Limits, Method, Singularity, Solver, SolverReport, TaskOutcome,
     ViolatedLimit,
@@ -24,6 +25,7 @@ pub struct ResolveRequest {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
     /// The tasks, highest priority first.
+    #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ResolveTask>,
     /// How priorities are understood.
     #[serde(default)]
@@ -35,7 +37,7 @@ pub struct ResolveRequest {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
     /// Damping near singularities; none (exact) if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
     /// ζ̇, rad/s or m/s, kept as far as the tasks allow; zero if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

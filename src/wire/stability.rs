@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::object;
+
 /// One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -14,6 +16,7 @@ pub struct StabilityRequest {
     #[serde(default)]
     pub stiffness: f64,
     /// What the tool touches.
+    #[serde(deserialize_with = "object::deserialize")]
     pub environment: EnvironmentAxis,
     /// T, s.
     pub period_s: f64,

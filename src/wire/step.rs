@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::object;
 use super::{ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
 
 /// The measured state.
@@ -18,7 +19,7 @@ pub struct State {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
     /// Measured wrench; may be left out where no law needs it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
 }
 
@@ -37,10 +38,13 @@ pub struct Wrench {
 #[serde(deny_unknown_fields)]
 pub struct StepRequest {
     /// The controller.
+    #[serde(deserialize_with = "object::deserialize")]
     pub controller: Controller,
     /// The state.
+    #[serde(deserialize_with = "object::deserialize")]
     pub state: State,
     /// The last answer's memory; `null` at the first step.
+    #[serde(default, deserialize_with = "object::optional")]
     pub memory: Option<Memory>,
 }
 
@@ -53,6 +57,7 @@ pub struct Memory {
     /// Integrator of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
     /// Tool pose at the first step.
+    #[serde(deserialize_with = "object::deserialize")]
     pub initial_pose: FramePose,
     /// q̇ of the last command, rad/s or m/s.
     pub last_command: Vec<f64>,

@@ -86,7 +86,8 @@ pub enum Path {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The optimality conditions hold.
+    /// The optimality conditions hold; those of a problem without limits if the solver is `closed_form`, which may break
+    /// them: see `violated_limits`.
     Optimal,
     /// The command is inside the limits, but may not be the best one.
     NotCertified,

@@ -107,7 +107,12 @@ fn tracking_force(posture: Posture, number: u8, control: &str, run: &Recording) 
         ),
         panels: vec![
             panel("(a) Force on the environment", "force (N)", (start, end), forces),
-            panel("(b) Force error, settled", "force error (N)", (judged, end), errors),
+            panel(
+                &format!("(b) Force error from {} s on", significant(judged, 2)),
+                "force error (N)",
+                (judged, end),
+                errors,
+            ),
         ],
     }
 }

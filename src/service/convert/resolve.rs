@@ -18,8 +18,8 @@ use crate::task::{Task, TaskError, TaskStack};
 use crate::wire;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
-const MOST_ROWS: usize = 256;
-const MOST_JOINTS: usize = 64;
+const MOST_ROWS: usize = 64;
+const MOST_JOINTS: usize = 32;
 
 /// A request as a problem to resolve, with the names that its answer needs.
 pub struct ResolveQuestion {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const CONTROLLER: [Row; 73] = [
+const CONTROLLER: [Row; 74] = [
     ("/robot", LEFT_OUT, 422, ""),
     ("/robot", r#""puma""#, 422, "/robot"),
     ("/robot", "null", 422, "/robot"),
@@ -27,6 +27,7 @@ const CONTROLLER: [Row; 73] = [
     ("/limits", r#"{"lower": [0, 0, 0, 0, 0, 0, 0], "upper": [0, 0, 0, 0, 0, 0]}"#, 422, "/limits/upper"),
     ("/limits", r#"{"lower": [0, 0, 0, 0, 0, 0, 0], "upper": [0, 0, 0, 0, 0, 0, "0"]}"#, 422, "/limits/upper/6"),
     ("/wrench_convention", r#""on_table""#, 422, "/wrench_convention"),
+    ("/damping", "[0.05, 0.1]", 422, "/damping"),
     ("/damping", r#"{"threshold": -1, "max_factor": 0.1}"#, 422, "/damping"),
     ("/damping", r#"{"threshold": 1}"#, 422, "/damping"),
     ("/damping", r#"{"threshold": 1, "max_factor": 0.1, "kind": "svd"}"#, 422, "/damping/kind"),

@@ -3,7 +3,7 @@
 use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const STATE: [Row; 34] = [
+const STATE: [Row; 35] = [
     ("/sequence", LEFT_OUT, 422, ""),
     ("/sequence", "-1", 422, "/sequence"),
     ("/sequence", "1.5", 422, "/sequence"),
@@ -28,7 +28,8 @@ const STATE: [Row; 34] = [
     ("/joint_velocity/0", "1e999", 400, NO_POINTER),
     ("/wrench", LEFT_OUT, 422, "/wrench"),
     ("/wrench", "null", 422, "/wrench"),
-    ("/wrench", "[0, 0, 0, 0, 0, 0]", 422, "/wrench/0"),
+    ("/wrench", "[0, 0, 0, 0, 0, 0]", 422, "/wrench"),
+    ("/wrench", "[[0, 0, 0], [0, 0, 0]]", 422, "/wrench"),
     ("/wrench", "{}", 422, "/wrench"),
     ("/wrench/torque", LEFT_OUT, 422, "/wrench"),
     ("/wrench/force", "[1, 2]", 422, "/wrench/force"),
