@@ -3,7 +3,7 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
-use super::simulate::{record, write_traces};
+use super::simulate::{make_directory, record, write_traces};
 use super::{CliError, Target};
 use crate::report::paper_figures::{Posture, of_posture};
 use crate::report::{self, Report, table};
@@ -26,6 +26,7 @@ const VARIANTS: [(Method, Solver); 3] = [
 ];
 
 pub fn run(options: &Options) -> Result<(), CliError> {
+    make_directory(&options.out)?;
     let target = Target::open(None)?;
     let mut recordings = Vec::new();
     for (name, _) in BUILT_IN_SCENARIOS {

@@ -1,6 +1,6 @@
 //! `revprio simulate`
 
-use std::io::{Write as _, stdout};
+use std::io::{Write as _, stderr, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -36,6 +36,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mut scenario = Scenario::find(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
+    make_directory(&options.out)?;
     let target = Target::open(options.server.as_deref())?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
     let recordings = [record(&scenario, &target, mode)?];
@@ -67,14 +68,22 @@ fn command(options: &Options, scenario: &Scenario) -> String {
 pub fn record(scenario: &Scenario, target: &Target, mode: CallMode) -> Result<Recording, CliError> {
     let label = format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver);
     let bar = progress_bar(scenario.cycles(), &label);
+    if bar.is_hidden() {
+        // Nobody watches a bar, but a log may want to know.
+        let _ = writeln!(stderr(), "running {label}");
+    }
     let recording = run_scenario(scenario, &target.client, mode, |done| bar.set_position(done))?;
     bar.finish();
     Ok(recording)
 }
 
+/// Makes the output directory, before the work that would be in vain without it.
+pub fn make_directory(out: &Path) -> Result<(), CliError> {
+    std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })
+}
+
 /// Writes every recording as CSV into the directory.
 pub fn write_traces(out: &Path, recordings: &[Recording]) -> Result<(), CliError> {
-    std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })?;
     for recording in recordings {
         let path = out.join(recording.trace_name());
         recording.write_csv(&path).map_err(|source| CliError::Trace { path, source })?;

@@ -14,7 +14,9 @@ const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(10);
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// The server cannot be reached, or the connection broke.
-    #[error("no answer from {url}: {source}; is the service running there?")]
+    #[error(
+        "no answer from {url}: {source}; is the service running there? An address looks like http://127.0.0.1:8080"
+    )]
     Transport {
         /// The address asked.
         url: String,

@@ -184,6 +184,7 @@ mod tests {
         assert_eq!(Svd::new(&diagonal(1.1e-10)).unwrap().rank(), 2);
         assert_eq!(Svd::new(&diagonal(0.9e-10)).unwrap().rank(), 1);
         assert_eq!(Svd::new(&(diagonal(0.5) * 1e-30)).unwrap().rank(), 2);
+        assert_eq!(Svd::new(&(diagonal(0.5) * 1e-200)).unwrap().rank(), 0);
         assert_eq!(Svd::with_scale(&(diagonal(0.5) * 1e-15), 1.0).unwrap().rank(), 0);
     }
 

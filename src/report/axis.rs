@@ -12,7 +12,7 @@ const INTERVALS: f64 = 6.0;
 /// Curves keep this fraction of their extent away from the frame.
 const MARGIN: f64 = 0.06;
 /// Longer labels would reach into the name of the axis.
-const MOST_DECIMALS: usize = 3;
+const MOST_DECIMALS: usize = 4;
 /// An extent below this is rounding noise in any unit drawn here (N, mm, s) and is not magnified.
 const SMALLEST_EXTENT: f64 = 1e-9;
 

@@ -65,6 +65,14 @@ async fn read(mut body: axum::body::Body) -> Result<Vec<u8>, Problem> {
 }
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    match serde_json::from_slice(bytes) {
+        Ok(Object(value)) => Ok(value),
+        Err(_) => explain(bytes),
+    }
+}
+
+/// Reads once more, keeping track of where: what a good body need not pay for.
+fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());

@@ -34,7 +34,7 @@ pub fn failure(arguments: &[&str]) -> String {
     let output = program(arguments).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.starts_with("error: "), "{message}");
+    assert!(message.lines().any(|line| line.starts_with("error: ")), "{message}");
     message
 }
 

@@ -32,7 +32,7 @@ fn a_contact_that_would_bounce_is_told_its_margins() {
     let stable = success(&contact);
     assert!(stable.starts_with("stable, ") && stable.contains("largest lag           1."), "{stable}");
     let lagging = success(&[&contact[..], &["--lag-s", "0.005"]].concat());
-    assert!(lagging.starts_with("unstable: "), "{lagging}");
+    assert!(lagging.starts_with("unstable, "), "{lagging}");
 }
 
 #[test]

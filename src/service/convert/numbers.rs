@@ -20,7 +20,11 @@ pub fn number(value: f64, pointer: &str) -> Result<f64, Problem> {
 
 /// A list of numbers of sensible size.
 pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, Problem> {
-    values.iter().enumerate().map(|(i, &value)| number(value, &format!("{pointer}/{i}"))).collect()
+    // Pointers are made for the refusal only: this runs over every number of every request.
+    match values.iter().position(|value| !(value.abs() <= LARGEST)) {
+        Some(i) => number(values[i], &format!("{pointer}/{i}")).map(|_| Vec::new()),
+        None => Ok(values.to_vec()),
+    }
 }
 
 /// A list of as many numbers as there are joints.
