@@ -1,7 +1,7 @@
 //! `revprio serve`
 
-use std::io::IsTerminal;
-use std::io::{Write as _, stdout};
+use std::future::Future;
+use std::io::{self, IsTerminal, Write as _, stdout};
 use std::net::SocketAddr;
 
 use super::CliError;
@@ -22,22 +22,43 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         .with_writer(std::io::stderr)
         .init();
     let listener = bind(options.listen)?;
-    writeln!(stdout(), "listening on http://{}", listener.local_addr()?)?;
-    Ok(serve(listener, router(App::new(Robots::built_in())), stop_signal())?)
+    let address = listener.local_addr()?;
+    Ok(serve(listener, router(App::new(Robots::built_in())), announced_until_stopped(address))?)
 }
 
-/// Ready on Ctrl-C or SIGTERM.
-async fn stop_signal() {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
-            tokio::select! {
-                _ = tokio::signal::ctrl_c() => (),
-                _ = terminate.recv() => (),
-            }
-            return;
+/// Says where the service listens, then waits for the signal that ends it.
+///
+/// In this order: whoever reads the address and ends the service at once must not kill it instead.
+async fn announced_until_stopped(address: SocketAddr) {
+    let stop = stop_signal();
+    if let Err(error) = writeln!(stdout(), "listening on http://{address}") {
+        tracing::warn!(%error, "cannot write the address to standard output");
+    }
+    match stop {
+        Ok(stop) => stop.await,
+        Err(error) => {
+            tracing::warn!(%error, "cannot listen for signals; the service ends when it is killed");
+            std::future::pending::<()>().await;
         }
     }
-    let _ = tokio::signal::ctrl_c().await;
+}
+
+/// Ready on Ctrl-C or SIGTERM, which are listened for from the call on.
+#[cfg(unix)]
+fn stop_signal() -> io::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let (mut interrupt, mut terminate) = (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => (),
+            _ = terminate.recv() => (),
+        }
+    })
+}
+
+/// Ready on Ctrl-C.
+#[cfg(windows)]
+fn stop_signal() -> io::Result<impl Future<Output = ()>> {
+    let mut interrupt = tokio::signal::windows::ctrl_c()?;
+    Ok(async move { drop(interrupt.recv().await) })
 }
