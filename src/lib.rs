@@ -21,7 +21,7 @@
 //! use revprio::kinematics::{Axis, AxisSelection, Configuration};
 //! use revprio::limits::LimitKind;
 //! use revprio::linalg::Vector;
-//! use revprio::resolution::{Method, Problem, Solver, resolve};
+//! use revprio::resolution::{Problem, resolve};
 //! use revprio::robot::built_in;
 //! use revprio::task::{Task, TaskStack};
 //!
@@ -31,18 +31,13 @@
 //! let configuration = Configuration::new(sawyer, &posture)?;
 //! let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
 //!     let jacobian = AxisSelection::new(axes)?.rows_of(configuration.jacobian());
-//!     Ok::<_, Box<dyn std::error::Error>>(Task { name: name.into(), jacobian, velocity: Vector::from_vec(velocity) })
+//!     Ok::<_, Box<dyn std::error::Error>>(Task::new(name, jacobian, Vector::from_vec(velocity)))
 //! };
 //! let push = task("push", &[Axis::X], vec![0.05])?;
 //! let hold = task("hold", &[Axis::Y, Axis::Z], vec![0.0, 0.0])?;
-//! let problem = Problem {
-//!     tasks: TaskStack::new(vec![push, hold])?, // highest priority first
-//!     limits: Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box,
-//!     method: Method::ReversePriority,
-//!     solver: Solver::Auto,
-//!     damping: None,
-//!     null_space_velocity: None,
-//! };
+//! let tasks = TaskStack::new(vec![push, hold])?; // highest priority first
+//! let limits = Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box;
+//! let problem = Problem { limits, ..Problem::new(tasks) };
 //! let answer = resolve(&problem, &[])?;
 //! assert!((answer.tasks[0].achieved[0] - 0.05).abs() < 1e-12);
 //! # Ok(())

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::kinematics::AxisSelection;
 use crate::law::Law;
-use crate::limits::{LimitKind, LimitedBox, VelocityBox, robot_box};
+use crate::limits::{Barrier, LimitKind, LimitedBox, PlanePoint, VelocityBox, robot_box};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 use crate::robot::RobotModel;
@@ -69,6 +69,8 @@ pub struct TaskConfig {
     pub law: Law,
     /// Where displacements are counted from.
     pub target_pose: TargetPose,
+    /// Whether limits may slow the task down, but not bend it.
+    pub scaled: bool,
 }
 
 /// Everything that stays the same from period to period.
@@ -86,6 +88,8 @@ pub struct ControllerConfig {
     pub damping: Option<Damping>,
     /// Which joint velocities are allowed.
     pub limits: Limits,
+    /// What joint velocities must obey beside the box.
+    pub barriers: Vec<Barrier>,
     /// Whose wrench is measured.
     pub wrench_convention: WrenchConvention,
     /// The tasks, highest priority first.
@@ -119,6 +123,16 @@ pub enum ConfigError {
         /// Axes of the task.
         axes: usize,
     },
+    /// A barrier is about another number of joints, or about a joint that the robot does not have.
+    #[error("inequality `{name}` does not fit a robot of {expected} joints")]
+    Barrier {
+        /// Place in the list, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Joints of the robot.
+        expected: usize,
+    },
     /// The box is about another number of joints.
     #[error("limits for {given} joints, the robot has {expected}")]
     Limits {
@@ -143,6 +157,15 @@ impl ControllerConfig {
             if expected != given {
                 return Err(ConfigError::Limits { expected, given });
             }
+        }
+        let joints = self.robot.joint_count();
+        let fits = |barrier: &Barrier| match barrier {
+            Barrier::Fixed(inequality) => inequality.coefficients().len() == joints,
+            Barrier::Plane(plane) => !matches!(plane.point(), PlanePoint::Joint(joint) if joint >= joints),
+        };
+        if let Some(index) = self.barriers.iter().position(|barrier| !fits(barrier)) {
+            let name = self.barriers[index].name().to_owned();
+            return Err(ConfigError::Barrier { index, name, expected: joints });
         }
         for (index, task) in self.tasks.iter().enumerate() {
             if self.tasks[..index].iter().any(|earlier| earlier.name == task.name) {

@@ -28,7 +28,7 @@ pub enum MemoryError {
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
-    /// The active set names a joint that the robot does not have.
+    /// The active set names a joint or an inequality that the controller does not have.
     #[error("the memory's active set does not fit the robot; send back the memory of this controller's last answer")]
     ActiveSet,
 }
@@ -49,7 +49,8 @@ impl Memory {
         }
         // Each joint once per level and in order, as the solver leaves it.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(joint, _)| joint < n)) {
+        let rows = n + config.barriers.len();
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| row < rows)) {
             return Err(MemoryError::ActiveSet);
         }
         Ok(())

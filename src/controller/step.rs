@@ -109,6 +109,7 @@ impl Controller {
         let problem = Problem {
             tasks: self.stack(&configuration, &targets)?,
             limits: limited.velocity_box,
+            inequalities: self.config.barriers.iter().map(|barrier| barrier.at(&configuration)).collect(),
             method: self.config.method,
             solver: self.config.solver,
             damping: self.config.damping,
@@ -175,6 +176,7 @@ impl Controller {
             name: task.name.clone(),
             jacobian: task.axes.rows_of(configuration.jacobian()),
             velocity: target.velocity.clone(),
+            scaled: task.scaled,
         };
         TaskStack::new(self.config.tasks.iter().zip(targets).map(task).collect())
     }
@@ -208,6 +210,7 @@ fn displacement(task: &TaskConfig, before: &Before, configuration: &Configuratio
 /// posture recovers.
 fn integrators(targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
     let held_back = !resolution.active_limits.is_empty()
+        || !resolution.active_inequalities.is_empty()
         || resolution.singularity.algorithmic
         || resolution.solver.status != Status::Optimal;
     let after = |(target, outcome): (&TaskTarget, &crate::resolution::TaskOutcome)| {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::object;
-use super::{Axis, Damping, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
+use super::{Axis, Damping, Inequality, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
 
 /// Robot, tasks with their laws, method, solver, limits, period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct Controller {
     /// Whose wrench the states carry.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
+    /// What the velocities must obey beside the limits.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub inequalities: Vec<Inequality>,
     /// Damping near singularities; 0.05 and 0.1 if left out, exact if `null`.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
@@ -53,6 +56,9 @@ pub struct ControllerTask {
     /// How the task's velocity is made.
     #[serde(deserialize_with = "object::deserialize")]
     pub law: Law,
+    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scale: bool,
 }
 
 /// How a task's velocity is made; lists have one entry per axis of the task.

@@ -4,6 +4,7 @@
 //! Vectors of joints follow the robot's joint order, or name their joints.
 
 mod controller;
+mod inequality;
 mod joints;
 mod object;
 mod outcome;
@@ -17,6 +18,7 @@ mod string_or_map;
 mod terms;
 
 pub use controller::{Controller, ControllerTask, CreatedController, Law, Profile, SessionStatus};
+pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::JointVector;
 pub use object::Object;
 pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::object;
 use super::{
-    ActiveLimit, Axis, Damping, JointVector, Limits, Method, Singularity, Solver, SolverReport, TaskOutcome,
-    ViolatedLimit,
+    ActiveInequality, ActiveLimit, Axis, Damping, Inequality, JointVector, Limits, Method, Singularity, Solver,
+    SolverReport, TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 
 /// Prioritised tasks at one posture.
@@ -36,6 +36,9 @@ pub struct ResolveRequest {
     /// Allowed joint velocities; default `position_velocity` with a robot and a period, else `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
+    /// What the velocities must obey beside the limits.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub inequalities: Vec<Inequality>,
     /// Damping near singularities; none (exact) if left out.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
@@ -59,6 +62,9 @@ pub struct ResolveTask {
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// ẋ_k, m/s and rad/s, one entry per row.
     pub velocity: Vec<f64>,
+    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scale: bool,
 }
 
 /// Joint velocities and why they are what they are.
@@ -72,6 +78,12 @@ pub struct ResolveAnswer {
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks.
     pub violated_limits: Vec<ViolatedLimit>,
+    /// Inequalities that hold the answer back.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub active_inequalities: Vec<ActiveInequality>,
+    /// Inequalities that the answer breaks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violated_inequalities: Vec<ViolatedInequality>,
     /// Joints whose acceleration limit was overruled by position or velocity.
     pub limit_conflict: Vec<String>,
     /// How the answer was found.

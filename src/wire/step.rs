@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::object;
-use super::{ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
+use super::{
+    ActiveInequality, ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome,
+    ViolatedInequality, ViolatedLimit,
+};
 
 /// The measured state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,14 +78,22 @@ pub struct FramePose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// A limit by joint and side.
+/// A limit by joint and side, or an inequality by name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ActiveLimitName {
-    /// Joint name.
-    pub joint: String,
-    /// Which bound.
-    pub side: Side,
+#[serde(untagged, deny_unknown_fields)]
+pub enum ActiveLimitName {
+    /// A bound of a joint.
+    Joint {
+        /// Joint name.
+        joint: String,
+        /// Which bound.
+        side: Side,
+    },
+    /// An inequality.
+    Inequality {
+        /// Its name.
+        inequality: String,
+    },
 }
 
 /// Joint velocities for one period and why they are what they are.
@@ -103,6 +114,12 @@ pub struct StepAnswer {
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks.
     pub violated_limits: Vec<ViolatedLimit>,
+    /// Inequalities that hold the answer back.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub active_inequalities: Vec<ActiveInequality>,
+    /// Inequalities that the answer breaks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violated_inequalities: Vec<ViolatedInequality>,
     /// Joints whose acceleration limit was overruled by position or velocity.
     pub limit_conflict: Vec<String>,
     /// How the answer was found.

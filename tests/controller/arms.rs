@@ -69,7 +69,7 @@ pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled
 
 pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
     let name = axes.iter().map(|axis| format!("{axis:?}")).collect::<Vec<_>>().concat();
-    TaskConfig { name, axes: AxisSelection::new(axes).unwrap(), law, target_pose: TargetPose::Initial }
+    TaskConfig { name, axes: AxisSelection::new(axes).unwrap(), law, target_pose: TargetPose::Initial, scaled: false }
 }
 
 /// Reverse priority, `auto`, standard damping, without limits.
@@ -81,6 +81,7 @@ pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConf
         solver: Solver::Auto,
         damping: Some(Damping::STANDARD),
         limits: Limits::Robot(LimitKind::None),
+        barriers: Vec::new(),
         wrench_convention: WrenchConvention::OnEnvironment,
         tasks,
     }

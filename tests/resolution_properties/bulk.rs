@@ -4,7 +4,7 @@ use revprio::linalg::Vector;
 use revprio::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status, resolve};
 use revprio::task::TaskStack;
 
-use crate::problems::{EXTREME, Family, Random, WIDE, damping, problem, speed, with};
+use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed, with};
 
 /// The largest error of one kind, and how often it was beyond its limit.
 #[derive(Debug, Default, Clone, Copy)]
@@ -42,7 +42,7 @@ struct Findings {
     guessed: u32,
 }
 
-fn any_problem(random: &mut Random, family: Family) -> Problem {
+pub fn any_problem(random: &mut Random, family: Family) -> Problem {
     let method = random.pick(&[
         Method::ReversePriority,
         Method::ReversePriority,
@@ -52,6 +52,13 @@ fn any_problem(random: &mut Random, family: Family) -> Problem {
     ]);
     let mut problem = problem(random, family, method);
     problem.damping = random.one_in(3).then(|| damping(random));
+    if random.one_in(5) {
+        problem.inequalities = inequalities(random, problem.tasks.joint_count());
+    }
+    if random.one_in(5) {
+        let choice = random.bits();
+        problem = scaled(&problem, |k| choice >> k & 1 == 1);
+    }
     problem
 }
 
@@ -91,13 +98,25 @@ impl Findings {
         let residual = resolution.solver.kkt_residual.unwrap_or(f64::INFINITY);
         assert!(resolution.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}");
         assert_eq!(resolution.solver.status == Status::Optimal, residual <= 1e-9, "seed {seed}");
+        if residual > 1e-9 {
+            println!(
+                "UNCERT seed {seed} {:?} ineq {} scaled {} damp {:?} n {} tasks {} res {residual:e} path {:?}",
+                problem.method,
+                problem.inequalities.len(),
+                problem.tasks.tasks().iter().any(|t| t.scaled),
+                problem.damping,
+                problem.tasks.joint_count(),
+                problem.tasks.tasks().len(),
+                resolution.solver
+            );
+        }
         self.residual.add(seed, residual, 1e-9);
         self.excess.add(seed, problem.limits.violation(&resolution.joint_velocity), 1e-12);
     }
 
     fn against_closed_form(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
         let closed = resolve(&with(problem, Solver::ClosedForm), &[]).unwrap();
-        if problem.limits.violation(&closed.joint_velocity) == 0.0 {
+        if closed.violated_limits.is_empty() && closed.violated_inequalities.is_empty() {
             self.inside += 1;
             let error = distance(&closed.joint_velocity, &qp.joint_velocity, speed(problem));
             self.closed_form.add(seed, error, 1e-9);
@@ -106,10 +125,10 @@ impl Findings {
 
     fn first_task(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
         let priorities = matches!(problem.method, Method::ReversePriority | Method::StrictReversePriority);
-        if !priorities || problem.damping.is_some() {
+        let first = &problem.tasks.tasks()[0];
+        if !priorities || problem.damping.is_some() || first.scaled {
             return;
         }
-        let first = &problem.tasks.tasks()[0];
         let tasks = TaskStack::new(vec![first.clone()]).unwrap();
         let alone = resolve(&Problem { tasks, ..with(problem, Solver::Qp) }, &[]).unwrap();
         let size = first.velocity.norm() + first.jacobian.norm() * (qp.joint_velocity.norm() + speed(problem)) + 1e-5;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Quaternion, Translation3, UnitQuaternion};
 
+use super::inequalities::InequalityReader;
 use super::numbers::{damping, number, numbers, velocity_box};
 use super::resolve::{axis_selection, known_robot, positive_period};
 use super::terms;
@@ -36,6 +37,12 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
                 Limits::Fixed(velocity_box(lower, upper, robot.joint_count(), "/limits")?)
             }
         },
+        barriers: InequalityReader {
+            robot: Some(&robot),
+            joints: robot.joint_count(),
+            period_s: Some(request.period_s),
+        }
+        .read(&request.inequalities)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         tasks: request.tasks.iter().enumerate().map(|(k, task)| task_config(k, task)).collect::<Result<_, _>>()?,
         robot,
@@ -50,6 +57,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
         ConfigError::Rows { task, .. } => format!("/tasks/{task}/law"),
         ConfigError::Limits { .. } => "/limits".to_owned(),
+        ConfigError::Barrier { index, .. } => format!("/inequalities/{index}"),
     }
 }
 
@@ -57,7 +65,7 @@ fn task_config(k: usize, task: &wire::ControllerTask) -> Result<TaskConfig, Prob
     let axes = axis_selection(&task.axes, &format!("/tasks/{k}/axes"))?;
     let reader = LawReader { rows: axes.len(), pointer: format!("/tasks/{k}/law") };
     let (law, target_pose) = reader.law(&task.law)?;
-    Ok(TaskConfig { name: task.name.clone(), axes, law, target_pose })
+    Ok(TaskConfig { name: task.name.clone(), axes, law, target_pose, scaled: task.scale })
 }
 
 /// Reads a law for a task of so many rows.

@@ -1,6 +1,7 @@
 //! Bodies to the library's types and back; wrong fields are named by JSON pointer.
 
 mod controller;
+mod inequalities;
 mod memory;
 mod numbers;
 mod outcome;

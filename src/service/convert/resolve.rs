@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::inequalities::InequalityReader;
 use super::numbers::{damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
 use super::outcome::{Outcome, elapsed_us};
 use super::terms;
 use crate::controller::Limits;
 use crate::kinematics::{AxisSelection, Configuration};
-use crate::limits::{LimitKind, LimitedBox, VelocityBox};
+use crate::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
 use crate::linalg::{Matrix, Vector};
 use crate::resolution::{Problem as Question, ProblemError, Resolution};
 use crate::robot::RobotModel;
@@ -49,6 +50,7 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
         problem: Question {
             tasks,
             limits: limited.velocity_box,
+            inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
             method: terms::method(request.method),
             solver: terms::solver(request.solver),
             damping: damping(request.damping, "/damping")?,
@@ -120,6 +122,7 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
         name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
         jacobian,
         velocity: Vector::from_vec(numbers(&task.velocity, &format!("{pointer}/velocity"))?),
+        scaled: task.scale,
     })
 }
 
@@ -143,6 +146,23 @@ fn matrix(rows: &[Vec<f64>], pointer: &str) -> Result<Matrix, Problem> {
         numbers(row, &pointer)?;
     }
     Ok(Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+}
+
+fn inequalities(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+    configuration: Option<&Configuration>,
+    joints: usize,
+) -> Result<Vec<Inequality>, Problem> {
+    let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
+    let reader = InequalityReader { robot, joints, period_s: request.period_s };
+    let barriers = reader.read(&request.inequalities)?.into_iter();
+    let at_posture = |barrier| match (barrier, configuration) {
+        (Barrier::Fixed(inequality), _) => Some(inequality),
+        (Barrier::Plane(plane), Some(configuration)) => Some(plane.at(configuration)),
+        (Barrier::Plane(_), None) => None,
+    };
+    Ok(barriers.filter_map(at_posture).collect())
 }
 
 fn limits(
@@ -215,6 +235,7 @@ pub fn positive_period(period: f64, pointer: &str) -> Result<f64, Problem> {
 pub fn resolution_problem(error: ProblemError) -> Problem {
     let pointer = match error {
         ProblemError::Limits { .. } => "/limits",
+        ProblemError::Inequality { .. } => "/inequalities",
         ProblemError::NullSpaceVelocity { .. } => "/null_space_velocity",
     };
     Problem::invalid(pointer, error)
@@ -229,6 +250,8 @@ pub fn resolve_answer(question: &ResolveQuestion, resolution: &Resolution, start
         tasks: outcome.tasks(|k| (tasks[k].name.clone(), tasks[k].velocity.as_slice().to_vec(), None)),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
+        active_inequalities: outcome.active_inequalities(),
+        violated_inequalities: outcome.violated_inequalities(),
         limit_conflict: outcome.names(&question.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),

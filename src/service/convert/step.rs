@@ -73,6 +73,8 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
         tasks: outcome.tasks(task),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
+        active_inequalities: outcome.active_inequalities(),
+        violated_inequalities: outcome.violated_inequalities(),
         limit_conflict: outcome.names(&command.limit_conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
