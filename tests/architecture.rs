@@ -12,7 +12,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("wire", &[]),
     ("robot", &[]),
     ("kinematics", &["robot", "linalg"]),
-    ("limits", &["robot", "linalg"]),
+    ("limits", &["robot", "kinematics", "linalg"]),
     ("task", &["linalg"]),
     ("law", &["linalg"]),
     ("resolution", &["task", "limits", "linalg"]),

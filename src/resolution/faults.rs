@@ -1,8 +1,6 @@
 //! What a failing solver does to the answer: nothing that moves the arm unasked.
 
-use clarabel::solver::SolverStatus;
-
-use super::qp_cascade::fault::{self, Fault};
+use super::qp_cascade::fault::{self, Fault, SolverStatus};
 use super::{Method, Problem, Resolution, Solver, Status, resolve};
 use crate::limits::VelocityBox;
 use crate::linalg::{Matrix, Vector};

@@ -42,7 +42,7 @@ struct Findings {
     guessed: u32,
 }
 
-pub fn any_problem(random: &mut Random, family: Family) -> Problem {
+fn any_problem(random: &mut Random, family: Family) -> Problem {
     let method = random.pick(&[
         Method::ReversePriority,
         Method::ReversePriority,
@@ -98,18 +98,6 @@ impl Findings {
         let residual = resolution.solver.kkt_residual.unwrap_or(f64::INFINITY);
         assert!(resolution.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}");
         assert_eq!(resolution.solver.status == Status::Optimal, residual <= 1e-9, "seed {seed}");
-        if residual > 1e-9 {
-            println!(
-                "UNCERT seed {seed} {:?} ineq {} scaled {} damp {:?} n {} tasks {} res {residual:e} path {:?}",
-                problem.method,
-                problem.inequalities.len(),
-                problem.tasks.tasks().iter().any(|t| t.scaled),
-                problem.damping,
-                problem.tasks.joint_count(),
-                problem.tasks.tasks().len(),
-                resolution.solver
-            );
-        }
         self.residual.add(seed, residual, 1e-9);
         self.excess.add(seed, problem.limits.violation(&resolution.joint_velocity), 1e-12);
     }
@@ -148,8 +136,8 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
 
 /// `outliers`: how many answers may be beyond the limit that all others keep, and `worst`: by how much.
 ///
-/// Some are: where damping acts on a singular value of some 1e-8, the cascade recovers a velocity by dividing rounding by
-/// that value, while the closed form does not.
+/// In 10⁶ some are: where damping acts on a singular value of some 1e-8, the cascade recovers a velocity by dividing
+/// rounding by that value, while the closed form does not.
 fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
     assert_eq!(findings.residual.beyond, 0, "not certified: {:?}", findings.residual);
     assert_eq!(findings.excess.beyond, 0, "limit exceeded: {:?}", findings.excess);
@@ -164,7 +152,7 @@ fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
 fn quarter(start: u64) {
     let findings = examine(WIDE, start..start + 25_000);
     assert!(findings.inside > 3_000 && findings.guessed > 8_000, "the problems are one-sided: {findings:?}");
-    all_properties_hold(&findings, 6, 1e-6);
+    all_properties_hold(&findings, 0, 1e-8);
 }
 
 #[test]

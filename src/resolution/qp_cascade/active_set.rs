@@ -193,7 +193,7 @@ pub fn polish(level: &Level, guess: &ActiveSet) -> Result<Candidate, SvdError> {
 /// Ties are broken by the smallest index (Bland), so that degenerate corners do not cycle.
 pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
     #[cfg(test)]
-    if super::fault::strikes_search() {
+    if super::clarabel_level::fault::strikes_search() {
         return polish(level, &ActiveSet::new());
     }
     let mut z = Vector::zeros(level.unknowns());

@@ -34,7 +34,7 @@ pub fn solve(level: &Level) -> (Option<ActiveSet>, u32) {
         Ok(mut solver) => {
             solver.solve();
             #[cfg(test)]
-            super::fault::strike(&mut solver.solution);
+            fault::strike(&mut solver.solution);
             (pressed(&solver.solution, &constraints), solver.solution.iterations)
         }
         Err(_) => (None, 0),
@@ -114,6 +114,49 @@ fn upper_triangle(symmetric: &Matrix) -> CscMatrix<f64> {
         (0..n).flat_map(|j| 0..=j).collect(),
         (0..n).flat_map(|j| (0..=j).map(move |i| symmetric[(i, j)])).collect(),
     )
+}
+
+/// Faults that tests inject: what a solver returns when it fails, and a search that finds nothing.
+#[cfg(test)]
+pub mod fault {
+    use std::cell::Cell;
+
+    use clarabel::solver::DefaultSolution;
+    pub use clarabel::solver::SolverStatus;
+
+    /// What goes wrong.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Fault {
+        /// Every solve ends with this status …
+        pub status: SolverStatus,
+        /// … and this value in all entries of x.
+        pub entry: f64,
+        /// Whether the active-set iteration finds nothing either.
+        pub search: bool,
+    }
+
+    thread_local! {
+        static FAULT: Cell<Option<Fault>> = const { Cell::new(None) };
+    }
+
+    /// Runs `f` with the fault on this thread.
+    pub fn with<T>(fault: Fault, f: impl FnOnce() -> T) -> T {
+        FAULT.set(Some(fault));
+        let result = f();
+        FAULT.set(None);
+        result
+    }
+
+    pub(super) fn strike(solution: &mut DefaultSolution<f64>) {
+        if let Some(Fault { status, entry, .. }) = FAULT.get() {
+            solution.status = status;
+            solution.x.fill(entry);
+        }
+    }
+
+    pub fn strikes_search() -> bool {
+        FAULT.get().is_some_and(|fault| fault.search)
+    }
 }
 
 #[cfg(test)]

@@ -8,8 +8,6 @@
 mod active_set;
 mod clarabel_level;
 mod constraints;
-#[cfg(test)]
-pub mod fault;
 mod feasible_set;
 mod level;
 mod objectives;
@@ -17,6 +15,8 @@ mod relaxation;
 mod scaling;
 
 pub use active_set::{ActiveSet, Side};
+#[cfg(test)]
+pub use clarabel_level::fault;
 
 use constraints::Constraints;
 use feasible_set::FeasibleSet;
