@@ -14,6 +14,9 @@ const MOST_ATTRIBUTES: usize = 256;
 const MOST_NAMESPACES: usize = 64;
 const MOST_NODES: u32 = 100_000;
 
+/// Longest name of a link or joint, bytes: names stand in every answer.
+const LONGEST_NAME: usize = 256;
+
 /// Reads XML, in time that a bad text cannot stretch.
 pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
     let quotes = |element: &str| element.bytes().filter(|byte| matches!(byte, b'"' | b'\'')).count();
@@ -81,7 +84,7 @@ fn named<'a>(robot: Node<'a, 'a>, element: &'static str) -> Result<Vec<(&'a str,
     let mut seen = HashMap::new();
     let mut found = Vec::new();
     for (i, node) in robot.children().filter(|node| node.has_tag_name(element)).enumerate() {
-        let name = node.attribute("name").filter(|name| !name.is_empty());
+        let name = node.attribute("name").filter(|name| (1..=LONGEST_NAME).contains(&name.len()));
         let name = name.ok_or(UrdfError::Unnamed { element, place: i + 1 })?;
         if seen.insert(name, ()).is_some() {
             return Err(UrdfError::Duplicate { element, name: name.to_owned() });

@@ -28,7 +28,7 @@ pub enum UrdfError {
         root: String,
     },
     /// An element without a name.
-    #[error("the {place}. <{element}> of the robot has no name")]
+    #[error("the {place}. <{element}> of the robot needs a name of 1 to 256 bytes")]
     Unnamed {
         /// `link` or `joint`.
         element: &'static str,
