@@ -17,22 +17,17 @@ impl<'a> Chain<'a> {
     /// Finds the chain; what is not named must be the only possibility.
     pub fn find(links: &Links<'a>, base: Option<&str>, tip: Option<&str>) -> Result<Self, UrdfError> {
         let base = find_base(links, base)?;
-        let leaves = || leaves(links, base);
-        let Some(tip) = tip else {
-            return match leaves()[..] {
-                [tip] => Ok(Self { base, tip, joints: way(links, base, tip)?.unwrap_or_default() }),
-                ref leaves => Err(UrdfError::Tip { base: base.to_owned(), leaves: owned(leaves) }),
-            };
+        let leaves = leaves(links, base);
+        let found = match (tip, &leaves[..]) {
+            (Some(name), _) => links.names.iter().copied().find(|link| *link == name),
+            (None, [leaf]) => Some(*leaf),
+            (None, _) => return Err(UrdfError::Tip { base: base.to_owned(), leaves: owned(&leaves) }),
         };
-        let found = links.names.iter().copied().find(|link| *link == tip);
         let joints = found.map(|tip| way(links, base, tip)).transpose()?.flatten();
-        match (found, joints) {
-            (Some(tip), Some(joints)) => Ok(Self { base, tip, joints }),
-            _ => {
-                let (base, tip) = (base.to_owned(), tip.to_owned());
-                Err(UrdfError::UnknownTip { base, tip, leaves: owned(&leaves()) })
-            }
-        }
+        found.zip(joints).map(|(tip, joints)| Self { base, tip, joints }).ok_or_else(|| {
+            let (base, tip) = (base.to_owned(), tip.unwrap_or_default().to_owned());
+            UrdfError::UnknownTip { base, tip, leaves: owned(&leaves) }
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! From text to a graph of links.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -81,12 +81,12 @@ impl<'a> Links<'a> {
 
 /// The elements of that kind, each with a name of its own.
 fn named<'a>(robot: Node<'a, 'a>, element: &'static str) -> Result<Vec<(&'a str, Node<'a, 'a>)>, UrdfError> {
-    let mut seen = HashMap::new();
+    let mut seen = HashSet::new();
     let mut found = Vec::new();
     for (i, node) in robot.children().filter(|node| node.has_tag_name(element)).enumerate() {
         let name = node.attribute("name").filter(|name| (1..=LONGEST_NAME).contains(&name.len()));
         let name = name.ok_or(UrdfError::Unnamed { element, place: i + 1 })?;
-        if seen.insert(name, ()).is_some() {
+        if !seen.insert(name) {
             return Err(UrdfError::Duplicate { element, name: name.to_owned() });
         }
         found.push((name, node));

@@ -10,7 +10,7 @@ fn joint(name: &str, parent: &str, child: &str, rest: &str) -> String {
 }
 
 fn robot(links: &str, joints: &[String]) -> String {
-    let links: String = links.split_whitespace().map(|name| format!(r#"<link name="{name}"/>"#)).collect();
+    let links = links.split_whitespace().map(|name| format!(r#"<link name="{name}"/>"#)).collect::<Vec<_>>().concat();
     format!(r#"<robot name="r">{links}{}</robot>"#, joints.concat())
 }
 
@@ -181,14 +181,14 @@ fn nothing_is_expanded_and_nothing_is_opened() {
 fn no_text_takes_long() {
     let elements = |element: &str| format!("<robot>{}</robot>", element.repeat((1 << 20) / element.len() - 10));
     let deep = 70_000;
-    let attributes: String = (0..90_000).map(|i| format!("a{i:x}='' ")).collect();
-    let spaces: String = (0..5_000).map(|i| format!("<a xmlns:b{i}='c{i}'>")).collect();
+    let attributes = (0..90_000).map(|i| format!("a{i:x}='' ")).collect::<Vec<_>>().concat();
+    let spaces = (0..5_000).map(|i| format!("<a xmlns:b{i}='c{i}'>")).collect::<Vec<_>>().concat();
     let chain: Vec<String> = (0..8_000).map(|i| format!(r#"<link name="{i}"/>"#)).collect();
     let bush = |parent: &dyn Fn(usize) -> usize| {
         let joint = |i: usize| {
             format!("<joint name='{i}' type='fixed'><parent link='{}'/><child link='{i}'/></joint>", parent(i))
         };
-        format!("<robot>{}{}</robot>", chain.concat(), (1..8_000).map(joint).collect::<String>())
+        format!("<robot>{}{}</robot>", chain.concat(), (1..8_000).map(joint).collect::<Vec<_>>().concat())
     };
     let texts = [
         elements("<a/>"),

@@ -113,11 +113,11 @@ fn sixty_four_robots_are_the_most() {
 fn a_chain_of_33_joints_and_a_text_of_a_megabyte_are_too_much() {
     let service = Service::start();
     let snake = |joints: usize| {
-        let links: String = (0..=joints).map(|i| format!("<link name='{i}'/>")).collect();
+        let links = (0..=joints).map(|i| format!("<link name='{i}'/>")).collect::<Vec<_>>().concat();
         let joint = |i: usize| {
             format!("<joint name='{i}' type='continuous'><parent link='{i}'/><child link='{}'/></joint>", i + 1)
         };
-        let text = format!("<robot name='r'>{links}{}</robot>", (0..joints).map(joint).collect::<String>());
+        let text = format!("<robot name='r'>{links}{}</robot>", (0..joints).map(joint).collect::<Vec<_>>().concat());
         registration(&format!("snake{joints}"), &text).to_string()
     };
     service.post("/v1/robots", &snake(32)).accepted();
