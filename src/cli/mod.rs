@@ -59,7 +59,7 @@ pub enum CliError {
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
     /// A robot's name is refused.
-    #[error("--robot: {0} with `FILE,name=NAME`")]
+    #[error("--robot: {0} (`FILE,name=NAME`)")]
     Robots(#[from] RobotsError),
     /// The server has another robot of that name.
     #[error("{server} has another robot `{name}`; give this one another name: `FILE,name=NAME`")]

@@ -110,6 +110,7 @@ pub async fn register_robot(
     let robot = Arc::new(convert::robot(&request)?);
     let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
     let answer = convert::robot_answer(&robot);
+    app.sessions.end_idle();
     app.robots.register(robot).map_err(|error| convert::robots_problem(&error))?;
     Ok((StatusCode::CREATED, location, Json(answer)))
 }

@@ -42,7 +42,7 @@ pub enum RobotsError {
 
 /// Known robots by name: permanent ones, and those that clients registered, which end when they are not used for long.
 ///
-/// Whoever holds a robot, as sessions do, keeps it: it does not end meanwhile, and deleting it only ends its name.
+/// Whoever holds a robot, as sessions do, uses it: it does not end meanwhile, and deleting it only ends its name.
 #[derive(Debug)]
 pub struct Robots {
     permanent: Vec<Arc<RobotModel>>,
@@ -53,7 +53,18 @@ pub struct Robots {
 #[derive(Debug)]
 struct Registered {
     robot: Arc<RobotModel>,
-    used: Instant,
+    /// When it was first seen to be in nobody's hands; `None` while it is used.
+    idle_since: Option<Instant>,
+}
+
+impl Registered {
+    fn has_ended(&mut self, idle_timeout: Duration) -> bool {
+        if Arc::strong_count(&self.robot) > 1 {
+            self.idle_since = None;
+            return false;
+        }
+        self.idle_since.get_or_insert_with(Instant::now).elapsed() >= idle_timeout
+    }
 }
 
 impl Robots {
@@ -81,7 +92,7 @@ impl Robots {
         if registered.len() >= MOST_REGISTERED {
             return Err(RobotsError::Full);
         }
-        registered.push(Registered { robot, used: Instant::now() });
+        registered.push(Registered { robot, idle_since: None });
         Ok(())
     }
 
@@ -103,7 +114,7 @@ impl Robots {
             return Ok(Arc::clone(robot));
         }
         let found = self.registered().iter_mut().find(|entry| entry.robot.name() == name).map(|entry| {
-            entry.used = Instant::now();
+            entry.idle_since = None;
             Arc::clone(&entry.robot)
         });
         found.ok_or_else(|| self.unknown(name))
@@ -134,8 +145,7 @@ impl Robots {
     /// The registered robots that have not ended.
     fn registered(&self) -> MutexGuard<'_, Vec<Registered>> {
         let mut registered = self.registered.lock().unwrap_or_else(PoisonError::into_inner);
-        let in_use = |entry: &Registered| Arc::strong_count(&entry.robot) > 1;
-        registered.retain(|entry| in_use(entry) || entry.used.elapsed() < self.idle_timeout);
+        registered.retain_mut(|entry| !entry.has_ended(self.idle_timeout));
         registered
     }
 }
@@ -158,6 +168,18 @@ mod tests {
         assert!(matches!(robots.get("forgotten"), Err(RobotsError::Unknown { .. })));
         drop(held);
         assert!(robots.get("held").is_err() && robots.get("sawyer_dh").is_ok());
+    }
+
+    #[test]
+    fn the_time_without_use_counts_from_the_end_of_a_use() {
+        let robots = Robots { idle_timeout: Duration::from_millis(50), ..Robots::none() };
+        robots.register(named("arm")).unwrap();
+        let held = robots.get("arm").unwrap();
+        std::thread::sleep(Duration::from_millis(60));
+        drop(held);
+        assert_eq!(robots.all().len(), 1, "it was held until now");
+        std::thread::sleep(Duration::from_millis(60));
+        assert_eq!(robots.all().len(), 0);
     }
 
     #[test]

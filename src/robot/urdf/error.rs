@@ -143,7 +143,7 @@ pub enum UrdfError {
 
 /// The first names of a list, each in quotes.
 fn list(names: &[String]) -> String {
-    const SHOWN: usize = 20;
+    const SHOWN: usize = 50;
     let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
     match names.len().saturating_sub(SHOWN) {
         0 if names.is_empty() => "none".to_owned(),

@@ -1,4 +1,5 @@
 use nalgebra::Vector3;
+use proptest::prelude::*;
 
 use super::*;
 use crate::robot::{JointKind, ModelError};
@@ -175,6 +176,34 @@ fn nothing_is_expanded_and_nothing_is_opened() {
     let mesh = r#"<link name="a"><visual><geometry><mesh filename="package://none/a.stl"/></geometry></visual></link>"#;
     let text = robot("b", &[mesh.to_owned(), joint("j", "a", "b", REVOLUTE)]);
     assert_eq!(read(&text).unwrap().joint_count(), 1);
+}
+
+/// Texts made of a good one by cutting, doubling and inserting what means something.
+fn any_text() -> impl Strategy<Value = String> {
+    const GOOD: &str = include_str!("../../../fixtures/golden/oblique.urdf");
+    const PIECES: [&str; 15] = [
+        "<", ">", "/>", "\"", "'", "&amp;", "<!--", "]]>", "=", " nan", "-1e9", "<limit/>", "<joint>", "\u{0}", "base",
+    ];
+    let cut = (0..GOOD.len(), 0..40_usize, prop::sample::select(&PIECES[..]));
+    prop::collection::vec(cut, 1..4).prop_map(|cuts| {
+        cuts.into_iter().fold(GOOD.to_owned(), |text, (at, length, piece)| {
+            let (at, end) = (at.min(text.len()), (at + length).min(text.len()));
+            format!("{}{piece}{}", &text[..at], &text[end..])
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_damaged_text_is_refused_or_a_robot(text in any_text()) {
+        let options = UrdfOptions { tip: Some("tool"), ..UrdfOptions::default() };
+        if let Ok(robot) = RobotModel::from_urdf(&text, &options) {
+            prop_assert!(robot.joint_count() > 0);
+            prop_assert!(robot.tool().to_homogeneous().iter().all(|entry| entry.is_finite()));
+        }
+    }
 }
 
 #[test]
