@@ -21,7 +21,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("service", &["controller", "robot", "kinematics", "task", "limits", "resolution", "law", "linalg", "wire"]),
     ("simulator", &["client", "wire", "robot", "kinematics"]),
     ("report", &["simulator::recording", "wire"]),
-    ("cli", &["service", "simulator", "client", "report", "wire"]),
+    ("cli", &["robot", "service", "simulator", "client", "report", "wire"]),
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.

@@ -2,6 +2,7 @@
 
 mod demo;
 mod resolve;
+mod robot;
 mod serve;
 mod simulate;
 mod stability;
@@ -13,7 +14,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::client::{Client, ClientError};
 use crate::report;
-use crate::service::{App, Robots, RunningServer, ServeError, router};
+use crate::robot::RobotFileError;
+use crate::service::{App, Robots, RobotsError, RunningServer, ServeError, router};
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -29,6 +31,7 @@ const EXAMPLES: &str = "Examples:
   revprio serve                                      serve on 127.0.0.1:8080
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
@@ -52,6 +55,25 @@ pub enum CliError {
     /// The service cannot run.
     #[error(transparent)]
     Serve(#[from] ServeError),
+    /// A robot file is refused.
+    #[error(transparent)]
+    RobotFile(#[from] RobotFileError),
+    /// A robot's name is refused.
+    #[error("--robot: {0} (`FILE,name=NAME`)")]
+    Robots(#[from] RobotsError),
+    /// The server has another robot of that name.
+    #[error("{server} has another robot `{name}`; give this one another name: `FILE,name=NAME`")]
+    OtherRobot {
+        /// The service.
+        server: String,
+        /// The name.
+        name: String,
+    },
+    /// Only URDF can be sent to a server.
+    #[error(
+        "a server can be sent robots in URDF only; start it with `revprio serve --robot {0}`, or leave out --server"
+    )]
+    NotSent(String),
     /// The scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -125,7 +147,12 @@ impl Target {
         if let Some(url) = url {
             return Ok(Self { client: Client::new(url), _own: None });
         }
-        let own = RunningServer::start(router(App::new(Robots::built_in())))?;
+        Self::own(Robots::built_in())
+    }
+
+    /// A service of its own that knows these robots.
+    fn own(robots: Robots) -> Result<Self, ServeError> {
+        let own = RunningServer::start(router(App::new(robots)))?;
         Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
     }
 }

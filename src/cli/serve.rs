@@ -5,6 +5,7 @@ use std::io::{self, IsTerminal, Write as _, stdout};
 use std::net::SocketAddr;
 
 use super::CliError;
+use super::robot::RobotArgument;
 use crate::service::{App, Robots, bind, router, serve};
 
 #[derive(Debug, clap::Args)]
@@ -12,6 +13,9 @@ pub struct Options {
     /// Address and port to listen on; port 0 takes a free one
     #[arg(long, default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
+    /// An arm of your own beside the built-in ones; may be given several times
+    #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
+    robot: Vec<RobotArgument>,
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
@@ -21,9 +25,13 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         .with_ansi(std::io::stderr().is_terminal())
         .with_writer(std::io::stderr)
         .init();
+    let mut robots = Robots::built_in();
+    for argument in &options.robot {
+        robots = robots.with(argument.read()?)?;
+    }
     let listener = bind(options.listen)?;
     let address = listener.local_addr()?;
-    Ok(serve(listener, router(App::new(Robots::built_in())), announced_until_stopped(address))?)
+    Ok(serve(listener, router(App::new(robots)), announced_until_stopped(address))?)
 }
 
 /// Says where the service listens, then waits for the signal that ends it.

@@ -94,6 +94,12 @@ impl RobotModel {
         Ok(Self { name: name.into(), description: description.into(), joints, tool })
     }
 
+    /// The same robot under another name.
+    #[must_use]
+    pub fn renamed(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
     /// Name by which requests call it.
     pub fn name(&self) -> &str {
         &self.name

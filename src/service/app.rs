@@ -35,8 +35,8 @@ pub fn router(app: App) -> Router {
         .route("/v1/controllers/{id}", get(handlers::show_controller).delete(handlers::delete_controller))
         .route("/v1/controllers/{id}/step", post(handlers::step_controller))
         .route("/v1/stability", post(handlers::stability))
-        .route("/v1/robots", get(handlers::robots))
-        .route("/v1/robots/{name}", get(handlers::robot))
+        .route("/v1/robots", get(handlers::robots).post(handlers::register_robot))
+        .route("/v1/robots/{name}", get(handlers::robot).delete(handlers::delete_robot))
         .route("/healthz", get(|| async { "ok" }))
         .fallback(|uri: axum::http::Uri| async move {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))

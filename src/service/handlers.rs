@@ -51,9 +51,10 @@ pub async fn create_controller(
 ) -> Result<impl IntoResponse, Problem> {
     let controller = convert::controller(&request, &app.robots)?;
     let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let warnings = convert::warnings(&request).map_err(|_| Problem::internal())?;
     let id = app.sessions.create(request, controller)?.to_string();
     let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
-    let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs() };
+    let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs(), warnings };
     Ok((StatusCode::CREATED, location, Json(created)))
 }
 
@@ -92,13 +93,30 @@ pub async fn stability(Body(request): Body<wire::StabilityRequest>) -> Result<Js
 
 /// `GET /v1/robots`
 pub async fn robots(State(app): Shared) -> Json<wire::RobotList> {
-    Json(wire::RobotList { robots: app.robots.iter().map(|robot| convert::robot_answer(robot)).collect() })
+    Json(wire::RobotList { robots: app.robots.all().iter().map(|robot| convert::robot_answer(robot)).collect() })
 }
 
 /// `GET /v1/robots/{name}`
 pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Json<wire::Robot>, Problem> {
-    match app.robots.get(&name) {
-        Some(robot) => Ok(Json(convert::robot_answer(robot))),
-        None => Err(Problem::not_found(format!("there is no robot `{name}`; known: {}", app.robots.names()))),
-    }
+    let robot = app.robots.get(&name).map_err(|error| convert::robots_problem(&error))?;
+    Ok(Json(convert::robot_answer(&robot)))
+}
+
+/// `POST /v1/robots`
+pub async fn register_robot(
+    State(app): Shared,
+    Body(request): Body<wire::RobotRegistration>,
+) -> Result<impl IntoResponse, Problem> {
+    let robot = Arc::new(convert::robot(&request)?);
+    let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
+    let answer = convert::robot_answer(&robot);
+    app.sessions.end_idle();
+    app.robots.register(robot).map_err(|error| convert::robots_problem(&error))?;
+    Ok((StatusCode::CREATED, location, Json(answer)))
+}
+
+/// `DELETE /v1/robots/{name}`
+pub async fn delete_robot(State(app): Shared, Segment(name): Segment) -> Result<StatusCode, Problem> {
+    app.robots.remove(&name).map_err(|error| convert::robots_problem(&error))?;
+    Ok(StatusCode::NO_CONTENT)
 }

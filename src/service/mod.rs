@@ -11,5 +11,6 @@ mod server;
 mod sessions;
 
 pub use app::{App, router};
-pub use robots::Robots;
+pub use convert::robot_answer;
+pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve};

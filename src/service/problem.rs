@@ -43,6 +43,11 @@ impl Problem {
         Self { pointer: Some(pointer.into()), ..problem }
     }
 
+    /// 403: what belongs to the service cannot be deleted.
+    pub fn permanent(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::FORBIDDEN, "permanent", "This cannot be deleted", detail)
+    }
+
     /// 404: no such resource.
     pub fn not_found(detail: impl Into<String>) -> Self {
         Self::new(StatusCode::NOT_FOUND, "not-found", "There is nothing here", detail)
@@ -58,6 +63,12 @@ impl Problem {
     pub fn body_timeout() -> Self {
         let detail = "the body did not arrive in time; send it whole and at once";
         Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail)
+    }
+
+    /// 409: the name belongs to something else.
+    pub fn name_taken(detail: impl Into<String>) -> Self {
+        let problem = Self::new(StatusCode::CONFLICT, "name-taken", "The name is taken", detail);
+        Self { pointer: Some("/name".to_owned()), ..problem }
     }
 
     /// 409: a sequence number that does not grow.
@@ -82,6 +93,11 @@ impl Problem {
     pub fn too_many_sessions(limit: usize) -> Self {
         let detail = format!("{limit} controllers are open already; delete one, or wait until an idle one ends");
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-controllers", "No room for another controller", detail)
+    }
+
+    /// 503: too many registered robots.
+    pub fn too_many_robots(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-robots", "No room for another robot", detail)
     }
 
     /// 500: a defect of the service.

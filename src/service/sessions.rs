@@ -82,9 +82,9 @@ pub struct Sessions(Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>);
 impl Sessions {
     /// Opens a session and returns its name.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
+        self.end_idle();
         let now = Instant::now();
         let mut sessions = lock(&self.0);
-        sessions.retain(|_, session| now.duration_since(lock(session).called) < IDLE_TIMEOUT);
         if sessions.len() >= MOST_SESSIONS {
             return Err(Problem::too_many_sessions(MOST_SESSIONS));
         }
@@ -92,6 +92,12 @@ impl Sessions {
         let session = Session { request, controller, memory: None, last: None, steps: 0, retries: 0, called: now };
         sessions.insert(id, Arc::new(Mutex::new(session)));
         Ok(id)
+    }
+
+    /// Ends the sessions that were not called for long, and lets go of their robots.
+    pub fn end_idle(&self) {
+        let now = Instant::now();
+        lock(&self.0).retain(|_, session| now.duration_since(lock(session).called) < IDLE_TIMEOUT);
     }
 
     /// Lets `act` work on a session; other sessions are not held up meanwhile.

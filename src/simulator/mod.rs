@@ -11,5 +11,5 @@ mod scenario;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
-pub use run::{CallMode, RunError, run};
+pub use run::{CallMode, RunError, run, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

@@ -26,8 +26,13 @@ pub enum CallMode {
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The simulator has no such arm.
-    #[error("the simulator has no robot `{0}`; it knows those that ship with the crate")]
-    UnknownRobot(String),
+    #[error("the simulator has no robot `{name}`; known: {known}; or give its file")]
+    UnknownRobot {
+        /// The name.
+        name: String,
+        /// Those that ship with the crate.
+        known: String,
+    },
     /// The start posture does not fit the robot.
     #[error("start_joint_position: {0}")]
     Start(ConfigurationError),
@@ -61,16 +66,33 @@ pub enum RunError {
     },
 }
 
-/// Runs the scenario, one call per control period; `progress` hears of every period that is done.
+/// Runs the scenario with a robot that ships with the crate, one call per control period; `progress` hears of every
+/// period that is done.
 pub fn run(
+    scenario: &Scenario,
+    client: &Client,
+    mode: CallMode,
+    progress: impl FnMut(u64),
+) -> Result<Recording, RunError> {
+    run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
+}
+
+fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
+    let robot = built_in().iter().find(|robot| robot.name() == name).cloned();
+    robot.ok_or_else(|| {
+        let known: Vec<&str> = built_in().iter().map(|robot| robot.name()).collect();
+        RunError::UnknownRobot { name: name.to_owned(), known: known.join(", ") }
+    })
+}
+
+/// Runs the scenario with any robot; the service must know the same one by the name in the scenario's controller.
+pub fn run_robot(
+    robot: &Arc<RobotModel>,
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
     mut progress: impl FnMut(u64),
 ) -> Result<Recording, RunError> {
-    let name = &scenario.controller.robot;
-    let robot = built_in().iter().find(|robot| robot.name() == name);
-    let robot = robot.ok_or_else(|| RunError::UnknownRobot(name.clone()))?;
     let mut plant = Plant::new(scenario, robot)?;
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();

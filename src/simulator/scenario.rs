@@ -115,6 +115,35 @@ impl Scenario {
         }
     }
 
+    /// The controller with the scenario's own contacts and velocity loop as its environment, where it states none, so
+    /// that the service can warn. Several contacts on an axis add up.
+    pub fn controller_in_environment(&self) -> wire::Controller {
+        let along = |axis: usize| {
+            let contacts = self.contacts.iter().filter(|contact| contact.axis == axis);
+            contacts.fold(None, |sum: Option<wire::EnvironmentAxis>, contact| {
+                let sum = sum.unwrap_or(wire::EnvironmentAxis { stiffness: 0.0, damping: 0.0, inertia: 0.0 });
+                Some(wire::EnvironmentAxis {
+                    stiffness: sum.stiffness + contact.stiffness,
+                    damping: sum.damping + contact.damping,
+                    inertia: sum.inertia + contact.inertia,
+                })
+            })
+        };
+        let environment = wire::Environment {
+            x: along(0),
+            y: along(1),
+            z: along(2),
+            rx: None,
+            ry: None,
+            rz: None,
+            lag_s: self.velocity_loop.lag_s,
+            delay_periods: self.velocity_loop.delay_periods,
+            velocity_measured: true,
+        };
+        let stated = self.controller.environment.or(Some(environment));
+        wire::Controller { environment: stated, ..self.controller.clone() }
+    }
+
     /// T, s.
     pub fn period_s(&self) -> f64 {
         self.controller.period_s

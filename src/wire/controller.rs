@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::object;
-use super::{Axis, Damping, Inequality, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
+use super::{Axis, Damping, Environment, Inequality, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
 
 /// Robot, tasks with their laws, method, solver, limits, period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,9 @@ pub struct Controller {
     /// Damping near singularities; 0.05 and 0.1 if left out, exact if `null`.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
+    /// What the tool touches; `POST /v1/controllers` warns where a loop with it is unstable, a stateless step does not.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
@@ -144,6 +147,9 @@ pub struct CreatedController {
     pub joints: Vec<String>,
     /// The session ends when it is not called for this long, s.
     pub idle_timeout_s: u64,
+    /// What is likely to go wrong: axes whose loop with the stated environment is unstable, and what would help.
+    #[serde(default)]
+    pub warnings: Vec<String>,
 }
 
 /// Answer to `GET /v1/controllers/{id}`.

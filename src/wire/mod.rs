@@ -25,7 +25,7 @@ pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedL
 pub use pose::{Orientation, Pose, TargetPose};
 pub use problem::Problem;
 pub use resolve::{ResolveAnswer, ResolveRequest, ResolveTask};
-pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList};
-pub use stability::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
+pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistration, RobotSource};
+pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
 pub use terms::{Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention};

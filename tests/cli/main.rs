@@ -3,6 +3,7 @@
 mod demo;
 mod program;
 mod resolve;
+mod robot;
 mod serve;
 mod simulate;
 mod trace;

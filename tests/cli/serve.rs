@@ -15,7 +15,12 @@ pub struct Server {
 impl Server {
     /// Starts on a free port and reads the address off the first line.
     pub fn start() -> Self {
-        let mut command = program(&["serve", "--listen", "127.0.0.1:0"]);
+        Self::start_with(&[])
+    }
+
+    /// The same with more options.
+    pub fn start_with(options: &[&str]) -> Self {
+        let mut command = program(&[&["serve", "--listen", "127.0.0.1:0"], options].concat());
         let mut process = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
@@ -25,6 +30,15 @@ impl Server {
 
     fn address(&self) -> &str {
         self.url.trim_start_matches("http://")
+    }
+
+    /// Body of the answer to a GET.
+    pub fn get(&self, path: &str) -> String {
+        let mut stream = TcpStream::connect(self.address()).unwrap();
+        write!(stream, "GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer.split_once("\r\n\r\n").unwrap().1.to_owned()
     }
 
     /// Asks it to end as an operator would.

@@ -6,5 +6,7 @@ mod hard_problems;
 mod harness;
 mod memory;
 mod refusals;
+mod robots;
 mod sequence;
 mod states;
+mod warnings;

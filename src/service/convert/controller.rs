@@ -1,9 +1,8 @@
 //! Controllers.
 
-use std::sync::Arc;
-
 use nalgebra::{IsometryMatrix3, Quaternion, Translation3, UnitQuaternion};
 
+use super::environment;
 use super::inequalities::InequalityReader;
 use super::numbers::{damping, number, numbers, velocity_box};
 use super::resolve::{axis_selection, known_robot, positive_period};
@@ -22,7 +21,7 @@ const UNIT_LENGTH: f64 = 1e-3;
 
 /// Reads a controller.
 pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, Problem> {
-    let robot = Arc::clone(known_robot(&request.robot, robots)?);
+    let robot = known_robot(&request.robot, robots)?;
     if request.tasks.len() > MOST_TASKS {
         return Err(Problem::invalid("/tasks", format!("at most {MOST_TASKS} tasks")));
     }
@@ -47,6 +46,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         tasks: request.tasks.iter().enumerate().map(|(k, task)| task_config(k, task)).collect::<Result<_, _>>()?,
         robot,
     };
+    environment::check(request)?;
     Controller::new(config).map_err(|error| Problem::invalid(config_pointer(&error), error))
 }
 

@@ -20,7 +20,7 @@ use crate::wire;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
 const MOST_ROWS: usize = 64;
-const MOST_JOINTS: usize = 32;
+pub const MOST_JOINTS: usize = 32;
 
 /// A request as a problem to resolve, with the names that its answer needs.
 pub struct ResolveQuestion {
@@ -35,6 +35,7 @@ pub struct ResolveQuestion {
 /// Reads a request.
 pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveQuestion, Problem> {
     let robot = request.robot.as_deref().map(|name| known_robot(name, robots)).transpose()?;
+    let robot = robot.as_ref();
     let configuration = configuration(request, robot)?;
     let tasks = task_stack(request, configuration.as_ref())?;
     let joints = tasks.joint_count();
@@ -62,9 +63,8 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
 }
 
 /// A robot by name.
-pub fn known_robot<'a>(name: &str, robots: &'a Robots) -> Result<&'a Arc<RobotModel>, Problem> {
-    let unknown = || Problem::invalid("/robot", format!("there is no robot `{name}`; known: {}", robots.names()));
-    robots.get(name).ok_or_else(unknown)
+pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, Problem> {
+    robots.get(name).map_err(|error| Problem::invalid("/robot", error))
 }
 
 fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {

@@ -29,7 +29,8 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Pro
     })
 }
 
-fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
+/// A number of sensible size, at least zero.
+pub fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
     if value < 0.0 {
         return Err(Problem::invalid(pointer, format!("{value} is out of range; it must not be negative")));
     }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const CONTROLLER: [Row; 74] = [
+const CONTROLLER: [Row; 89] = [
     ("/robot", LEFT_OUT, 422, ""),
     ("/robot", r#""puma""#, 422, "/robot"),
     ("/robot", "null", 422, "/robot"),
@@ -32,6 +32,21 @@ const CONTROLLER: [Row; 74] = [
     ("/damping", r#"{"threshold": 1}"#, 422, "/damping"),
     ("/damping", r#"{"threshold": 1, "max_factor": 0.1, "kind": "svd"}"#, 422, "/damping/kind"),
     ("/gain", "1", 422, "/gain"),
+    ("/environment", "1e5", 422, "/environment"),
+    ("/environment", "[]", 422, "/environment"),
+    ("/environment", r#"{"w": {"stiffness": 1}}"#, 422, "/environment/w"),
+    ("/environment", r#"{"x": 1e5}"#, 422, "/environment/x"),
+    ("/environment", r#"{"x": {}}"#, 422, "/environment/x"),
+    ("/environment", r#"{"x": {"stiffness": 1}, "x": {"stiffness": 2}}"#, 422, "/environment"),
+    ("/environment", r#"{"x": {"stiffness": -1}}"#, 422, "/environment/x/stiffness"),
+    ("/environment", r#"{"y": {"stiffness": 1e308}}"#, 422, "/environment/y/stiffness"),
+    ("/environment", r#"{"z": {"stiffness": 1, "damping": -1}}"#, 422, "/environment/z/damping"),
+    ("/environment", r#"{"rz": {"stiffness": 1, "inertia": -1}}"#, 422, "/environment/rz/inertia"),
+    ("/environment", r#"{"rx": {"stiffness": 1, "mass": 1}}"#, 422, "/environment/rx/mass"),
+    ("/environment", r#"{"lag_s": -0.001}"#, 422, "/environment/lag_s"),
+    ("/environment", r#"{"delay_periods": 9}"#, 422, "/environment/delay_periods"),
+    ("/environment", r#"{"delay_periods": 1.5}"#, 422, "/environment/delay_periods"),
+    ("/environment", r#"{"velocity_measured": "yes"}"#, 422, "/environment/velocity_measured"),
     ("/tasks", LEFT_OUT, 422, ""),
     ("/tasks", "[]", 422, "/tasks"),
     ("/tasks/1/name", r#""push""#, 422, "/tasks/1/name"),
