@@ -2,10 +2,14 @@
 
 mod config;
 mod memory;
+mod null_space;
 mod stability;
 mod step;
+mod task;
 
-pub use config::{ConfigError, ControllerConfig, Limits, TargetPose, TaskConfig, WrenchConvention};
+pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use memory::{Memory, MemoryError};
+pub use null_space::{NullSpaceError, NullSpaceMotion};
 pub use stability::{ContactLoop, LONGEST_DELAY, Margin};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
+pub use task::{JointRows, JointTarget, TargetPose, TaskConfig, TaskConfigError, TaskRows, ToolRows};

@@ -94,6 +94,11 @@ impl RobotModel {
         Ok(Self { name: name.into(), description: description.into(), joints, tool })
     }
 
+    /// The same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
+    pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
+        Self::new(self.name.clone(), self.description.clone(), self.joints.clone(), self.tool * offset)
+    }
+
     /// Name by which requests call it.
     pub fn name(&self) -> &str {
         &self.name

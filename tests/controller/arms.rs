@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TargetPose, TaskConfig, WrenchConvention,
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows, ToolRows,
+    WrenchConvention, WrenchFrame,
 };
 use revprio::kinematics::{Axis, AxisSelection, Configuration};
 use revprio::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, Profile};
@@ -69,7 +70,12 @@ pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled
 
 pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
     let name = axes.iter().map(|axis| format!("{axis:?}")).collect::<Vec<_>>().concat();
-    TaskConfig { name, axes: AxisSelection::new(axes).unwrap(), law, target_pose: TargetPose::Initial }
+    TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law }
+}
+
+/// Base axes at the tool point, about the initial pose.
+pub fn tool_rows(axes: &[Axis]) -> ToolRows {
+    ToolRows::new(AxisSelection::new(axes).unwrap())
 }
 
 /// Reverse priority, `auto`, standard damping, without limits.
@@ -82,6 +88,8 @@ pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConf
         damping: Some(Damping::STANDARD),
         limits: Limits::Robot(LimitKind::None),
         wrench_convention: WrenchConvention::OnEnvironment,
+        wrench_frame: WrenchFrame::Base,
+        null_space: None,
         tasks,
     }
 }

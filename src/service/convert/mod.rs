@@ -2,12 +2,16 @@
 
 mod controller;
 mod memory;
+mod null_space;
 mod numbers;
 mod outcome;
+mod pose;
+mod profile;
 mod resolve;
 mod robot;
 mod stability;
 mod step;
+mod task;
 mod terms;
 
 pub use controller::controller;
