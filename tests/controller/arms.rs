@@ -8,7 +8,7 @@ use revprio::controller::{
     WrenchConvention, WrenchFrame,
 };
 use revprio::kinematics::{Axis, AxisSelection, Configuration};
-use revprio::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, Profile};
+use revprio::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio::limits::LimitKind;
 use revprio::linalg::Damping;
 use revprio::resolution::{Method, Solver};
@@ -62,6 +62,11 @@ pub fn force(axes: &[Axis], target: &[f64]) -> Law {
 
 pub fn impedance(axes: &[Axis], stiffness: f64) -> Law {
     Law::Impedance(ImpedanceLaw::new(gains(axes, stiffness)))
+}
+
+/// Towards X_d with the same gain on every row.
+pub fn position(rows: usize, gain: f64) -> Law {
+    Law::Position(PositionLaw::new(vec![gain; rows]).unwrap())
 }
 
 pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled: &[bool]) -> Law {
