@@ -6,7 +6,7 @@ use super::task::Sensed;
 use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
 use crate::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Resolution, Status, resolve};
+use crate::resolution::{Problem, ProblemError, Resolution, Status, TaskOutcome, resolve};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// Relative difference of achieved and requested velocity that counts as not following.
@@ -116,7 +116,7 @@ impl Controller {
         };
         let resolution = resolve(&problem, &before.active_set)?;
         *memory = Some(Memory {
-            task_velocities: integrators(&targets, &resolution),
+            task_velocities: self.integrators(&targets, &resolution),
             initial_pose: before.initial_pose,
             last_command: resolution.joint_velocity.clone(),
             active_set: resolution.active_set.clone(),
@@ -202,25 +202,30 @@ impl Controller {
         };
         TaskStack::new(self.config.tasks.iter().zip(targets).map(task).collect())
     }
-}
 
-/// ẋ of the integrators after the command, with anti-windup: where a limit or a conflict kept an axis from following,
-/// its integrator continues from the achieved velocity, so that a release does not jump.
-///
-/// Departs: damping alone is no such case. Resetting there would add a second damping to the classical control, whose
-/// F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The price: a lower task that damping holds off
-/// for long asks for more and more (9 m/s after 5 s of `stiff_wall_singular`), and takes it, up to the limits, when the
-/// posture recovers.
-fn integrators(targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
-    let held_back = !resolution.active_limits.is_empty()
-        || resolution.singularity.algorithmic
-        || resolution.solver.status != Status::Optimal;
-    let after = |(target, outcome): (&TaskTarget, &crate::resolution::TaskOutcome)| {
-        let follow = |wanted: f64, achieved: f64| {
-            let followed = (achieved - wanted).abs() <= FOLLOWED * wanted.abs().max(1.0);
-            if held_back && !followed { achieved } else { wanted }
+    /// ẋ of the integrators after the command, with anti-windup: where a limit or a conflict kept an axis from following,
+    /// its integrator continues from the achieved velocity, so that a release does not jump.
+    ///
+    /// Departs: damping alone is no such case. Resetting there would add a second damping to the classical control, whose
+    /// F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The price: a lower task that damping holds off
+    /// for long asks for more and more (9 m/s after 5 s of `stiff_wall_singular`), and takes it, up to the limits, when the
+    /// posture recovers.
+    ///
+    /// A law without an integrator leaves what was achieved.
+    fn integrators(&self, targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
+        let held_back = !resolution.active_limits.is_empty()
+            || resolution.singularity.algorithmic
+            || resolution.solver.status != Status::Optimal;
+        let after = |((task, target), outcome): ((&TaskConfig, &TaskTarget), &TaskOutcome)| {
+            if !task.law.integrates() {
+                return outcome.achieved.clone();
+            }
+            let follow = |wanted: f64, achieved: f64| {
+                let followed = (achieved - wanted).abs() <= FOLLOWED * wanted.abs().max(1.0);
+                if held_back && !followed { achieved } else { wanted }
+            };
+            target.velocity.zip_map(&outcome.achieved, follow)
         };
-        target.velocity.zip_map(&outcome.achieved, follow)
-    };
-    targets.iter().zip(&resolution.tasks).map(after).collect()
+        self.config.tasks.iter().zip(targets).zip(&resolution.tasks).map(after).collect()
+    }
 }

@@ -133,7 +133,7 @@ impl TaskConfig {
                 if let JointTarget::Position(profile) = &rows.target {
                     fits(profile.rows())?;
                 }
-                if self.law.needs_wrench() {
+                if self.law.integrates() {
                     return Err(TaskConfigError::JointLaw);
                 }
             }

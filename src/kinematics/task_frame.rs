@@ -12,7 +12,8 @@ pub enum Frame {
     /// The axes of the base.
     #[default]
     Base,
-    /// The axes of the tool, which turn with it.
+    /// The axes of the tool, which turn with it: everything that the task compares, distances from a target that rests in
+    /// the base included, is counted along them as they lie now.
     Tool,
     /// The axes of a frame that is fixed in the base (m).
     Fixed(IsometryMatrix3<f64>),

@@ -11,7 +11,7 @@ const SERIES: f64 = 1.0;
 pub struct Turning {
     /// R = exp(d).
     pub rotation: Rotation3<f64>,
-    /// ω, rad/s, in the axes that d is counted in: Ṙ = [ω]× R.
+    /// ω, rad/s, in the axes that d is counted in.
     pub velocity: Vector3<f64>,
     /// ω̇, rad/s².
     pub acceleration: Vector3<f64>,
@@ -20,8 +20,8 @@ pub struct Turning {
 impl Turning {
     /// For a rotation vector d (rad) with its time derivatives ḋ, d̈.
     ///
-    /// ω = V ḋ and ω̇ = V d̈ + V̇ ḋ with V = I + a [d]× + b [d]×², a = (1 − cos θ)/θ², b = (θ − sin θ)/θ³, θ = ‖d‖. For a
-    /// d that keeps its direction they are ḋ and d̈.
+    /// ω = V ḋ and ω̇ = V d̈ + V̇ ḋ with V = I + a D + b D², D the matrix of d ×, a = (1 − cos θ)/θ², b = (θ − sin θ)/θ³,
+    /// θ = ‖d‖. For a d that keeps its direction they are ḋ and d̈.
     pub fn new(d: Vector3<f64>, rate: Vector3<f64>, second_rate: Vector3<f64>) -> Self {
         let [a, b, a_slope, b_slope] = coefficients(d.norm());
         let (D, D_rate) = (d.cross_matrix(), rate.cross_matrix());

@@ -8,7 +8,7 @@
 //! | velocity | ẋ given | the velocity itself | positions drift by what rounding and the arm's loop leave |
 //! | pose | ẋ = ẋ_d + K (x_d − x) | a resting or moving target is reached as (1 − K T)^i | K T ≥ 2 diverges and is refused; with a late arm sooner; an orientation half a turn away has no shortest way |
 //! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H falls | as above; as a lower task it gives way |
-//! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, whatever the stiffness it meets | with nothing to push against it moves on at F_d/B_d; a stiff contact and a late arm bounce, see [stability](crate::controller::ContactLoop) |
+//! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, whatever the stiffness it meets | with nothing to push against it moves on at F_d/B_d; a stiff contact and a late arm bounce, see [the margin](crate::controller::ContactLoop) |
 //! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; a uniformly moving target is followed without error where nothing is touched | B_d = 0 swings for ever, K_d = 0 drifts; bounces as the force law does |
 //! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where it is 1 | as each of them; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
 //!
@@ -83,8 +83,8 @@ impl Law {
         }
     }
 
-    /// Whether the law reads the measured wrench.
-    pub fn needs_wrench(&self) -> bool {
+    /// Whether the law integrates an acceleration; those are the laws that read the measured wrench.
+    pub fn integrates(&self) -> bool {
         match self {
             Self::Velocity(_) | Self::Position(_) => false,
             Self::Force(_) | Self::Impedance(_) | Self::Hybrid(_) => true,

@@ -8,3 +8,4 @@ mod memory;
 mod refusals;
 mod sequence;
 mod states;
+mod tasks;

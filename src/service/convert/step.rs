@@ -31,7 +31,7 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
 
 fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], Problem> {
     let Some(wire::Wrench { force, torque }) = wrench else {
-        return match controller.config().tasks.iter().find(|task| task.law.needs_wrench()) {
+        return match controller.config().tasks.iter().find(|task| task.law.integrates()) {
             None => Ok([0.0; 6]),
             Some(task) => Err(Problem::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name))),
         };
