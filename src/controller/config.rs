@@ -142,6 +142,9 @@ impl ControllerConfig {
             let misfit = |source| ConfigError::Task { task: index, source };
             task.check(&self.robot, self.period_s).map_err(misfit)?;
         }
-        Ok(self.null_space.as_ref().map_or(Ok(()), |motion| motion.check(&self.robot, self.period_s))?)
+        match &self.null_space {
+            Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
+            None => Ok(()),
+        }
     }
 }

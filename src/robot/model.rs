@@ -96,7 +96,11 @@ impl RobotModel {
 
     /// The same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
     pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
-        Self::new(self.name.clone(), self.description.clone(), self.joints.clone(), self.tool * offset)
+        let tool = self.tool * offset;
+        match self.joints.last() {
+            Some(last) if !is_finite(&tool) => Err(ModelError::NotFinite { joint: last.name.clone() }),
+            _ => Ok(Self { tool, ..self.clone() }),
+        }
     }
 
     /// Name by which requests call it.
