@@ -39,7 +39,7 @@ impl Memory {
         let n = config.robot.joint_count();
         let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
         let fits =
-            |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.axes.len() && finite(velocity);
+            |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.rows.len() && finite(velocity);
         if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits)
         {
             return Err(MemoryError::TaskVelocities);

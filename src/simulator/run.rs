@@ -8,8 +8,8 @@ use super::environment::Environment;
 use super::recording::{Recording, Sample};
 use super::scenario::Scenario;
 use crate::client::{Client, ClientError};
-use crate::kinematics::{Configuration, ConfigurationError};
-use crate::robot::{RobotModel, built_in};
+use crate::kinematics::{Configuration, ConfigurationError, NotUnitLength, pose};
+use crate::robot::{ModelError, RobotModel, built_in};
 use crate::wire;
 
 /// Who keeps the controller's memory.
@@ -33,6 +33,12 @@ pub enum RunError {
         /// Those that ship with the crate.
         known: String,
     },
+    /// The tool offset has no orientation.
+    #[error("controller.tool_offset: {0}")]
+    ToolOrientation(#[from] NotUnitLength),
+    /// The tool offset is not finite.
+    #[error("controller.tool_offset: {0}")]
+    Tool(#[from] ModelError),
     /// The start posture does not fit the robot.
     #[error("start_joint_position: {0}")]
     Start(ConfigurationError),
@@ -93,7 +99,8 @@ pub fn run_robot(
     mode: CallMode,
     mut progress: impl FnMut(u64),
 ) -> Result<Recording, RunError> {
-    let mut plant = Plant::new(scenario, robot)?;
+    let robot = with_tool(robot, &scenario.controller)?;
+    let mut plant = Plant::new(scenario, &robot)?;
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();
     let mut samples = Vec::new();
@@ -122,6 +129,14 @@ pub fn run_robot(
     })
 }
 
+/// The arm with its tool point where the controller says.
+fn with_tool(robot: &Arc<RobotModel>, controller: &wire::Controller) -> Result<Arc<RobotModel>, RunError> {
+    let Some(wire::Pose { position, orientation: wire::Orientation { w, x, y, z } }) = controller.tool_offset else {
+        return Ok(Arc::clone(robot));
+    };
+    Ok(Arc::new(robot.with_tool_offset(&pose(position, [w, x, y, z])?)?))
+}
+
 /// Arm and environment.
 struct Plant {
     robot: Arc<RobotModel>,
@@ -129,6 +144,8 @@ struct Plant {
     environment: Environment,
     start: [f64; 3],
     period_s: f64,
+    wrench_convention: wire::WrenchConvention,
+    wrench_frame: wire::WrenchFrame,
 }
 
 impl Plant {
@@ -141,6 +158,8 @@ impl Plant {
             environment: Environment::new(scenario.contacts.clone(), start),
             start,
             period_s: scenario.period_s(),
+            wrench_convention: scenario.controller.wrench_convention,
+            wrench_frame: scenario.controller.wrench_frame,
         })
     }
 
@@ -149,12 +168,28 @@ impl Plant {
             .map_err(|source| RunError::Diverged { time_s, source })?;
         let position = tool_position(&configuration);
         let [x, y, z, ..] = configuration.twist(self.arm.velocity());
+        let force = self.environment.force(position, [x, y, z], self.period_s);
         Ok(Measured {
             joint_position: self.arm.position().to_vec(),
             joint_velocity: self.arm.velocity().to_vec(),
             position,
-            force: self.environment.force(position, [x, y, z], self.period_s),
+            force,
+            sensed_force: self.sensed(force, &configuration),
         })
+    }
+
+    /// The force as a sensor gives it whose sign and axes are those that the controller expects.
+    fn sensed(&self, force: [f64; 3], configuration: &Configuration) -> [f64; 3] {
+        let force = match self.wrench_convention {
+            wire::WrenchConvention::OnEnvironment => force,
+            wire::WrenchConvention::OnTool => force.map(|entry| -entry),
+        };
+        match self.wrench_frame {
+            wire::WrenchFrame::Base => force,
+            wire::WrenchFrame::Tool => {
+                configuration.tool_pose().rotation.inverse_transform_vector(&force.into()).into()
+            }
+        }
     }
 }
 
@@ -167,7 +202,9 @@ struct Measured {
     joint_position: Vec<f64>,
     joint_velocity: Vec<f64>,
     position: [f64; 3],
+    /// On the environment, base axes.
     force: [f64; 3],
+    sensed_force: [f64; 3],
 }
 
 impl Measured {
@@ -177,7 +214,7 @@ impl Measured {
             time_s,
             joint_position: self.joint_position.clone().into(),
             joint_velocity: Some(self.joint_velocity.clone().into()),
-            wrench: Some(wire::Wrench { force: self.force, torque: [0.0; 3] }),
+            wrench: Some(wire::Wrench { force: self.sensed_force, torque: [0.0; 3] }),
         }
     }
 
@@ -204,7 +241,11 @@ impl Measured {
 fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>; 3] {
     let mut target = [None; 3];
     for (task, outcome) in scenario.controller.tasks.iter().zip(&answer.tasks) {
-        for (axis, &force) in task.axes.iter().zip(outcome.target_force.iter().flatten()) {
+        // Along other axes there is no force on x, y or z to tell.
+        if task.frame != wire::Frame::Base {
+            continue;
+        }
+        for (axis, &force) in task.axes.iter().flatten().zip(outcome.target_force.iter().flatten()) {
             if let Some(slot) = target.get_mut(*axis as usize) {
                 *slot = force;
             }

@@ -6,10 +6,13 @@
 mod controller;
 mod inequality;
 mod joints;
+mod law;
+mod null_space;
 mod object;
 mod outcome;
 mod pose;
 mod problem;
+mod profile;
 mod resolve;
 mod robot;
 mod stability;
@@ -17,15 +20,20 @@ mod step;
 mod string_or_map;
 mod terms;
 
-pub use controller::{Controller, ControllerTask, CreatedController, Law, Profile, SessionStatus};
+pub use controller::{Controller, ControllerTask, CreatedController, SessionStatus};
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::JointVector;
+pub use law::{Law, PostureTarget};
+pub use null_space::{NullSpaceMotion, NullSpaceVelocity};
 pub use object::Object;
 pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
-pub use pose::{Orientation, Pose, TargetPose};
+pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;
+pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{ResolveAnswer, ResolveRequest, ResolveTask};
 pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistration, RobotSource};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
-pub use terms::{Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention};
+pub use terms::{
+    Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
+};

@@ -26,7 +26,7 @@ pub struct State {
     pub wrench: Option<Wrench>,
 }
 
-/// Force and torque, base axes, at the tool point.
+/// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wrench {
@@ -126,6 +126,8 @@ pub struct StepAnswer {
     pub solver: SolverReport,
     /// How near the tasks are to singularities.
     pub singularity: Singularity,
+    /// H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end.
+    pub joint_limit_index: f64,
     /// Time to compute it, µs.
     pub elapsed_us: f64,
 }

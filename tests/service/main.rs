@@ -9,4 +9,5 @@ mod refusals;
 mod robots;
 mod sequence;
 mod states;
+mod tasks;
 mod warnings;

@@ -1,6 +1,6 @@
 //! Warnings about loops that the stated environment makes unstable.
 
-use super::stability::not_negative;
+use super::numbers::not_negative;
 use crate::controller::{ContactLoop, Margin};
 use crate::linalg::EigenvalueError;
 use crate::service::problem::Problem;
@@ -47,8 +47,10 @@ fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis>
 pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
     let mut warnings = Vec::new();
     for axis in AXES {
-        let place = |task: &wire::ControllerTask| task.axes.iter().position(|other| *other == axis);
+        let place = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
         let first = request.tasks.iter().find_map(|task| place(task).map(|row| (task, row)));
+        // The environment is stated along the axes of the base.
+        let first = first.filter(|(task, _)| task.frame == wire::Frame::Base);
         let contact = first.and_then(|(task, row)| Some((task, contact_loop(request, axis, &task.law, row)?)));
         if let Some((task, contact)) = contact
             && !contact.is_stable()?
@@ -64,11 +66,12 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
     let environment = request.environment.as_ref()?;
     let contact = along(environment, axis)?;
     let (inertia, damping, stiffness) = match law {
-        Law::Velocity { .. } => return None,
-        Law::Force { inertia, damping, .. } => (inertia[row], damping[row], 0.0),
-        Law::Impedance { inertia, damping, stiffness, .. } => (inertia[row], damping[row], stiffness[row]),
+        Law::Velocity { .. } | Law::Pose { .. } | Law::Posture { .. } => return None,
+        Law::Force { inertia, damping, .. } => (inertia.at(row)?, damping.at(row)?, 0.0),
+        Law::Impedance { inertia, damping, stiffness, .. } => (inertia.at(row)?, damping.at(row)?, stiffness.at(row)?),
         Law::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {
-            (inertia[row], damping[row], if position_controlled[row] { stiffness[row] } else { 0.0 })
+            let stiffness = if position_controlled.at(row)? { stiffness.at(row)? } else { 0.0 };
+            (inertia.at(row)?, damping.at(row)?, stiffness)
         }
     };
     Some(ContactLoop {

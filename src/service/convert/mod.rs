@@ -4,12 +4,16 @@ mod controller;
 mod environment;
 mod inequalities;
 mod memory;
+mod null_space;
 mod numbers;
 mod outcome;
+mod pose;
+mod profile;
 mod resolve;
 mod robot;
 mod stability;
 mod step;
+mod task;
 mod terms;
 
 pub use controller::controller;
