@@ -1,6 +1,8 @@
 //! The stability margin against the simulator: the lag at which a simulated contact begins to swing up, found by bisection
 //! over runs through the service, is the computed one.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::service::{App, Robots, RunningServer, router};
 use revprio::simulator::{CallMode, Scenario, run};
@@ -38,7 +40,7 @@ law = { kind = "velocity", target_velocity = { kind = "constant", value = [0.0, 
 fn swings_up(client: &Client, lag_s: f64) -> bool {
     let mut scenario = Scenario::parse(CONTACT, "stiff_spring.toml").unwrap();
     scenario.velocity_loop.lag_s = lag_s;
-    let recording = run(&scenario, client, CallMode::Session, |_| ()).unwrap();
+    let recording = run(&scenario, client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
     let swing = |from: usize| {
         let forces = recording.samples[from..from + 1000].iter().map(|sample| sample.force[0]);
         let (low, high) = forces.fold((f64::MAX, f64::MIN), |(low, high), force| (low.min(force), high.max(force)));

@@ -1,6 +1,7 @@
 //! `revprio simulate`
 
 use std::io::{Write as _, stderr, stdout};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -72,7 +73,10 @@ pub fn record(scenario: &Scenario, target: &Target, mode: CallMode) -> Result<Re
         // Nobody watches a bar, but a log may want to know.
         let _ = writeln!(stderr(), "running {label}");
     }
-    let recording = run_scenario(scenario, &target.client, mode, |done| bar.set_position(done))?;
+    let recording = run_scenario(scenario, &target.client, mode, |done| {
+        bar.set_position(done);
+        ControlFlow::Continue(())
+    })?;
     bar.finish();
     Ok(recording)
 }

@@ -3,6 +3,7 @@
 mod demo;
 mod program;
 mod resolve;
+mod scenarios;
 mod serve;
 mod simulate;
 mod trace;
