@@ -40,7 +40,7 @@ const FORGOTTEN_LIMIT: usize = 15 << 20;
 const BODY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Large answers of fewer bytes are not worth compressing.
-const SMALLEST_COMPRESSED: usize = 8 << 10;
+const SMALLEST_COMPRESSED: usize = 4 << 10;
 
 /// A body that has been read.
 pub struct Body<T>(pub T);

@@ -145,3 +145,52 @@ fn unknown(id: &str) -> Problem {
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::robots::Robots;
+
+    fn open(sessions: &Sessions) -> String {
+        let request: wire::Controller =
+            serde_json::from_str(include_str!("../../api/examples/controller.json")).unwrap();
+        let controller = convert::controller(&request, &Robots::built_in()).unwrap();
+        sessions.create(request, controller).unwrap().to_string()
+    }
+
+    fn state() -> wire::State {
+        serde_json::from_str(include_str!("../../api/examples/state.json")).unwrap()
+    }
+
+    /// Lets all sessions wait for the longest time they may.
+    fn let_time_pass(sessions: &Sessions) {
+        for session in lock(&sessions.0).values() {
+            let mut session = lock(session);
+            session.called = session.called.checked_sub(IDLE_TIMEOUT).unwrap();
+        }
+    }
+
+    #[test]
+    fn an_idle_session_ends_and_makes_room() {
+        let sessions = Sessions::default();
+        let (idle, busy) = (open(&sessions), open(&sessions));
+        let_time_pass(&sessions);
+        lock(&lock(&sessions.0)[&parse(&busy).unwrap()]).called = Instant::now();
+        assert!(sessions.step(&idle, &state()).unwrap_err().is_not_found());
+        assert!(sessions.step(&busy, &state()).is_ok());
+        open(&sessions);
+        assert_eq!(lock(&sessions.0).len(), 2);
+    }
+
+    #[test]
+    fn states_keep_a_session_and_looking_at_it_does_not() {
+        let sessions = Sessions::default();
+        let id = open(&sessions);
+        let called = || lock(&lock(&sessions.0)[&parse(&id).unwrap()]).called;
+        let first = called();
+        sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
+        assert_eq!(called(), first);
+        sessions.step(&id, &state()).unwrap();
+        assert!(called() > first);
+    }
+}
