@@ -10,7 +10,7 @@ use std::time::Duration;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use axum::http::HeaderValue;
 use axum::response::Response;
-use tokio::time::{Instant, timeout};
+use tokio::time::{Instant, interval_at, timeout};
 
 use super::app::App;
 use super::body::BODY_LIMIT;
@@ -85,8 +85,8 @@ impl Stream {
 
     /// Answers until the client is gone, or there is a reason to end.
     async fn answer_all(&mut self, draining: &mut Draining) -> Result<(), Farewell> {
-        let mut pings = tokio::time::interval(PING_INTERVAL);
         let mut heard = Instant::now();
+        let mut pings = interval_at(heard + PING_INTERVAL, PING_INTERVAL);
         loop {
             let message = tokio::select! {
                 message = self.socket.recv() => message,

@@ -1,6 +1,9 @@
 //! Many problems in one request.
 
-use std::io::Read;
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -102,32 +105,55 @@ fn large_answers_are_compressed_for_those_who_can_read_it_and_small_ones_never()
     }
 }
 
+/// A batch that takes far longer than a test waits, of problems that take Clarabel some milliseconds each.
+fn long_batch() -> String {
+    let row = |i: usize| (0..30).map(|j| (i * 7 + j * 3) % 10).collect::<Vec<_>>();
+    let task = |k: usize| json!({"jacobian": (0..6).map(|i| row(6 * k + i)).collect::<Vec<_>>(), "velocity": [9, 8, 7, 6, 5, 4]});
+    let limits = json!({"lower": vec![-0.1; 30], "upper": vec![0.1; 30]});
+    let tasks: Vec<Value> = (0..8).map(task).collect();
+    json!({"items": vec![json!({"tasks": tasks, "limits": limits, "solver": "qp"}); 3000]}).to_string()
+}
+
+/// Sends a batch and does not wait for its answer.
+fn send(service: &Service, body: &str) -> TcpStream {
+    let mut stream = service.connect();
+    let head = "POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json";
+    write!(stream, "{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).unwrap();
+    stream
+}
+
 #[test]
-fn too_many_batches_are_turned_away_and_steps_go_on_meanwhile() {
+fn steps_go_on_while_a_batch_is_resolved() {
     let service = Service::start();
-    let mut problem = example("resolve.json");
-    problem["solver"] = json!("qp");
-    let body = json!({"items": vec![problem; 5000]}).to_string();
-    let statuses: Vec<u16> = std::thread::scope(|scope| {
-        let batches: Vec<_> = (0..8)
-            .map(|_| {
-                scope.spawn(|| {
-                    let answer = service.exchange(
-                        "POST",
-                        "/v1/resolve/batch",
-                        &[("content-type", "application/json")],
-                        body.as_bytes(),
-                    );
-                    if answer.status() == 503 {
-                        assert_eq!(answer.headers()["retry-after"], "1");
-                    }
-                    answer.status().as_u16()
-                })
-            })
-            .collect();
-        (0..50).for_each(|_| drop(service.ask("/v1/resolve", &example("resolve.json"))));
-        batches.into_iter().map(|batch| batch.join().unwrap()).collect()
-    });
-    assert!(statuses.contains(&200) && statuses.contains(&503), "{statuses:?}");
-    assert!(statuses.iter().all(|status| [200, 503].contains(status)), "{statuses:?}");
+    let mut batch = send(&service, &long_batch());
+    let session = service.open(&example("controller.json"));
+    for sequence in 0..200 {
+        let mut state = example("state.json");
+        state["sequence"] = json!(sequence);
+        service.ask(&format!("{session}/step"), &state);
+    }
+    batch.set_nonblocking(true).unwrap();
+    let answer = batch.read(&mut [0; 1]).map_err(|error| error.kind());
+    assert_eq!(answer, Err(ErrorKind::WouldBlock), "the batch was answered first");
+}
+
+#[test]
+fn too_many_batches_are_turned_away_and_abandoned_ones_make_room() {
+    let service = Service::start();
+    let body = long_batch();
+    let clients: Vec<TcpStream> = (0..4).map(|_| send(&service, &body)).collect();
+    let post = || {
+        let headers = [("content-type", "application/json")];
+        service.exchange("POST", "/v1/resolve/batch", &headers, example("batch.json").to_string().as_bytes())
+    };
+    // The service has read all four once it has answered a fifth client who came later.
+    let refusal = post();
+    assert_eq!((refusal.status().as_u16(), &refusal.headers()["retry-after"]), (503, &"1".parse().unwrap()));
+    drop(clients);
+    let start = Instant::now();
+    while post().status() == 503 {
+        assert!(start.elapsed() < Duration::from_secs(20), "nobody waits for these batches any more");
+        sleep(Duration::from_millis(20));
+    }
+    assert_eq!(post().status(), 200);
 }

@@ -198,6 +198,19 @@ fn a_service_with_runs_ends_promptly() {
 }
 
 #[test]
+fn a_scenario_may_travel_in_message_pack() {
+    let service = Service::start();
+    let format = "application/msgpack";
+    let scenario = service.exchange("GET", "/v1/scenarios/stiff_wall", &[("accept", format)], &[]);
+    let scenario: Value = rmp_serde::from_slice(scenario.body()).unwrap();
+    let request = rmp_serde::to_vec_named(&json!({"scenario": scenario})).unwrap();
+    let started = service.exchange("POST", "/v1/simulations", &[("content-type", format)], &request);
+    assert_eq!(started.status(), 202);
+    let status: Value = rmp_serde::from_slice(started.body()).unwrap();
+    assert_eq!(status["scenario"], "stiff_wall");
+}
+
+#[test]
 fn the_example_is_started() {
     let service = Service::start();
     let address = start(&service, &example("simulation.json"));

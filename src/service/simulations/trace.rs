@@ -145,7 +145,7 @@ impl Pieces {
             TraceFormat::Json => {
                 if is_first {
                     let head = serde_json::to_string(recording)?;
-                    write!(self.out, "{},\"samples\":[", head.trim_end_matches('}'))?;
+                    write!(self.out, "{},\"samples\":[", head.strip_suffix('}').unwrap_or(&head))?;
                 }
                 for (i, sample) in samples.iter().enumerate() {
                     let comma: &[u8] = if is_first && i == 0 { b"" } else { b"," };
