@@ -1,7 +1,7 @@
 //! Problems to resolve, one or many.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use tokio::sync::Semaphore;
@@ -29,13 +29,13 @@ pub fn one(request: &ResolveRequest, robots: &Robots) -> Result<ResolveAnswer, P
 
 /// Room for batches.
 pub struct Batches {
-    places: Semaphore,
-    turn: Semaphore,
+    places: Arc<Semaphore>,
+    turn: Arc<Semaphore>,
 }
 
 impl Default for Batches {
     fn default() -> Self {
-        Self { places: Semaphore::new(MOST_BATCHES), turn: Semaphore::new(1) }
+        Self { places: Arc::new(Semaphore::new(MOST_BATCHES)), turn: Arc::new(Semaphore::new(1)) }
     }
 }
 
@@ -44,15 +44,20 @@ impl Batches {
     pub async fn resolve(&self, body: LargeBody<BatchRequest>, robots: Robots) -> Result<BatchAnswer, Problem> {
         let busy =
             |_| Problem::busy(format!("{MOST_BATCHES} batches are being resolved already; try again in a second"));
-        let _place = self.places.try_acquire().map_err(busy)?;
-        let _turn = self.turn.acquire().await.map_err(|_| Problem::internal())?;
-        background(move |abandoned| many(body.read()?, &robots, abandoned)).await?
+        let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
+        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        let work = move |abandoned: &Abandoned| {
+            // Held by the work itself: when its client is gone, it still takes until the next problem to end.
+            let _held = (place, turn);
+            many(&body.read()?, &robots, abandoned)
+        };
+        background(work).await?
     }
 }
 
 /// Resolves many problems, each as if it were the only one.
-fn many(request: BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Result<BatchAnswer, Problem> {
-    let problems = request.items;
+fn many(request: &BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Result<BatchAnswer, Problem> {
+    let problems = &request.items;
     if problems.len() > MOST_ITEMS {
         return Err(Problem::invalid("/items", format!("{} items; a batch has at most {MOST_ITEMS}", problems.len())));
     }
@@ -63,7 +68,7 @@ fn many(request: BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Result
             let i = next.fetch_add(1, Ordering::Relaxed);
             let (Some(problem), Some(answer)) = (problems.get(i), answers.get(i)) else { break };
             let item = item(i, one(problem, robots));
-            *answer.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(item);
+            *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(item);
         }
     };
     std::thread::scope(|scope| {

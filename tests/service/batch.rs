@@ -111,7 +111,7 @@ fn long_batch() -> String {
     let task = |k: usize| json!({"jacobian": (0..6).map(|i| row(6 * k + i)).collect::<Vec<_>>(), "velocity": [9, 8, 7, 6, 5, 4]});
     let limits = json!({"lower": vec![-0.1; 30], "upper": vec![0.1; 30]});
     let tasks: Vec<Value> = (0..8).map(task).collect();
-    json!({"items": vec![json!({"tasks": tasks, "limits": limits, "solver": "qp"}); 3000]}).to_string()
+    json!({"items": vec![json!({"tasks": tasks, "limits": limits, "solver": "qp"}); 4000]}).to_string()
 }
 
 /// Sends a batch and does not wait for its answer.
@@ -152,8 +152,7 @@ fn too_many_batches_are_turned_away_and_abandoned_ones_make_room() {
     drop(clients);
     let start = Instant::now();
     while post().status() == 503 {
-        assert!(start.elapsed() < Duration::from_secs(20), "nobody waits for these batches any more");
         sleep(Duration::from_millis(20));
     }
-    assert_eq!(post().status(), 200);
+    assert!(start.elapsed() < Duration::from_secs(5), "an abandoned batch was resolved first: {:?}", start.elapsed());
 }
