@@ -1,6 +1,8 @@
 //! The stability margin against the simulator: the lag at which a simulated contact begins to swing up, found by bisection
 //! over runs through the service, is the computed one.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::service::{App, Robots, RunningServer, router};
 use revprio::simulator::{CallMode, Scenario, run};
@@ -44,7 +46,7 @@ fn contact(lag_s: f64, damping: f64) -> Scenario {
 
 /// Width of the swing of the force in the second and in the fourth second, N.
 fn swings(client: &Client, scenario: &Scenario) -> [f64; 2] {
-    let recording = run(scenario, client, CallMode::Session, |_| ()).unwrap();
+    let recording = run(scenario, client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
     [1000, 3000].map(|from| {
         let forces = recording.samples[from..from + 1000].iter().map(|sample| sample.force[0]);
         let (low, high) = forces.fold((f64::MAX, f64::MIN), |(low, high), force| (low.min(force), high.max(force)));

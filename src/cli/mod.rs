@@ -3,6 +3,7 @@
 mod demo;
 mod resolve;
 mod robot;
+mod scenarios;
 mod serve;
 mod simulate;
 mod stability;
@@ -41,6 +42,8 @@ enum Command {
     Demo(demo::Options),
     /// Serve HTTP/JSON.
     Serve(serve::Options),
+    /// List the scenarios that ship with the program.
+    Scenarios,
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
@@ -129,6 +132,7 @@ impl Cli {
         match self.command {
             Command::Demo(options) => demo::run(&options),
             Command::Serve(options) => serve::run(&options),
+            Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),

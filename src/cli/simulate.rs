@@ -1,6 +1,7 @@
 //! `revprio simulate`
 
 use std::io::{Write as _, stderr, stdout};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -124,7 +125,10 @@ pub fn record(
         // Nobody watches a bar, but a log may want to know.
         let _ = writeln!(stderr(), "running {label}");
     }
-    let progress = |done| bar.set_position(done);
+    let progress = |done| {
+        bar.set_position(done);
+        ControlFlow::Continue(())
+    };
     let recording = match robot {
         Some(robot) => run_robot(robot, scenario, &target.client, mode, progress)?,
         None => run_scenario(scenario, &target.client, mode, progress)?,

@@ -100,7 +100,7 @@ impl Configuration {
     }
 }
 
-fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
+pub(super) fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
     if joint_position.len() != robot.joint_count() {
         return Err(ConfigurationError::Size { expected: robot.joint_count(), given: joint_position.len() });
     }
@@ -110,7 +110,7 @@ fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), Configuration
     }
 }
 
-fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
+pub(super) fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
     match kind {
         JointKind::Revolute => {
             IsometryMatrix3::from_parts(Translation3::identity(), Rotation3::from_axis_angle(&Vector3::z_axis(), q))

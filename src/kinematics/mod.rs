@@ -4,6 +4,7 @@
 mod axes;
 mod configuration;
 mod joint_limit_index;
+mod link_frames;
 mod pose;
 mod task_frame;
 mod turning;
@@ -11,6 +12,7 @@ mod turning;
 pub use axes::{Axis, AxisSelection, AxisSelectionError};
 pub use configuration::{Configuration, ConfigurationError, Jacobian, orientation_error};
 pub use joint_limit_index::{half_range, joint_limit_gradient, joint_limit_index};
+pub use link_frames::link_frames;
 pub use pose::{NotUnitLength, pose};
 pub use task_frame::{Frame, PlacedFrame, TaskFrame};
 pub use turning::Turning;

@@ -1,102 +1,181 @@
-//! Reading JSON bodies, with problems instead of axum's rejections.
+//! Bodies in and out, in the format that the client chose, with problems instead of axum's rejections.
+//!
+//! Handlers take a [`Body`] and return an [`Answer`], values both; the layer [`written`] makes bytes of answers. What
+//! takes longer than some control periods to read or write is a [`LargeBody`] or a [`LargeAnswer`] and handled in another
+//! thread, so that the steps of others do not wait.
 
 use std::future::poll_fn;
+use std::io::Write as _;
+use std::marker::PhantomData;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderValue, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::error::Category;
-use serde_path_to_error::Segment;
 
-use super::problem::{Problem, escaped};
-use crate::wire::Object;
+use super::accept;
+use super::background::background;
+use super::format::Format;
+use super::problem::Problem;
 
 /// Largest body in bytes; a state is about one thousandth of it.
 pub const BODY_LIMIT: usize = 1 << 20;
 
-/// Most bytes that are read of a body that is too large: most clients listen only after they have sent all of it, and
-/// would see a broken connection instead of the refusal.
-const FORGOTTEN_LIMIT: usize = 16 << 20;
+/// Largest body in bytes where a request holds many problems.
+pub const LARGE_BODY_LIMIT: usize = 16 << 20;
+
+/// Most bytes beyond the limit that are read of a body that is too large: most clients listen only after they have sent
+/// all of it, and would see a broken connection instead of the refusal.
+const FORGOTTEN_LIMIT: usize = 15 << 20;
 
 /// Time in which the whole body must come in, so that a client cannot hold its connection by trickling.
 const BODY_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A JSON body.
+/// Large answers of fewer bytes are not worth compressing.
+const SMALLEST_COMPRESSED: usize = 4 << 10;
+
+/// A body that has been read.
 pub struct Body<T>(pub T);
 
 impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
-        if !is_json(request.headers()) {
-            return Err(Problem::media_type());
-        }
-        let bytes = tokio::time::timeout(BODY_TIMEOUT, read(request.into_body()));
-        let bytes = bytes.await.map_err(|_| Problem::body_timeout())??;
-        parse(&bytes).map(Self)
+        let (format, bytes) = received(request, BODY_LIMIT).await?;
+        format.read(&bytes).map(Self)
     }
 }
 
-/// `application/json`, with or without parameters.
-fn is_json(headers: &HeaderMap) -> bool {
-    let media_type = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
-    media_type.is_some_and(|text| {
-        text.split(';').next().is_some_and(|kind| kind.trim().eq_ignore_ascii_case("application/json"))
-    })
+/// A body that is still to be read, in another thread.
+pub struct LargeBody<T> {
+    format: Format,
+    bytes: Vec<u8>,
+    value: PhantomData<fn() -> T>,
 }
 
-/// Reads a body up to the limit; what is too much is read and forgotten.
-async fn read(mut body: axum::body::Body) -> Result<Vec<u8>, Problem> {
+impl<T: DeserializeOwned> LargeBody<T> {
+    /// Reads it.
+    pub fn read(self) -> Result<T, Problem> {
+        self.format.read(&self.bytes)
+    }
+}
+
+impl<T, S: Send + Sync> FromRequest<S> for LargeBody<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+        let (format, bytes) = received(request, LARGE_BODY_LIMIT).await?;
+        Ok(Self { format, bytes, value: PhantomData })
+    }
+}
+
+async fn received(request: Request, limit: usize) -> Result<(Format, Vec<u8>), Problem> {
+    let format = Format::of_body(request.headers()).ok_or_else(Problem::media_type)?;
+    let bytes = tokio::time::timeout(BODY_TIMEOUT, collected(request.into_body(), limit));
+    Ok((format, bytes.await.map_err(|_| Problem::body_timeout())??))
+}
+
+/// Collects a body up to the limit; what is too much is read and forgotten.
+async fn collected(mut body: axum::body::Body, limit: usize) -> Result<Vec<u8>, Problem> {
     let (mut bytes, mut size) = (Vec::new(), 0);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| Problem::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
-        if size <= BODY_LIMIT {
+        if size <= limit {
             bytes.extend_from_slice(data);
-        } else if size > FORGOTTEN_LIMIT {
+        } else if size > limit + FORGOTTEN_LIMIT {
             break;
         }
     }
-    if size <= BODY_LIMIT { Ok(bytes) } else { Err(Problem::too_large(BODY_LIMIT)) }
+    if size <= limit { Ok(bytes) } else { Err(Problem::too_large(limit)) }
 }
 
-fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
-    match serde_json::from_slice(bytes) {
-        Ok(Object(value)) => Ok(value),
-        Err(_) => explain(bytes),
+/// An answer of a few kilobytes.
+pub struct Answer<T>(pub T);
+
+/// An answer of up to megabytes.
+pub struct LargeAnswer<T>(pub T);
+
+impl<T: Serialize + Send + Sync + 'static> IntoResponse for Answer<T> {
+    fn into_response(self) -> Response {
+        Unwritten { value: Arc::new(self.0), large: false }.into_response()
     }
 }
 
-/// Reads once more, keeping track of where: what a good body need not pay for.
-fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
-    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
-        let (place, cause) = (pointer(error.path()), error.into_inner());
-        match cause.classify() {
-            Category::Data => Problem::invalid(place, cause),
-            _ if is_well_formed(bytes) => Problem::invalid(place, cause),
-            Category::Syntax | Category::Eof | Category::Io => Problem::malformed(cause.to_string()),
-        }
-    })?;
-    deserializer.end().map_err(|error| Problem::malformed(error.to_string()))?;
-    Ok(value)
+impl<T: Serialize + Send + Sync + 'static> IntoResponse for LargeAnswer<T> {
+    fn into_response(self) -> Response {
+        Unwritten { value: Arc::new(self.0), large: true }.into_response()
+    }
 }
 
-/// Whether it is JSON of finite numbers: a value of another type than the expected one can look like wrong syntax.
-fn is_well_formed(bytes: &[u8]) -> bool {
-    serde_json::from_slice::<serde_json::Value>(bytes).is_ok()
+/// An answer that waits in its response for the layer that knows the client's format.
+#[derive(Clone)]
+struct Unwritten {
+    value: Arc<dyn Writable>,
+    large: bool,
 }
 
-/// JSON pointer (RFC 6901) of a path.
-fn pointer(path: &serde_path_to_error::Path) -> String {
-    let part = |segment: &Segment| match segment {
-        Segment::Seq { index } => format!("/{index}"),
-        Segment::Map { key } => format!("/{}", escaped(key)),
-        Segment::Enum { .. } | Segment::Unknown => String::new(),
+impl Unwritten {
+    fn into_response(self) -> Response {
+        let mut response = Response::default();
+        response.extensions_mut().insert(self);
+        response
+    }
+}
+
+trait Writable: Send + Sync {
+    fn write(&self, format: Format) -> Result<Vec<u8>, Problem>;
+}
+
+impl<T: Serialize + Send + Sync> Writable for T {
+    fn write(&self, format: Format) -> Result<Vec<u8>, Problem> {
+        format.write(self)
+    }
+}
+
+/// Layer that writes answers in the client's format; large ones in another thread, compressed if the client likes.
+pub async fn written(request: Request, next: Next) -> Response {
+    let format = Format::of_answer(request.headers());
+    let gzip = accept::gzip(request.headers());
+    let mut response = next.run(request).await;
+    let Some(Unwritten { value, large }) = response.extensions_mut().remove::<Unwritten>() else { return response };
+    let bytes = if large {
+        let large = background(move |_| value.write(format).map(|bytes| compressed(bytes, gzip))).await;
+        large.and_then(|large| large).map(|(bytes, encoding)| {
+            response.headers_mut().insert(header::VARY, HeaderValue::from_static("accept, accept-encoding"));
+            encoding.map(|encoding| response.headers_mut().insert(header::CONTENT_ENCODING, encoding));
+            bytes
+        })
+    } else {
+        value.write(format)
     };
-    path.iter().map(part).collect()
+    match bytes {
+        Ok(bytes) => {
+            response.headers_mut().insert(header::CONTENT_TYPE, format.media_type());
+            *response.body_mut() = bytes.into();
+            response
+        }
+        Err(problem) => problem.into_response(),
+    }
+}
+
+/// The bytes, compressed where it pays, and how.
+fn compressed(bytes: Vec<u8>, gzip: bool) -> (Vec<u8>, Option<HeaderValue>) {
+    if !gzip || bytes.len() < SMALLEST_COMPRESSED {
+        return (bytes, None);
+    }
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    match encoder.write_all(&bytes).and_then(|()| encoder.finish()) {
+        Ok(small) => (small, Some(HeaderValue::from_static("gzip"))),
+        Err(_) => (bytes, None),
+    }
 }

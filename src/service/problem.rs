@@ -29,9 +29,14 @@ impl Problem {
         Self { status, kind, title, detail: detail.into(), pointer: None }
     }
 
-    /// 400: the body is no JSON, or holds a number that is not finite.
+    /// 400: the body is neither JSON nor MessagePack, or holds a number that is not finite.
     pub fn malformed(detail: impl Into<String>) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, "malformed", "The body is not valid JSON", detail)
+        Self::new(StatusCode::BAD_REQUEST, "malformed", "The body cannot be read", detail)
+    }
+
+    /// The same problem at a JSON pointer.
+    pub fn at(self, pointer: impl Into<String>) -> Self {
+        Self { pointer: Some(pointer.into()), ..self }
     }
 
     /// 422: well-formed, but wrong at `pointer` (a JSON pointer).
@@ -59,6 +64,23 @@ impl Problem {
         Self::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The method is not allowed here", detail)
     }
 
+    /// 406: the client takes none of what there is.
+    pub fn not_acceptable(offered: &str) -> Self {
+        let detail = format!("this can be had as {offered}; say which with `Accept`");
+        Self::new(StatusCode::NOT_ACCEPTABLE, "not-acceptable", "Nothing to your taste", detail)
+    }
+
+    /// 409: a simulation that has no trace.
+    pub fn no_trace(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, "no-trace", "There is no trace", detail)
+    }
+
+    /// 426: a stream is asked for by plain HTTP.
+    pub fn upgrade_required() -> Self {
+        let detail = "this route speaks WebSocket (RFC 6455, version 13); ask for it with a WebSocket client";
+        Self::new(StatusCode::UPGRADE_REQUIRED, "upgrade-required", "A WebSocket is needed", detail)
+    }
+
     /// 408: the body did not come in time.
     pub fn body_timeout() -> Self {
         let detail = "the body did not arrive in time; send it whole and at once";
@@ -83,9 +105,9 @@ impl Problem {
         Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
     }
 
-    /// 415: not JSON.
+    /// 415: neither JSON nor MessagePack.
     pub fn media_type() -> Self {
-        let detail = "send `Content-Type: application/json`";
+        let detail = "send `Content-Type: application/json`, or `application/msgpack`";
         Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "media-type", "The media type is not supported", detail)
     }
 
@@ -100,6 +122,11 @@ impl Problem {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-robots", "No room for another robot", detail)
     }
 
+    /// 503: as much long work as there is room for.
+    pub fn busy(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "The service is busy", detail)
+    }
+
     /// 500: a defect of the service.
     pub fn internal() -> Self {
         let detail = "a defect of the service, not of your request; the log has the details";
@@ -110,21 +137,35 @@ impl Problem {
     pub fn inside(self, prefix: &str) -> Self {
         Self { pointer: self.pointer.map(|pointer| format!("{prefix}{pointer}")), ..self }
     }
-}
 
-impl IntoResponse for Problem {
-    fn into_response(self) -> Response {
-        let body = wire::Problem {
+    /// Whether what the request speaks of does not exist.
+    pub fn is_not_found(&self) -> bool {
+        self.status == StatusCode::NOT_FOUND
+    }
+
+    /// As a body.
+    pub fn into_wire(self) -> wire::Problem {
+        wire::Problem {
             kind: format!("/problems/{}", self.kind),
             title: self.title.to_owned(),
             status: self.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
-        };
-        let mut response = (self.status, axum::Json(body)).into_response();
-        response.headers_mut().insert(header::CONTENT_TYPE, PROBLEM_JSON);
-        if self.status == StatusCode::SERVICE_UNAVAILABLE {
-            response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = self.status;
+        let mut response = (status, axum::Json(self.into_wire())).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
+        if status == StatusCode::SERVICE_UNAVAILABLE {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+        if status == StatusCode::UPGRADE_REQUIRED {
+            headers.insert(header::UPGRADE, HeaderValue::from_static("websocket"));
         }
         response
     }

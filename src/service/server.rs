@@ -6,12 +6,14 @@ use std::net::{SocketAddr, TcpListener};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use axum::Router;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
+use tokio::net::TcpStream;
 use tokio::sync::oneshot;
+
+use super::drain::{Drain, Draining};
 
 /// Time for a request's headers, and for an idle connection. Clients keep idle connections for some 15 s.
 const HEADER_TIMEOUT: Duration = Duration::from_secs(30);
@@ -46,17 +48,20 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 /// One thread serves all: a step takes microseconds, less than handing it to another thread.
 pub fn serve(listener: TcpListener, router: Router, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(async {
+    let served = runtime.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         accept(listener, router, stop).await;
         Ok(())
-    })
+    });
+    // What runs in the background notices that it is abandoned.
+    runtime.shutdown_timeout(DRAIN_TIMEOUT);
+    served
 }
 
 async fn accept(listener: tokio::net::TcpListener, router: Router, stop: impl Future<Output = ()>) {
-    let graceful = GracefulShutdown::new();
-    let service = TowerToHyperService::new(router);
+    let (drain, draining) = Drain::new();
+    let service = TowerToHyperService::new(router.layer(Extension(draining.clone())));
     let mut stop = std::pin::pin!(stop);
     loop {
         let accepted = tokio::select! {
@@ -71,8 +76,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, stop: impl Fu
                     .timer(TokioTimer::new())
                     .header_read_timeout(HEADER_TIMEOUT)
                     .serve_connection(TokioIo::new(stream), service.clone());
-                // A connection that fails concerns its client alone.
-                tokio::spawn(graceful.watch(connection));
+                tokio::spawn(serve_connection(connection.with_upgrades(), draining.clone()));
             }
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
@@ -80,10 +84,22 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, stop: impl Fu
             }
         }
     }
-    drop(listener);
-    if tokio::time::timeout(DRAIN_TIMEOUT, graceful.shutdown()).await.is_err() {
+    drop((listener, service, draining));
+    if tokio::time::timeout(DRAIN_TIMEOUT, drain.finished()).await.is_err() {
         tracing::warn!("connections still open after {DRAIN_TIMEOUT:?} were dropped");
     }
+}
+
+type Connection = http1::UpgradeableConnection<TokioIo<TcpStream>, TowerToHyperService<Router>>;
+
+/// Serves a connection until its client closes it or the service ends. One that fails concerns its client alone.
+async fn serve_connection(connection: Connection, mut draining: Draining) {
+    let mut connection = std::pin::pin!(connection);
+    tokio::select! {
+        _ = &mut connection => return,
+        () = draining.begun() => connection.as_mut().graceful_shutdown(),
+    }
+    let _ = connection.await;
 }
 
 /// A service in a thread of its own, ended when dropped.

@@ -1,5 +1,6 @@
 //! One run of a scenario against a service.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -62,6 +63,12 @@ pub enum RunError {
         /// Velocities in the answer.
         given: usize,
     },
+    /// The caller asked for the end.
+    #[error("stopped at t = {time_s} s")]
+    Stopped {
+        /// Simulated time, s.
+        time_s: f64,
+    },
     /// The service gave no answer.
     #[error("at t = {time_s} s: {source}")]
     Service {
@@ -73,12 +80,12 @@ pub enum RunError {
 }
 
 /// Runs the scenario with a robot that ships with the crate, one call per control period; `progress` hears of every
-/// period that is done.
+/// period that is done and may end the run.
 pub fn run(
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
-    progress: impl FnMut(u64),
+    progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Recording, RunError> {
     run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
 }
@@ -97,7 +104,7 @@ pub fn run_robot(
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
-    mut progress: impl FnMut(u64),
+    mut progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Recording, RunError> {
     let robot = with_tool(robot, &scenario.controller)?;
     let mut plant = Plant::new(scenario, &robot)?;
@@ -115,7 +122,9 @@ pub fn run_robot(
         }
         plant.arm.advance(&answer.joint_velocity, scenario.period_s());
         samples.push(measured.sample(time_s, &plant, scenario, answer));
-        progress(sequence + 1);
+        if progress(sequence + 1).is_break() {
+            return Err(RunError::Stopped { time_s });
+        }
     }
     let wall_time_s = start.elapsed().as_secs_f64();
     Ok(Recording {

@@ -90,7 +90,7 @@ pub struct CreatedController {
     pub id: String,
     /// Joint order of positions and velocities.
     pub joints: Vec<String>,
-    /// The session ends when it is not called for this long, s.
+    /// The session ends when it gets no state for this long, s; looking at it does not count.
     pub idle_timeout_s: u64,
     /// What is likely to go wrong: axes whose loop with the stated environment is unstable, and what would help.
     #[serde(default)]

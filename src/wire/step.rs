@@ -106,7 +106,7 @@ pub struct StepAnswer {
     /// To be sent with the next state; only in stateless answers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// Without a newer answer, ramp to zero after this time, ms.
+    /// Time from the measurement of the state after which, without a newer answer, the arm is to ramp to zero, ms.
     pub valid_for_ms: u64,
     /// What became of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,

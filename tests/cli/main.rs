@@ -4,6 +4,7 @@ mod demo;
 mod program;
 mod resolve;
 mod robot;
+mod scenarios;
 mod serve;
 mod simulate;
 mod trace;

@@ -1,5 +1,7 @@
 //! Where the controller's memory is kept makes no difference, to the last bit.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
@@ -81,7 +83,7 @@ fn the_simulated_arm_moves_the_same_way_in_both_modes() {
     let mut scenario = Scenario::find("stiff_wall").unwrap();
     scenario.duration_s = 0.45;
     let client = Client::new(&service.url());
-    let samples = |mode| format!("{:?}", run(&scenario, &client, mode, |_| ()).unwrap().samples);
+    let samples = |mode| format!("{:?}", run(&scenario, &client, mode, |_| ControlFlow::Continue(())).unwrap().samples);
     assert!(samples(CallMode::Session) == samples(CallMode::Stateless), "the two runs differ");
 }
 

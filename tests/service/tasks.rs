@@ -1,5 +1,7 @@
 //! What a task can say beyond its axes: gains, frames, tools, null-space motion.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::simulator::{CallMode, Scenario, run};
 use revprio::wire::{WrenchConvention, WrenchFrame};
@@ -182,7 +184,8 @@ fn pushed(service: &Service, convention: WrenchConvention, frame: WrenchFrame) -
     scenario.duration_s = 0.45;
     scenario.controller.wrench_convention = convention;
     scenario.controller.wrench_frame = frame;
-    let recording = run(&scenario, &Client::new(&service.url()), CallMode::Session, |_| ()).unwrap();
+    let recording =
+        run(&scenario, &Client::new(&service.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
     recording.samples.into_iter().map(|sample| sample.joint_position).collect()
 }
 
@@ -239,7 +242,8 @@ points = [
 fn a_scenario_file_says_all_that_a_request_can() {
     let service = Service::start();
     let scenario = Scenario::parse(WIPING, "wiping.toml").unwrap();
-    let recording = run(&scenario, &Client::new(&service.url()), CallMode::Session, |_| ()).unwrap();
+    let recording =
+        run(&scenario, &Client::new(&service.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
     let last = recording.samples.last().unwrap();
     assert!((last.position_error[1] + 0.05).abs() < 1e-4, "{:?}", last.position_error);
     assert!((last.force[0] - 20.0).abs() < 0.5, "{:?}", last.force);
