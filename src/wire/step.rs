@@ -80,20 +80,16 @@ pub struct FramePose {
 
 /// A limit by joint and side, or an inequality by name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
-pub enum ActiveLimitName {
-    /// A bound of a joint.
-    Joint {
-        /// Joint name.
-        joint: String,
-        /// Which bound.
-        side: Side,
-    },
-    /// An inequality.
-    Inequality {
-        /// Its name.
-        inequality: String,
-    },
+#[serde(deny_unknown_fields)]
+pub struct ActiveLimitName {
+    /// Joint name, for a bound of a joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Name of an inequality, for that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inequality: Option<String>,
+    /// Which bound; inequalities have an upper one.
+    pub side: Side,
 }
 
 /// Joint velocities for one period and why they are what they are.

@@ -47,19 +47,15 @@ fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
 
 fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, Problem> {
     let joints = config.robot.joints();
-    let limit = |limit: &wire::ActiveLimitName| match limit {
-        wire::ActiveLimitName::Joint { joint, side } => {
-            let place = joints.iter().position(|known| known.name == *joint);
-            let unknown = || format!("`{}` has no joint `{joint}`", config.robot.name());
-            Ok((place.ok_or_else(|| Problem::invalid("/active_set", unknown()))?, terms::side(*side)))
+    let place = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
+        (Some(name), None) => joints.iter().position(|joint| joint.name == *name),
+        (None, Some(name)) => {
+            config.barriers.iter().position(|barrier| barrier.name() == name).map(|place| joints.len() + place)
         }
-        wire::ActiveLimitName::Inequality { inequality } => {
-            let place = config.barriers.iter().position(|known| known.name() == inequality);
-            let unknown = || format!("the controller has no inequality `{inequality}`");
-            let place = place.ok_or_else(|| Problem::invalid("/active_set", unknown()))?;
-            Ok((joints.len() + place, Side::Upper))
-        }
+        _ => None,
     };
+    let unknown = || Problem::invalid("/active_set", "names no limit of this controller; send the memory as it came");
+    let limit = |limit: &wire::ActiveLimitName| Ok((place(limit).ok_or_else(unknown)?, terms::side(limit.side)));
     names.iter().map(limit).collect()
 }
 
@@ -67,9 +63,10 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
 pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
     let joints = controller.config().robot.joints();
     let barriers = &controller.config().barriers;
-    let name = |&(row, side): &(usize, Side)| match joints.get(row) {
-        Some(joint) => wire::ActiveLimitName::Joint { joint: joint.name.clone(), side: terms::side_answer(side) },
-        None => wire::ActiveLimitName::Inequality { inequality: barriers[row - joints.len()].name().to_owned() },
+    let name = |&(row, side): &(usize, Side)| wire::ActiveLimitName {
+        joint: joints.get(row).map(|joint| joint.name.clone()),
+        inequality: row.checked_sub(joints.len()).map(|place| barriers[place].name().to_owned()),
+        side: terms::side_answer(side),
     };
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
     wire::Memory {
