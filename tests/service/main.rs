@@ -5,6 +5,7 @@ mod clients;
 mod examples;
 mod hard_problems;
 mod harness;
+mod inequalities;
 mod kinematics;
 mod memory;
 mod message_pack;
