@@ -45,7 +45,7 @@ const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 type Area<'a, C = Shift> = DrawingArea<SVGBackend<'a>, C>;
 type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
-/// The SVG document of a figure, [`WIDTH`] pixels wide.
+/// The SVG document of a figure, `WIDTH` pixels wide.
 ///
 /// # Errors
 ///
