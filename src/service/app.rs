@@ -1,13 +1,23 @@
 //! Routes.
 
+use std::any::Any;
 use std::sync::Arc;
+use std::time::Duration;
 
-use axum::Router;
-use axum::response::IntoResponse;
+use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::middleware::from_fn_with_state;
+use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use axum::{Extension, Router};
+use tokio::sync::{Semaphore, watch};
 use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::cors::CorsLayer;
 
+use super::config::ServiceConfig;
+use super::gate::{Panicked, RequestIds, gate};
 use super::handlers;
+use super::line::Line;
+use super::metrics::Metrics;
 use super::problem::Problem;
 use super::robots::Robots;
 use super::sessions::Sessions;
@@ -16,19 +26,58 @@ use super::sessions::Sessions;
 pub struct App {
     /// The arms that requests can name.
     pub robots: Robots,
+    /// What an operator can tune.
+    pub config: ServiceConfig,
     pub(super) sessions: Sessions,
+    pub(super) metrics: Metrics,
+    pub(super) line: Line,
+    pub(super) large_bodies: Semaphore,
+    pub(super) request_ids: RequestIds,
+    /// Whether the service is about to end; streams listen to it, as they would not end by themselves.
+    pub(super) draining: watch::Sender<bool>,
 }
 
 impl App {
-    /// A service for these robots, without sessions yet.
+    /// A service for these robots, without sessions yet, as it is by default.
     pub fn new(robots: Robots) -> Self {
-        Self { robots, sessions: Sessions::default() }
+        Self::with_config(robots, ServiceConfig::default())
+    }
+
+    /// A service for these robots, without sessions yet.
+    pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
+        let metrics = Metrics::new();
+        Self {
+            robots,
+            sessions: Sessions::new(config.max_sessions, config.session_idle, metrics.missed_periods.clone()),
+            metrics,
+            line: Line::default(),
+            large_bodies: Semaphore::new(config.max_large_bodies),
+            request_ids: RequestIds::default(),
+            draining: watch::Sender::new(false),
+            config,
+        }
+    }
+
+    /// From now on `/readyz` says no.
+    pub(super) fn start_draining(&self) {
+        self.draining.send_replace(true);
+    }
+
+    pub(super) fn is_draining(&self) -> bool {
+        *self.draining.borrow()
     }
 }
 
+/// All routes with what they share, ready to be served.
+#[derive(Clone)]
+pub struct Service {
+    pub(super) router: Router,
+    pub(super) app: Arc<App>,
+}
+
 /// All routes of the service.
-pub fn router(app: App) -> Router {
-    Router::new()
+pub fn router(app: App) -> Service {
+    let routes = Router::new()
         .route("/v1/resolve", post(handlers::resolve))
         .route("/v1/step", post(handlers::step))
         .route("/v1/controllers", post(handlers::create_controller))
@@ -38,13 +87,73 @@ pub fn router(app: App) -> Router {
         .route("/v1/robots", get(handlers::robots))
         .route("/v1/robots/{name}", get(handlers::robot))
         .route("/healthz", get(|| async { "ok" }))
+        .route("/readyz", get(handlers::ready))
+        .route("/metrics", get(handlers::metrics));
+    guarded(routes, app)
+}
+
+/// The routes behind the gate, with problems for what they do not know.
+fn guarded(routes: Router<Arc<App>>, app: App) -> Service {
+    let app = Arc::new(app);
+    let mut router = routes
         .fallback(|uri: axum::http::Uri| async move {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
         .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
-        .layer(CatchPanicLayer::custom(|_| {
-            tracing::error!("a handler panicked");
-            Problem::internal().into_response()
-        }))
-        .with_state(Arc::new(app))
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(from_fn_with_state(Arc::clone(&app), gate));
+    if !app.config.allowed_origins.is_empty() {
+        router = router.layer(cors(&app.config.allowed_origins));
+    }
+    Service { router: router.with_state(Arc::clone(&app)), app }
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "the layer hands it over")]
+fn panicked(payload: Box<dyn Any + Send>) -> Response {
+    let words = payload.downcast_ref::<String>().map(String::as_str);
+    let words = words.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("without words");
+    (Extension(Panicked(words.to_owned())), Problem::internal()).into_response()
+}
+
+/// Lets pages of these origins read answers.
+fn cors(origins: &[String]) -> CorsLayer {
+    let request_id = HeaderName::from_static("x-request-id");
+    let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
+    CorsLayer::new()
+        .allow_origin(origins)
+        .allow_methods([Method::GET, Method::POST, Method::DELETE])
+        .allow_headers([header::CONTENT_TYPE, header::AUTHORIZATION, header::ACCEPT, request_id.clone()])
+        .expose_headers([header::LOCATION, header::RETRY_AFTER, request_id])
+        .max_age(Duration::from_hours(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::RunningServer;
+
+    /// An answer's status and body.
+    fn get_text(url: &str) -> (u16, String) {
+        let agent: ureq::Agent = ureq::Agent::config_builder().http_status_as_error(false).build().into();
+        let mut response = agent.get(url).header("x-request-id", "mine-1").call().unwrap();
+        (response.status().as_u16(), response.body_mut().read_to_string().unwrap())
+    }
+
+    #[test]
+    fn a_panic_is_a_problem_that_is_named_and_counted() {
+        async fn panics() -> &'static str {
+            panic!("meant for a test")
+        }
+        let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(handlers::metrics));
+        let server = RunningServer::start(guarded(routes, App::new(Robots::built_in()))).unwrap();
+        let (status, body) = get_text(&(server.url() + "/panic"));
+        let problem: serde_json::Value = serde_json::from_str(&body).unwrap();
+        assert_eq!((status, &problem["type"]), (500, &"/problems/internal".into()));
+        assert_eq!(problem["request_id"], "mine-1");
+        assert!(!body.contains("meant for a test"), "{body}");
+        let (_, metrics) = get_text(&(server.url() + "/metrics"));
+        for line in ["revprio_panics_total 1", r#"revprio_requests_total{route="/panic",status="500"} 1"#] {
+            assert!(metrics.contains(line), "{line} is not in {metrics}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::future::poll_fn;
 use std::pin::Pin;
-use std::time::Duration;
+use std::sync::Arc;
 
 use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
@@ -11,30 +11,28 @@ use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use serde_path_to_error::Segment;
 
+use super::app::App;
 use super::problem::{Problem, escaped};
 use crate::wire::Object;
 
-/// Largest body in bytes; a state is about one thousandth of it.
-pub const BODY_LIMIT: usize = 1 << 20;
+/// Bodies up to this many bytes are read without asking for room.
+const SMALL: usize = 64 << 10;
 
 /// Most bytes that are read of a body that is too large: most clients listen only after they have sent all of it, and
 /// would see a broken connection instead of the refusal.
 const FORGOTTEN_LIMIT: usize = 16 << 20;
 
-/// Time in which the whole body must come in, so that a client cannot hold its connection by trickling.
-const BODY_TIMEOUT: Duration = Duration::from_secs(10);
-
 /// A JSON body.
 pub struct Body<T>(pub T);
 
-impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+impl<T: DeserializeOwned> FromRequest<Arc<App>> for Body<T> {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
             return Err(Problem::media_type());
         }
-        let bytes = tokio::time::timeout(BODY_TIMEOUT, read(request.into_body()));
+        let bytes = tokio::time::timeout(app.config.body_timeout, read(request.into_body(), app));
         let bytes = bytes.await.map_err(|_| Problem::body_timeout())??;
         parse(&bytes).map(Self)
     }
@@ -49,19 +47,25 @@ fn is_json(headers: &HeaderMap) -> bool {
 }
 
 /// Reads a body up to the limit; what is too much is read and forgotten.
-async fn read(mut body: axum::body::Body) -> Result<Vec<u8>, Problem> {
-    let (mut bytes, mut size) = (Vec::new(), 0);
+///
+/// Only so many large ones at a time: together they could hold more memory than all connections.
+async fn read(mut body: axum::body::Body, app: &App) -> Result<Vec<u8>, Problem> {
+    let limit = app.config.max_body_bytes;
+    let (mut bytes, mut size, mut room) = (Vec::new(), 0, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| Problem::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
-        if size <= BODY_LIMIT {
+        if size > SMALL && room.is_none() {
+            room = Some(app.large_bodies.try_acquire().map_err(|_| Problem::too_many_bodies())?);
+        }
+        if size <= limit {
             bytes.extend_from_slice(data);
-        } else if size > FORGOTTEN_LIMIT {
+        } else if size > limit.max(FORGOTTEN_LIMIT) {
             break;
         }
     }
-    if size <= BODY_LIMIT { Ok(bytes) } else { Err(Problem::too_large(BODY_LIMIT)) }
+    if size <= limit { Ok(bytes) } else { Err(Problem::too_large(limit)) }
 }
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {

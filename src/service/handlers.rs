@@ -13,7 +13,6 @@ use super::body::Body;
 use super::convert;
 use super::problem::Problem;
 use super::segment::Segment;
-use super::sessions::IDLE_TIMEOUT;
 use crate::wire;
 
 type Shared = State<Arc<App>>;
@@ -26,7 +25,9 @@ pub async fn resolve(
     let start = Instant::now();
     let question = convert::question(&request, &app.robots)?;
     let resolution = crate::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
-    Ok(Json(convert::resolve_answer(&question, &resolution, start)))
+    let answer = convert::resolve_answer(&question, &resolution, start);
+    app.metrics.solved(&answer.solver);
+    Ok(Json(answer))
 }
 
 /// `POST /v1/step`
@@ -40,6 +41,7 @@ pub async fn step(
     let mut memory = convert::memory(&request, &controller)?;
     let command = controller.step(&mut memory, &measurement).map_err(|e| convert::step_problem(&e, "/state"))?;
     let mut answer = convert::step_answer(&controller, request.state.sequence, &command, start);
+    app.metrics.solved(&answer.solver);
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
     Ok(Json(answer))
 }
@@ -53,7 +55,7 @@ pub async fn create_controller(
     let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
     let id = app.sessions.create(request, controller)?.to_string();
     let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
-    let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs() };
+    let created = wire::CreatedController { id, joints, idle_timeout_s: app.config.session_idle.as_secs() };
     Ok((StatusCode::CREATED, location, Json(created)))
 }
 
@@ -68,7 +70,9 @@ pub async fn step_controller(
         .with(&id, |_, session| {
             let measurement = convert::measurement(&state, &session.controller)?;
             session.answer(&state, &measurement, |controller, command| {
-                convert::step_answer(controller, state.sequence, command, start)
+                let answer = convert::step_answer(controller, state.sequence, command, start);
+                app.metrics.solved(&answer.solver);
+                answer
             })
         })
         .map(Json)
@@ -101,4 +105,15 @@ pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Json<wi
         Some(robot) => Ok(Json(convert::robot_answer(robot))),
         None => Err(Problem::not_found(format!("there is no robot `{name}`; known: {}", app.robots.names()))),
     }
+}
+
+/// `GET /readyz`
+pub async fn ready(State(app): Shared) -> Result<&'static str, Problem> {
+    if app.is_draining() { Err(Problem::draining()) } else { Ok("ready") }
+}
+
+/// `GET /metrics`
+pub async fn metrics(State(app): Shared) -> impl IntoResponse {
+    let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    ([(header::CONTENT_TYPE, media_type)], app.metrics.text(app.sessions.count()))
 }

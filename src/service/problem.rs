@@ -8,6 +8,13 @@ use crate::wire;
 /// Media type of RFC 9457.
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
+/// What a connection gets for which there is no room: a whole answer, as its request is not read.
+pub fn no_room() -> String {
+    let body = r#"{"type":"/problems/overloaded","title":"The service has too much to do","status":503,"detail":"too many connections are open; close some"}"#;
+    let head = "HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/problem+json\r\nretry-after: 1";
+    format!("{head}\r\nconnection: close\r\ncontent-length: {}\r\n\r\n{body}", body.len())
+}
+
 /// A name as a part of a JSON pointer (RFC 6901).
 pub fn escaped(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
@@ -48,6 +55,15 @@ impl Problem {
         Self::new(StatusCode::NOT_FOUND, "not-found", "There is nothing here", detail)
     }
 
+    /// 404: no such session, or no longer.
+    pub fn unknown_controller(id: &str) -> Self {
+        let detail = format!(
+            "there is no controller `{id}`; it was deleted, idle for too long, or the service was started anew; create \
+             it again with POST /v1/controllers"
+        );
+        Self::new(StatusCode::NOT_FOUND, "unknown-controller", "There is no such controller", detail)
+    }
+
     /// 405: the route exists, the method does not.
     pub fn method_not_allowed() -> Self {
         let detail = "this route does not take that method; see the interface description";
@@ -58,6 +74,18 @@ impl Problem {
     pub fn body_timeout() -> Self {
         let detail = "the body did not arrive in time; send it whole and at once";
         Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail)
+    }
+
+    /// 401: the token is missing or wrong.
+    pub fn unauthorized() -> Self {
+        let detail = "send the service's token as `Authorization: Bearer …`";
+        Self::new(StatusCode::UNAUTHORIZED, "unauthorized", "The token is missing or wrong", detail)
+    }
+
+    /// 403: a web page of another site makes the request.
+    pub fn foreign_origin(origin: &str) -> Self {
+        let detail = format!("pages of `{origin}` may not call this service; allow them with --allow-origin");
+        Self::new(StatusCode::FORBIDDEN, "foreign-origin", "The origin is not allowed", detail)
     }
 
     /// 409: a sequence number that does not grow.
@@ -84,6 +112,24 @@ impl Problem {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-controllers", "No room for another controller", detail)
     }
 
+    /// 503: more requests wait than can be answered in time.
+    pub fn overloaded() -> Self {
+        let detail = "more requests wait than can be answered in time; send fewer, or start another server";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The service has too much to do", detail)
+    }
+
+    /// 503: many large bodies are being read.
+    pub fn too_many_bodies() -> Self {
+        let detail = "other large bodies are being read; try again, or send a smaller one";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The service has too much to do", detail)
+    }
+
+    /// 503: the service is about to end.
+    pub fn draining() -> Self {
+        let detail = "the service is about to end; call another one";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "draining", "The service is about to end", detail)
+    }
+
     /// 500: a defect of the service.
     pub fn internal() -> Self {
         let detail = "a defect of the service, not of your request; the log has the details";
@@ -94,22 +140,41 @@ impl Problem {
     pub fn inside(self, prefix: &str) -> Self {
         Self { pointer: self.pointer.map(|pointer| format!("{prefix}{pointer}")), ..self }
     }
-}
 
-impl IntoResponse for Problem {
-    fn into_response(self) -> Response {
+    /// Last part of the `type` reference.
+    pub fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    /// Writes the body of the answer to a request of that name.
+    pub fn write(self, response: &mut Response, request_id: &str) {
         let body = wire::Problem {
             kind: format!("/problems/{}", self.kind),
             title: self.title.to_owned(),
             status: self.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
+            request_id: Some(request_id.to_owned()),
         };
-        let mut response = (self.status, axum::Json(body)).into_response();
-        response.headers_mut().insert(header::CONTENT_TYPE, PROBLEM_JSON);
+        // The layers below took the length of the body that it does not have yet.
+        response.headers_mut().remove(header::CONTENT_LENGTH);
+        *response.body_mut() = axum::Json(body).into_response().into_body();
+    }
+}
+
+/// The head of the answer; the body, which names the request, is written at the gate.
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let mut response = self.status.into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
         if self.status == StatusCode::SERVICE_UNAVAILABLE {
-            response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+            headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
         }
+        if self.status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
+        response.extensions_mut().insert(self);
         response
     }
 }

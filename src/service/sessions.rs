@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use prometheus_client::metrics::counter::Counter;
 use uuid::Uuid;
 
 use super::convert;
@@ -11,11 +12,8 @@ use super::problem::Problem;
 use crate::controller::{Command, Controller, Measurement, Memory};
 use crate::wire;
 
-/// Sessions at a time; each holds a few kilobytes.
-const MOST_SESSIONS: usize = 1024;
-
-/// A session that is not called for this long ends.
-pub const IDLE_TIMEOUT: Duration = Duration::from_mins(15);
+/// A step that comes more than so many periods after the one before missed one.
+const LATE_PERIODS: f64 = 1.5;
 
 /// One controller with its memory.
 pub struct Session {
@@ -27,6 +25,9 @@ pub struct Session {
     last: Option<(wire::State, wire::StepAnswer)>,
     steps: u64,
     retries: u64,
+    stepped: Option<Instant>,
+    missed_periods: u64,
+    all_missed_periods: Counter,
     called: Instant,
 }
 
@@ -49,8 +50,18 @@ impl Session {
             self.controller.step(&mut self.memory, measurement).map_err(|error| convert::step_problem(&error, ""))?;
         let answer = describe(&self.controller, &command);
         self.steps += 1;
+        self.count_missed_period();
         self.last = Some((state.clone(), answer.clone()));
         Ok(answer)
+    }
+
+    /// Counts this step if it comes late; the session was called just now.
+    fn count_missed_period(&mut self) {
+        let since = self.stepped.replace(self.called).map(|before| self.called.duration_since(before));
+        if since.is_some_and(|since| since.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
+            self.missed_periods += 1;
+            self.all_missed_periods.inc();
+        }
     }
 
     /// What `GET` shows.
@@ -61,6 +72,7 @@ impl Session {
             last_sequence: self.last.as_ref().map(|(state, _)| state.sequence),
             steps: self.steps,
             retries: self.retries,
+            missed_periods: self.missed_periods,
         }
     }
 }
@@ -76,20 +88,50 @@ pub fn grows(last: u64, now: u64) -> Result<(), Problem> {
 }
 
 /// All sessions.
-#[derive(Default)]
-pub struct Sessions(Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>);
+pub struct Sessions {
+    limit: usize,
+    idle_timeout: Duration,
+    missed_periods: Counter,
+    open: Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>,
+}
 
 impl Sessions {
+    /// None yet; `missed_periods` counts those of all sessions.
+    pub fn new(limit: usize, idle_timeout: Duration, missed_periods: Counter) -> Self {
+        Self { limit, idle_timeout, missed_periods, open: Mutex::default() }
+    }
+
+    /// How many have not ended.
+    pub fn count(&self) -> usize {
+        self.not_ended().len()
+    }
+
+    /// Forgets those that ended.
+    fn not_ended(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+        let mut open = lock(&self.open);
+        open.retain(|_, session| lock(session).called.elapsed() < self.idle_timeout);
+        open
+    }
+
     /// Opens a session and returns its name.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
-        let now = Instant::now();
-        let mut sessions = lock(&self.0);
-        sessions.retain(|_, session| now.duration_since(lock(session).called) < IDLE_TIMEOUT);
-        if sessions.len() >= MOST_SESSIONS {
-            return Err(Problem::too_many_sessions(MOST_SESSIONS));
+        let mut sessions = self.not_ended();
+        if sessions.len() >= self.limit {
+            return Err(Problem::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
-        let session = Session { request, controller, memory: None, last: None, steps: 0, retries: 0, called: now };
+        let session = Session {
+            request,
+            controller,
+            memory: None,
+            last: None,
+            steps: 0,
+            retries: 0,
+            stepped: None,
+            missed_periods: 0,
+            all_missed_periods: self.missed_periods.clone(),
+            called: Instant::now(),
+        };
         sessions.insert(id, Arc::new(Mutex::new(session)));
         Ok(id)
     }
@@ -97,9 +139,9 @@ impl Sessions {
     /// Lets `act` work on a session; other sessions are not held up meanwhile.
     pub fn with<T>(&self, id: &str, act: impl FnOnce(Uuid, &mut Session) -> Result<T, Problem>) -> Result<T, Problem> {
         let id = parse(id)?;
-        let session = lock(&self.0).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
+        let session = lock(&self.open).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
         let mut session = lock(&session);
-        if session.called.elapsed() >= IDLE_TIMEOUT {
+        if session.called.elapsed() >= self.idle_timeout {
             // Removed when the next one is created; taking both locks here, in the other order, could deadlock.
             return Err(unknown(&id.to_string()));
         }
@@ -109,7 +151,7 @@ impl Sessions {
 
     /// Ends a session.
     pub fn delete(&self, id: &str) -> Result<(), Problem> {
-        lock(&self.0).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
+        lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
     }
 }
 
@@ -118,9 +160,7 @@ fn parse(id: &str) -> Result<Uuid, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::not_found(format!(
-        "there is no controller `{id}`; it may have ended; create one with POST /v1/controllers"
-    ))
+    Problem::unknown_controller(id)
 }
 
 /// A panic while a lock was held is answered and counted elsewhere; the data, replaced whole, is still consistent.
