@@ -25,13 +25,15 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 6] = [
+const MAY_NAME: [(&str, &[&str]); 8] = [
     ("clarabel", &["resolution/qp_cascade/clarabel_level.rs"]),
     ("axum", &["service/"]),
     ("hyper", &["service/"]),
     ("hyper_util", &["service/"]),
     ("tower_http", &["service/"]),
-    ("tokio", &["service/", "cli/serve.rs"]),
+    ("tokio", &["service/", "cli/serve.rs", "cli/load/"]),
+    ("tokio_rustls", &["service/"]),
+    ("prometheus_client", &["service/"]),
 ];
 
 /// One line of code.

@@ -1,8 +1,11 @@
 //! The command line.
 
+mod config;
 mod demo;
+mod load;
 mod resolve;
 mod serve;
+mod settings;
 mod simulate;
 mod stability;
 
@@ -11,6 +14,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use self::settings::SettingsError;
 use crate::client::{Client, ClientError};
 use crate::report;
 use crate::service::{App, Robots, RunningServer, ServeError, router};
@@ -27,6 +31,8 @@ pub struct Cli {
 const EXAMPLES: &str = "Examples:
   revprio demo                                       run the paper's experiments, write figures to ./revprio-out
   revprio serve                                      serve on 127.0.0.1:8080
+  revprio serve --listen 0.0.0.0:8443 --token-file token --tls-cert cert.pem --tls-key key.pem
+  revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
@@ -37,13 +43,23 @@ enum Command {
     /// Reproduce the paper's experiments: scenarios, table, figures, traces, one HTML page.
     Demo(demo::Options),
     /// Serve HTTP/JSON.
-    Serve(serve::Options),
+    Serve(settings::Options),
+    /// Print the settings that `serve` would use, and where each comes from.
+    Config(settings::Options),
+    /// Print the completions for a shell.
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Load a server of its own with 1, 2 and 10 times what it takes, and with slow clients.
+    #[command(hide = true)]
+    Load(load::Options),
 }
 
 /// Why a command failed.
@@ -52,6 +68,12 @@ pub enum CliError {
     /// The service cannot run.
     #[error(transparent)]
     Serve(#[from] ServeError),
+    /// The settings are wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The server under load did something that it must not.
+    #[error("under load: {0}")]
+    Load(String),
     /// The scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -107,6 +129,9 @@ impl Cli {
         match self.command {
             Command::Demo(options) => demo::run(&options),
             Command::Serve(options) => serve::run(&options),
+            Command::Config(options) => config::run(&options),
+            Command::Completions { shell } => config::completions(shell),
+            Command::Load(options) => load::run(&options),
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),

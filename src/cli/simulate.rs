@@ -74,6 +74,13 @@ pub fn record(scenario: &Scenario, target: &Target, mode: CallMode) -> Result<Re
     }
     let recording = run_scenario(scenario, &target.client, mode, |done| bar.set_position(done))?;
     bar.finish();
+    let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
+    if unanswered > 0 {
+        writeln!(
+            stderr(),
+            "{label}: no answer in {unanswered} periods; the arm came to rest when the last one was too old"
+        )?;
+    }
     Ok(recording)
 }
 

@@ -118,7 +118,8 @@ mod tests {
 
     #[test]
     fn names_that_a_name_server_decides_on_are_not_fixed() {
-        for fixed in ["localhost", "LOCALHOST:8080", "127.0.0.1", "127.0.0.1:80", "[::1]:8080", "[::1]", "192.168.0.7"] {
+        for fixed in ["localhost", "LOCALHOST:8080", "127.0.0.1", "127.0.0.1:80", "[::1]:8080", "[::1]", "192.168.0.7"]
+        {
             assert!(is_fixed(fixed), "{fixed}");
         }
         for named in ["a", "a:80", "localhost.evil.example", "127.0.0.1.evil.example:8080", "", ":80", "1.2.3"] {

@@ -51,21 +51,25 @@ fn is_json(headers: &HeaderMap) -> bool {
 /// Only so many large ones at a time: together they could hold more memory than all connections.
 async fn read(mut body: axum::body::Body, app: &App) -> Result<Vec<u8>, Problem> {
     let limit = app.config.max_body_bytes;
-    let (mut bytes, mut size, mut room) = (Vec::new(), 0, None);
+    let (mut bytes, mut size) = (Vec::new(), 0);
+    let (mut room, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| Problem::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
-        if size > SMALL && room.is_none() {
-            room = Some(app.large_bodies.try_acquire().map_err(|_| Problem::too_many_bodies())?);
+        if size > limit {
+            refusal = Some(Problem::too_large(limit));
+        } else if size > SMALL && room.is_none() && refusal.is_none() {
+            room = app.large_bodies.try_acquire().ok();
+            refusal = room.is_none().then(Problem::too_many_bodies);
         }
-        if size <= limit {
+        if refusal.is_none() {
             bytes.extend_from_slice(data);
         } else if size > limit.max(FORGOTTEN_LIMIT) {
             break;
         }
     }
-    if size <= limit { Ok(bytes) } else { Err(Problem::too_large(limit)) }
+    refusal.map_or(Ok(bytes), Err)
 }
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {

@@ -107,7 +107,9 @@ fn admit(stream: TcpStream, connections: &Arc<Connections>, service: &Service, e
     let Some((slot, full)) = connections.enter() else {
         metrics.connection_fault("refused");
         // Fits into any send buffer. An encrypted connection is only closed.
-        let _ = stream.try_write(no_room().as_bytes());
+        if config.tls.is_none() {
+            let _ = stream.try_write(no_room().as_bytes());
+        }
         return;
     };
     if full {

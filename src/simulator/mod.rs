@@ -8,6 +8,7 @@ mod environment;
 pub mod recording;
 mod run;
 mod scenario;
+mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
