@@ -1,8 +1,11 @@
 //! The program as its users run it.
 
 mod demo;
+mod load;
 mod program;
 mod resolve;
+mod restart;
 mod serve;
+mod settings;
 mod simulate;
 mod trace;

@@ -15,7 +15,17 @@ pub struct Server {
 impl Server {
     /// Starts on a free port and reads the address off the first line.
     pub fn start() -> Self {
-        let mut command = program(&["serve", "--listen", "127.0.0.1:0"]);
+        Self::start_at("127.0.0.1:0")
+    }
+
+    /// Starts at an address.
+    pub fn start_at(address: &str) -> Self {
+        Self::start_with(address, &[])
+    }
+
+    /// Starts at an address with further flags.
+    fn start_with(address: &str, flags: &[&str]) -> Self {
+        let mut command = program(&[&["serve", "--listen", address], flags].concat());
         let mut process = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
@@ -29,10 +39,25 @@ impl Server {
 
     /// Asks it to end as an operator would.
     #[cfg(unix)]
-    fn terminate(mut self) -> ExitStatus {
+    fn signal(&self) {
         let signalled = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
         assert!(signalled.success());
+    }
+
+    #[cfg(unix)]
+    fn terminate(mut self) -> ExitStatus {
+        self.signal();
         self.process.wait().unwrap()
+    }
+
+    /// The answer to a bare request, after which the connection ends.
+    fn get(&self, path: &str) -> String {
+        let mut stream = TcpStream::connect(self.address()).unwrap();
+        let request = format!("GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
     }
 }
 
@@ -46,10 +71,7 @@ impl Drop for Server {
 #[test]
 fn a_server_says_where_it_listens_and_answers_there() {
     let server = Server::start();
-    let mut stream = TcpStream::connect(server.address()).unwrap();
-    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).unwrap();
+    let answer = server.get("/healthz");
     assert!(answer.starts_with("HTTP/1.1 200 OK\r\n") && answer.ends_with("\r\n\r\nok"), "{answer}");
 }
 
@@ -61,6 +83,34 @@ fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
     let mut half = TcpStream::connect(server.address()).unwrap();
     half.write_all(b"POST /v1/step HTTP/1.1\r\nho").unwrap();
     assert_eq!(server.terminate().code(), Some(0));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
+    let mut server = Server::start_with("127.0.0.1:0", &["--drain-delay-s", "1", "--drain-timeout-s", "20"]);
+    let body = include_str!("../../api/examples/resolve.json");
+    let (first, rest) = body.split_at(20);
+    let mut in_flight = TcpStream::connect(server.address()).unwrap();
+    let head = format!(
+        "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    in_flight.write_all((head + first).as_bytes()).unwrap();
+    assert!(server.get("/readyz").starts_with("HTTP/1.1 200 "));
+    server.signal();
+    // The signal takes its time; an answer that says "ready" may still be on its way.
+    let not_ready = (0..100).map(|_| server.get("/readyz")).find(|answer| answer.starts_with("HTTP/1.1 503 ")).unwrap();
+    assert!(not_ready.contains("/problems/draining") && not_ready.contains("retry-after: 1"), "{not_ready}");
+    assert!(server.get("/healthz").starts_with("HTTP/1.1 200 "));
+    while TcpStream::connect(server.address()).is_ok() {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    in_flight.write_all(rest.as_bytes()).unwrap();
+    let mut answer = String::new();
+    in_flight.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200 ") && answer.contains("connection: close"), "{answer}");
+    assert_eq!(server.process.wait().unwrap().code(), Some(0));
 }
 
 #[test]

@@ -32,7 +32,8 @@ fn the_end_of_a_long_line_is_refused_at_once_and_probes_are_not() {
 #[test]
 fn large_bodies_share_the_room_and_small_ones_do_not_need_it() {
     let service = Service::with(ServiceConfig { max_large_bodies: 2, ..ServiceConfig::default() });
-    let head = "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
+    let head =
+        "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
     let started = |_| {
         let mut stream = service.connect();
         stream.write_all(head.as_bytes()).unwrap();
