@@ -9,7 +9,7 @@ mod settings;
 mod simulate;
 mod stability;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use self::settings::SettingsError;
 use crate::client::{Client, ClientError};
 use crate::report;
-use crate::service::{App, Robots, RunningServer, ServeError, router};
+use crate::service::{App, Robots, RunningServer, ServeError, Token, router};
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -146,9 +146,14 @@ struct Target {
 }
 
 impl Target {
-    fn open(url: Option<&str>) -> Result<Self, ServeError> {
+    /// A given service is shown the token of the file that `REVPRIO_TOKEN_FILE` names, if it is set.
+    fn open(url: Option<&str>) -> Result<Self, CliError> {
         if let Some(url) = url {
-            return Ok(Self { client: Client::new(url), _own: None });
+            let file = std::env::var_os("REVPRIO_TOKEN_FILE").filter(|file| !file.is_empty());
+            let token = file.map(|file| Token::read(Path::new(&file))).transpose().map_err(SettingsError::from)?;
+            let client = Client::new(url);
+            let shown = token.and_then(|token| client.clone().with_token(token.secret()));
+            return Ok(Self { client: shown.unwrap_or(client), _own: None });
         }
         let own = RunningServer::start(router(App::new(Robots::built_in())))?;
         Ok(Self { client: Client::new(&own.url()), _own: Some(own) })

@@ -52,6 +52,11 @@ impl Token {
         }
     }
 
+    /// What a client sends after `Bearer`.
+    pub fn secret(&self) -> &str {
+        &self.0
+    }
+
     /// Whether the request shows it; the time taken tells nothing of where a wrong one differs.
     fn is_shown(&self, headers: &HeaderMap) -> bool {
         let shown = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());

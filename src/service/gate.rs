@@ -57,7 +57,7 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
     let arrived = Instant::now();
     let id = app.request_ids.of(request.headers());
     let route = app.metrics.route(request.extensions().get().map(MatchedPath::as_str));
-    let line = tracing::enabled!(tracing::Level::DEBUG).then(|| Line::of(&request));
+    let call = tracing::enabled!(tracing::Level::DEBUG).then(|| Call::of(&request));
     let mut response = match admitted(&app, &request, arrived) {
         Ok(()) => next.run(request).await,
         Err(problem) => problem.into_response(),
@@ -73,9 +73,9 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
     }
     let duration = arrived.elapsed();
     app.metrics.answered(&route, response.status(), duration);
-    if let Some(line) = line {
+    if let Some(call) = call {
         let status = response.status().as_u16();
-        tracing::debug!(request_id = shown_id, status, elapsed_us = duration.as_secs_f64() * 1e6, "{line}");
+        tracing::debug!(request_id = shown_id, status, elapsed_us = duration.as_secs_f64() * 1e6, "{call}");
     }
     let headers = response.headers_mut();
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
@@ -94,15 +94,15 @@ fn admitted(app: &App, request: &Request, arrived: Instant) -> Result<(), Proble
 }
 
 /// What an access log says of a request.
-struct Line(Method, Uri);
+struct Call(Method, Uri);
 
-impl Line {
+impl Call {
     fn of(request: &Request) -> Self {
         Self(request.method().clone(), request.uri().clone())
     }
 }
 
-impl fmt::Display for Line {
+impl fmt::Display for Call {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         write!(formatter, "{} {}", self.0, self.1)
     }

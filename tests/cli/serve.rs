@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
-use crate::program::{failure, program};
+use crate::program::{Scratch, failure, program};
 
 /// A server as a process; killed when a test fails before it ends.
 pub struct Server {
@@ -111,6 +111,39 @@ fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
     in_flight.read_to_string(&mut answer).unwrap();
     assert!(answer.starts_with("HTTP/1.1 200 ") && answer.contains("connection: close"), "{answer}");
     assert_eq!(server.process.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn log_lines_are_json_with_the_name_of_the_request_if_asked_for() {
+    let scratch = Scratch::new("log");
+    let token = scratch.write("token", "secret");
+    let flags = ["--log-format", "json", "--log-level", "debug", "--token-file", &token];
+    let mut command = program(&[&["serve", "--listen", "127.0.0.1:0"], &flags[..]].concat());
+    let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let url = line.trim().strip_prefix("listening on ").unwrap().to_owned();
+    let log = process.stderr.take().unwrap();
+    let server = Server { process, url };
+    assert!(server.get("/v1/robots").starts_with("HTTP/1.1 401 "));
+    drop(server);
+    let lines: Vec<serde_json::Value> =
+        BufReader::new(log).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
+    let line = lines.iter().find(|line| line["fields"]["message"] == "GET /v1/robots").unwrap();
+    assert_eq!((line["level"].as_str(), line["fields"]["status"].as_u64()), (Some("DEBUG"), Some(401)));
+    assert!(line["fields"]["request_id"].as_str().is_some_and(|id| !id.is_empty()), "{line}");
+    let readable = |line: &serde_json::Value| line["fields"]["message"].as_str().unwrap().contains("chmod 600");
+    assert_eq!(lines.iter().any(readable), cfg!(unix), "a token that others can read is warned of: {lines:?}");
+}
+
+#[test]
+fn commands_show_the_token_to_a_server_that_asks_for_one() {
+    let scratch = Scratch::new("client_token");
+    let token = scratch.write("token", "secret");
+    let server = Server::start_with("127.0.0.1:0", &["--token-file", &token]);
+    let arguments = ["resolve", "api/examples/resolve.json", "--server", &server.url];
+    assert!(failure(&arguments).contains("(401)"));
+    assert!(program(&arguments).env("REVPRIO_TOKEN_FILE", &token).output().unwrap().status.success());
 }
 
 #[test]

@@ -75,12 +75,12 @@ fn settings_that_make_no_sense_are_named_with_who_set_them() {
     ] {
         let file = scratch.write("wrong.toml", text);
         let message = refusal(&config(&["--config", &file], &[]));
-        for part in parts.iter().chain(&[if text.contains("0") { "" } else { "wrong.toml" }]) {
+        for part in parts.iter().chain(&["wrong.toml"]) {
             assert!(message.contains(part), "{part} is not in {message}");
         }
     }
     let message = refusal(&config(&[], &[("REVPRIO_LISTEN", "here")]));
-    assert!(message.contains("REVPRIO_LISTEN") && message.contains("`here`") | message.contains("'here'"), "{message}");
+    assert!(message.contains("REVPRIO_LISTEN") && message.contains("'here'"), "{message}");
     assert!(refusal(&config(&["--max-lag-ms=-1"], &[])).contains("max_lag_ms, set by flag"));
     assert!(refusal(&config(&["--config", "no_such.toml"], &[])).contains("no_such.toml"));
 }

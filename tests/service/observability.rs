@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use revprio::service::ServiceConfig;
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example};
@@ -121,4 +122,16 @@ fn a_controller_that_is_unknown_is_to_be_created_again() {
     let problem: Value = answer.json();
     assert_eq!(problem["type"], "/problems/unknown-controller");
     assert!(problem["detail"].as_str().unwrap().contains("create it again with POST /v1/controllers"), "{problem}");
+}
+
+#[test]
+fn a_session_that_is_not_called_ends() {
+    let session_idle = Duration::from_millis(300);
+    let service = Service::with(ServiceConfig { session_idle, max_sessions: 1, ..ServiceConfig::default() });
+    let address = service.open(&example("controller.json"));
+    service.post("/v1/controllers", &example("controller.json").to_string()).assert_refused(503, None);
+    std::thread::sleep(session_idle);
+    service.get(&address).assert_refused(404, None);
+    assert_eq!(metric(&service, "revprio_sessions"), 0.0);
+    service.open(&example("controller.json"));
 }
