@@ -1,7 +1,6 @@
 //! What the service counts, for Prometheus.
 
 use std::collections::HashMap;
-use std::fmt;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -12,7 +11,7 @@ use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
-use prometheus_client::registry::Registry;
+use prometheus_client::registry::{Metric, Registry};
 
 use crate::wire;
 
@@ -21,6 +20,11 @@ const DURATIONS_S: [f64; 14] = [1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 
 
 /// Instead of the template of a route: there is no such route.
 const NO_ROUTE: &str = "none";
+
+const PATHS: [&str; 3] = ["closed_form", "active_set", "qp"];
+const STATUSES: [&str; 3] = ["optimal", "not_certified", "failed"];
+
+type Durations = Family<RouteLabel, Histogram, fn() -> Histogram>;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct RequestLabels {
@@ -48,12 +52,12 @@ struct SolverLabels {
 pub struct Metrics {
     registry: Registry,
     requests: Family<RequestLabels, Counter>,
-    durations: Family<RouteLabel, Histogram, fn() -> Histogram>,
+    durations: Durations,
     routes: Mutex<HashMap<String, Arc<Route>>>,
     problems: Family<TypeLabel, Counter>,
     connection_faults: Family<TypeLabel, Counter>,
-    /// By path and status.
-    resolutions: [[Counter; 3]; 3],
+    /// By path and status, as in [`PATHS`] and [`STATUSES`].
+    resolutions: [[Counter; STATUSES.len()]; PATHS.len()],
     clarabel_iterations: Counter,
     /// Handlers that panicked.
     pub panics: Counter,
@@ -71,57 +75,42 @@ pub struct Route {
     by_status: Mutex<Vec<(StatusCode, Counter)>>,
 }
 
-impl fmt::Debug for Metrics {
-    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("Metrics(…)")
-    }
-}
-
 impl Metrics {
     /// All at zero.
     pub fn new() -> Self {
         let mut registry = Registry::with_prefix("revprio");
-        let solved = Family::<SolverLabels, Counter>::default();
-        let metrics = Self {
-            requests: Family::default(),
-            durations: Family::new_with_constructor(|| Histogram::new(DURATIONS_S)),
+        let all = &mut registry;
+        let requests = added(all, "requests", "Answers by route and status", Family::default());
+        let durations: Durations = Family::new_with_constructor(|| Histogram::new(DURATIONS_S));
+        let help = "Time from a request's headers to its answer";
+        let durations = added(all, "request_duration_seconds", help, durations);
+        let problems = added(all, "problems", "Answers that are problems, by type", Family::default());
+        let help = "Connections that ended otherwise than by an orderly close, by cause";
+        let connection_faults = added(all, "connection_faults", help, Family::default());
+        let help = "Resolved problems by solver path and status";
+        let resolutions: Family<SolverLabels, Counter> = added(all, "resolutions", help, Family::default());
+        let clarabel_iterations = added(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
+        let panics = added(all, "panics", "Handlers that panicked", Counter::default());
+        let help = "Steps of sessions more than 1.5 periods after the one before";
+        let missed_periods = added(all, "missed_periods", help, Counter::default());
+        let sessions = added(all, "sessions", "Sessions that have not ended", Gauge::default());
+        let connections = added(all, "connections", "Open connections", Gauge::default());
+        let resolutions =
+            PATHS.map(|path| STATUSES.map(|status| resolutions.get_or_create_owned(&SolverLabels { path, status })));
+        Self {
+            registry,
+            requests,
+            durations,
             routes: Mutex::default(),
-            problems: Family::default(),
-            connection_faults: Family::default(),
-            resolutions: ["closed_form", "active_set", "qp"].map(|path| {
-                ["optimal", "not_certified", "failed"]
-                    .map(|status| solved.get_or_create_owned(&SolverLabels { path, status }))
-            }),
-            clarabel_iterations: Counter::default(),
-            panics: Counter::default(),
-            missed_periods: Counter::default(),
-            sessions: Gauge::default(),
-            connections: Gauge::default(),
-            registry: Registry::default(),
-        };
-        registry.register("requests", "Answers by route and status", metrics.requests.clone());
-        registry.register(
-            "request_duration_seconds",
-            "Time from a request's headers to its answer",
-            metrics.durations.clone(),
-        );
-        registry.register("problems", "Answers that are problems, by type", metrics.problems.clone());
-        registry.register(
-            "connection_faults",
-            "Connections that ended otherwise than by an orderly close, by cause",
-            metrics.connection_faults.clone(),
-        );
-        registry.register("resolutions", "Resolved problems by solver path and status", solved);
-        registry.register("clarabel_iterations", "Iterations of Clarabel", metrics.clarabel_iterations.clone());
-        registry.register("panics", "Handlers that panicked", metrics.panics.clone());
-        registry.register(
-            "missed_periods",
-            "Steps of sessions more than 1.5 periods after the one before",
-            metrics.missed_periods.clone(),
-        );
-        registry.register("sessions", "Sessions that have not ended", metrics.sessions.clone());
-        registry.register("connections", "Open connections", metrics.connections.clone());
-        Self { registry, ..metrics }
+            problems,
+            connection_faults,
+            resolutions,
+            clarabel_iterations,
+            panics,
+            missed_periods,
+            sessions,
+            connections,
+        }
     }
 
     /// The counters of a route, by its template.
@@ -163,7 +152,17 @@ impl Metrics {
 
     /// Counts a resolved problem.
     pub fn solved(&self, report: &wire::SolverReport) {
-        self.resolutions[report.path as usize][report.status as usize].inc();
+        let path = match report.path {
+            wire::Path::ClosedForm => 0,
+            wire::Path::ActiveSet => 1,
+            wire::Path::Qp => 2,
+        };
+        let status = match report.status {
+            wire::Status::Optimal => 0,
+            wire::Status::NotCertified => 1,
+            wire::Status::Failed => 2,
+        };
+        self.resolutions[path][status].inc();
         self.clarabel_iterations.inc_by(u64::from(report.iterations));
     }
 
@@ -175,4 +174,10 @@ impl Metrics {
         let _ = prometheus_client::encoding::text::encode(&mut text, &self.registry);
         text
     }
+}
+
+/// Registers a metric.
+fn added<M: Metric + Clone>(registry: &mut Registry, name: &str, help: &str, metric: M) -> M {
+    registry.register(name, help, metric.clone());
+    metric
 }

@@ -86,6 +86,12 @@ fn settings_that_make_no_sense_are_named_with_who_set_them() {
 }
 
 #[test]
+fn the_settings_that_ship_with_the_unit_are_settings() {
+    let shipped = config(&["--config", "api/deploy/service.toml"], &[]);
+    assert_eq!(line(&shipped, "drain_delay_s"), "drain_delay_s = 2.0 # file, api/deploy/service.toml");
+}
+
+#[test]
 fn serve_refuses_what_would_not_be_safe() {
     let scratch = Scratch::new("settings_unsafe");
     let message = failure(&["serve", "--listen", "0.0.0.0:0"]);

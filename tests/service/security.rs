@@ -19,13 +19,13 @@ fn file(name: &str, text: &str) -> PathBuf {
     path
 }
 
-fn token(name: &str) -> Option<Token> {
-    Some(Token::read(&file(name, "  s3cret-word\n")).unwrap())
+fn token(name: &str) -> Token {
+    Token::read(&file(name, "  s3cret-word\n")).unwrap()
 }
 
 #[test]
 fn without_the_token_only_probes_are_answered() {
-    let service = Service::with(ServiceConfig { token: token("token"), ..ServiceConfig::default() });
+    let service = Service::with(ServiceConfig { token: Some(token("token")), ..ServiceConfig::default() });
     let body = example("resolve.json").to_string();
     let resolve = |authorization: &str| {
         let headers = [("content-type", "application/json"), ("authorization", authorization)];
@@ -62,7 +62,7 @@ fn an_address_that_others_reach_needs_a_token() {
     let open = router(App::new(Robots::built_in()));
     let refused = serve(listen(), open, std::future::ready(())).unwrap_err().to_string();
     assert!(refused.contains("0.0.0.0") && refused.contains("--token-file"), "{refused}");
-    let config = ServiceConfig { token: token("address_token"), ..ServiceConfig::default() };
+    let config = ServiceConfig { token: Some(token("address_token")), ..ServiceConfig::default() };
     serve(listen(), router(App::with_config(Robots::built_in(), config)), std::future::ready(())).unwrap();
     let mapped: SocketAddr = "[::ffff:127.0.0.1]:80".parse().unwrap();
     assert!(ServiceConfig::default().check(mapped).is_ok());
