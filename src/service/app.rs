@@ -14,6 +14,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::CorsLayer;
 
 use super::config::ServiceConfig;
+use super::connection::Connections;
 use super::gate::{Panicked, RequestIds, gate};
 use super::handlers;
 use super::line::Line;
@@ -29,6 +30,7 @@ pub struct App {
     /// What an operator can tune.
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
+    pub(super) connections: Arc<Connections>,
     pub(super) metrics: Metrics,
     pub(super) line: Line,
     pub(super) large_bodies: Semaphore,
@@ -49,6 +51,7 @@ impl App {
         Self {
             robots,
             sessions: Sessions::new(config.max_sessions, config.session_idle, metrics.missed_periods.clone()),
+            connections: Connections::new(config.max_connections),
             metrics,
             line: Line::default(),
             large_bodies: Semaphore::new(config.max_large_bodies),

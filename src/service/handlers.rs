@@ -115,5 +115,5 @@ pub async fn ready(State(app): Shared) -> Result<&'static str, Problem> {
 /// `GET /metrics`
 pub async fn metrics(State(app): Shared) -> impl IntoResponse {
     let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-    ([(header::CONTENT_TYPE, media_type)], app.metrics.text(app.sessions.count()))
+    ([(header::CONTENT_TYPE, media_type)], app.metrics.text(app.sessions.count(), app.connections.count()))
 }

@@ -1,7 +1,6 @@
 //! What the service counts, for Prometheus.
 
 use std::collections::HashMap;
-use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -64,8 +63,7 @@ pub struct Metrics {
     /// Steps of sessions that came more than half a period late.
     pub missed_periods: Counter,
     sessions: Gauge,
-    /// Open connections.
-    pub connections: Gauge<u64, AtomicU64>,
+    connections: Gauge,
 }
 
 /// The counters of one route, looked up once.
@@ -166,9 +164,11 @@ impl Metrics {
         self.clarabel_iterations.inc_by(u64::from(report.iterations));
     }
 
-    /// All of it as text, in the OpenMetrics format.
-    pub fn text(&self, sessions: usize) -> String {
-        self.sessions.set(i64::try_from(sessions).unwrap_or(i64::MAX));
+    /// All of it as text, in the OpenMetrics format, with what is open now.
+    pub fn text(&self, sessions: usize, connections: usize) -> String {
+        for (gauge, count) in [(&self.sessions, sessions), (&self.connections, connections)] {
+            gauge.set(i64::try_from(count).unwrap_or(i64::MAX));
+        }
         let mut text = String::new();
         // Writing into a string cannot fail.
         let _ = prometheus_client::encoding::text::encode(&mut text, &self.registry);

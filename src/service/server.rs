@@ -15,8 +15,8 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::sync::{oneshot, watch};
 
-use super::app::{App, Service};
-use super::connection::{Connection, Connections};
+use super::app::Service;
+use super::connection::Connection;
 use super::problem::no_room;
 
 /// Most bytes of a connection that wait to be read or written; holds any headers in use.
@@ -70,7 +70,6 @@ pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output =
 
 async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl Future<Output = ()>) {
     let app = Arc::clone(&service.app);
-    let connections = Connections::new(app.config.max_connections);
     // Held by every connection, so that the end of all is heard of.
     let (ending, end) = watch::channel(());
     let mut drained = std::pin::pin!(async {
@@ -84,11 +83,11 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
             () = &mut drained => break,
         };
         match accepted {
-            Ok((stream, _)) => admit(stream, &connections, &service, end.clone()),
+            Ok((stream, _)) => admit(stream, &service, end.clone()),
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
                 // Most often there are too many open files.
-                connections.close_oldest();
+                app.connections.close_oldest();
                 tokio::time::sleep(Duration::from_millis(50)).await;
             }
         }
@@ -102,9 +101,9 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
 }
 
 /// Serves a connection in a task of its own, if there is room.
-fn admit(stream: TcpStream, connections: &Arc<Connections>, service: &Service, end: watch::Receiver<()>) {
+fn admit(stream: TcpStream, service: &Service, end: watch::Receiver<()>) {
     let (config, metrics) = (&service.app.config, &service.app.metrics);
-    let Some((slot, full)) = connections.enter() else {
+    let Some((slot, full)) = service.app.connections.enter() else {
         metrics.connection_fault("refused");
         // Fits into any send buffer. An encrypted connection is only closed.
         if config.tls.is_none() {
@@ -141,7 +140,6 @@ where
     C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let app = service.app;
-    let _open = Open::count(&app);
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(app.config.header_timeout)
@@ -169,22 +167,6 @@ fn cause(error: &hyper::Error) -> &'static str {
         _ if error.is_timeout() => "header_timeout",
         _ if error.is_parse() => "not_http",
         _ => "broken",
-    }
-}
-
-/// An open connection, as long as it is held.
-struct Open(Arc<App>);
-
-impl Open {
-    fn count(app: &Arc<App>) -> Self {
-        app.metrics.connections.inc();
-        Self(Arc::clone(app))
-    }
-}
-
-impl Drop for Open {
-    fn drop(&mut self) {
-        self.0.metrics.connections.dec();
     }
 }
 

@@ -88,7 +88,7 @@ fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
 #[test]
 #[cfg(unix)]
 fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
-    let mut server = Server::start_with("127.0.0.1:0", &["--drain-delay-s", "1", "--drain-timeout-s", "20"]);
+    let mut server = Server::start_with("127.0.0.1:0", &["--drain-delay-s", "2", "--drain-timeout-s", "20"]);
     let body = include_str!("../../api/examples/resolve.json");
     let (first, rest) = body.split_at(20);
     let mut in_flight = TcpStream::connect(server.address()).unwrap();
