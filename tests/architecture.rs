@@ -25,9 +25,10 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 8] = [
+const MAY_NAME: [(&str, &[&str]); 9] = [
     ("clarabel", &["resolution/qp_cascade/clarabel_level.rs"]),
     ("axum", &["service/"]),
+    ("futures_util", &["service/"]),
     ("hyper", &["service/"]),
     ("hyper_util", &["service/"]),
     ("tower_http", &["service/"]),

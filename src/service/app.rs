@@ -1,21 +1,18 @@
 //! Routes.
 
-use std::any::Any;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::from_fn_with_state;
-use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use axum::{Extension, Router};
 use tokio::sync::{Semaphore, watch};
-use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::CorsLayer;
 
 use super::config::ServiceConfig;
 use super::connection::Connections;
-use super::gate::{Panicked, RequestIds, gate};
+use super::gate::{RequestIds, gate};
 use super::handlers;
 use super::line::Line;
 use super::metrics::Metrics;
@@ -103,19 +100,11 @@ fn guarded(routes: Router<Arc<App>>, app: App) -> Service {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
         .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
-        .layer(CatchPanicLayer::custom(panicked))
         .layer(from_fn_with_state(Arc::clone(&app), gate));
     if !app.config.allowed_origins.is_empty() {
         router = router.layer(cors(&app.config.allowed_origins));
     }
     Service { router: router.with_state(Arc::clone(&app)), app }
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "the layer hands it over")]
-fn panicked(payload: Box<dyn Any + Send>) -> Response {
-    let words = payload.downcast_ref::<String>().map(String::as_str);
-    let words = words.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("without words");
-    (Extension(Panicked(words.to_owned())), Problem::internal()).into_response()
 }
 
 /// Lets pages of these origins read answers.

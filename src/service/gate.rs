@@ -1,6 +1,8 @@
 //! What every request passes on its way in and every answer on its way out.
 
+use std::any::Any;
 use std::fmt;
+use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -9,6 +11,7 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use futures_util::FutureExt;
 
 use super::access;
 use super::app::App;
@@ -18,10 +21,6 @@ const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 
 /// Longest name of a request that is taken over from the client.
 const LONGEST_ID: usize = 64;
-
-/// Left by a handler that panicked, with its last words.
-#[derive(Clone)]
-pub struct Panicked(pub String);
 
 /// Names requests, so that answers, problems and log lines can be told together.
 #[derive(Debug)]
@@ -59,14 +58,13 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
     let route = app.metrics.route(request.extensions().get().map(MatchedPath::as_str));
     let call = tracing::enabled!(tracing::Level::DEBUG).then(|| Call::of(&request));
     let mut response = match admitted(&app, &request, arrived) {
-        Ok(()) => next.run(request).await,
+        Ok(()) => {
+            let answer = AssertUnwindSafe(next.run(request)).catch_unwind().await;
+            answer.unwrap_or_else(|panic| panicked(&app, &id, &*panic))
+        }
         Err(problem) => problem.into_response(),
     };
     let shown_id = id.to_str().unwrap_or_default();
-    if let Some(Panicked(words)) = response.extensions_mut().remove() {
-        app.metrics.panics.inc();
-        tracing::error!(request_id = shown_id, "a handler panicked: {words}");
-    }
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         app.metrics.refused(problem.kind());
         problem.write(&mut response, shown_id);
@@ -81,6 +79,15 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     headers.insert(REQUEST_ID, id);
     response
+}
+
+/// The answer for a handler that panicked. What it shares with others is replaced whole, so it is still consistent.
+fn panicked(app: &App, id: &HeaderValue, panic: &(dyn Any + Send)) -> Response {
+    app.metrics.panics.inc();
+    let words = panic.downcast_ref::<String>().map(String::as_str);
+    let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without words");
+    tracing::error!(request_id = id.to_str().unwrap_or_default(), "a handler panicked: {words}");
+    Problem::internal().into_response()
 }
 
 /// Probes are always answered and metrics even under load; everything else waits in line.
