@@ -21,7 +21,7 @@
 //! use revprio::kinematics::{Axis, AxisSelection, Configuration};
 //! use revprio::limits::LimitKind;
 //! use revprio::linalg::Vector;
-//! use revprio::resolution::{Method, Problem, Solver, resolve};
+//! use revprio::resolution::{Problem, resolve};
 //! use revprio::robot::built_in;
 //! use revprio::task::{Task, TaskStack};
 //!
@@ -31,18 +31,13 @@
 //! let configuration = Configuration::new(sawyer, &posture)?;
 //! let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
 //!     let jacobian = AxisSelection::new(axes)?.rows_of(configuration.jacobian());
-//!     Ok::<_, Box<dyn std::error::Error>>(Task { name: name.into(), jacobian, velocity: Vector::from_vec(velocity) })
+//!     Ok::<_, Box<dyn std::error::Error>>(Task::new(name, jacobian, Vector::from_vec(velocity)))
 //! };
 //! let push = task("push", &[Axis::X], vec![0.05])?;
 //! let hold = task("hold", &[Axis::Y, Axis::Z], vec![0.0, 0.0])?;
-//! let problem = Problem {
-//!     tasks: TaskStack::new(vec![push, hold])?, // highest priority first
-//!     limits: Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box,
-//!     method: Method::ReversePriority,
-//!     solver: Solver::Auto,
-//!     damping: None,
-//!     null_space_velocity: None,
-//! };
+//! let tasks = TaskStack::new(vec![push, hold])?; // highest priority first
+//! let limits = Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box;
+//! let problem = Problem { limits, ..Problem::new(tasks) };
 //! let answer = resolve(&problem, &[])?;
 //! assert!((answer.tasks[0].achieved[0] - 0.05).abs() < 1e-12);
 //! # Ok(())
@@ -85,13 +80,17 @@
 //! | A^# | Aᵀ(A Aᵀ + λ² I)⁻¹, damped inverse | |
 //! | μ_k, λ_k | damping of task k's own singularity; of its conflict with lower tasks | |
 //! | ζ̇ | null-space velocity | n, rad/s |
+//! | H | [joint-limit index](kinematics::joint_limit_index), 0 with all joints in the middle, ½ with all at an end | |
+//! | X, X_d, ΔX | pose of the tool (or joints of a posture), its target, X − X_d | m, rad |
+//! | K | gain of the pose and the posture law | diagonal, 1/s |
 //! | F_e | wrench that the tool exerts **on the environment**: pressing on a wall at +x gives F_e,x > 0 | 6; N, N·m |
 //! | M_d, B_d, K_d | inertia, damping, stiffness that a law gives the arm to feel like | diagonal |
 //! | M_e, B_e, K_e | inertia, damping, stiffness of the environment | diagonal |
 //! | T | control period | s |
 //!
-//! Rows are linear x y z, then angular x y z, in base axes, at the tool point. The orientation error is the rotation
-//! vector log(R R_dᵀ) in base axes, counted like X − X_d. Denavit-Hartenberg parameters are the standard ones.
+//! Rows are linear x y z, then angular x y z, in base axes, at the tool point, unless a task names
+//! [another frame or point](kinematics::TaskFrame). The orientation error is the rotation vector log(R R_dᵀ), counted like
+//! X − X_d. Denavit-Hartenberg parameters are the standard ones.
 //!
 //! # Where each equation of the paper lives
 //!
@@ -102,7 +101,7 @@
 //! |---|---|---|
 //! | (1)-(5) | pseudo-inverse with null-space velocity | [`resolution::Method::Pseudoinverse`] |
 //! | (6), (7), (14), (15) | damped least squares | [`resolution::Method::DampedLeastSquares`] |
-//! | (8) | joint-limit index | not in this version |
+//! | (8) | joint-limit index and its gradient | [`kinematics::joint_limit_index`], [`kinematics::joint_limit_gradient`] |
 //! | (9)-(11) | classical task priority | [`resolution::Method::TaskPriority`] |
 //! | (12) | algorithmic singularity | [`resolution::Singularity`] |
 //! | (13) | singularity-robust task priority | [`resolution::Method::SingularityRobust`] |
@@ -123,7 +122,7 @@
 //! |---|---|---|
 //! | (4) | (JᵀJ)⁻¹Jᵀ, singular for n > m | J⁺ |
 //! | (7) | projector I − (JᵀJ + λ)⁻¹(JᵀJ + λ), identically zero | I − J^# J, which is I − J⁺J where nothing is damped |
-//! | (8) | Σ (θ − θ_mid)/(θ_mid − θ_max), linear and unbounded below | not in this version |
+//! | (8) | Σ (θ − θ_mid)/(θ_mid − θ_max), linear and unbounded below | squared, H = 1/(2n) Σ ((q − mid)/(mid − max))² |
 //! | (11) | N_2 = N_1 (I − J̄_2⁺ J_2), which moves task 2 | N_1 (I − J̄_2⁺ J̄_2) |
 //! | (18), (19) | the factor is squared twice | λ² = (1 − (σ_min/δ)²) λ_max² |
 //! | (20), (31) | J̌ J without ⁺ | J̌⁺ J̌ |

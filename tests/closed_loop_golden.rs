@@ -1,5 +1,7 @@
 //! The scenarios, through a live service over HTTP, against an independent program (fixtures/golden/README.md).
 
+use std::ops::ControlFlow;
+
 use revprio::client::{Client, ClientError};
 use revprio::report::metrics::Metrics;
 use revprio::service::{App, Robots, RunningServer, router};
@@ -64,7 +66,7 @@ fn scenario(name: &str, method: Method, solver: Solver) -> Scenario {
 /// Runs against a service of its own.
 fn served(scenario: &Scenario, mode: CallMode) -> Result<Recording, RunError> {
     let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
-    run(scenario, &Client::new(&server.url()), mode, |_| ())
+    run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(()))
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {

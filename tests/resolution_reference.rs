@@ -28,20 +28,13 @@ struct CaseTask {
 
 impl Case {
     fn solve(&self, method: Method, solver: Solver) -> Resolution {
-        let task = |(k, task): (usize, &CaseTask)| Task {
-            name: format!("task {}", k + 1),
-            jacobian: Matrix::from_fn(task.jacobian.len(), task.jacobian[0].len(), |i, j| task.jacobian[i][j]),
-            velocity: Vector::from_row_slice(&task.velocity),
+        let task = |(k, task): (usize, &CaseTask)| {
+            let jacobian = Matrix::from_fn(task.jacobian.len(), task.jacobian[0].len(), |i, j| task.jacobian[i][j]);
+            Task::new(format!("task {}", k + 1), jacobian, Vector::from_row_slice(&task.velocity))
         };
-        let problem = Problem {
-            tasks: TaskStack::new(self.tasks.iter().enumerate().map(task).collect()).unwrap(),
-            limits: VelocityBox::new(&self.lower, &self.upper).unwrap(),
-            method,
-            solver,
-            damping: None,
-            null_space_velocity: None,
-        };
-        resolve(&problem, &[]).unwrap()
+        let tasks = TaskStack::new(self.tasks.iter().enumerate().map(task).collect()).unwrap();
+        let limits = VelocityBox::new(&self.lower, &self.upper).unwrap();
+        resolve(&Problem { limits, method, solver, ..Problem::new(tasks) }, &[]).unwrap()
     }
 }
 

@@ -1,6 +1,8 @@
 //! The stability margin against the simulator: the lag at which a simulated contact begins to swing up, found by bisection
 //! over runs through the service, is the computed one.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::service::{App, Robots, RunningServer, router};
 use revprio::simulator::{CallMode, Scenario, run};
@@ -34,17 +36,28 @@ axes = ["y", "z", "rx", "ry", "rz"]
 law = { kind = "velocity", target_velocity = { kind = "constant", value = [0.0, 0.0, 0.0, 0.0, 0.0] } }
 "#;
 
-/// Whether the force swings wider in the last second than in the second one.
-fn swings_up(client: &Client, lag_s: f64) -> bool {
-    let mut scenario = Scenario::parse(CONTACT, "stiff_spring.toml").unwrap();
+/// The contact with so much lag and damping.
+fn contact(lag_s: f64, damping: f64) -> Scenario {
+    let text = CONTACT.replace("damping = [150.0]", &format!("damping = [{damping:?}]"));
+    let mut scenario = Scenario::parse(&text, "stiff_spring.toml").unwrap();
     scenario.velocity_loop.lag_s = lag_s;
-    let recording = run(&scenario, client, CallMode::Session, |_| ()).unwrap();
-    let swing = |from: usize| {
+    scenario
+}
+
+/// Width of the swing of the force in the second and in the fourth second, N.
+fn swings(client: &Client, scenario: &Scenario) -> [f64; 2] {
+    let recording = run(scenario, client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
+    [1000, 3000].map(|from| {
         let forces = recording.samples[from..from + 1000].iter().map(|sample| sample.force[0]);
         let (low, high) = forces.fold((f64::MAX, f64::MIN), |(low, high), force| (low.min(force), high.max(force)));
         high - low
-    };
-    swing(3000) > swing(1000)
+    })
+}
+
+/// Whether the force swings wider in the last second than in the second one.
+fn swings_up(client: &Client, lag_s: f64) -> bool {
+    let [early, late] = swings(client, &contact(lag_s, 150.0));
+    late > early
 }
 
 /// The lag at which the swing begins to grow, by eight halvings of 0.5 … 1.5 times `about`.
@@ -81,4 +94,27 @@ fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
     let computed = margin.largest_lag_s.unwrap();
     let simulated = simulated_largest_lag(&client, computed);
     assert!((simulated / computed - 1.0).abs() < 0.02, "simulated {simulated}, computed {computed}");
+}
+
+#[test]
+fn a_warned_controller_swings_up_and_the_recommended_damping_settles() {
+    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let client = Client::new(&server.url());
+    let warnings =
+        |scenario: &Scenario| client.create_controller(&scenario.controller_in_environment()).unwrap().warnings;
+    let lagging = contact(0.005, 150.0);
+    let warnings_of_lagging = warnings(&lagging);
+    assert_eq!(warnings_of_lagging.len(), 1);
+    let [early, late] = swings(&client, &lagging);
+    assert!(late > early && late > 1000.0, "{early} N, then {late} N");
+
+    let (_, advice) = warnings_of_lagging[0].split_once("damping of at least ").unwrap();
+    let recommended: f64 = advice.split(' ').next().unwrap().parse().unwrap();
+    let mended = contact(0.005, recommended);
+    assert_eq!(warnings(&mended), [""; 0]);
+    let [early, late] = swings(&client, &mended);
+    assert!(late < early, "{early} N, then {late} N");
+    let [early, late] = swings(&client, &contact(0.005, 1.5 * recommended));
+    assert!(late < 0.01 * early, "{early} N, then {late} N");
+    assert_eq!(warnings(&contact(0.005, 0.999 * recommended / 1.001)).len(), 1);
 }

@@ -33,7 +33,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         let mut scenario = Scenario::find(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);
-            recordings.push(record(&scenario, &target, CallMode::Session)?);
+            recordings.push(record(&scenario, None, &target, CallMode::Session)?);
         }
     }
     let page = report(&recordings);

@@ -4,6 +4,8 @@ mod config;
 mod demo;
 mod load;
 mod resolve;
+mod robot;
+mod scenarios;
 mod serve;
 mod settings;
 mod simulate;
@@ -17,7 +19,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use self::settings::SettingsError;
 use crate::client::{Client, ClientError};
 use crate::report;
-use crate::service::{App, Robots, RunningServer, ServeError, Token, router};
+use crate::robot::RobotFileError;
+use crate::service::{App, Robots, RobotsError, RunningServer, ServeError, Token, router};
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -35,6 +38,7 @@ const EXAMPLES: &str = "Examples:
   revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
@@ -51,6 +55,8 @@ enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
+    /// List the scenarios that ship with the program.
+    Scenarios,
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
@@ -74,6 +80,25 @@ pub enum CliError {
     /// The server under load did something that it must not.
     #[error("under load: {0}")]
     Load(String),
+    /// A robot file is refused.
+    #[error(transparent)]
+    RobotFile(#[from] RobotFileError),
+    /// A robot's name is refused.
+    #[error("--robot: {0} (`FILE,name=NAME`)")]
+    Robots(#[from] RobotsError),
+    /// The server has another robot of that name.
+    #[error("{server} has another robot `{name}`; give this one another name: `FILE,name=NAME`")]
+    OtherRobot {
+        /// The service.
+        server: String,
+        /// The name.
+        name: String,
+    },
+    /// Only URDF can be sent to a server.
+    #[error(
+        "a server can be sent robots in URDF only; start it with `revprio serve --robot {0}`, or leave out --server"
+    )]
+    NotSent(String),
     /// The scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -132,6 +157,7 @@ impl Cli {
             Command::Config(options) => config::run(&options),
             Command::Completions { shell } => config::completions(shell),
             Command::Load(options) => load::run(&options),
+            Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
@@ -155,7 +181,12 @@ impl Target {
             let shown = token.and_then(|token| client.clone().with_token(token.secret()));
             return Ok(Self { client: shown.unwrap_or(client), _own: None });
         }
-        let own = RunningServer::start(router(App::new(Robots::built_in())))?;
+        Ok(Self::own(Robots::built_in())?)
+    }
+
+    /// A service of its own that knows these robots.
+    fn own(robots: Robots) -> Result<Self, ServeError> {
+        let own = RunningServer::start(router(App::new(robots)))?;
         Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
     }
 }

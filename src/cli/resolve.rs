@@ -89,5 +89,9 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         singularity.manipulability,
         if singularity.algorithmic { "yes" } else { "no" }
     );
+    if let Some(index) = answer.joint_limit_index {
+        let _ =
+            writeln!(text, "joint-limit index H {index:.6}: 0 with all joints in the middle, 0.5 with all at an end");
+    }
     text
 }

@@ -15,9 +15,13 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let config = settings.service()?;
     config.check(settings.listen())?;
     let scheme = if config.tls.is_some() { "https" } else { "http" };
+    let mut robots = Robots::built_in();
+    for argument in settings.robots() {
+        robots = robots.with(argument.read()?)?;
+    }
+    let service = router(App::with_config(robots, config));
     let listener = bind(settings.listen())?;
     let url = format!("{scheme}://{}", listener.local_addr()?);
-    let service = router(App::with_config(Robots::built_in(), config));
     Ok(serve(listener, service, announced_until_stopped(url))?)
 }
 

@@ -9,6 +9,7 @@ use clap::{Args, Parser, ValueEnum};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use super::robot::RobotArgument;
 use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError};
 
 /// Everything that can be set; the name of a field is its key in the file and, as `REVPRIO_…`, in the environment.
@@ -18,6 +19,9 @@ pub struct Settings {
     /// Address and port to listen on; port 0 takes a free one [default: 127.0.0.1:8080]
     #[arg(long, value_name = "ADDRESS")]
     listen: Option<SocketAddr>,
+    /// An arm of your own beside the built-in ones; may be repeated
+    #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
+    robot: Option<Vec<RobotArgument>>,
     /// File with the token that requests must show; needed on any address but a loopback one
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
@@ -39,13 +43,16 @@ pub struct Settings {
     /// Largest body, bytes [default: 1048576]
     #[arg(long, value_name = "COUNT")]
     max_body_bytes: Option<usize>,
-    /// Bodies of more than 64 KiB that are read at a time [default: 32]
+    /// Largest body of a batch, bytes [default: 16777216]
+    #[arg(long, value_name = "COUNT")]
+    max_batch_bytes: Option<usize>,
+    /// Bodies of more than 64 KiB that are read at a time; one of several MiB counts as so many [default: 64]
     #[arg(long, value_name = "COUNT")]
     max_large_bodies: Option<usize>,
     /// Controllers open at a time [default: 1024]
     #[arg(long, value_name = "COUNT")]
     max_sessions: Option<usize>,
-    /// A controller that is not called for this long ends, s [default: 900]
+    /// A controller that gets no state for this long ends, and a registered robot that is not used, s [default: 900]
     #[arg(long, value_name = "SECONDS")]
     session_idle_s: Option<f64>,
     /// Connections at a time; for one more, the one without an answer for the longest time is closed [default: 1000]
@@ -211,6 +218,11 @@ impl InForce {
         self.settings.listen.unwrap_or_else(default_address)
     }
 
+    /// Robots beside the built-in ones.
+    pub fn robots(&self) -> &[RobotArgument] {
+        self.settings.robot.as_deref().unwrap_or_default()
+    }
+
     /// How log lines look.
     pub fn log_format(&self) -> LogFormat {
         self.settings.log_format.unwrap_or_default()
@@ -237,6 +249,7 @@ impl InForce {
             tls,
             allowed_origins: settings.allow_origin.clone().unwrap_or_default(),
             max_body_bytes: settings.max_body_bytes.unwrap_or(default.max_body_bytes),
+            max_batch_bytes: settings.max_batch_bytes.unwrap_or(default.max_batch_bytes),
             max_large_bodies: settings.max_large_bodies.unwrap_or(default.max_large_bodies),
             max_sessions: settings.max_sessions.unwrap_or(default.max_sessions),
             session_idle: seconds(settings.session_idle_s, default.session_idle),
@@ -281,6 +294,7 @@ impl Settings {
             log_format: Some(LogFormat::Text),
             log_level: Some("info".to_owned()),
             max_body_bytes: Some(service.max_body_bytes),
+            max_batch_bytes: Some(service.max_batch_bytes),
             max_large_bodies: Some(service.max_large_bodies),
             max_sessions: Some(service.max_sessions),
             session_idle_s: seconds(service.session_idle),
@@ -343,7 +357,9 @@ fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError>
         Value::Integer(count) if *count < 1 => "must be at least 1",
         Value::Float(time) if !(0.0..=LONGEST).contains(time) => "must be between 0 and 10000000",
         Value::Float(time) if *time == 0.0 && !may_be_zero => "must be positive",
-        Value::Array(origins) if !origins.iter().all(|origin| origin.as_str().is_some_and(is_origin)) => {
+        Value::Array(origins)
+            if key == "allow_origin" && !origins.iter().all(|origin| origin.as_str().is_some_and(is_origin)) =>
+        {
             "an origin is scheme, host and port, such as https://panel.example:8443, without a path"
         }
         _ => return Ok(()),

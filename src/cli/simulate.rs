@@ -1,15 +1,21 @@
 //! `revprio simulate`
 
 use std::io::{Write as _, stderr, stdout};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::ValueEnum;
 
+use super::robot::{Registration, RobotArgument};
 use super::{CliError, Target, progress_bar};
+use crate::client::ClientError;
 use crate::report::{self, Report, table};
+use crate::robot::RobotModel;
+use crate::service::Robots;
 use crate::simulator::recording::Recording;
-use crate::simulator::{CallMode, Scenario, run as run_scenario};
-use crate::wire::{Method, Solver};
+use crate::simulator::{CallMode, Scenario, run as run_scenario, run_robot};
+use crate::wire::{Method, Problem, Solver};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -18,6 +24,9 @@ pub struct Options {
     /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
     #[arg(long)]
     server: Option<String>,
+    /// An arm of your own instead of the scenario's
+    #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
+    robot: Option<RobotArgument>,
     /// Method, instead of the scenario's
     #[arg(long, value_enum)]
     method: Option<Method>,
@@ -36,10 +45,15 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mut scenario = Scenario::find(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
+    let robot = options.robot.as_ref().map(RobotArgument::read).transpose()?;
+    if let Some(robot) = &robot {
+        robot.name().clone_into(&mut scenario.controller.robot);
+    }
     make_directory(&options.out)?;
-    let target = Target::open(options.server.as_deref())?;
+    let (target, _registration) = target(options, robot.as_ref())?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
-    let recordings = [record(&scenario, &target, mode)?];
+    warn(&scenario, &target)?;
+    let recordings = [record(&scenario, robot.as_ref(), &target, mode)?];
     let rows = table::rows(&recordings);
     write!(stdout(), "{}", table::text(&rows))?;
     write_traces(&options.out, &recordings)?;
@@ -57,22 +71,68 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     Ok(())
 }
 
+/// The service to call; with a robot of one's own, one that knows it, at least for as long as the registration lives.
+fn target(options: &Options, robot: Option<&Arc<RobotModel>>) -> Result<(Target, Option<Registration>), CliError> {
+    match (&options.server, &options.robot, robot) {
+        (None, _, Some(robot)) => Ok((Target::own(Robots::none().with(Arc::clone(robot))?)?, None)),
+        (Some(url), Some(argument), Some(robot)) => {
+            let target = Target::open(Some(url))?;
+            let registration = argument.register(robot, &target.client, url)?;
+            Ok((target, registration))
+        }
+        (url, _, _) => Ok((Target::open(url.as_deref())?, None)),
+    }
+}
+
+/// Prints what the service warns of in this scenario; the controller that is made for it ends at once.
+fn warn(scenario: &Scenario, target: &Target) -> Result<(), CliError> {
+    let created = match target.client.create_controller(&scenario.controller_in_environment()) {
+        Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
+            writeln!(stderr(), "warning: stability is not checked: {}", problem.detail)?;
+            return Ok(());
+        }
+        created => created?,
+    };
+    target.client.delete_controller(&created.id)?;
+    for warning in created.warnings {
+        writeln!(stderr(), "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+fn is_about_environment(problem: &Problem) -> bool {
+    problem.pointer.as_ref().is_some_and(|pointer| pointer.starts_with("/environment"))
+}
+
 /// The command that repeats the run.
 fn command(options: &Options, scenario: &Scenario) -> String {
     let (method, solver) = (scenario.controller.method, scenario.controller.solver);
     let stateless = if options.stateless { " --stateless" } else { "" };
-    format!("revprio simulate {} --method {method} --solver {solver}{stateless}", options.scenario)
+    let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
+    format!("revprio simulate {}{robot} --method {method} --solver {solver}{stateless}", options.scenario)
 }
 
-/// Runs a scenario and shows how far it is.
-pub fn record(scenario: &Scenario, target: &Target, mode: CallMode) -> Result<Recording, CliError> {
+/// Runs a scenario, with the robot that it names or another, and shows how far it is.
+pub fn record(
+    scenario: &Scenario,
+    robot: Option<&Arc<RobotModel>>,
+    target: &Target,
+    mode: CallMode,
+) -> Result<Recording, CliError> {
     let label = format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver);
     let bar = progress_bar(scenario.cycles(), &label);
     if bar.is_hidden() {
         // Nobody watches a bar, but a log may want to know.
         let _ = writeln!(stderr(), "running {label}");
     }
-    let recording = run_scenario(scenario, &target.client, mode, |done| bar.set_position(done))?;
+    let progress = |done| {
+        bar.set_position(done);
+        ControlFlow::Continue(())
+    };
+    let recording = match robot {
+        Some(robot) => run_robot(robot, scenario, &target.client, mode, progress)?,
+        None => run_scenario(scenario, &target.client, mode, progress)?,
+    };
     bar.finish();
     let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
     if unanswered > 0 {

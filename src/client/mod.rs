@@ -99,15 +99,29 @@ impl Client {
 
     /// `DELETE /v1/controllers/{id}`
     pub fn delete_controller(&self, id: &str) -> Result<(), ClientError> {
-        let url = format!("{}/v1/controllers/{id}", self.base);
-        let mut response = sent(self.agent.delete(&url).call(), &url)?;
-        if response.status().is_success() { Ok(()) } else { Err(refusal(&mut response, &url)) }
+        self.delete(&format!("/v1/controllers/{id}"))
     }
 
     /// `GET /v1/robots`
     pub fn robots(&self) -> Result<wire::RobotList, ClientError> {
         let url = format!("{}/v1/robots", self.base);
         read(sent(self.agent.get(&url).call(), &url)?, &url)
+    }
+
+    /// `POST /v1/robots`
+    pub fn register_robot(&self, registration: &wire::RobotRegistration) -> Result<wire::Robot, ClientError> {
+        self.post("/v1/robots", registration)
+    }
+
+    /// `DELETE /v1/robots/{name}`
+    pub fn delete_robot(&self, name: &str) -> Result<(), ClientError> {
+        self.delete(&format!("/v1/robots/{name}"))
+    }
+
+    fn delete(&self, path: &str) -> Result<(), ClientError> {
+        let url = format!("{}{path}", self.base);
+        let mut response = sent(self.agent.delete(&url).call(), &url)?;
+        if response.status().is_success() { Ok(()) } else { Err(refusal(&mut response, &url)) }
     }
 
     fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {

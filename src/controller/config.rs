@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::kinematics::AxisSelection;
-use crate::law::Law;
-use crate::limits::{LimitKind, LimitedBox, VelocityBox, robot_box};
+use super::{NullSpaceError, NullSpaceMotion, TaskConfig, TaskConfigError};
+use crate::limits::{Barrier, LimitKind, LimitedBox, PlanePoint, VelocityBox, robot_box};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 use crate::robot::RobotModel;
-use nalgebra::IsometryMatrix3;
 
 /// Whose wrench is measured; the laws speak of the wrench on the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,13 +28,14 @@ impl WrenchConvention {
     }
 }
 
-/// The pose that displacements ΔX are counted from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TargetPose {
-    /// Where the tool was at the first step.
-    Initial,
-    /// A pose in the base frame, m.
-    Fixed(IsometryMatrix3<f64>),
+/// Along which axes the wrench is measured, at the tool point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WrenchFrame {
+    /// The axes of the base.
+    #[default]
+    Base,
+    /// The axes of the tool, as a wrist sensor gives it.
+    Tool,
 }
 
 /// Which joint velocities are allowed.
@@ -58,19 +57,6 @@ impl Limits {
     }
 }
 
-/// One task with its law.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TaskConfig {
-    /// Name, for people and answers.
-    pub name: String,
-    /// The rows of the tool Jacobian that the task is about.
-    pub axes: AxisSelection,
-    /// How its velocity is made; as many rows as axes.
-    pub law: Law,
-    /// Where displacements are counted from.
-    pub target_pose: TargetPose,
-}
-
 /// Everything that stays the same from period to period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerConfig {
@@ -86,8 +72,14 @@ pub struct ControllerConfig {
     pub damping: Option<Damping>,
     /// Which joint velocities are allowed.
     pub limits: Limits,
+    /// What joint velocities must obey beside the box.
+    pub barriers: Vec<Barrier>,
     /// Whose wrench is measured.
     pub wrench_convention: WrenchConvention,
+    /// Along which axes it is measured.
+    pub wrench_frame: WrenchFrame,
+    /// What the joints do where the tasks leave them free; `None` is rest.
+    pub null_space: Option<NullSpaceMotion>,
     /// The tasks, highest priority first.
     pub tasks: Vec<TaskConfig>,
 }
@@ -109,15 +101,23 @@ pub enum ConfigError {
         /// The repeated name.
         name: String,
     },
-    /// The law is about another number of rows than the axes.
-    #[error("the law has {law} rows for {axes} axes; give one value per axis")]
-    Rows {
+    /// A task does not fit together or not to the robot.
+    #[error("{source}")]
+    Task {
         /// Place of the task, from 0.
         task: usize,
-        /// Rows of the law.
-        law: usize,
-        /// Axes of the task.
-        axes: usize,
+        /// What is wrong with it.
+        source: TaskConfigError,
+    },
+    /// A barrier is about another number of joints, or about a joint that the robot does not have.
+    #[error("inequality `{name}` does not fit a robot of {expected} joints")]
+    Barrier {
+        /// Place in the list, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Joints of the robot.
+        expected: usize,
     },
     /// The box is about another number of joints.
     #[error("limits for {given} joints, the robot has {expected}")]
@@ -127,6 +127,9 @@ pub enum ConfigError {
         /// Joints of the box.
         given: usize,
     },
+    /// The null-space motion does not fit the robot or the period.
+    #[error(transparent)]
+    NullSpace(#[from] NullSpaceError),
 }
 
 impl ControllerConfig {
@@ -144,14 +147,25 @@ impl ControllerConfig {
                 return Err(ConfigError::Limits { expected, given });
             }
         }
+        let joints = self.robot.joint_count();
+        let fits = |barrier: &Barrier| match barrier {
+            Barrier::Fixed(inequality) => inequality.coefficients().len() == joints,
+            Barrier::Plane(plane) => !matches!(plane.point(), PlanePoint::Joint(joint) if joint >= joints),
+        };
+        if let Some(index) = self.barriers.iter().position(|barrier| !fits(barrier)) {
+            let name = self.barriers[index].name().to_owned();
+            return Err(ConfigError::Barrier { index, name, expected: joints });
+        }
         for (index, task) in self.tasks.iter().enumerate() {
             if self.tasks[..index].iter().any(|earlier| earlier.name == task.name) {
                 return Err(ConfigError::DuplicateTask { task: index, name: task.name.clone() });
             }
-            if task.law.rows() != task.axes.len() {
-                return Err(ConfigError::Rows { task: index, law: task.law.rows(), axes: task.axes.len() });
-            }
+            let misfit = |source| ConfigError::Task { task: index, source };
+            task.check(&self.robot, self.period_s).map_err(misfit)?;
         }
-        Ok(())
+        match &self.null_space {
+            Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
+            None => Ok(()),
+        }
     }
 }

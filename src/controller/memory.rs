@@ -28,7 +28,7 @@ pub enum MemoryError {
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
-    /// The active set names a joint that the robot does not have.
+    /// The active set names a joint or an inequality that the controller does not have.
     #[error("the memory's active set does not fit the robot; send back the memory of this controller's last answer")]
     ActiveSet,
 }
@@ -39,7 +39,7 @@ impl Memory {
         let n = config.robot.joint_count();
         let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
         let fits =
-            |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.axes.len() && finite(velocity);
+            |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.rows.len() && finite(velocity);
         if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits)
         {
             return Err(MemoryError::TaskVelocities);
@@ -49,7 +49,8 @@ impl Memory {
         }
         // Each joint once per level and in order, as the solver leaves it.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(joint, _)| joint < n)) {
+        let rows = n + config.barriers.len();
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| row < rows)) {
             return Err(MemoryError::ActiveSet);
         }
         Ok(())

@@ -81,7 +81,8 @@ impl ContactLoop {
         })
     }
 
-    fn is_stable(&self) -> Result<bool, EigenvalueError> {
+    /// Whether the loop is stable; far quicker than all its margins.
+    pub fn is_stable(&self) -> Result<bool, EigenvalueError> {
         Ok(self.growth()? < 0.0)
     }
 

@@ -1,12 +1,12 @@
 //! One control period.
 
-use nalgebra::IsometryMatrix3;
+use nalgebra::Vector3;
 
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, TargetPose, TaskConfig};
-use crate::kinematics::{Configuration, ConfigurationError, orientation_error};
-use crate::law::TaskState;
+use super::task::Sensed;
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
+use crate::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Resolution, Status, resolve};
+use crate::resolution::{Problem, ProblemError, Resolution, Status, TaskOutcome, resolve};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// Relative difference of achieved and requested velocity that counts as not following.
@@ -21,7 +21,7 @@ pub struct Measurement {
     pub joint_position: Vec<f64>,
     /// q̇, n; `None` where it is not measured: the last command stands for it.
     pub joint_velocity: Option<Vec<f64>>,
-    /// Force (N), then torque (N·m), base axes, at the tool point, in the controller's wrench convention.
+    /// Force (N), then torque (N·m), at the tool point, in the controller's wrench convention and frame.
     pub wrench: [f64; 6],
 }
 
@@ -43,6 +43,8 @@ pub struct Command {
     pub targets: Vec<TaskTarget>,
     /// Joints (index from 0) whose acceleration limit was overruled by position or velocity.
     pub limit_conflicts: Vec<usize>,
+    /// H, how near the joints are to the ends of their ranges. Paper: Eq. (8).
+    pub joint_limit_index: f64,
 }
 
 /// Why a measurement is refused.
@@ -97,31 +99,31 @@ impl Controller {
         if let Some(memory) = memory {
             memory.check(&self.config)?;
         }
-        let configuration = Configuration::new(&self.config.robot, &measurement.joint_position)?;
-        let before = self.recall(memory.as_ref(), measurement, &configuration);
-        let targets = self.targets(&before, measurement, &configuration);
-        let limited = self.config.limits.at(
-            &self.config.robot,
-            &measurement.joint_position,
-            before.memory.last_command.as_slice(),
-            self.config.period_s,
-        );
+        let (robot, position) = (&self.config.robot, &measurement.joint_position);
+        let configuration = Configuration::new(robot, position)?;
+        let qdot = self.joint_velocity(memory.as_ref(), measurement);
+        let sensed = self.sense(memory.as_ref(), measurement, &configuration, &qdot);
+        let before = memory.clone().unwrap_or_else(|| self.first_memory(&sensed));
+        let targets = self.targets(&before, &sensed);
+        let limited = self.config.limits.at(robot, position, before.last_command.as_slice(), self.config.period_s);
         let problem = Problem {
             tasks: self.stack(&configuration, &targets)?,
             limits: limited.velocity_box,
+            inequalities: self.config.barriers.iter().map(|barrier| barrier.at(&configuration)).collect(),
             method: self.config.method,
             solver: self.config.solver,
             damping: self.config.damping,
-            null_space_velocity: None,
+            null_space_velocity: self.config.null_space.as_ref().map(|motion| motion.velocity(robot, position)),
         };
-        let resolution = resolve(&problem, &before.memory.active_set)?;
+        let resolution = resolve(&problem, &before.active_set)?;
         *memory = Some(Memory {
-            task_velocities: integrators(&targets, &resolution),
-            initial_pose: before.memory.initial_pose,
+            task_velocities: self.integrators(&targets, &resolution),
+            initial_pose: before.initial_pose,
             last_command: resolution.joint_velocity.clone(),
             active_set: resolution.active_set.clone(),
         });
-        Ok(Command { resolution, targets, limit_conflicts: limited.conflicts })
+        let joint_limit_index = joint_limit_index(robot, position);
+        Ok(Command { resolution, targets, limit_conflicts: limited.conflicts, joint_limit_index })
     }
 
     fn check(&self, measurement: &Measurement) -> Result<(), StepError> {
@@ -134,88 +136,99 @@ impl Controller {
         if finite { Ok(()) } else { Err(StepError::NotFinite) }
     }
 
-    /// The state before this step: remembered, or at the first step that of an arm moving as measured.
-    fn recall(&self, memory: Option<&Memory>, measurement: &Measurement, configuration: &Configuration) -> Before {
-        let moving = |qdot: &[f64]| configuration.twist(qdot);
-        if let Some(memory) = memory {
-            let qdot = measurement.joint_velocity.as_deref().unwrap_or(memory.last_command.as_slice());
-            return Before { twist: moving(qdot), memory: memory.clone() };
+    /// q̇, n: measured, else the last command, else rest.
+    fn joint_velocity(&self, memory: Option<&Memory>, measurement: &Measurement) -> Vec<f64> {
+        match (&measurement.joint_velocity, memory) {
+            (Some(measured), _) => measured.clone(),
+            (None, Some(memory)) => memory.last_command.as_slice().to_vec(),
+            (None, None) => vec![0.0; self.config.robot.joint_count()],
         }
-        let resting = vec![0.0; self.config.robot.joint_count()];
-        let qdot = measurement.joint_velocity.as_deref().unwrap_or(&resting);
-        let twist = moving(qdot);
-        let memory = Memory {
-            task_velocities: self.config.tasks.iter().map(|task| task.axes.entries_of(&twist)).collect(),
-            initial_pose: *configuration.tool_pose(),
-            last_command: Vector::from_row_slice(qdot),
-            active_set: Vec::new(),
-        };
-        Before { twist, memory }
     }
 
-    fn targets(&self, before: &Before, measurement: &Measurement, configuration: &Configuration) -> Vec<TaskTarget> {
-        let wrench = measurement.wrench.map(|entry| self.config.wrench_convention.sign() * entry);
-        let target = |(task, integrator): (&TaskConfig, &Vector)| {
-            let state = TaskState {
-                time_s: measurement.time_s,
-                velocity: task.axes.entries_of(&before.twist),
-                displacement: task.axes.entries_of(&displacement(task, before, configuration)),
-                force: task.axes.entries_of(&wrench),
-            };
-            TaskTarget {
-                velocity: task.law.velocity(&state, integrator, self.config.period_s),
-                force: task.law.target_force(measurement.time_s),
+    fn sense<'a>(
+        &'a self,
+        memory: Option<&Memory>,
+        measurement: &Measurement,
+        configuration: &'a Configuration,
+        qdot: &'a [f64],
+    ) -> Sensed<'a> {
+        let tool_pose = configuration.tool_pose();
+        Sensed {
+            time_s: measurement.time_s,
+            robot: &self.config.robot,
+            configuration,
+            joint_velocity: qdot,
+            twist: configuration.twist(qdot),
+            wrench: self.wrench(measurement, configuration),
+            initial_pose: memory.map_or(*tool_pose, |memory| memory.initial_pose),
+        }
+    }
+
+    /// F_e on the environment, base axes, at the tool point.
+    fn wrench(&self, measurement: &Measurement, configuration: &Configuration) -> [f64; 6] {
+        let [fx, fy, fz, tx, ty, tz] = measurement.wrench.map(|entry| self.config.wrench_convention.sign() * entry);
+        match self.config.wrench_frame {
+            WrenchFrame::Base => [fx, fy, fz, tx, ty, tz],
+            WrenchFrame::Tool => {
+                let rotation = &configuration.tool_pose().rotation;
+                let (force, torque) = (rotation * Vector3::new(fx, fy, fz), rotation * Vector3::new(tx, ty, tz));
+                [force.x, force.y, force.z, torque.x, torque.y, torque.z]
             }
+        }
+    }
+
+    /// What stands for a memory at the first step: an arm moving as measured.
+    fn first_memory(&self, sensed: &Sensed) -> Memory {
+        Memory {
+            task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(sensed)).collect(),
+            initial_pose: sensed.initial_pose,
+            last_command: Vector::from_row_slice(sensed.joint_velocity),
+            active_set: Vec::new(),
+        }
+    }
+
+    fn targets(&self, before: &Memory, sensed: &Sensed) -> Vec<TaskTarget> {
+        let target = |(task, integrator): (&TaskConfig, &Vector)| TaskTarget {
+            velocity: task.law.velocity(&task.rows.state(sensed), integrator, self.config.period_s),
+            force: task.law.target_force(sensed.time_s),
         };
-        self.config.tasks.iter().zip(&before.memory.task_velocities).map(target).collect()
+        self.config.tasks.iter().zip(&before.task_velocities).map(target).collect()
     }
 
     fn stack(&self, configuration: &Configuration, targets: &[TaskTarget]) -> Result<TaskStack, TaskError> {
         let task = |(task, target): (&TaskConfig, &TaskTarget)| Task {
             name: task.name.clone(),
-            jacobian: task.axes.rows_of(configuration.jacobian()),
+            jacobian: task.rows.jacobian(configuration),
             velocity: target.velocity.clone(),
+            scaled: task.scaled,
         };
         TaskStack::new(self.config.tasks.iter().zip(targets).map(task).collect())
     }
-}
 
-/// What is known before a command is chosen.
-struct Before {
-    /// Ẋ = J q̇, measured, base axes.
-    twist: [f64; 6],
-    memory: Memory,
-}
-
-/// X − X_d: position difference (m), then rotation vector (rad), base axes.
-fn displacement(task: &TaskConfig, before: &Before, configuration: &Configuration) -> [f64; 6] {
-    let desired: &IsometryMatrix3<f64> = match &task.target_pose {
-        TargetPose::Initial => &before.memory.initial_pose,
-        TargetPose::Fixed(pose) => pose,
-    };
-    let actual = configuration.tool_pose();
-    let linear = actual.translation.vector - desired.translation.vector;
-    let angular = orientation_error(&actual.rotation, &desired.rotation);
-    [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
-}
-
-/// ẋ of the integrators after the command, with anti-windup: where a limit or a conflict kept an axis from following,
-/// its integrator continues from the achieved velocity, so that a release does not jump.
-///
-/// Departs: damping alone is no such case. Resetting there would add a second damping to the classical control, whose
-/// F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The price: a lower task that damping holds off
-/// for long asks for more and more (9 m/s after 5 s of `stiff_wall_singular`), and takes it, up to the limits, when the
-/// posture recovers.
-fn integrators(targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
-    let held_back = !resolution.active_limits.is_empty()
-        || resolution.singularity.algorithmic
-        || resolution.solver.status != Status::Optimal;
-    let after = |(target, outcome): (&TaskTarget, &crate::resolution::TaskOutcome)| {
-        let follow = |wanted: f64, achieved: f64| {
-            let followed = (achieved - wanted).abs() <= FOLLOWED * wanted.abs().max(1.0);
-            if held_back && !followed { achieved } else { wanted }
+    /// ẋ of the integrators after the command, with anti-windup: where a limit or a conflict kept an axis from following,
+    /// its integrator continues from the achieved velocity, so that a release does not jump.
+    ///
+    /// Departs: damping alone is no such case. Resetting there would add a second damping to the classical control, whose
+    /// F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The price: a lower task that damping holds off
+    /// for long asks for more and more (9 m/s after 5 s of `stiff_wall_singular`), and takes it, up to the limits, when the
+    /// posture recovers.
+    ///
+    /// A law without an integrator leaves what was achieved.
+    fn integrators(&self, targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
+        let held_back = !resolution.active_limits.is_empty()
+            || !resolution.active_inequalities.is_empty()
+            || resolution.singularity.algorithmic
+            || resolution.solver.status != Status::Optimal;
+        let after = |((task, target), outcome): ((&TaskConfig, &TaskTarget), &TaskOutcome)| {
+            if !task.law.integrates() {
+                return outcome.achieved.clone();
+            }
+            let follow = |wanted: f64, achieved: f64| {
+                let followed = (achieved - wanted).abs() <= FOLLOWED * wanted.abs().max(1.0);
+                if held_back && !followed { achieved } else { wanted }
+            };
+            target.velocity.zip_map(&outcome.achieved, follow)
         };
-        target.velocity.zip_map(&outcome.achieved, follow)
-    };
-    targets.iter().zip(&resolution.tasks).map(after).collect()
+        self.config.tasks.iter().zip(targets).zip(&resolution.tasks).map(after).collect()
+    }
 }

@@ -81,6 +81,13 @@ impl AxisSelection {
     pub fn entries_of(&self, six: &[f64; 6]) -> Vector {
         Vector::from_iterator(self.len(), self.0.iter().map(|axis| six[axis.index()]))
     }
+
+    /// A twist or wrench with these entries (m) on the selected axes and zero on the others.
+    pub fn spread(&self, entries: &Vector) -> [f64; 6] {
+        let mut six = [0.0; 6];
+        self.0.iter().zip(entries).for_each(|(axis, entry)| six[axis.index()] = *entry);
+        six
+    }
 }
 
 #[cfg(test)]
@@ -93,6 +100,7 @@ mod tests {
         let selection = AxisSelection::new(&[Axis::Rz, Axis::X]).unwrap();
         assert_eq!(selection.rows_of(&jacobian), Matrix::from_row_slice(2, 2, &[50.0, 51.0, 0.0, 1.0]));
         assert_eq!(selection.entries_of(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]).as_slice(), [5.0, 0.0]);
+        assert_eq!(selection.spread(&Vector::from_vec(vec![7.0, 8.0])), [8.0, 0.0, 0.0, 0.0, 0.0, 7.0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A posture of the arm with its forward kinematics done.
 
-use nalgebra::{IsometryMatrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3xX, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::robot::{JointKind, RobotModel};
 
@@ -32,6 +32,7 @@ pub enum ConfigurationError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     joint_position: Vec<f64>,
+    joints: Vec<(JointKind, IsometryMatrix3<f64>)>,
     tool_pose: IsometryMatrix3<f64>,
     jacobian: Jacobian,
 }
@@ -41,21 +42,21 @@ impl Configuration {
     pub fn new(robot: &RobotModel, joint_position: &[f64]) -> Result<Self, ConfigurationError> {
         check(robot, joint_position)?;
         let mut frame = IsometryMatrix3::identity();
-        let mut joint_frames = Vec::with_capacity(robot.joint_count());
+        let mut joints = Vec::with_capacity(robot.joint_count());
         for (joint, &q) in robot.joints().iter().zip(joint_position) {
             frame *= joint.placement;
-            joint_frames.push(frame);
+            joints.push((joint.kind, frame));
             frame *= motion(joint.kind, q);
         }
         let tool_pose = frame * robot.tool();
         let tool_point = tool_pose.translation.vector;
         let mut jacobian = Jacobian::zeros(robot.joint_count());
-        for (i, (joint, frame)) in robot.joints().iter().zip(&joint_frames).enumerate() {
-            let (linear, angular) = column(joint.kind, frame, &tool_point);
+        for (i, (kind, frame)) in joints.iter().enumerate() {
+            let (linear, angular) = column(*kind, frame, &tool_point);
             jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&linear);
             jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&angular);
         }
-        Ok(Self { joint_position: joint_position.to_vec(), tool_pose, jacobian })
+        Ok(Self { joint_position: joint_position.to_vec(), joints, tool_pose, jacobian })
     }
 
     /// q, the joint positions, n.
@@ -73,6 +74,20 @@ impl Configuration {
         &self.jacobian
     }
 
+    /// Origin of a joint's frame (index from 0), base frame, m, and its Jacobian, 3 × n, m/s.
+    ///
+    /// # Panics
+    ///
+    /// If the robot has no such joint.
+    pub fn joint_origin(&self, joint: usize) -> (Vector3<f64>, Matrix3xX<f64>) {
+        let origin = self.joints[joint].1.translation.vector;
+        let mut jacobian = Matrix3xX::zeros(self.joints.len());
+        for (i, (kind, frame)) in self.joints[..joint].iter().enumerate() {
+            jacobian.set_column(i, &column(*kind, frame, &origin).0);
+        }
+        (origin, jacobian)
+    }
+
     /// J q̇: the tool's twist for joint velocities q̇ (n), in base axes.
     pub fn twist(&self, joint_velocity: &[f64]) -> [f64; 6] {
         let mut twist = [0.0; 6];
@@ -85,7 +100,7 @@ impl Configuration {
     }
 }
 
-fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
+pub(super) fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
     if joint_position.len() != robot.joint_count() {
         return Err(ConfigurationError::Size { expected: robot.joint_count(), given: joint_position.len() });
     }
@@ -95,7 +110,7 @@ fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), Configuration
     }
 }
 
-fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
+pub(super) fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
     match kind {
         JointKind::Revolute => {
             IsometryMatrix3::from_parts(Translation3::identity(), Rotation3::from_axis_angle(&Vector3::z_axis(), q))

@@ -25,7 +25,7 @@ impl ForceLaw {
 
     /// F_d at time t, N and N·m.
     pub fn target_force(&self, time_s: f64) -> Vector {
-        self.target_force.at(time_s)
+        self.target_force.at(time_s).value
     }
 
     /// Ẍ = M_d⁻¹ (F_d − F_e − B_d Ẋ), m/s² and rad/s².

@@ -3,7 +3,7 @@
 use super::{Gains, Profile, TaskState};
 use crate::linalg::Vector;
 
-/// M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e, S = diag of 0 and 1.
+/// M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e, S = diag of 0 and 1, X_d at rest or moving.
 ///
 /// Paper: Eqs. (48)-(51). Departs: (53) prints the wrong index; the resolution takes each task's own velocity.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,13 +32,13 @@ impl HybridLaw {
 
     /// F_d at time t where a force is followed, N and N·m.
     pub fn target_force(&self, time_s: f64) -> Vec<Option<f64>> {
-        let force = self.target_force.at(time_s);
+        let force = self.target_force.at(time_s).value;
         force.iter().zip(&self.position_controlled).map(|(&f, &position)| (!position).then_some(f)).collect()
     }
 
-    /// Ẍ = M_d⁻¹ ((I − S) F_d − F_e − B_d Ẋ − K_d S ΔX), m/s² and rad/s².
+    /// Ẍ = Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX), m/s² and rad/s².
     pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let target = self.target_force.at(state.time_s);
+        let target = self.target_force.at(state.time_s).value;
         let pull = |row: usize| {
             if self.position_controlled[row] {
                 -self.gains.stiffness()[row] * state.displacement[row]
@@ -48,8 +48,8 @@ impl HybridLaw {
         };
         let force = Vector::from_fn(self.rows(), |row, _| pull(row))
             - &state.force
-            - self.gains.damping().component_mul(&state.velocity);
-        self.gains.accelerate(&force)
+            - self.gains.damping().component_mul(&state.relative_velocity());
+        &state.target_acceleration + self.gains.accelerate(&force)
     }
 }
 
@@ -67,6 +67,8 @@ mod tests {
             time_s: 0.3,
             velocity: Vector::from_vec(vec![0.1, -0.2]),
             displacement: Vector::from_vec(vec![0.01, 0.05]),
+            target_velocity: Vector::from_vec(vec![0.0, 0.3]),
+            target_acceleration: Vector::from_vec(vec![0.0, -0.7]),
             force: Vector::from_vec(vec![4.0, -3.0]),
         }
     }
@@ -78,9 +80,10 @@ mod tests {
     #[test]
     fn hybrid_is_the_force_law_on_force_axes_and_the_impedance_law_on_position_axes() {
         let hybrid = |s: [bool; 2]| HybridLaw::new(gains(), target(), s.to_vec()).unwrap().acceleration(&state());
-        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
         let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
-        assert_eq!(hybrid([false, false]), force);
+        // The first axis has a resting target, and there alone the force law, which knows none, is the same.
+        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
+        assert_eq!(hybrid([false, false])[0], force[0]);
         assert!((hybrid([true, true]) - &impedance).amax() < 1e-15);
         assert!((hybrid([false, true]) - Vector::from_vec(vec![force[0], impedance[1]])).amax() < 1e-15);
     }
@@ -90,6 +93,6 @@ mod tests {
         let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
         assert!((force[0] - (30.0 - 4.0 - 150.0 * 0.1) / 15.0).abs() < 1e-15);
         let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
-        assert!((impedance[1] - (280.0 * 0.2 - 100.0 * 0.05 + 3.0) / 80.0).abs() < 1e-15);
+        assert!((impedance[1] - (-0.7 + (280.0 * (0.2 + 0.3) - 100.0 * 0.05 + 3.0) / 80.0)).abs() < 1e-15);
     }
 }

@@ -3,7 +3,7 @@
 use super::{Gains, TaskState};
 use crate::linalg::Vector;
 
-/// M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e about a resting target pose: yield like mass, damper and spring.
+/// M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e about a target X_d that rests or moves: yield like mass, damper and spring.
 ///
 /// Paper: Eqs. (43)-(46). Departs: (47) prints the bracket without J_1 J_2⁺; the resolution supplies it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,11 +22,11 @@ impl ImpedanceLaw {
         self.gains.rows()
     }
 
-    /// Ẍ = M_d⁻¹ (−B_d Ẋ − K_d ΔX − F_e), m/s² and rad/s².
+    /// Ẍ = Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e), m/s² and rad/s².
     pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let damping = self.gains.damping().component_mul(&state.velocity);
+        let damping = self.gains.damping().component_mul(&state.relative_velocity());
         let stiffness = self.gains.stiffness().component_mul(&state.displacement);
         let force = damping + stiffness + &state.force;
-        -self.gains.accelerate(&force)
+        &state.target_acceleration - self.gains.accelerate(&force)
     }
 }

@@ -1,33 +1,59 @@
 //! Control laws: each turns a measured state into the velocity ẋ_k of its task.
 //!
-//! The force, impedance and hybrid laws integrate a desired acceleration, ẋ ← ẋ + T ẍ (semi-implicit Euler), and so keep
-//! one velocity per task axis from period to period: the *integrator*.
+//! T is the period, X the tool's pose (or joints) and X_d its target, ΔX = X − X_d, K and M_d, B_d, K_d are diagonal.
+//! Each guarantee is that of an axis whose task velocity is achieved: no limit, higher task or damping holds it back.
+//!
+//! | law | formula | guarantees | fails |
+//! |---|---|---|---|
+//! | velocity | ẋ given | the velocity itself | positions drift by what rounding and the arm's loop leave |
+//! | pose | ẋ = ẋ_d + K (x_d − x) | a resting or moving target is reached as (1 − K T)^i | K T ≥ 2 diverges and is refused; with a late arm sooner; an orientation half a turn away has no shortest way |
+//! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H falls | as above; as a lower task it gives way |
+//! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, whatever the stiffness it meets | with nothing to push against it moves on at F_d/B_d; a stiff contact and a late arm bounce, see [the margin](crate::controller::ContactLoop) |
+//! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; a uniformly moving target is followed without error where nothing is touched | B_d = 0 swings for ever, K_d = 0 drifts; bounces as the force law does |
+//! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where it is 1 | as each of them; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
+//!
+//! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler), and so keep one velocity
+//! per task axis from period to period: the *integrator*. It is kept along the axes of the task's own frame, and turns
+//! with them where those turn.
 
 mod force;
 mod gains;
 mod hybrid;
 mod impedance;
+mod position;
 mod profile;
 
 pub use force::ForceLaw;
 pub use gains::{GainError, Gains};
 pub use hybrid::HybridLaw;
 pub use impedance::ImpedanceLaw;
-pub use profile::{Profile, ProfileError};
+pub use position::{GainRange, PositionLaw};
+pub use profile::{Point, Profile, ProfileError, SHORTEST_TIME, SetPoint};
 
 use crate::linalg::Vector;
 
-/// What a law sees of the measured state: the rows of its own task, m each, base axes.
+/// What a law sees of the measured state: the rows of its own task, m each, along the axes of its frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskState {
     /// t, s.
     pub time_s: f64,
     /// Ẋ, measured velocity, m/s and rad/s.
     pub velocity: Vector,
-    /// ΔX = X − X_d, displacement from the target pose, m and rad.
+    /// ΔX = X − X_d, displacement from the target, m and rad.
     pub displacement: Vector,
+    /// Ẋ_d, velocity of the target, m/s and rad/s.
+    pub target_velocity: Vector,
+    /// Ẍ_d, acceleration of the target, m/s² and rad/s².
+    pub target_acceleration: Vector,
     /// F_e, force and torque on the environment, N and N·m.
     pub force: Vector,
+}
+
+impl TaskState {
+    /// ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
+    pub fn relative_velocity(&self) -> Vector {
+        &self.velocity - &self.target_velocity
+    }
 }
 
 /// The law of one task.
@@ -35,6 +61,8 @@ pub struct TaskState {
 pub enum Law {
     /// ẋ as given.
     Velocity(Profile),
+    /// Go to a pose, or on joints to a posture.
+    Position(PositionLaw),
     /// Follow a force. Paper: Eqs. (35)-(42).
     Force(ForceLaw),
     /// Behave as mass, damper and spring about a pose. Paper: Eqs. (43)-(47).
@@ -48,16 +76,26 @@ impl Law {
     pub fn rows(&self) -> usize {
         match self {
             Self::Velocity(profile) => profile.rows(),
+            Self::Position(law) => law.rows(),
             Self::Force(law) => law.rows(),
             Self::Impedance(law) => law.rows(),
             Self::Hybrid(law) => law.rows(),
         }
     }
 
+    /// Whether the law integrates an acceleration; those are the laws that read the measured wrench.
+    pub fn integrates(&self) -> bool {
+        match self {
+            Self::Velocity(_) | Self::Position(_) => false,
+            Self::Force(_) | Self::Impedance(_) | Self::Hybrid(_) => true,
+        }
+    }
+
     /// ẋ_k for this period, m entries, from the integrator's value in the last one; `period`: T, s.
     pub fn velocity(&self, state: &TaskState, integrator: &Vector, period: f64) -> Vector {
         match self {
-            Self::Velocity(profile) => profile.at(state.time_s),
+            Self::Velocity(profile) => profile.at(state.time_s).value,
+            Self::Position(law) => law.velocity(state),
             Self::Force(law) => integrator + law.acceleration(state) * period,
             Self::Impedance(law) => integrator + law.acceleration(state) * period,
             Self::Hybrid(law) => integrator + law.acceleration(state) * period,
@@ -69,7 +107,7 @@ impl Law {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),
             Self::Hybrid(law) => law.target_force(time_s),
-            Self::Velocity(_) | Self::Impedance(_) => vec![None; self.rows()],
+            Self::Velocity(_) | Self::Position(_) | Self::Impedance(_) => vec![None; self.rows()],
         }
     }
 }

@@ -23,6 +23,19 @@
 //! Where the acceleration limit contradicts the others, as after a jump of the measured state, position and velocity win
 //! and the joint is reported as in conflict.
 
+//!
+//! # Beside the box
+//!
+//! Inequalities a·q̇ ≤ b, given or made from a virtual wall at each posture, count like joint limits in the QP cascade.
+//! Where they contradict the box or each other, the box holds, they are broken as little as possible, and the answer
+//! names them.
+
+mod barrier;
+mod inequality;
+mod plane;
 mod velocity_box;
 
+pub use barrier::Barrier;
+pub use inequality::{Inequality, InequalityError};
+pub use plane::{APPROACH_RATE, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use velocity_box::{LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};

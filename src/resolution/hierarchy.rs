@@ -21,6 +21,8 @@ pub struct Stage {
     pub J_k: Matrix,
     /// ẋ_k, m_k.
     pub xdot_k: Vector,
+    /// Whether limits may slow the task down, but not bend it.
+    pub scaled: bool,
     /// J_{k+1}^RP, the rows of all lower tasks, × n. Paper: Eq. (23).
     pub J_low: Matrix,
     /// Decomposition of J_k.
@@ -56,6 +58,7 @@ impl Hierarchy {
                 algorithmic: svd.rank() + low_rank > svd_rp.rank(),
                 J_k: task.jacobian.clone(),
                 xdot_k: task.velocity.clone(),
+                scaled: task.scaled,
                 J_low,
                 svd,
                 svd_rp,

@@ -6,6 +6,8 @@
 
 mod certificate;
 mod closed_form;
+#[cfg(test)]
+mod faults;
 mod hierarchy;
 mod problem;
 mod qp_cascade;
@@ -14,4 +16,7 @@ mod resolve;
 pub use hierarchy::Singularity;
 pub use problem::{Method, Problem, ProblemError, Solver};
 pub use qp_cascade::{ActiveSet, Side};
-pub use resolve::{ActiveLimit, LimitViolation, Path, Resolution, SolverReport, Status, TaskOutcome, resolve};
+pub use resolve::{
+    ActiveInequality, ActiveLimit, InequalityViolation, LimitViolation, Path, Resolution, SolverReport, Status,
+    TaskOutcome, resolve,
+};

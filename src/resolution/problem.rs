@@ -1,6 +1,6 @@
 //! What is asked of the resolution.
 
-use crate::limits::VelocityBox;
+use crate::limits::{Inequality, VelocityBox};
 use crate::linalg::{Damping, Vector};
 use crate::task::TaskStack;
 
@@ -44,6 +44,8 @@ pub struct Problem {
     pub tasks: TaskStack,
     /// lo ≤ q̇ ≤ hi, n joints, rad/s.
     pub limits: VelocityBox,
+    /// a·q̇ ≤ b beside the box; where the box contradicts them, they are broken as little as possible and reported.
+    pub inequalities: Vec<Inequality>,
     /// How priorities are understood.
     pub method: Method,
     /// How the problem is solved.
@@ -55,7 +57,7 @@ pub struct Problem {
 }
 
 /// Why a problem is refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ProblemError {
     /// The limits are about another number of joints than the tasks.
     #[error("limits for {given} joints, tasks for {expected}")]
@@ -63,6 +65,18 @@ pub enum ProblemError {
         /// Joints of the tasks.
         expected: usize,
         /// Joints of the limits.
+        given: usize,
+    },
+    /// An inequality is about another number of joints than the tasks.
+    #[error("inequality `{name}` has {given} coefficients, the tasks have {expected} joints")]
+    Inequality {
+        /// Its name.
+        name: String,
+        /// Place in the list, from 0.
+        index: usize,
+        /// Joints of the tasks.
+        expected: usize,
+        /// Its coefficients.
         given: usize,
     },
     /// ζ̇ has the wrong size or is not finite.
@@ -74,17 +88,41 @@ pub enum ProblemError {
 }
 
 impl Problem {
+    /// The tasks by reverse priority, exact, without limits.
+    pub fn new(tasks: TaskStack) -> Self {
+        Self {
+            limits: VelocityBox::unbounded(tasks.joint_count()),
+            tasks,
+            inequalities: Vec::new(),
+            method: Method::ReversePriority,
+            solver: Solver::Auto,
+            damping: None,
+            null_space_velocity: None,
+        }
+    }
+
     /// Checks that the parts are about the same joints.
     pub(super) fn check(&self) -> Result<(), ProblemError> {
         let expected = self.tasks.joint_count();
         if self.limits.joint_count() != expected {
             return Err(ProblemError::Limits { expected, given: self.limits.joint_count() });
         }
+        for (index, inequality) in self.inequalities.iter().enumerate() {
+            let given = inequality.coefficients().len();
+            if given != expected {
+                return Err(ProblemError::Inequality { name: inequality.name().to_owned(), index, expected, given });
+            }
+        }
         let fits = |zeta: &Vector| zeta.len() == expected && zeta.iter().all(|entry| entry.is_finite());
         match &self.null_space_velocity {
             Some(zeta) if !fits(zeta) => Err(ProblemError::NullSpaceVelocity { expected }),
             _ => Ok(()),
         }
+    }
+
+    /// Whether a velocity (n, rad/s) keeps every limit and inequality.
+    pub(super) fn allows(&self, qdot: &Vector) -> bool {
+        self.limits.violation(qdot) == 0.0 && self.inequalities.iter().all(|limit| limit.violation(qdot) == 0.0)
     }
 
     /// ζ̇, n.

@@ -5,6 +5,7 @@ use super::hierarchy::{Hierarchy, Singularity};
 use super::problem::{Method, Problem, ProblemError, Solver};
 use super::qp_cascade::{self, ActiveSet, Cascade, Guesses, Side};
 use crate::linalg::{SvdError, Vector};
+use crate::task::Task;
 
 /// Relative optimality residual up to which an answer counts as optimal.
 ///
@@ -22,6 +23,11 @@ pub struct Resolution {
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks; empty for every solver that knows them.
     pub violated_limits: Vec<LimitViolation>,
+    /// Inequalities that hold the answer back.
+    pub active_inequalities: Vec<ActiveInequality>,
+    /// Inequalities that the answer breaks: all that it likes for the solver `closed_form`, those that contradict the
+    /// limits, and then as little as possible, for the others.
+    pub violated_inequalities: Vec<InequalityViolation>,
     /// How the answer was found and how sure it is.
     pub solver: SolverReport,
     /// How near the tasks are to singularities.
@@ -39,6 +45,12 @@ pub struct TaskOutcome {
     pub residual_norm: f64,
     /// ρ(J_k).
     pub rank: usize,
+    /// Whether task k depends on lower ones although each side has its own rank: ρ(J_k) + ρ(J_{k+1}^RP) > ρ(J_k^RP).
+    /// Paper: Eq. (12).
+    pub algorithmic: bool,
+    /// s of a task that is to be scaled, J_k q̇ = s ẋ_k: 1 where no limit cuts it; `None` where no s keeps its direction,
+    /// and for a task that is not to be scaled. Reverse priority knows limits, and so scaling, at its highest task alone.
+    pub scale: Option<f64>,
 }
 
 /// A limit that holds the answer back.
@@ -54,6 +66,29 @@ pub struct ActiveLimit {
     /// back no more than lower levels, which is listed all the same. It says how much ½‖J_k q̇ − ẋ_k‖² of that level would
     /// fall per rad/s of a wider limit.
     pub multiplier: f64,
+}
+
+/// An inequality that holds the answer back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActiveInequality {
+    /// Its name.
+    pub name: String,
+    /// b.
+    pub bound: f64,
+    /// Multiplier ≥ 0 at the highest level that it holds back: how much ½‖J_k q̇ − ẋ_k‖² of that level would fall per unit
+    /// of a larger b.
+    pub multiplier: f64,
+}
+
+/// An inequality that the answer breaks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InequalityViolation {
+    /// Its name.
+    pub name: String,
+    /// b.
+    pub bound: f64,
+    /// a·q̇, above b.
+    pub value: f64,
 }
 
 /// A limit that the answer breaks.
@@ -100,6 +135,8 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
+    /// Levels that Clarabel failed to solve (iteration cap, numerical trouble); the active-set method stood in.
+    pub failures: u32,
     /// Largest relative residual of the optimality conditions over all levels, dimensionless; `None` without an
     /// answer, or where its scale is beyond the numbers (rows of 1e-160).
     pub kkt_residual: Option<f64>,
@@ -130,7 +167,7 @@ fn solve(problem: &Problem, hierarchy: &Hierarchy, guess: &[ActiveSet]) -> Resul
         Solver::Qp => qp_cascade::solve(problem, hierarchy, Guesses::NONE),
         Solver::Auto => {
             let unlimited = closed_form(problem, hierarchy)?;
-            if problem.limits.violation(&unlimited.joint_velocity) == 0.0 {
+            if problem.allows(&unlimited.joint_velocity) {
                 Ok(Cascade::from(unlimited))
             } else {
                 qp_cascade::solve(problem, hierarchy, Guesses::of(guess))
@@ -154,13 +191,16 @@ fn closed_form(problem: &Problem, hierarchy: &Hierarchy) -> Result<ClosedForm, S
 fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolution {
     let certified = cascade.kkt_residual <= CERTIFIED;
     Resolution {
-        tasks: outcomes(problem, &cascade.joint_velocity, |k| hierarchy.stages[k].svd.rank()),
+        tasks: outcomes(problem, &cascade, hierarchy),
         active_limits: active_limits(problem, &cascade),
         violated_limits: violations(problem, &cascade.joint_velocity),
+        active_inequalities: active_inequalities(problem, &cascade),
+        violated_inequalities: violated_inequalities(problem, &cascade.joint_velocity),
         solver: SolverReport {
             path: cascade.path,
             status: if certified { Status::Optimal } else { Status::NotCertified },
             iterations: cascade.iterations,
+            failures: cascade.failures,
             kkt_residual: Some(cascade.kkt_residual).filter(|residual| residual.is_finite()),
         },
         singularity: hierarchy.singularity(),
@@ -172,23 +212,51 @@ fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolut
 /// The command when nothing could be computed: as slow as the limits allow.
 fn standstill(problem: &Problem) -> Resolution {
     let joint_velocity = problem.limits.clamp(&Vector::zeros(problem.tasks.joint_count()));
+    let tasks = problem.tasks.tasks().iter();
     Resolution {
-        tasks: outcomes(problem, &joint_velocity, |_| 0),
+        tasks: tasks.map(|task| outcome(task, &joint_velocity)).collect(),
         active_limits: Vec::new(),
         violated_limits: Vec::new(),
-        solver: SolverReport { path: Path::ClosedForm, status: Status::Failed, iterations: 0, kkt_residual: None },
+        active_inequalities: Vec::new(),
+        violated_inequalities: violated_inequalities(problem, &joint_velocity),
+        solver: SolverReport {
+            path: Path::ClosedForm,
+            status: Status::Failed,
+            iterations: 0,
+            failures: 0,
+            kkt_residual: None,
+        },
         singularity: Singularity { smallest_singular_value: 0.0, manipulability: 0.0, algorithmic: false },
         active_set: Vec::new(),
         joint_velocity,
     }
 }
 
-fn outcomes(problem: &Problem, qdot: &Vector, rank: impl Fn(usize) -> usize) -> Vec<TaskOutcome> {
-    let outcome = |(k, task): (usize, &crate::task::Task)| {
-        let achieved = &task.jacobian * qdot;
-        TaskOutcome { residual_norm: (&achieved - &task.velocity).norm(), achieved, rank: rank(k) }
+fn outcomes(problem: &Problem, cascade: &Cascade, hierarchy: &Hierarchy) -> Vec<TaskOutcome> {
+    let outcome = |(k, task): (usize, &Task)| TaskOutcome {
+        rank: hierarchy.stages[k].svd.rank(),
+        algorithmic: hierarchy.stages[k].algorithmic,
+        scale: scale(problem, cascade, k),
+        ..outcome(task, &cascade.joint_velocity)
     };
     problem.tasks.tasks().iter().enumerate().map(outcome).collect()
+}
+
+/// The residual of a task of which nothing else is known.
+fn outcome(task: &Task, qdot: &Vector) -> TaskOutcome {
+    let achieved = &task.jacobian * qdot;
+    let residual_norm = (&achieved - &task.velocity).norm();
+    TaskOutcome { achieved, residual_norm, rank: 0, algorithmic: false, scale: None }
+}
+
+fn scale(problem: &Problem, cascade: &Cascade, k: usize) -> Option<f64> {
+    let level = match problem.method {
+        Method::ReversePriority | Method::SingularityRobust => (k == 0).then_some(0)?,
+        Method::StrictReversePriority | Method::TaskPriority => k,
+        Method::Pseudoinverse | Method::DampedLeastSquares => 0,
+    };
+    let cut = cascade.scales.get(level).copied();
+    problem.tasks.tasks()[k].scaled.then(|| cut.unwrap_or(Some(1.0)))?
 }
 
 /// Limits with a multiplier, and joints that their bounds hold fast.
@@ -201,7 +269,31 @@ fn active_limits(problem: &Problem, cascade: &Cascade) -> Vec<ActiveLimit> {
         let limit = ActiveLimit { joint, side, value: bounds[joint], multiplier: signed.abs() };
         (held_fast || signed != 0.0).then_some(limit)
     };
-    cascade.multipliers.iter().enumerate().filter_map(active).collect()
+    cascade.multipliers.iter().take(lower.len()).enumerate().filter_map(active).collect()
+}
+
+fn active_inequalities(problem: &Problem, cascade: &Cascade) -> Vec<ActiveInequality> {
+    let multipliers = cascade.multipliers.iter().skip(problem.tasks.joint_count());
+    let active = problem.inequalities.iter().zip(multipliers).filter(|(_, multiplier)| **multiplier != 0.0);
+    active
+        .map(|(inequality, multiplier)| ActiveInequality {
+            name: inequality.name().to_owned(),
+            bound: inequality.bound(),
+            // The cascade's rows have length 1.
+            multiplier: multiplier / inequality.coefficients().norm(),
+        })
+        .collect()
+}
+
+fn violated_inequalities(problem: &Problem, qdot: &Vector) -> Vec<InequalityViolation> {
+    let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(qdot) > 0.0);
+    broken
+        .map(|inequality| InequalityViolation {
+            name: inequality.name().to_owned(),
+            bound: inequality.bound(),
+            value: inequality.value(qdot),
+        })
+        .collect()
 }
 
 fn violations(problem: &Problem, qdot: &Vector) -> Vec<LimitViolation> {

@@ -1,6 +1,4 @@
-//! Robots read from a TOML or JSON description, and the ones that ship with the crate.
-
-use std::sync::{Arc, LazyLock};
+//! Robots read from a TOML or JSON description.
 
 use nalgebra::IsometryMatrix3;
 use serde::Deserialize;
@@ -93,22 +91,12 @@ pub fn from_json(text: &str) -> Result<RobotModel, FixtureError> {
     Ok(serde_json::from_str::<RobotFile>(text)?.build()?)
 }
 
-const BUILT_IN: [&str; 1] = [include_str!("../../fixtures/robots/sawyer_dh.toml")];
-
-/// The robots that ship with the crate.
-pub fn built_in() -> &'static [Arc<RobotModel>] {
-    static ROBOTS: LazyLock<Vec<Arc<RobotModel>>> = LazyLock::new(|| {
-        let read = |text| Arc::new(from_toml(text).expect("built-in robots are read by every test"));
-        BUILT_IN.iter().map(|text| read(text)).collect()
-    });
-    &ROBOTS
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
+    use crate::robot::built_in;
 
     /// Limits of the manufacturer's description (URDF), joint by joint.
     const URDF_RANGE: [[f64; 2]; 7] = [

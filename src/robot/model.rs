@@ -94,6 +94,21 @@ impl RobotModel {
         Ok(Self { name: name.into(), description: description.into(), joints, tool })
     }
 
+    /// The same robot under another name.
+    #[must_use]
+    pub fn renamed(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// The same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
+    pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
+        let tool = self.tool * offset;
+        match self.joints.last() {
+            Some(last) if !is_finite(&tool) => Err(ModelError::NotFinite { joint: last.name.clone() }),
+            _ => Ok(Self { tool, ..self.clone() }),
+        }
+    }
+
     /// Name by which requests call it.
     pub fn name(&self) -> &str {
         &self.name

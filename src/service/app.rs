@@ -7,18 +7,21 @@ use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::Semaphore;
 use tower_http::cors::CorsLayer;
 
 use super::config::ServiceConfig;
 use super::connection::Connections;
+use super::drain::Drain;
 use super::gate::{RequestIds, gate};
 use super::handlers;
 use super::line::Line;
 use super::metrics::Metrics;
 use super::problem::Problem;
+use super::resolve::Batches;
 use super::robots::Robots;
 use super::sessions::Sessions;
+use super::simulations::Simulations;
 
 /// What all requests share.
 pub struct App {
@@ -27,13 +30,15 @@ pub struct App {
     /// What an operator can tune.
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
+    pub(super) batches: Batches,
+    pub(super) simulations: Simulations,
     pub(super) connections: Arc<Connections>,
-    pub(super) metrics: Metrics,
+    pub(super) metrics: Arc<Metrics>,
     pub(super) line: Line,
+    /// Room for large bodies while they are read.
     pub(super) large_bodies: Semaphore,
     pub(super) request_ids: RequestIds,
-    /// Whether the service is about to end; streams listen to it, as they would not end by themselves.
-    pub(super) draining: watch::Sender<bool>,
+    pub(super) drain: Drain,
 }
 
 impl App {
@@ -44,27 +49,20 @@ impl App {
 
     /// A service for these robots, without sessions yet.
     pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
-        let metrics = Metrics::new();
+        let metrics = Arc::new(Metrics::new());
         Self {
-            robots,
-            sessions: Sessions::new(config.max_sessions, config.session_idle, metrics.missed_periods.clone()),
+            robots: robots.ending_after(config.session_idle),
+            sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
+            batches: Batches::default(),
+            simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,
             line: Line::default(),
-            large_bodies: Semaphore::new(config.max_large_bodies),
+            large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
             request_ids: RequestIds::default(),
-            draining: watch::Sender::new(false),
+            drain: Drain::new(),
             config,
         }
-    }
-
-    /// From now on `/readyz` says no.
-    pub(super) fn start_draining(&self) {
-        self.draining.send_replace(true);
-    }
-
-    pub(super) fn is_draining(&self) -> bool {
-        *self.draining.borrow()
     }
 }
 
@@ -79,13 +77,23 @@ pub struct Service {
 pub fn router(app: App) -> Service {
     let routes = Router::new()
         .route("/v1/resolve", post(handlers::resolve))
+        .route("/v1/resolve/batch", post(handlers::resolve_batch))
         .route("/v1/step", post(handlers::step))
         .route("/v1/controllers", post(handlers::create_controller))
         .route("/v1/controllers/{id}", get(handlers::show_controller).delete(handlers::delete_controller))
         .route("/v1/controllers/{id}/step", post(handlers::step_controller))
+        .route("/v1/controllers/{id}/stream", get(handlers::stream_controller))
+        .route("/v1/controllers/{id}/watch", get(handlers::watch_controller))
+        .route("/v1/kinematics", post(handlers::kinematics))
         .route("/v1/stability", post(handlers::stability))
-        .route("/v1/robots", get(handlers::robots))
-        .route("/v1/robots/{name}", get(handlers::robot))
+        .route("/v1/robots", get(handlers::robots).post(handlers::register_robot))
+        .route("/v1/robots/{name}", get(handlers::robot).delete(handlers::delete_robot))
+        .route("/v1/scenarios", get(handlers::scenarios))
+        .route("/v1/scenarios/{name}", get(handlers::scenario))
+        .route("/v1/simulations", post(handlers::create_simulation))
+        .route("/v1/simulations/{id}", get(handlers::show_simulation).delete(handlers::delete_simulation))
+        .route("/v1/simulations/{id}/events", get(handlers::simulation_events))
+        .route("/v1/simulations/{id}/trace", get(handlers::simulation_trace))
         .route("/healthz", get(|| async { "ok" }))
         .route("/readyz", get(handlers::ready))
         .route("/metrics", get(handlers::metrics));

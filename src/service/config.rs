@@ -18,11 +18,14 @@ pub struct ServiceConfig {
     pub allowed_origins: Vec<String>,
     /// Largest body in bytes; a state is about one thousandth of the default.
     pub max_body_bytes: usize,
-    /// Bodies of more than 64 KiB that may be read at a time.
+    /// Largest body of a batch in bytes.
+    pub max_batch_bytes: usize,
+    /// Bodies of more than 64 KiB that may be read at a time; one of several MiB counts as so many.
     pub max_large_bodies: usize,
     /// Sessions at a time; each holds a few kilobytes.
     pub max_sessions: usize,
-    /// A session that is not called for this long ends.
+    /// A session that gets no state for this long ends, and a registered robot that is not used; looking at a session
+    /// does not keep it.
     pub session_idle: Duration,
     /// Connections at a time; for one more, the one that got no answer for the longest time is closed.
     pub max_connections: usize,
@@ -50,7 +53,9 @@ impl Default for ServiceConfig {
             tls: None,
             allowed_origins: Vec::new(),
             max_body_bytes: 1 << 20,
-            max_large_bodies: 32,
+            max_batch_bytes: 16 << 20,
+            // As many of the largest batches as are taken in at a time.
+            max_large_bodies: 64,
             max_sessions: 1024,
             session_idle: Duration::from_mins(15),
             // Below the 1024 open files that systems commonly allow.

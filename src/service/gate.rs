@@ -15,6 +15,7 @@ use futures_util::FutureExt;
 
 use super::access;
 use super::app::App;
+use super::body;
 use super::problem::Problem;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -52,6 +53,8 @@ impl RequestIds {
 }
 
 /// Lets a request in or refuses it; names, counts and logs it.
+///
+/// Streams are let in and counted once; how long they live does not matter here.
 pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     let arrived = Instant::now();
     let id = app.request_ids.of(request.headers());
@@ -59,7 +62,7 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
     let call = tracing::enabled!(tracing::Level::DEBUG).then(|| Call::of(&request));
     let mut response = match admitted(&app, &request, arrived) {
         Ok(()) => {
-            let answer = AssertUnwindSafe(next.run(request)).catch_unwind().await;
+            let answer = AssertUnwindSafe(body::written(request, next)).catch_unwind().await;
             answer.unwrap_or_else(|panic| panicked(&app, &id, &*panic))
         }
         Err(problem) => problem.into_response(),

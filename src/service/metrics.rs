@@ -58,6 +58,7 @@ pub struct Metrics {
     /// By path and status, as in [`PATHS`] and [`STATUSES`].
     resolutions: [[Counter; STATUSES.len()]; PATHS.len()],
     clarabel_iterations: Counter,
+    clarabel_failures: Counter,
     /// Handlers that panicked.
     pub panics: Counter,
     /// Steps of sessions that came more than half a period late.
@@ -82,12 +83,14 @@ impl Metrics {
         let durations: Durations = Family::new_with_constructor(|| Histogram::new(DURATIONS_S));
         let help = "Time from a request's headers to its answer";
         let durations = added(all, "request_duration_seconds", help, durations);
-        let problems = added(all, "problems", "Answers that are problems, by type", Family::default());
+        let problems = added(all, "problems", "Problems in answers, batches and streams, by type", Family::default());
         let help = "Connections that ended otherwise than by an orderly close, by cause";
         let connection_faults = added(all, "connection_faults", help, Family::default());
         let help = "Resolved problems by solver path and status";
         let resolutions: Family<SolverLabels, Counter> = added(all, "resolutions", help, Family::default());
         let clarabel_iterations = added(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
+        let help = "Levels that Clarabel failed to solve; an exact method stood in";
+        let clarabel_failures = added(all, "clarabel_failures", help, Counter::default());
         let panics = added(all, "panics", "Handlers that panicked", Counter::default());
         let help = "Steps of sessions more than 1.5 periods after the one before";
         let missed_periods = added(all, "missed_periods", help, Counter::default());
@@ -104,6 +107,7 @@ impl Metrics {
             connection_faults,
             resolutions,
             clarabel_iterations,
+            clarabel_failures,
             panics,
             missed_periods,
             sessions,
@@ -138,7 +142,7 @@ impl Metrics {
         by_status.push((status, counter));
     }
 
-    /// Counts an answer that is a problem.
+    /// Counts an answer, an item of a batch or a message of a stream that is a problem.
     pub fn refused(&self, kind: &'static str) {
         self.problems.get_or_create(&TypeLabel { r#type: kind }).inc();
     }
@@ -148,7 +152,7 @@ impl Metrics {
         self.connection_faults.get_or_create(&TypeLabel { r#type: cause }).inc();
     }
 
-    /// Counts a resolved problem.
+    /// Counts a resolved problem, whichever way it came.
     pub fn solved(&self, report: &wire::SolverReport) {
         let path = match report.path {
             wire::Path::ClosedForm => 0,
@@ -162,6 +166,7 @@ impl Metrics {
         };
         self.resolutions[path][status].inc();
         self.clarabel_iterations.inc_by(u64::from(report.iterations));
+        self.clarabel_failures.inc_by(u64::from(report.failures));
     }
 
     /// All of it as text, in the OpenMetrics format, with what is open now.

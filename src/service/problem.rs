@@ -36,9 +36,14 @@ impl Problem {
         Self { status, kind, title, detail: detail.into(), pointer: None }
     }
 
-    /// 400: the body is no JSON, or holds a number that is not finite.
+    /// 400: the body is neither JSON nor MessagePack, or holds a number that is not finite.
     pub fn malformed(detail: impl Into<String>) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, "malformed", "The body is not valid JSON", detail)
+        Self::new(StatusCode::BAD_REQUEST, "malformed", "The body cannot be read", detail)
+    }
+
+    /// The same problem at a JSON pointer.
+    pub fn at(self, pointer: impl Into<String>) -> Self {
+        Self { pointer: Some(pointer.into()), ..self }
     }
 
     /// 422: well-formed, but wrong at `pointer` (a JSON pointer).
@@ -48,6 +53,23 @@ impl Problem {
         let problem =
             Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, "A field of the body is wrong", detail.to_string());
         Self { pointer: Some(pointer.into()), ..problem }
+    }
+
+    /// 401: the token is missing or wrong.
+    pub fn unauthorized() -> Self {
+        let detail = "send the service's token as `Authorization: Bearer …`";
+        Self::new(StatusCode::UNAUTHORIZED, "unauthorized", "The token is missing or wrong", detail)
+    }
+
+    /// 403: a web page of another site makes the request.
+    pub fn foreign_origin(origin: &str) -> Self {
+        let detail = format!("pages of `{origin}` may not call this service; allow them with --allow-origin");
+        Self::new(StatusCode::FORBIDDEN, "foreign-origin", "The origin is not allowed", detail)
+    }
+
+    /// 403: what belongs to the service cannot be deleted.
+    pub fn permanent(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::FORBIDDEN, "permanent", "This cannot be deleted", detail)
     }
 
     /// 404: no such resource.
@@ -70,22 +92,33 @@ impl Problem {
         Self::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The method is not allowed here", detail)
     }
 
+    /// 406: the client takes none of what there is.
+    pub fn not_acceptable(offered: &str) -> Self {
+        let detail = format!("this can be had as {offered}; say which with `Accept`");
+        Self::new(StatusCode::NOT_ACCEPTABLE, "not-acceptable", "Nothing to your taste", detail)
+    }
+
+    /// 409: a simulation that has no trace.
+    pub fn no_trace(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, "no-trace", "There is no trace", detail)
+    }
+
+    /// 426: a stream is asked for by plain HTTP.
+    pub fn upgrade_required() -> Self {
+        let detail = "this route speaks WebSocket (RFC 6455, version 13); ask for it with a WebSocket client";
+        Self::new(StatusCode::UPGRADE_REQUIRED, "upgrade-required", "A WebSocket is needed", detail)
+    }
+
     /// 408: the body did not come in time.
     pub fn body_timeout() -> Self {
         let detail = "the body did not arrive in time; send it whole and at once";
         Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail)
     }
 
-    /// 401: the token is missing or wrong.
-    pub fn unauthorized() -> Self {
-        let detail = "send the service's token as `Authorization: Bearer …`";
-        Self::new(StatusCode::UNAUTHORIZED, "unauthorized", "The token is missing or wrong", detail)
-    }
-
-    /// 403: a web page of another site makes the request.
-    pub fn foreign_origin(origin: &str) -> Self {
-        let detail = format!("pages of `{origin}` may not call this service; allow them with --allow-origin");
-        Self::new(StatusCode::FORBIDDEN, "foreign-origin", "The origin is not allowed", detail)
+    /// 409: the name belongs to something else.
+    pub fn name_taken(detail: impl Into<String>) -> Self {
+        let problem = Self::new(StatusCode::CONFLICT, "name-taken", "The name is taken", detail);
+        Self { pointer: Some("/name".to_owned()), ..problem }
     }
 
     /// 409: a sequence number that does not grow.
@@ -100,9 +133,9 @@ impl Problem {
         Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
     }
 
-    /// 415: not JSON.
+    /// 415: neither JSON nor MessagePack.
     pub fn media_type() -> Self {
-        let detail = "send `Content-Type: application/json`";
+        let detail = "send `Content-Type: application/json`, or `application/msgpack`";
         Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "media-type", "The media type is not supported", detail)
     }
 
@@ -110,6 +143,16 @@ impl Problem {
     pub fn too_many_sessions(limit: usize) -> Self {
         let detail = format!("{limit} controllers are open already; delete one, or wait until an idle one ends");
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-controllers", "No room for another controller", detail)
+    }
+
+    /// 503: too many registered robots.
+    pub fn too_many_robots(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "too-many-robots", "No room for another robot", detail)
+    }
+
+    /// 503: as much long work as there is room for.
+    pub fn busy(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "The service is busy", detail)
     }
 
     /// 503: more requests wait than can be answered in time.
@@ -141,21 +184,31 @@ impl Problem {
         Self { pointer: self.pointer.map(|pointer| format!("{prefix}{pointer}")), ..self }
     }
 
+    /// Whether what the request speaks of does not exist.
+    pub fn is_not_found(&self) -> bool {
+        self.status == StatusCode::NOT_FOUND
+    }
+
     /// Last part of the `type` reference.
     pub fn kind(&self) -> &'static str {
         self.kind
     }
 
-    /// Writes the body of the answer to a request of that name.
-    pub fn write(self, response: &mut Response, request_id: &str) {
-        let body = wire::Problem {
+    /// As a part of an answer that holds others, or as a message of a stream.
+    pub fn into_wire(self) -> wire::Problem {
+        wire::Problem {
             kind: format!("/problems/{}", self.kind),
             title: self.title.to_owned(),
             status: self.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
-            request_id: Some(request_id.to_owned()),
-        };
+            request_id: None,
+        }
+    }
+
+    /// Writes the body of the answer to a request of that name.
+    pub fn write(self, response: &mut Response, request_id: &str) {
+        let body = wire::Problem { request_id: Some(request_id.to_owned()), ..self.into_wire() };
         // The layers below took the length of the body that it does not have yet.
         response.headers_mut().remove(header::CONTENT_LENGTH);
         *response.body_mut() = axum::Json(body).into_response().into_body();
@@ -173,6 +226,9 @@ impl IntoResponse for Problem {
         }
         if self.status == StatusCode::UNAUTHORIZED {
             headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
+        if self.status == StatusCode::UPGRADE_REQUIRED {
+            headers.insert(header::UPGRADE, HeaderValue::from_static("websocket"));
         }
         response.extensions_mut().insert(self);
         response

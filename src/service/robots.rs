@@ -1,31 +1,206 @@
 //! The arms that requests can name.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
+use super::config::ServiceConfig;
 use crate::robot::{RobotModel, built_in};
 
-/// Known robots by name.
-#[derive(Debug, Clone)]
-pub struct Robots(Vec<Arc<RobotModel>>);
+/// Registered robots at a time; each holds at most some 100 kilobytes, mostly names.
+const MOST_REGISTERED: usize = 64;
+
+/// Longest name of a robot, bytes.
+const LONGEST_NAME: usize = 64;
+
+/// Why a robot cannot be added or removed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RobotsError {
+    /// Robots stand in addresses by their name.
+    #[error(
+        "`{0:.80}` cannot name a robot; use letters, digits, `_`, `-` and `.`, at most {LONGEST_NAME}, a letter or digit \
+         first"
+    )]
+    Name(String),
+    /// The name belongs to another robot.
+    #[error("the name `{0}` is taken; choose another")]
+    Taken(String),
+    /// No room.
+    #[error("{MOST_REGISTERED} robots are registered already; delete one, or wait until an idle one ends")]
+    Full,
+    /// The robot came with the program or with `--robot`.
+    #[error("`{0}` belongs to the service; only registered robots can be deleted")]
+    Permanent(String),
+    /// There is no such robot.
+    #[error("there is no robot `{name}`; known: {known}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+}
+
+/// Known robots by name: permanent ones, and those that clients registered, which end when they are not used for long.
+///
+/// Whoever holds a robot, as sessions do, uses it: it does not end meanwhile, and deleting it only ends its name.
+#[derive(Debug)]
+pub struct Robots {
+    permanent: Vec<Arc<RobotModel>>,
+    registered: Mutex<Vec<Registered>>,
+    idle_timeout: Duration,
+}
+
+#[derive(Debug)]
+struct Registered {
+    robot: Arc<RobotModel>,
+    /// When it was first seen to be in nobody's hands; `None` while it is used.
+    idle_since: Option<Instant>,
+}
+
+impl Registered {
+    fn has_ended(&mut self, idle_timeout: Duration) -> bool {
+        if Arc::strong_count(&self.robot) > 1 {
+            self.idle_since = None;
+            return false;
+        }
+        self.idle_since.get_or_insert_with(Instant::now).elapsed() >= idle_timeout
+    }
+}
 
 impl Robots {
     /// Those that ship with the crate.
     pub fn built_in() -> Self {
-        Self(built_in().to_vec())
+        Self { permanent: built_in().to_vec(), ..Self::none() }
+    }
+
+    /// No robot yet.
+    pub fn none() -> Self {
+        Self {
+            permanent: Vec::new(),
+            registered: Mutex::default(),
+            idle_timeout: ServiceConfig::default().session_idle,
+        }
+    }
+
+    /// These and another permanent one.
+    pub fn with(mut self, robot: Arc<RobotModel>) -> Result<Self, RobotsError> {
+        self.check_name(robot.name(), &[])?;
+        self.permanent.push(robot);
+        Ok(self)
+    }
+
+    /// The same, but registered ones end when they are not used for that long.
+    pub(super) fn ending_after(self, idle_timeout: Duration) -> Self {
+        Self { idle_timeout, ..self }
+    }
+
+    /// Adds a robot until it is deleted or not used for long.
+    pub fn register(&self, robot: Arc<RobotModel>) -> Result<(), RobotsError> {
+        let mut registered = self.registered();
+        self.check_name(robot.name(), &registered)?;
+        if registered.len() >= MOST_REGISTERED {
+            return Err(RobotsError::Full);
+        }
+        registered.push(Registered { robot, idle_since: None });
+        Ok(())
+    }
+
+    /// Removes a registered robot.
+    pub fn remove(&self, name: &str) -> Result<(), RobotsError> {
+        if self.permanent.iter().any(|robot| robot.name() == name) {
+            return Err(RobotsError::Permanent(name.to_owned()));
+        }
+        let mut registered = self.registered();
+        let place = registered.iter().position(|entry| entry.robot.name() == name);
+        let removed = place.map(|place| registered.remove(place));
+        drop(registered);
+        removed.map(drop).ok_or_else(|| self.unknown(name))
     }
 
     /// The robot of that name.
-    pub fn get(&self, name: &str) -> Option<&Arc<RobotModel>> {
-        self.0.iter().find(|robot| robot.name() == name)
+    pub fn get(&self, name: &str) -> Result<Arc<RobotModel>, RobotsError> {
+        if let Some(robot) = self.permanent.iter().find(|robot| robot.name() == name) {
+            return Ok(Arc::clone(robot));
+        }
+        let found = self.registered().iter_mut().find(|entry| entry.robot.name() == name).map(|entry| {
+            entry.idle_since = None;
+            Arc::clone(&entry.robot)
+        });
+        found.ok_or_else(|| self.unknown(name))
     }
 
-    /// All, in a fixed order.
-    pub fn iter(&self) -> impl Iterator<Item = &Arc<RobotModel>> {
-        self.0.iter()
+    /// All, permanent ones first, then in the order of registration.
+    pub fn all(&self) -> Vec<Arc<RobotModel>> {
+        let registered = self.registered();
+        let registered = registered.iter().map(|entry| &entry.robot);
+        self.permanent.iter().chain(registered).cloned().collect()
     }
 
-    /// All names, for error messages.
-    pub fn names(&self) -> String {
-        self.0.iter().map(|robot| format!("`{}`", robot.name())).collect::<Vec<_>>().join(", ")
+    fn unknown(&self, name: &str) -> RobotsError {
+        let known: Vec<String> = self.all().iter().map(|robot| format!("`{}`", robot.name())).collect();
+        RobotsError::Unknown { name: name.to_owned(), known: known.join(", ") }
+    }
+
+    fn check_name(&self, name: &str, registered: &[Registered]) -> Result<(), RobotsError> {
+        let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+        let starts_well = name.starts_with(|c: char| c.is_ascii_alphanumeric());
+        if !(starts_well && name.len() <= LONGEST_NAME && name.chars().all(is_word)) {
+            return Err(RobotsError::Name(name.to_owned()));
+        }
+        let mut others = self.permanent.iter().chain(registered.iter().map(|entry| &entry.robot));
+        if others.any(|other| other.name() == name) { Err(RobotsError::Taken(name.to_owned())) } else { Ok(()) }
+    }
+
+    /// The registered robots that have not ended.
+    fn registered(&self) -> MutexGuard<'_, Vec<Registered>> {
+        let mut registered = self.registered.lock().unwrap_or_else(PoisonError::into_inner);
+        registered.retain_mut(|entry| !entry.has_ended(self.idle_timeout));
+        registered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(name: &str) -> Arc<RobotModel> {
+        Arc::new(RobotModel::clone(&built_in()[0]).renamed(name))
+    }
+
+    #[test]
+    fn a_registered_robot_ends_when_nobody_holds_or_asks_for_it() {
+        let robots = Robots { idle_timeout: Duration::ZERO, ..Robots::built_in() };
+        let held = named("held");
+        robots.register(Arc::clone(&held)).unwrap();
+        robots.register(named("forgotten")).unwrap();
+        assert!(robots.get("held").is_ok());
+        assert!(matches!(robots.get("forgotten"), Err(RobotsError::Unknown { .. })));
+        drop(held);
+        assert!(robots.get("held").is_err() && robots.get("sawyer_dh").is_ok());
+    }
+
+    #[test]
+    fn the_time_without_use_counts_from_the_end_of_a_use() {
+        let robots = Robots { idle_timeout: Duration::from_millis(50), ..Robots::none() };
+        robots.register(named("arm")).unwrap();
+        let held = robots.get("arm").unwrap();
+        std::thread::sleep(Duration::from_millis(60));
+        drop(held);
+        assert_eq!(robots.all().len(), 1, "it was held until now");
+        std::thread::sleep(Duration::from_millis(60));
+        assert_eq!(robots.all().len(), 0);
+    }
+
+    #[test]
+    fn names_are_words_and_belong_to_one_robot() {
+        let robots = Robots::built_in();
+        let too_long = "a".repeat(65);
+        for name in ["", "..", "a/b", "a b", "-a", "ä", "a\n", too_long.as_str()] {
+            assert_eq!(robots.register(named(name)), Err(RobotsError::Name(name.to_owned())));
+        }
+        assert_eq!(robots.register(named("sawyer")), Err(RobotsError::Taken("sawyer".to_owned())));
+        assert_eq!(robots.register(named("cell-4.arm_2")), Ok(()));
+        assert_eq!(robots.register(named("cell-4.arm_2")), Err(RobotsError::Taken("cell-4.arm_2".to_owned())));
+        assert!(Robots::built_in().with(named("panda")).is_err() && Robots::none().with(named("panda")).is_ok());
     }
 }

@@ -13,10 +13,11 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
-use tokio::sync::{oneshot, watch};
+use tokio::sync::oneshot;
 
 use super::app::Service;
 use super::connection::Connection;
+use super::drain::Draining;
 use super::problem::no_room;
 
 /// Most bytes of a connection that wait to be read or written; holds any headers in use.
@@ -58,23 +59,25 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(async {
+    let drain_timeout = service.app.config.drain_timeout;
+    let served = runtime.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let app = Arc::clone(&service.app);
         tokio::spawn(async move { app.line.carry_marker().await });
         accept(listener, service, stop).await;
         Ok(())
-    })
+    });
+    // What runs in the background notices that it is abandoned.
+    runtime.shutdown_timeout(drain_timeout);
+    served
 }
 
 async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl Future<Output = ()>) {
     let app = Arc::clone(&service.app);
-    // Held by every connection, so that the end of all is heard of.
-    let (ending, end) = watch::channel(());
     let mut drained = std::pin::pin!(async {
         stop.await;
-        app.start_draining();
+        app.drain.announce();
         tokio::time::sleep(app.config.drain_delay).await;
     });
     loop {
@@ -83,7 +86,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
             () = &mut drained => break,
         };
         match accepted {
-            Ok((stream, _)) => admit(stream, &service, end.clone()),
+            Ok((stream, _)) => admit(stream, &service),
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
                 // Most often there are too many open files.
@@ -92,16 +95,15 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
             }
         }
     }
-    drop((listener, end));
-    let _ = ending.send(());
+    drop(listener);
     let timeout = app.config.drain_timeout;
-    if tokio::time::timeout(timeout, ending.closed()).await.is_err() {
+    if tokio::time::timeout(timeout, app.drain.finished()).await.is_err() {
         tracing::warn!("connections still open after {timeout:?} were dropped");
     }
 }
 
 /// Serves a connection in a task of its own, if there is room.
-fn admit(stream: TcpStream, service: &Service, end: watch::Receiver<()>) {
+fn admit(stream: TcpStream, service: &Service) {
     let (config, metrics) = (&service.app.config, &service.app.metrics);
     let Some((slot, full)) = service.app.connections.enter() else {
         metrics.connection_fault("refused");
@@ -118,14 +120,15 @@ fn admit(stream: TcpStream, service: &Service, end: watch::Receiver<()>) {
     let _ = stream.set_nodelay(true);
     let own = slot.owner();
     let connection = Connection::new(stream, slot, config.write_timeout);
+    let draining = service.app.drain.listener();
     let task = match &config.tls {
-        None => tokio::spawn(answer(connection, service.clone(), end)),
+        None => tokio::spawn(answer(connection, service.clone(), draining)),
         Some(tls) => {
             let handshake = tokio::time::timeout(config.handshake_timeout, tls.0.accept(connection));
             let service = service.clone();
             tokio::spawn(async move {
                 match handshake.await {
-                    Ok(Ok(connection)) => answer(connection, service, end).await,
+                    Ok(Ok(connection)) => answer(connection, service, draining).await,
                     Ok(Err(_)) | Err(_) => service.app.metrics.connection_fault("handshake"),
                 }
             })
@@ -135,7 +138,7 @@ fn admit(stream: TcpStream, service: &Service, end: watch::Receiver<()>) {
 }
 
 /// Answers the requests of one connection; at the end, only that which came already.
-async fn answer<C>(connection: C, service: Service, mut end: watch::Receiver<()>)
+async fn answer<C>(connection: C, service: Service, mut draining: Draining)
 where
     C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
@@ -149,7 +152,7 @@ where
     let mut connection = std::pin::pin!(connection);
     let result = tokio::select! {
         result = connection.as_mut() => result,
-        _ = end.changed() => {
+        () = draining.begun() => {
             connection.as_mut().graceful_shutdown();
             connection.await
         }

@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use prometheus_client::metrics::counter::Counter;
+use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::convert;
+use super::metrics::Metrics;
 use super::problem::Problem;
-use crate::controller::{Command, Controller, Measurement, Memory};
+use crate::controller::{Controller, Memory};
 use crate::wire;
 
 /// A step that comes more than so many periods after the one before missed one.
@@ -22,46 +23,44 @@ pub struct Session {
     /// Ready to step.
     pub controller: Controller,
     memory: Option<Memory>,
-    last: Option<(wire::State, wire::StepAnswer)>,
+    last: watch::Sender<Option<Arc<wire::WatchedStep>>>,
     steps: u64,
     retries: u64,
     stepped: Option<Instant>,
     missed_periods: u64,
-    all_missed_periods: Counter,
+    /// When the last state came, or the session was opened.
     called: Instant,
 }
 
 impl Session {
-    /// Answers a state: by a step, or, for the state of the last call, by the same answer again.
-    pub fn answer(
-        &mut self,
-        state: &wire::State,
-        measurement: &Measurement,
-        describe: impl FnOnce(&Controller, &Command) -> wire::StepAnswer,
-    ) -> Result<wire::StepAnswer, Problem> {
-        if let Some((last, answer)) = &self.last {
-            if last == state {
+    /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
+    fn answer(&mut self, state: &wire::State, now: Instant, metrics: &Metrics) -> Result<wire::StepAnswer, Problem> {
+        let measurement = convert::measurement(state, &self.controller)?;
+        self.called = now;
+        if let Some(last) = &*self.last.borrow() {
+            if last.state == *state {
                 self.retries += 1;
-                return Ok(answer.clone());
+                return Ok(last.answer.clone());
             }
-            grows(last.sequence, state.sequence)?;
+            grows(last.state.sequence, state.sequence)?;
         }
         let command =
-            self.controller.step(&mut self.memory, measurement).map_err(|error| convert::step_problem(&error, ""))?;
-        let answer = describe(&self.controller, &command);
+            self.controller.step(&mut self.memory, &measurement).map_err(|error| convert::step_problem(&error, ""))?;
+        let answer = convert::step_answer(&self.controller, state.sequence, &command, now);
+        metrics.solved(&answer.solver);
         self.steps += 1;
-        self.count_missed_period();
-        self.last = Some((state.clone(), answer.clone()));
+        let since = self.stepped.replace(now).map(|before| now.duration_since(before));
+        if since.is_some_and(|since| since.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
+            self.missed_periods += 1;
+            metrics.missed_periods.inc();
+        }
+        self.last.send_replace(Some(Arc::new(wire::WatchedStep { state: state.clone(), answer: answer.clone() })));
         Ok(answer)
     }
 
-    /// Counts this step if it comes late; the session was called just now.
-    fn count_missed_period(&mut self) {
-        let since = self.stepped.replace(self.called).map(|before| self.called.duration_since(before));
-        if since.is_some_and(|since| since.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
-            self.missed_periods += 1;
-            self.all_missed_periods.inc();
-        }
+    /// Hears of every step, without holding it up.
+    pub fn watch(&self) -> watch::Receiver<Option<Arc<wire::WatchedStep>>> {
+        self.last.subscribe()
     }
 
     /// What `GET` shows.
@@ -69,7 +68,7 @@ impl Session {
         wire::SessionStatus {
             id: id.to_string(),
             controller: self.request.clone(),
-            last_sequence: self.last.as_ref().map(|(state, _)| state.sequence),
+            last_sequence: self.last.borrow().as_ref().map(|last| last.state.sequence),
             steps: self.steps,
             retries: self.retries,
             missed_periods: self.missed_periods,
@@ -91,31 +90,24 @@ pub fn grows(last: u64, now: u64) -> Result<(), Problem> {
 pub struct Sessions {
     limit: usize,
     idle_timeout: Duration,
-    missed_periods: Counter,
+    metrics: Arc<Metrics>,
     open: Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>,
 }
 
 impl Sessions {
-    /// None yet; `missed_periods` counts those of all sessions.
-    pub fn new(limit: usize, idle_timeout: Duration, missed_periods: Counter) -> Self {
-        Self { limit, idle_timeout, missed_periods, open: Mutex::default() }
+    /// None yet.
+    pub fn new(limit: usize, idle_timeout: Duration, metrics: Arc<Metrics>) -> Self {
+        Self { limit, idle_timeout, metrics, open: Mutex::default() }
     }
 
     /// How many have not ended.
     pub fn count(&self) -> usize {
-        self.not_ended().len()
-    }
-
-    /// Forgets those that ended.
-    fn not_ended(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
-        let mut open = lock(&self.open);
-        open.retain(|_, session| lock(session).called.elapsed() < self.idle_timeout);
-        open
+        self.end_idle().len()
     }
 
     /// Opens a session and returns its name.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
-        let mut sessions = self.not_ended();
+        let mut sessions = self.end_idle();
         if sessions.len() >= self.limit {
             return Err(Problem::too_many_sessions(self.limit));
         }
@@ -124,16 +116,33 @@ impl Sessions {
             request,
             controller,
             memory: None,
-            last: None,
+            last: watch::Sender::new(None),
             steps: 0,
             retries: 0,
             stepped: None,
             missed_periods: 0,
-            all_missed_periods: self.missed_periods.clone(),
             called: Instant::now(),
         };
         sessions.insert(id, Arc::new(Mutex::new(session)));
         Ok(id)
+    }
+
+    /// Ends the sessions that got no state for long, and lets go of their robots.
+    pub fn let_go(&self) {
+        drop(self.end_idle());
+    }
+
+    /// Ends the sessions that got no state for long; what is left.
+    fn end_idle(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+        let mut open = lock(&self.open);
+        open.retain(|_, session| lock(session).called.elapsed() < self.idle_timeout);
+        open
+    }
+
+    /// Answers a state of a session.
+    pub fn step(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, Problem> {
+        let now = Instant::now();
+        self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
 
     /// Lets `act` work on a session; other sessions are not held up meanwhile.
@@ -145,7 +154,6 @@ impl Sessions {
             // Removed when the next one is created; taking both locks here, in the other order, could deadlock.
             return Err(unknown(&id.to_string()));
         }
-        session.called = Instant::now();
         act(id, &mut session)
     }
 
@@ -166,4 +174,57 @@ fn unknown(id: &str) -> Problem {
 /// A panic while a lock was held is answered and counted elsewhere; the data, replaced whole, is still consistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::robots::Robots;
+
+    fn sessions() -> Sessions {
+        Sessions::new(2, Duration::from_mins(15), Arc::new(Metrics::new()))
+    }
+
+    fn open(sessions: &Sessions) -> String {
+        let request: wire::Controller =
+            serde_json::from_str(include_str!("../../api/examples/controller.json")).unwrap();
+        let controller = convert::controller(&request, &Robots::built_in()).unwrap();
+        sessions.create(request, controller).unwrap().to_string()
+    }
+
+    fn state() -> wire::State {
+        serde_json::from_str(include_str!("../../api/examples/state.json")).unwrap()
+    }
+
+    /// Lets all sessions wait for the longest time they may.
+    fn let_time_pass(sessions: &Sessions) {
+        for session in lock(&sessions.open).values() {
+            let mut session = lock(session);
+            session.called = session.called.checked_sub(sessions.idle_timeout).unwrap();
+        }
+    }
+
+    #[test]
+    fn an_idle_session_ends_and_makes_room() {
+        let sessions = sessions();
+        let (idle, busy) = (open(&sessions), open(&sessions));
+        let_time_pass(&sessions);
+        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).called = Instant::now();
+        assert!(sessions.step(&idle, &state()).unwrap_err().is_not_found());
+        assert!(sessions.step(&busy, &state()).is_ok());
+        open(&sessions);
+        assert_eq!(lock(&sessions.open).len(), 2);
+    }
+
+    #[test]
+    fn states_keep_a_session_and_looking_at_it_does_not() {
+        let sessions = sessions();
+        let id = open(&sessions);
+        let called = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).called;
+        let first = called();
+        sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
+        assert_eq!(called(), first);
+        sessions.step(&id, &state()).unwrap();
+        assert!(called() > first);
+    }
 }

@@ -6,11 +6,13 @@
 mod arm;
 mod environment;
 pub mod recording;
+mod request;
 mod run;
 mod scenario;
 mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
-pub use run::{CallMode, RunError, run};
+pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
+pub use run::{CallMode, RunError, run, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

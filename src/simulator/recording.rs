@@ -1,11 +1,14 @@
 //! What a run leaves behind.
 
+use std::io;
 use std::path::Path;
+
+use serde::Serialize;
 
 use crate::wire;
 
 /// One run of a scenario.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recording {
     /// Name of the scenario, as in `force_tracking`.
     pub scenario: String,
@@ -20,11 +23,12 @@ pub struct Recording {
     /// Joint names, n.
     pub joint_names: Vec<String>,
     /// One sample per control period.
+    #[serde(skip)]
     pub samples: Vec<Sample>,
 }
 
 /// One control period, as measured before the command.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sample {
     /// Simulated time, s.
     pub time_s: f64,
@@ -41,6 +45,7 @@ pub struct Sample {
     /// F_d, N, `None` where the axis is not force-controlled.
     pub target_force: [Option<f64>; 3],
     /// Distance to the wall, m, positive when free; `None` without a wall.
+    #[serde(rename = "wall_distance_m")]
     pub wall_distance: Option<f64>,
     /// Which way led to the command.
     pub path: wire::Path,
@@ -69,11 +74,16 @@ impl Recording {
 
     /// Writes one row per control period; units stand in the column names.
     pub fn write_csv(&self, path: &Path) -> Result<(), csv::Error> {
-        let mut table = csv::Writer::from_path(path)?;
+        let mut file = io::BufWriter::new(std::fs::File::create(path)?);
+        self.write_csv_header(&mut file)?;
+        write_csv_rows(&self.samples, &mut file)?;
+        Ok(io::Write::flush(&mut file)?)
+    }
+
+    /// Writes the names of the columns.
+    pub fn write_csv_header(&self, out: impl io::Write) -> Result<(), csv::Error> {
+        let mut table = csv::Writer::from_writer(out);
         table.write_record(self.columns())?;
-        for sample in &self.samples {
-            table.write_record(cells(sample))?;
-        }
         Ok(table.flush()?)
     }
 
@@ -97,6 +107,13 @@ impl Recording {
         columns.push("answered".to_owned());
         columns
     }
+}
+
+/// Writes one row per sample.
+pub fn write_csv_rows(samples: &[Sample], out: impl io::Write) -> Result<(), csv::Error> {
+    let mut table = csv::Writer::from_writer(out);
+    samples.iter().try_for_each(|sample| table.write_record(cells(sample)))?;
+    Ok(table.flush()?)
 }
 
 /// Numbers in the shortest form that reads back to the same bits.

@@ -1,16 +1,17 @@
 //! One run of a scenario against a service.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::arm::Arm;
 use super::environment::Environment;
 use super::recording::{Recording, Sample};
 use super::scenario::Scenario;
-use super::watchdog::{Obeyed, is_silence};
+use super::watchdog::{Obeyed, is_silence, pause};
 use crate::client::{Client, ClientError};
-use crate::kinematics::{Configuration, ConfigurationError};
-use crate::robot::{RobotModel, built_in};
+use crate::kinematics::{Configuration, ConfigurationError, NotUnitLength, pose};
+use crate::robot::{ModelError, RobotModel, built_in};
 use crate::wire;
 
 /// Who keeps the controller's memory.
@@ -27,8 +28,19 @@ pub enum CallMode {
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The simulator has no such arm.
-    #[error("the simulator has no robot `{0}`; it knows those that ship with the crate")]
-    UnknownRobot(String),
+    #[error("the simulator has no robot `{name}`; known: {known}; or give its file")]
+    UnknownRobot {
+        /// The name.
+        name: String,
+        /// Those that ship with the crate.
+        known: String,
+    },
+    /// The tool offset has no orientation.
+    #[error("controller.tool_offset: {0}")]
+    ToolOrientation(#[from] NotUnitLength),
+    /// The tool offset is not finite.
+    #[error("controller.tool_offset: {0}")]
+    Tool(#[from] ModelError),
     /// The start posture does not fit the robot.
     #[error("start_joint_position: {0}")]
     Start(ConfigurationError),
@@ -52,6 +64,12 @@ pub enum RunError {
         /// Velocities in the answer.
         given: usize,
     },
+    /// The caller asked for the end.
+    #[error("stopped at t = {time_s} s")]
+    Stopped {
+        /// Simulated time, s.
+        time_s: f64,
+    },
     /// The service gave no answer.
     #[error("at t = {time_s} s: {source}")]
     Service {
@@ -62,20 +80,38 @@ pub enum RunError {
     },
 }
 
-/// Runs the scenario, one call per control period; `progress` hears of every period that is done.
-///
-/// A service that falls silent in the middle does not end the run: the arm obeys the last answer for as long as that is
-/// valid, slows down to rest, and goes on with the next answer. Meanwhile periods take as long as they really do.
+/// Runs the scenario with a robot that ships with the crate, one call per control period; `progress` hears of every
+/// period that is done and may end the run.
 pub fn run(
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
-    mut progress: impl FnMut(u64),
+    progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Recording, RunError> {
-    let name = &scenario.controller.robot;
-    let robot = built_in().iter().find(|robot| robot.name() == name);
-    let robot = robot.ok_or_else(|| RunError::UnknownRobot(name.clone()))?;
-    let mut plant = Plant::new(scenario, robot)?;
+    run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
+}
+
+fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
+    let robot = built_in().iter().find(|robot| robot.name() == name).cloned();
+    robot.ok_or_else(|| {
+        let known: Vec<&str> = built_in().iter().map(|robot| robot.name()).collect();
+        RunError::UnknownRobot { name: name.to_owned(), known: known.join(", ") }
+    })
+}
+
+/// Runs the scenario with any robot; the service must know the same one by the name in the scenario's controller.
+///
+/// A service that falls silent in the middle does not end the run: the arm obeys the last answer for as long as that is
+/// valid, slows down to rest, and goes on with the next answer. Meanwhile periods take as long as they really do.
+pub fn run_robot(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    client: &Client,
+    mode: CallMode,
+    mut progress: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<Recording, RunError> {
+    let robot = with_tool(robot, &scenario.controller)?;
+    let mut plant = Plant::new(scenario, &robot)?;
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();
     let mut samples = Vec::new();
@@ -86,8 +122,10 @@ pub fn run(
         let now = match (caller.call(measured.state(sequence, time_s)), obeyed) {
             (Ok(answer), _) => Obeyed::new(answer, time_s),
             (Err(error), Some(before)) if is_silence(&error) => {
-                std::thread::sleep(Duration::from_secs_f64(scenario.period_s()));
-                before.still(time_s, robot, scenario.period_s())
+                if pause(scenario.period_s(), || progress(sequence)).is_break() {
+                    return Err(RunError::Stopped { time_s });
+                }
+                before.still(time_s, &robot, scenario.period_s())
             }
             (Err(source), _) => return Err(RunError::Service { time_s, source }),
         };
@@ -98,7 +136,9 @@ pub fn run(
         plant.arm.advance(&now.answer.joint_velocity, scenario.period_s());
         samples.push(measured.sample(time_s, &plant, scenario, &now));
         obeyed = Some(now);
-        progress(sequence + 1);
+        if progress(sequence + 1).is_break() {
+            return Err(RunError::Stopped { time_s });
+        }
     }
     let wall_time_s = start.elapsed().as_secs_f64();
     Ok(Recording {
@@ -112,6 +152,14 @@ pub fn run(
     })
 }
 
+/// The arm with its tool point where the controller says.
+fn with_tool(robot: &Arc<RobotModel>, controller: &wire::Controller) -> Result<Arc<RobotModel>, RunError> {
+    let Some(wire::Pose { position, orientation: wire::Orientation { w, x, y, z } }) = controller.tool_offset else {
+        return Ok(Arc::clone(robot));
+    };
+    Ok(Arc::new(robot.with_tool_offset(&pose(position, [w, x, y, z])?)?))
+}
+
 /// Arm and environment.
 struct Plant {
     robot: Arc<RobotModel>,
@@ -119,6 +167,8 @@ struct Plant {
     environment: Environment,
     start: [f64; 3],
     period_s: f64,
+    wrench_convention: wire::WrenchConvention,
+    wrench_frame: wire::WrenchFrame,
 }
 
 impl Plant {
@@ -131,6 +181,8 @@ impl Plant {
             environment: Environment::new(scenario.contacts.clone(), start),
             start,
             period_s: scenario.period_s(),
+            wrench_convention: scenario.controller.wrench_convention,
+            wrench_frame: scenario.controller.wrench_frame,
         })
     }
 
@@ -139,12 +191,28 @@ impl Plant {
             .map_err(|source| RunError::Diverged { time_s, source })?;
         let position = tool_position(&configuration);
         let [x, y, z, ..] = configuration.twist(self.arm.velocity());
+        let force = self.environment.force(position, [x, y, z], self.period_s);
         Ok(Measured {
             joint_position: self.arm.position().to_vec(),
             joint_velocity: self.arm.velocity().to_vec(),
             position,
-            force: self.environment.force(position, [x, y, z], self.period_s),
+            force,
+            sensed_force: self.sensed(force, &configuration),
         })
+    }
+
+    /// The force as a sensor gives it whose sign and axes are those that the controller expects.
+    fn sensed(&self, force: [f64; 3], configuration: &Configuration) -> [f64; 3] {
+        let force = match self.wrench_convention {
+            wire::WrenchConvention::OnEnvironment => force,
+            wire::WrenchConvention::OnTool => force.map(|entry| -entry),
+        };
+        match self.wrench_frame {
+            wire::WrenchFrame::Base => force,
+            wire::WrenchFrame::Tool => {
+                configuration.tool_pose().rotation.inverse_transform_vector(&force.into()).into()
+            }
+        }
     }
 }
 
@@ -157,7 +225,9 @@ struct Measured {
     joint_position: Vec<f64>,
     joint_velocity: Vec<f64>,
     position: [f64; 3],
+    /// On the environment, base axes.
     force: [f64; 3],
+    sensed_force: [f64; 3],
 }
 
 impl Measured {
@@ -167,7 +237,7 @@ impl Measured {
             time_s,
             joint_position: self.joint_position.clone().into(),
             joint_velocity: Some(self.joint_velocity.clone().into()),
-            wrench: Some(wire::Wrench { force: self.force, torque: [0.0; 3] }),
+            wrench: Some(wire::Wrench { force: self.sensed_force, torque: [0.0; 3] }),
         }
     }
 
@@ -196,7 +266,11 @@ impl Measured {
 fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>; 3] {
     let mut target = [None; 3];
     for (task, outcome) in scenario.controller.tasks.iter().zip(&answer.tasks) {
-        for (axis, &force) in task.axes.iter().zip(outcome.target_force.iter().flatten()) {
+        // Along other axes there is no force on x, y or z to tell.
+        if task.frame != wire::Frame::Base {
+            continue;
+        }
+        for (axis, &force) in task.axes.iter().flatten().zip(outcome.target_force.iter().flatten()) {
             if let Some(slot) = target.get_mut(*axis as usize) {
                 *slot = force;
             }

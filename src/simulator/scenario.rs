@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::arm::VelocityLoop;
 use super::environment::Contact;
-use crate::wire;
+use crate::wire::{self, object};
 
 /// An experiment: a controller, where the arm starts, what it touches, for how long.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,12 +21,13 @@ pub struct Scenario {
     /// q at the start, n, rad or m.
     pub start_joint_position: Vec<f64>,
     /// How the arm follows its commands.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object::deserialize")]
     pub velocity_loop: VelocityLoop,
     /// What the tool touches.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object::list")]
     pub contacts: Vec<Contact>,
     /// The controller, as in a request.
+    #[serde(deserialize_with = "object::deserialize")]
     pub controller: wire::Controller,
 }
 
@@ -86,15 +87,25 @@ pub const BUILT_IN_SCENARIOS: [(&str, &str); 4] =
     built_in!["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 impl Scenario {
+    /// A scenario that ships with the crate; never a file.
+    pub fn built_in(name: &str) -> Option<Result<Self, ScenarioError>> {
+        let (name, text) = BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name)?;
+        Some(Self::parse(text, name))
+    }
+
+    /// Names of the scenarios that ship with the crate.
+    pub fn names() -> String {
+        BUILT_IN_SCENARIOS.map(|(name, _)| name).join(", ")
+    }
+
     /// A scenario that ships with the crate, by name, or a file, by path.
     pub fn find(name_or_path: &str) -> Result<Self, ScenarioError> {
-        if let Some((name, text)) = BUILT_IN_SCENARIOS.iter().find(|(name, _)| *name == name_or_path) {
-            return Self::parse(text, name);
+        if let Some(scenario) = Self::built_in(name_or_path) {
+            return scenario;
         }
         let is_file = Path::new(name_or_path).extension().is_some_and(|ending| ending == "toml" || ending == "json");
         if !is_file {
-            let known = BUILT_IN_SCENARIOS.map(|(name, _)| name).join(", ");
-            return Err(ScenarioError::Unknown { name: name_or_path.to_owned(), known });
+            return Err(ScenarioError::Unknown { name: name_or_path.to_owned(), known: Self::names() });
         }
         let text = std::fs::read_to_string(name_or_path)
             .map_err(|source| ScenarioError::Read { path: name_or_path.to_owned(), source })?;
@@ -115,6 +126,35 @@ impl Scenario {
         }
     }
 
+    /// The controller with the scenario's own contacts and velocity loop as its environment, where it states none, so
+    /// that the service can warn. Several contacts on an axis add up.
+    pub fn controller_in_environment(&self) -> wire::Controller {
+        let along = |axis: usize| {
+            let contacts = self.contacts.iter().filter(|contact| contact.axis == axis);
+            contacts.fold(None, |sum: Option<wire::EnvironmentAxis>, contact| {
+                let sum = sum.unwrap_or(wire::EnvironmentAxis { stiffness: 0.0, damping: 0.0, inertia: 0.0 });
+                Some(wire::EnvironmentAxis {
+                    stiffness: sum.stiffness + contact.stiffness,
+                    damping: sum.damping + contact.damping,
+                    inertia: sum.inertia + contact.inertia,
+                })
+            })
+        };
+        let environment = wire::Environment {
+            x: along(0),
+            y: along(1),
+            z: along(2),
+            rx: None,
+            ry: None,
+            rz: None,
+            lag_s: self.velocity_loop.lag_s,
+            delay_periods: self.velocity_loop.delay_periods,
+            velocity_measured: true,
+        };
+        let stated = self.controller.environment.or(Some(environment));
+        wire::Controller { environment: stated, ..self.controller.clone() }
+    }
+
     /// T, s.
     pub fn period_s(&self) -> f64 {
         self.controller.period_s
@@ -126,7 +166,8 @@ impl Scenario {
         (self.duration_s / self.period_s()).round() as u64
     }
 
-    fn flaw(&self) -> Option<(&'static str, &'static str)> {
+    /// The first field that makes no sense, and why; numbers of the controller itself are the service's to judge.
+    pub fn flaw(&self) -> Option<(&'static str, &'static str)> {
         let finite = |v: f64| v.is_finite();
         let not_negative = |v: f64| v.is_finite() && v >= 0.0;
         let sound = |c: &Contact| {

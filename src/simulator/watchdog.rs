@@ -1,8 +1,15 @@
 //! What a client does that hears nothing from the service: it goes on for a while, then comes to rest.
 
+use std::ops::ControlFlow;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
 use crate::client::ClientError;
 use crate::robot::RobotModel;
 use crate::wire;
+
+/// Longest time without a look whether the run shall end.
+const BLINK: Duration = Duration::from_millis(50);
 
 /// The answer that the arm obeys.
 pub struct Obeyed {
@@ -41,5 +48,33 @@ pub fn is_silence(error: &ClientError) -> bool {
         ClientError::Refused { problem, .. } => {
             problem.status >= 500 || problem.status == 408 || problem.kind == "/problems/unknown-controller"
         }
+    }
+}
+
+/// Lets a period (s) pass as it really does, unless the run shall end.
+pub fn pause(period: f64, mut goes_on: impl FnMut() -> ControlFlow<()>) -> ControlFlow<()> {
+    let (start, period) = (Instant::now(), Duration::try_from_secs_f64(period).unwrap_or(Duration::MAX));
+    while let Some(left) = period.checked_sub(start.elapsed()) {
+        goes_on()?;
+        sleep(left.min(BLINK));
+    }
+    ControlFlow::Continue(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pause_lasts_a_period_or_until_the_run_shall_end() {
+        let start = Instant::now();
+        assert!(pause(0.06, || ControlFlow::Continue(())).is_continue());
+        assert!(start.elapsed() >= Duration::from_millis(60));
+        let mut looks = 0;
+        let stop = || {
+            looks += 1;
+            if looks == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        assert!(pause(f64::MAX, stop).is_break());
     }
 }

@@ -11,6 +11,16 @@ pub struct Task {
     pub jacobian: Matrix,
     /// ẋ_k, m_k; m/s for linear rows, rad/s for angular rows.
     pub velocity: Vector,
+    /// Where limits cut the task: `true` keeps its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; `false` leaves the
+    /// least residual, whatever its direction.
+    pub scaled: bool,
+}
+
+impl Task {
+    /// A task that limits may bend.
+    pub fn new(name: impl Into<String>, jacobian: Matrix, velocity: Vector) -> Self {
+        Self { name: name.into(), jacobian, velocity, scaled: false }
+    }
 }
 
 /// Why a stack is refused.

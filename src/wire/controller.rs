@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::object;
-use super::{Axis, Damping, LimitKind, Limits, Method, Solver, TargetPose, WrenchConvention};
+use super::{
+    Axis, Damping, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose, Solver,
+    WrenchConvention, WrenchFrame,
+};
 
 /// Robot, tasks with their laws, method, solver, limits, period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,9 +28,24 @@ pub struct Controller {
     /// Whose wrench the states carry.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
+    /// What the velocities must obey beside the limits.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub inequalities: Vec<Inequality>,
+    /// Along which axes they carry it.
+    #[serde(default)]
+    pub wrench_frame: WrenchFrame,
+    /// Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub tool_offset: Option<Pose>,
+    /// ζ̇, what the joints do as far as the tasks allow; rest if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub null_space_velocity: Option<NullSpaceVelocity>,
     /// Damping near singularities; 0.05 and 0.1 if left out, exact if `null`.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
+    /// What the tool touches; `POST /v1/controllers` warns where a loop with it is unstable, a stateless step does not.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
@@ -48,85 +66,21 @@ fn default_damping() -> Option<Damping> {
 pub struct ControllerTask {
     /// Name, unique in the controller.
     pub name: String,
-    /// Rows of the tool Jacobian.
-    pub axes: Vec<Axis>,
+    /// Rows of the tool Jacobian; every law but `posture` needs them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Vec<Axis>>,
+    /// Along which axes rows, displacements and wrench count.
+    #[serde(default)]
+    pub frame: Frame,
+    /// The point at which rows, pose and wrench count: x, y, z in the tool frame, m; the tool point if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_point: Option<[f64; 3]>,
     /// How the task's velocity is made.
     #[serde(deserialize_with = "object::deserialize")]
     pub law: Law,
-}
-
-/// How a task's velocity is made; lists have one entry per axis of the task.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Law {
-    /// ẋ as given.
-    Velocity {
-        /// ẋ, m/s and rad/s.
-        #[serde(deserialize_with = "object::deserialize")]
-        target_velocity: Profile,
-    },
-    /// Follow a force.
-    Force {
-        /// M_d, kg and kg·m².
-        inertia: Vec<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
-        damping: Vec<f64>,
-        /// F_d, N and N·m.
-        #[serde(deserialize_with = "object::deserialize")]
-        target_force: Profile,
-    },
-    /// Behave as mass, damper and spring about a pose.
-    Impedance {
-        /// M_d, kg and kg·m².
-        inertia: Vec<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
-        damping: Vec<f64>,
-        /// K_d, N/m and N·m/rad.
-        stiffness: Vec<f64>,
-        /// X_d.
-        #[serde(default)]
-        target_pose: TargetPose,
-    },
-    /// Some axes follow a force, the others a pose.
-    Hybrid {
-        /// M_d, kg and kg·m².
-        inertia: Vec<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
-        damping: Vec<f64>,
-        /// K_d, N/m and N·m/rad; counts on position-controlled axes.
-        stiffness: Vec<f64>,
-        /// S: true = position-controlled, false = force-controlled.
-        position_controlled: Vec<bool>,
-        /// F_d, N and N·m; counts on force-controlled axes.
-        #[serde(deserialize_with = "object::deserialize")]
-        target_force: Profile,
-        /// X_d.
-        #[serde(default)]
-        target_pose: TargetPose,
-    },
-}
-
-/// A set-point over time, one entry per axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Profile {
-    /// The same for ever.
-    Constant {
-        /// The value.
-        value: Vec<f64>,
-    },
-    /// offset + amplitude sin(ω t + φ).
-    Sine {
-        /// Mean value.
-        offset: Vec<f64>,
-        /// Swing.
-        amplitude: Vec<f64>,
-        /// ω, rad/s.
-        angular_frequency_rad_s: f64,
-        /// φ, rad.
-        #[serde(default)]
-        phase_rad: f64,
-    },
+    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scale: bool,
 }
 
 /// Answer to `POST /v1/controllers`.
@@ -136,8 +90,11 @@ pub struct CreatedController {
     pub id: String,
     /// Joint order of positions and velocities.
     pub joints: Vec<String>,
-    /// The session ends when it is not called for this long, s.
+    /// The session ends when it gets no state for this long, s; looking at it does not count.
     pub idle_timeout_s: u64,
+    /// What is likely to go wrong: axes whose loop with the stated environment is unstable, and what would help.
+    #[serde(default)]
+    pub warnings: Vec<String>,
 }
 
 /// Answer to `GET /v1/controllers/{id}`.

@@ -1,29 +1,47 @@
-//! The JSON bodies of the service, and nothing else.
+//! The bodies of the service, in JSON or MessagePack, and nothing else.
 //!
 //! SI units; the unit stands in the name where a bare number stands alone. Unknown and repeated fields are refused.
 //! Vectors of joints follow the robot's joint order, or name their joints.
 
+mod batch;
 mod controller;
+mod inequality;
 mod joints;
-mod object;
+mod kinematics;
+mod law;
+mod null_space;
+pub(crate) mod object;
 mod outcome;
 mod pose;
 mod problem;
+mod profile;
 mod resolve;
 mod robot;
+mod simulation;
 mod stability;
 mod step;
-mod string_or_map;
+pub(crate) mod string_or_map;
 mod terms;
+mod watch;
 
-pub use controller::{Controller, ControllerTask, CreatedController, Law, Profile, SessionStatus};
+pub use batch::{BatchAnswer, BatchItem, BatchRequest};
+pub use controller::{Controller, ControllerTask, CreatedController, SessionStatus};
+pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::JointVector;
+pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
+pub use law::{Law, PostureTarget};
+pub use null_space::{NullSpaceMotion, NullSpaceVelocity};
 pub use object::Object;
 pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
-pub use pose::{Orientation, Pose, TargetPose};
+pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;
+pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{ResolveAnswer, ResolveRequest, ResolveTask};
-pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList};
-pub use stability::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
+pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistration, RobotSource};
+pub use simulation::{Simulation, SimulationMetrics, SimulationState};
+pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
-pub use terms::{Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention};
+pub use terms::{
+    Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
+};
+pub use watch::WatchedStep;

@@ -17,6 +17,11 @@ pub struct TaskOutcome {
     pub residual_norm: f64,
     /// Rank of J_k.
     pub rank: usize,
+    /// Whether the task depends on lower ones: its rank and theirs add up to more than that of all together, Eq. (12).
+    pub algorithmic: bool,
+    /// s of a task with `"scale": true`, J_k q̇ = s ẋ_k; left out where no s keeps its direction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// F_d of this period per row, N and N·m, `null` where no force is followed; only in answers to a state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_force: Option<Vec<Option<f64>>>,
@@ -57,6 +62,9 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
+    /// Levels that Clarabel failed to solve; an exact active-set method stood in.
+    #[serde(default)]
+    pub failures: u32,
     /// Largest relative residual of the optimality conditions; `null` without an answer or beyond the numbers, never
     /// when `status` is `optimal`.
     pub kkt_residual: Option<f64>,

@@ -20,7 +20,7 @@ pub struct Orientation {
     pub z: f64,
 }
 
-/// A pose of the tool in the base frame.
+/// A pose, in the frame that its field names.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
@@ -37,7 +37,7 @@ pub enum TargetPose {
     /// `"initial"`: where the tool was at the first step.
     #[default]
     Initial,
-    /// A pose in the base frame.
+    /// A pose of the reference point, in the task's stated frame where it has one, else in the base.
     Fixed(Pose),
 }
 
@@ -63,6 +63,50 @@ impl StringOrMap for TargetPose {
         match text {
             "initial" => Ok(Self::Initial),
             _ => Err(E::unknown_variant(text, &["initial"])),
+        }
+    }
+
+    fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        Pose::deserialize(MapAccessDeserializer::new(map)).map(Self::Fixed)
+    }
+}
+
+/// Along which axes a task counts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Frame {
+    /// `"base"`: the axes of the base.
+    #[default]
+    Base,
+    /// `"tool"`: the axes of the tool, which turn with it.
+    Tool,
+    /// The axes of a frame with this pose in the base; target poses are counted in it.
+    Fixed(Pose),
+}
+
+impl Serialize for Frame {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Base => serializer.serialize_str("base"),
+            Self::Tool => serializer.serialize_str("tool"),
+            Self::Fixed(pose) => pose.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Frame {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        string_or_map::deserialize(deserializer)
+    }
+}
+
+impl StringOrMap for Frame {
+    const EXPECTED: &'static str = "`base`, `tool` or an object with `position` and `orientation`";
+
+    fn from_string<E: Error>(text: &str) -> Result<Self, E> {
+        match text {
+            "base" => Ok(Self::Base),
+            "tool" => Ok(Self::Tool),
+            _ => Err(E::unknown_variant(text, &["base", "tool"])),
         }
     }
 

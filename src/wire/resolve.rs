@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::object;
 use super::{
-    ActiveLimit, Axis, Damping, JointVector, Limits, Method, Singularity, Solver, SolverReport, TaskOutcome,
-    ViolatedLimit,
+    ActiveInequality, ActiveLimit, Axis, Damping, Frame, Inequality, JointVector, Limits, Method, NullSpaceVelocity,
+    Pose, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 
 /// Prioritised tasks at one posture.
@@ -36,12 +36,18 @@ pub struct ResolveRequest {
     /// Allowed joint velocities; default `position_velocity` with a robot and a period, else `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
+    /// What the velocities must obey beside the limits.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub inequalities: Vec<Inequality>,
     /// Damping near singularities; none (exact) if left out.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// ζ̇, rad/s or m/s, kept as far as the tasks allow; zero if left out.
+    /// Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub tool_offset: Option<Pose>,
+    /// ζ̇, what the joints do as far as the tasks allow; rest if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub null_space_velocity: Option<JointVector>,
+    pub null_space_velocity: Option<NullSpaceVelocity>,
 }
 
 /// One task: axes of the tool, or rows of its own.
@@ -54,11 +60,20 @@ pub struct ResolveTask {
     /// Rows of the tool Jacobian.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
+    /// Along which axes the rows count.
+    #[serde(default)]
+    pub frame: Frame,
+    /// The point at which they count: x, y, z in the tool frame, m; the tool point if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_point: Option<[f64; 3]>,
     /// Own rows, m × n.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// ẋ_k, m/s and rad/s, one entry per row.
     pub velocity: Vec<f64>,
+    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scale: bool,
 }
 
 /// Joint velocities and why they are what they are.
@@ -72,12 +87,22 @@ pub struct ResolveAnswer {
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks.
     pub violated_limits: Vec<ViolatedLimit>,
+    /// Inequalities that hold the answer back.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub active_inequalities: Vec<ActiveInequality>,
+    /// Inequalities that the answer breaks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violated_inequalities: Vec<ViolatedInequality>,
     /// Joints whose acceleration limit was overruled by position or velocity.
     pub limit_conflict: Vec<String>,
     /// How the answer was found.
     pub solver: SolverReport,
     /// How near the tasks are to singularities.
     pub singularity: Singularity,
+    /// H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end; only where
+    /// robot and posture are given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_limit_index: Option<f64>,
     /// Time to compute it, µs.
     pub elapsed_us: f64,
 }

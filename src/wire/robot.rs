@@ -11,6 +11,32 @@ pub struct RobotList {
     pub robots: Vec<Robot>,
 }
 
+/// `POST /v1/robots`: the chain of a URDF text from one link to another.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotRegistration {
+    /// Name by which requests will call it: letters, digits, `_`, `-` and `.`, at most 64.
+    pub name: String,
+    /// The text, `<robot …>`.
+    pub urdf: String,
+    /// Link that the arm stands on; the root of the tree if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<String>,
+    /// Link of the tool frame; the only leaf of the tree if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<String>,
+}
+
+/// How an arm was described.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RobotSource {
+    /// By a Denavit-Hartenberg row per joint.
+    DenavitHartenberg,
+    /// By a URDF text.
+    Urdf,
+}
+
 /// An arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
@@ -18,6 +44,8 @@ pub struct Robot {
     pub name: String,
     /// One line for people.
     pub description: String,
+    /// How it was described.
+    pub source: RobotSource,
     /// The joints, base first: the order of every vector of joints.
     pub joints: Vec<RobotJoint>,
 }

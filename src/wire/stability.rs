@@ -49,6 +49,40 @@ pub struct EnvironmentAxis {
     pub inertia: f64,
 }
 
+/// What a controller's tool touches and how the arm follows, as far as it is known: enough to be warned of a loop that
+/// bounces for ever. It changes no command.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    /// Along x, base axes.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub x: Option<EnvironmentAxis>,
+    /// Along y.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub y: Option<EnvironmentAxis>,
+    /// Along z.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub z: Option<EnvironmentAxis>,
+    /// About x.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub rx: Option<EnvironmentAxis>,
+    /// About y.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub ry: Option<EnvironmentAxis>,
+    /// About z.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub rz: Option<EnvironmentAxis>,
+    /// τ of the arm's velocity loop, s.
+    #[serde(default)]
+    pub lag_s: f64,
+    /// Whole periods that a command waits.
+    #[serde(default)]
+    pub delay_periods: usize,
+    /// Whether states will carry the measured joint velocity; otherwise the last command stands for it.
+    #[serde(default = "measured")]
+    pub velocity_measured: bool,
+}
+
 /// How stable the loop is, and how far it could go.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StabilityAnswer {

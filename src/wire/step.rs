@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::object;
-use super::{ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
+use super::{
+    ActiveInequality, ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome,
+    ViolatedInequality, ViolatedLimit,
+};
 
 /// The measured state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,7 +26,7 @@ pub struct State {
     pub wrench: Option<Wrench>,
 }
 
-/// Force and torque, base axes, at the tool point.
+/// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wrench {
@@ -75,13 +78,17 @@ pub struct FramePose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// A limit by joint and side.
+/// A limit by joint and side, or an inequality by name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveLimitName {
-    /// Joint name.
-    pub joint: String,
-    /// Which bound.
+    /// Joint name, for a bound of a joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Name of an inequality, for that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inequality: Option<String>,
+    /// Which bound; inequalities have an upper one.
     pub side: Side,
 }
 
@@ -95,7 +102,7 @@ pub struct StepAnswer {
     /// To be sent with the next state; only in stateless answers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// Without a newer answer, ramp to zero after this time, ms.
+    /// Time from the measurement of the state after which, without a newer answer, the arm is to ramp to zero, ms.
     pub valid_for_ms: u64,
     /// What became of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
@@ -103,12 +110,20 @@ pub struct StepAnswer {
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks.
     pub violated_limits: Vec<ViolatedLimit>,
+    /// Inequalities that hold the answer back.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub active_inequalities: Vec<ActiveInequality>,
+    /// Inequalities that the answer breaks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violated_inequalities: Vec<ViolatedInequality>,
     /// Joints whose acceleration limit was overruled by position or velocity.
     pub limit_conflict: Vec<String>,
     /// How the answer was found.
     pub solver: SolverReport,
     /// How near the tasks are to singularities.
     pub singularity: Singularity,
+    /// H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end.
+    pub joint_limit_index: f64,
     /// Time to compute it, µs.
     pub elapsed_us: f64,
 }

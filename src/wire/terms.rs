@@ -20,7 +20,7 @@ macro_rules! display_as_in_json {
 
 display_as_in_json!(Axis, Method, Solver, Path, Status, Side, LimitKind);
 
-/// One row of a twist, base axes, at the tool point.
+/// One row of a twist, at the point and along the axes of its task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {
@@ -124,6 +124,17 @@ pub enum WrenchConvention {
     OnEnvironment,
     /// What the environment exerts on the tool.
     OnTool,
+}
+
+/// Along which axes a state carries its wrench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WrenchFrame {
+    /// The axes of the base.
+    #[default]
+    Base,
+    /// The axes of the tool, as a wrist sensor gives it.
+    Tool,
 }
 
 /// Damping that sets in near a singularity.

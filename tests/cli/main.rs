@@ -5,6 +5,8 @@ mod load;
 mod program;
 mod resolve;
 mod restart;
+mod robot;
+mod scenarios;
 mod serve;
 mod settings;
 mod simulate;

@@ -1,8 +1,10 @@
 //! The service is killed in the middle of a simulation and started again at the same address.
 
+use std::ops::ControlFlow;
+
 use revprio::client::{Client, ClientError};
 use revprio::simulator::recording::{Recording, Sample};
-use revprio::simulator::{CallMode, Scenario, run};
+use revprio::simulator::{CallMode, RunError, Scenario, run};
 
 use crate::serve::Server;
 
@@ -27,10 +29,14 @@ fn interrupted(mode: CallMode) -> (Recording, Server) {
     let mut server = Some(Server::start());
     let url = server.as_ref().unwrap().url.clone();
     let address = url.trim_start_matches("http://").to_owned();
-    let recording = run(&scenario(), &Client::new(&url), mode, |done| match done {
-        KILLED => drop(server.take()),
-        STARTED => server = Some(Server::start_at(&address)),
-        _ => (),
+    let recording = run(&scenario(), &Client::new(&url), mode, |done| {
+        match done {
+            // Heard of again while the run waits for the server.
+            KILLED => drop(server.take()),
+            STARTED if server.is_none() => server = Some(Server::start_at(&address)),
+            _ => (),
+        }
+        ControlFlow::Continue(())
     });
     (recording.unwrap(), server.unwrap())
 }
@@ -86,6 +92,21 @@ fn a_client_whose_session_is_gone_comes_to_rest_and_is_told() {
 
 #[test]
 fn without_any_answer_there_is_no_run() {
-    let nobody = run(&scenario(), &Client::new("http://127.0.0.1:9"), CallMode::Stateless, |_| ());
+    let nobody =
+        run(&scenario(), &Client::new("http://127.0.0.1:9"), CallMode::Stateless, |_| ControlFlow::Continue(()));
     assert!(nobody.unwrap_err().to_string().contains("no answer from"));
+}
+
+#[test]
+fn a_run_that_waits_for_a_server_can_be_stopped() {
+    let mut server = Some(Server::start());
+    let url = server.as_ref().unwrap().url.clone();
+    let mut calls = 0;
+    let stopped = run(&scenario(), &Client::new(&url), CallMode::Stateless, |done| {
+        server.take_if(|_| done == 5);
+        calls += u64::from(done == 5);
+        // Once when the period was done, then from within the wait for the next one.
+        if calls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert!(matches!(stopped, Err(RunError::Stopped { .. })), "{:?}", stopped.map(drop));
 }

@@ -15,16 +15,20 @@ pub struct Server {
 impl Server {
     /// Starts on a free port and reads the address off the first line.
     pub fn start() -> Self {
-        Self::start_at("127.0.0.1:0")
+        Self::start_with(&[])
     }
 
     /// Starts at an address.
     pub fn start_at(address: &str) -> Self {
-        Self::start_with(address, &[])
+        Self::launch(address, &[])
     }
 
-    /// Starts at an address with further flags.
-    fn start_with(address: &str, flags: &[&str]) -> Self {
+    /// Starts on a free port with further flags.
+    pub fn start_with(flags: &[&str]) -> Self {
+        Self::launch("127.0.0.1:0", flags)
+    }
+
+    fn launch(address: &str, flags: &[&str]) -> Self {
         let mut command = program(&[&["serve", "--listen", address], flags].concat());
         let mut process = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut line = String::new();
@@ -50,8 +54,8 @@ impl Server {
         self.process.wait().unwrap()
     }
 
-    /// The answer to a bare request, after which the connection ends.
-    fn get(&self, path: &str) -> String {
+    /// The whole answer to a bare request, after which the connection ends.
+    pub fn get(&self, path: &str) -> String {
         let mut stream = TcpStream::connect(self.address()).unwrap();
         let request = format!("GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n");
         stream.write_all(request.as_bytes()).unwrap();
@@ -88,7 +92,7 @@ fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
 #[test]
 #[cfg(unix)]
 fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
-    let mut server = Server::start_with("127.0.0.1:0", &["--drain-delay-s", "2", "--drain-timeout-s", "20"]);
+    let mut server = Server::start_with(&["--drain-delay-s", "2", "--drain-timeout-s", "20"]);
     let body = include_str!("../../api/examples/resolve.json");
     let (first, rest) = body.split_at(20);
     let mut in_flight = TcpStream::connect(server.address()).unwrap();
@@ -140,7 +144,7 @@ fn log_lines_are_json_with_the_name_of_the_request_if_asked_for() {
 fn commands_show_the_token_to_a_server_that_asks_for_one() {
     let scratch = Scratch::new("client_token");
     let token = scratch.write("token", "secret");
-    let server = Server::start_with("127.0.0.1:0", &["--token-file", &token]);
+    let server = Server::start_with(&["--token-file", &token]);
     let arguments = ["resolve", "api/examples/resolve.json", "--server", &server.url];
     assert!(failure(&arguments).contains("(401)"));
     assert!(program(&arguments).env("REVPRIO_TOKEN_FILE", &token).output().unwrap().status.success());

@@ -3,6 +3,7 @@
 use std::process::{Command, Output};
 
 use crate::program::{Scratch, failure, program, success};
+use crate::serve::Server;
 
 /// `config` with this environment.
 fn config(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
@@ -100,6 +101,21 @@ fn serve_refuses_what_would_not_be_safe() {
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--token-file", &empty]).contains("is empty"));
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--tls-cert", &empty]).contains("needs tls_key"));
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--log-level", "a=b=c"]).contains("log_level"));
+}
+
+#[test]
+fn robots_of_ones_own_are_settings_too() {
+    let scratch = Scratch::new("settings_robot");
+    let file = scratch.write("service.toml", "robot = [\"fixtures/robots/planar_3r.urdf,name=mine\"]");
+    let flag = ["--robot", "fixtures/robots/planar_3r.urdf,name=a,tip=tool", "--robot", "other.toml"];
+    let of_flags = r#"robot = ["fixtures/robots/planar_3r.urdf,name=a,tip=tool", "other.toml"] # flag"#;
+    assert_eq!(line(&config(&flag, &[]), "robot"), of_flags);
+    let of_environment = r#"robot = ["arm.urdf,tip=hand"] # environment, REVPRIO_ROBOT"#;
+    assert_eq!(line(&config(&[], &[("REVPRIO_ROBOT", "arm.urdf,tip=hand")]), "robot"), of_environment);
+    assert!(Server::start_with(&["--config", &file]).get("/v1/robots/mine").starts_with("HTTP/1.1 200 "));
+    let wrong = scratch.write("wrong.toml", "robot = [\"a.urdf,tool=b\"]");
+    assert!(refusal(&config(&["--config", &wrong], &[])).contains("`tool=b` is none of"));
+    assert!(failure(&["serve", "--robot", "no_such.urdf"]).contains("no_such.urdf"));
 }
 
 #[test]

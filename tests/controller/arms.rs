@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TargetPose, TaskConfig, WrenchConvention,
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows, ToolRows,
+    WrenchConvention, WrenchFrame,
 };
 use revprio::kinematics::{Axis, AxisSelection, Configuration};
-use revprio::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, Profile};
+use revprio::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio::limits::LimitKind;
 use revprio::linalg::Damping;
 use revprio::resolution::{Method, Solver};
@@ -63,13 +64,23 @@ pub fn impedance(axes: &[Axis], stiffness: f64) -> Law {
     Law::Impedance(ImpedanceLaw::new(gains(axes, stiffness)))
 }
 
+/// Towards X_d with the same gain on every row.
+pub fn position(rows: usize, gain: f64) -> Law {
+    Law::Position(PositionLaw::new(vec![gain; rows]).unwrap())
+}
+
 pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled: &[bool]) -> Law {
     Law::Hybrid(HybridLaw::new(gains(axes, stiffness), constant(target), position_controlled.to_vec()).unwrap())
 }
 
 pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
     let name = axes.iter().map(|axis| format!("{axis:?}")).collect::<Vec<_>>().concat();
-    TaskConfig { name, axes: AxisSelection::new(axes).unwrap(), law, target_pose: TargetPose::Initial }
+    TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law, scaled: false }
+}
+
+/// Base axes at the tool point, about the initial pose.
+pub fn tool_rows(axes: &[Axis]) -> ToolRows {
+    ToolRows::new(AxisSelection::new(axes).unwrap())
 }
 
 /// Reverse priority, `auto`, standard damping, without limits.
@@ -81,7 +92,10 @@ pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConf
         solver: Solver::Auto,
         damping: Some(Damping::STANDARD),
         limits: Limits::Robot(LimitKind::None),
+        barriers: Vec::new(),
         wrench_convention: WrenchConvention::OnEnvironment,
+        wrench_frame: WrenchFrame::Base,
+        null_space: None,
         tasks,
     }
 }

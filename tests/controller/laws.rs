@@ -1,14 +1,14 @@
 //! What the laws make of a free arm, a push and each other.
 
 use nalgebra::{Rotation3, Translation3, Vector3};
-use revprio::controller::{TargetPose, TaskConfig, WrenchConvention};
+use revprio::controller::{TargetPose, TaskConfig, TaskRows, ToolRows, WrenchConvention};
 use revprio::kinematics::{Axis, Configuration};
 use revprio::law::Law;
 use revprio::robot::JointLimits;
 
 use super::arms::{
     Loop, NOMINAL, PERIOD, Random, config, controller, force, gains, gantry, hybrid, impedance, measurement, sawyer,
-    task,
+    task, tool_rows,
 };
 
 #[test]
@@ -87,7 +87,8 @@ fn an_impedance_about_a_fixed_pose_leads_there() {
     let mut goal = *Loop::at_rest(&NOMINAL).configuration(&robot).tool_pose();
     goal.append_translation_mut(&Translation3::new(0.03, -0.02, 0.04));
     goal.rotation = Rotation3::new(Vector3::new(0.1, -0.05, 0.02)) * goal.rotation;
-    let fixed = TaskConfig { target_pose: TargetPose::Fixed(goal), ..task(&Axis::ALL, impedance(&Axis::ALL, 500.0)) };
+    let rows = ToolRows { target_pose: TargetPose::Fixed(goal), ..tool_rows(&Axis::ALL) };
+    let fixed = TaskConfig { rows: TaskRows::Tool(rows), ..task(&Axis::ALL, impedance(&Axis::ALL, 500.0)) };
     let controller = controller(config(&robot, vec![fixed]));
     let mut arm = Loop::at_rest(&NOMINAL);
     (0..15_000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));

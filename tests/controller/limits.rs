@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use revprio::controller::{Command, Controller, ControllerConfig, Limits, Measurement, Memory};
+use revprio::controller::{Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows};
 use revprio::kinematics::Axis;
 use revprio::limits::{LimitKind, robot_box};
 use revprio::linalg::{Damping, Vector};
@@ -39,8 +39,12 @@ fn adversary(robot: &Arc<RobotModel>, random: &mut Random) -> Controller {
 fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
     let robot = &controller.config().robot;
     let (configuration, twist) = (arm.configuration(robot), arm.twist(robot));
+    let rows = |task: &TaskConfig| match &task.rows {
+        TaskRows::Tool(rows) => rows.axes.entries_of(&twist),
+        TaskRows::Joints(_) => panic!("no task of these tests is about joints"),
+    };
     Memory {
-        task_velocities: controller.config().tasks.iter().map(|task| task.axes.entries_of(&twist)).collect(),
+        task_velocities: controller.config().tasks.iter().map(rows).collect(),
         initial_pose: *configuration.tool_pose(),
         last_command: arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone()),
         active_set: Vec::new(),

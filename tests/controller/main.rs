@@ -2,6 +2,9 @@
 
 mod anti_windup;
 mod arms;
+mod frames;
 mod laws;
 mod limits;
 mod memory;
+mod positions;
+mod targets;

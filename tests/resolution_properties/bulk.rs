@@ -4,7 +4,7 @@ use revprio::linalg::Vector;
 use revprio::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status, resolve};
 use revprio::task::TaskStack;
 
-use crate::problems::{EXTREME, Family, Random, WIDE, damping, problem, speed, with};
+use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed, with};
 
 /// The largest error of one kind, and how often it was beyond its limit.
 #[derive(Debug, Default, Clone, Copy)]
@@ -52,6 +52,13 @@ fn any_problem(random: &mut Random, family: Family) -> Problem {
     ]);
     let mut problem = problem(random, family, method);
     problem.damping = random.one_in(3).then(|| damping(random));
+    if random.one_in(5) {
+        problem.inequalities = inequalities(random, problem.tasks.joint_count());
+    }
+    if random.one_in(5) {
+        let choice = random.bits();
+        problem = scaled(&problem, |k| choice >> k & 1 == 1);
+    }
     problem
 }
 
@@ -97,7 +104,7 @@ impl Findings {
 
     fn against_closed_form(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
         let closed = resolve(&with(problem, Solver::ClosedForm), &[]).unwrap();
-        if problem.limits.violation(&closed.joint_velocity) == 0.0 {
+        if closed.violated_limits.is_empty() && closed.violated_inequalities.is_empty() {
             self.inside += 1;
             let error = distance(&closed.joint_velocity, &qp.joint_velocity, speed(problem));
             self.closed_form.add(seed, error, 1e-9);
@@ -106,10 +113,10 @@ impl Findings {
 
     fn first_task(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
         let priorities = matches!(problem.method, Method::ReversePriority | Method::StrictReversePriority);
-        if !priorities || problem.damping.is_some() {
+        let first = &problem.tasks.tasks()[0];
+        if !priorities || problem.damping.is_some() || first.scaled {
             return;
         }
-        let first = &problem.tasks.tasks()[0];
         let tasks = TaskStack::new(vec![first.clone()]).unwrap();
         let alone = resolve(&Problem { tasks, ..with(problem, Solver::Qp) }, &[]).unwrap();
         let size = first.velocity.norm() + first.jacobian.norm() * (qp.joint_velocity.norm() + speed(problem)) + 1e-5;
@@ -129,8 +136,8 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
 
 /// `outliers`: how many answers may be beyond the limit that all others keep, and `worst`: by how much.
 ///
-/// Some are: where damping acts on a singular value of some 1e-8, the cascade recovers a velocity by dividing rounding by
-/// that value, while the closed form does not.
+/// In 10⁶ some are: where damping acts on a singular value of some 1e-8, the cascade recovers a velocity by dividing
+/// rounding by that value, while the closed form does not.
 fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
     assert_eq!(findings.residual.beyond, 0, "not certified: {:?}", findings.residual);
     assert_eq!(findings.excess.beyond, 0, "limit exceeded: {:?}", findings.excess);
@@ -145,7 +152,7 @@ fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
 fn quarter(start: u64) {
     let findings = examine(WIDE, start..start + 25_000);
     assert!(findings.inside > 3_000 && findings.guessed > 8_000, "the problems are one-sided: {findings:?}");
-    all_properties_hold(&findings, 6, 1e-6);
+    all_properties_hold(&findings, 0, 1e-8);
 }
 
 #[test]

@@ -12,12 +12,12 @@ use crate::reference::{Level, levels, pinv_own, unlimited};
 fn solve(tasks: &TaskStack, method: Method, damping: Option<Damping>) -> Vector {
     let limits = VelocityBox::unbounded(tasks.joint_count());
     let solver = Solver::ClosedForm;
-    let problem = Problem { tasks: tasks.clone(), limits, method, solver, damping, null_space_velocity: None };
+    let problem = Problem { limits, method, solver, damping, ..Problem::new(tasks.clone()) };
     resolve(&problem, &[]).unwrap().joint_velocity
 }
 
 fn task(rows: Matrix, velocity: Vector) -> Task {
-    Task { name: String::new(), jacobian: rows, velocity }
+    Task::new("", rows, velocity)
 }
 
 fn row(entries: &[f64], velocity: f64) -> Task {
@@ -141,7 +141,7 @@ fn the_singularity_robust_form_equals_the_printed_equation_and_its_cascade() {
         for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
             let limits = VelocityBox::unbounded(tasks.joint_count());
             let (tasks, method) = (tasks.clone(), Method::SingularityRobust);
-            let problem = Problem { tasks, limits, method, solver, damping: None, null_space_velocity: None };
+            let problem = Problem { limits, method, solver, ..Problem::new(tasks) };
             let answer = resolve(&problem, &[]).unwrap();
             assert!((&answer.joint_velocity - &expected).amax() < 1e-10, "{solver:?}");
             assert!(answer.tasks[0].residual_norm < 1e-10);

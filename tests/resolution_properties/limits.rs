@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use revprio::limits::VelocityBox;
-use revprio::linalg::Vector;
+use revprio::linalg::{Matrix, Vector};
 use revprio::resolution::{Method, Problem, Solver, resolve};
 use revprio::task::{Task, TaskStack};
 
@@ -47,17 +47,14 @@ fn trajectory_start(random: &mut Random, method: Method) -> Problem {
     let n = 2 + random.below(6);
     let task = |k: usize, random: &mut Random| {
         let m = 1 + random.below(2);
-        Task {
-            name: format!("task {k}"),
-            jacobian: revprio::linalg::Matrix::from_fn(m, n, |_, _| random.unit()),
-            velocity: Vector::from_fn(m, |_, _| 2.0 * random.unit()),
-        }
+        let jacobian = Matrix::from_fn(m, n, |_, _| random.unit());
+        Task::new(format!("task {k}"), jacobian, Vector::from_fn(m, |_, _| 2.0 * random.unit()))
     };
     let tasks = TaskStack::new((0..3).map(|k| task(k, random)).collect()).unwrap();
     let limits = problem(random, WIDE, method).limits;
     let limits =
         if limits.joint_count() == n { limits } else { VelocityBox::new(&vec![-0.4; n], &vec![0.5; n]).unwrap() };
-    Problem { tasks, limits, method, solver: Solver::Auto, damping: None, null_space_velocity: None }
+    Problem { limits, method, ..Problem::new(tasks) }
 }
 
 proptest! {
@@ -122,22 +119,12 @@ fn numbers_near_the_ends_of_their_range_never_give_an_unsafe_command() {
 #[test]
 fn a_limit_that_only_a_corner_satisfies_is_no_trouble() {
     // q̇₁ + q̇₂ = 2 in a box of ±1 leaves one point, without a multiplier that would tell.
-    let task = |row: &[f64], velocity: f64| Task {
-        name: String::new(),
-        jacobian: revprio::linalg::Matrix::from_row_slice(1, 2, row),
-        velocity: Vector::from_element(1, velocity),
-    };
+    let task =
+        |row: &[f64], velocity| Task::new("", Matrix::from_row_slice(1, 2, row), Vector::from_element(1, velocity));
     let tasks = TaskStack::new(vec![task(&[1.0, 1.0], 2.0), task(&[1.0, -1.0], 5.0)]).unwrap();
     let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
     for (method, solver) in METHODS.into_iter().flat_map(|m| [(m, Solver::Qp), (m, Solver::Auto)]) {
-        let problem = Problem {
-            tasks: tasks.clone(),
-            limits: limits.clone(),
-            method,
-            solver,
-            damping: None,
-            null_space_velocity: None,
-        };
+        let problem = Problem { limits: limits.clone(), method, solver, ..Problem::new(tasks.clone()) };
         let answer = resolve(&problem, &[]).unwrap();
         assert!((&answer.joint_velocity - Vector::repeat(2, 1.0)).amax() <= 1e-12, "{answer:?}");
     }

@@ -5,6 +5,8 @@
 
 mod bulk;
 mod equations;
+mod inequalities;
 mod limits;
 mod problems;
 mod reference;
+mod scaling;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use revprio::kinematics::Configuration;
-use revprio::limits::VelocityBox;
+use revprio::limits::{Inequality, VelocityBox};
 use revprio::linalg::{Damping, Matrix, Vector};
 use revprio::resolution::{Method, Problem, Solver};
 use revprio::robot::built_in;
@@ -76,7 +76,7 @@ pub fn problem(random: &mut Random, family: Family, method: Method) -> Problem {
     let limits = limits(random, n, family, integers);
     let tasks = tasks(random, n, family, integers, &limits);
     let null_space_velocity = random.one_in(4).then(|| Vector::from_fn(n, |_, _| entry(random, integers)));
-    Problem { tasks, limits, method, solver: Solver::Auto, damping: None, null_space_velocity }
+    Problem { limits, method, null_space_velocity, ..Problem::new(tasks) }
 }
 
 fn entry(random: &mut Random, integers: bool) -> f64 {
@@ -84,7 +84,9 @@ fn entry(random: &mut Random, integers: bool) -> f64 {
 }
 
 fn tasks(random: &mut Random, n: usize, family: Family, integers: bool, limits: &VelocityBox) -> TaskStack {
-    let count = 1 + random.below(5);
+    // Eight is more than an arm has use for.
+    let most = if family.joints > 4 && random.one_in(4) { 8 } else { 5 };
+    let count = 1 + random.below(most);
     let sawyer = (n == 7 && !integers && !random.one_in(4)).then(|| sawyer_jacobian(random));
     let target = corner(random, limits);
     let mut rows: Vec<Vector> = Vec::new();
@@ -99,7 +101,7 @@ fn tasks(random: &mut Random, n: usize, family: Family, integers: bool, limits: 
             rows.push(new);
         }
         let velocity = velocity(random, &jacobian, &target, integers, family);
-        tasks.push(Task { name: format!("task {}", k + 1), jacobian, velocity });
+        tasks.push(Task::new(format!("task {}", k + 1), jacobian, velocity));
     }
     TaskStack::new(tasks).unwrap()
 }
@@ -208,6 +210,30 @@ pub fn damping(random: &mut Random) -> Damping {
     } else {
         Damping::new(0.5 * random.unit().abs() + 0.01, random.unit().abs()).unwrap()
     }
+}
+
+/// A few inequalities, among them some that forbid standstill, repeat or contradict each other.
+pub fn inequalities(random: &mut Random, n: usize) -> Vec<Inequality> {
+    let mut rows: Vec<Vector> = Vec::new();
+    for _ in 0..=random.below(3) {
+        let row = match rows.last() {
+            Some(last) if random.one_in(4) => -last,
+            _ => Vector::from_fn(n, |_, _| random.unit()) * random.decade(2),
+        };
+        rows.push(row);
+    }
+    let bound = |random: &mut Random, row: &Vector| row.norm() * random.pick(&[-0.3, 0.0, 0.1, 0.5, 2.0]);
+    rows.into_iter()
+        .enumerate()
+        .map(|(i, row)| Inequality::new(i.to_string(), row.as_slice().to_vec(), bound(random, &row)).unwrap())
+        .collect()
+}
+
+/// The problem with the tasks that `choose` picks to be scaled.
+pub fn scaled(problem: &Problem, choose: impl Fn(usize) -> bool) -> Problem {
+    let task = |(k, task): (usize, &Task)| Task { scaled: choose(k), ..task.clone() };
+    let tasks = TaskStack::new(problem.tasks.tasks().iter().enumerate().map(task).collect()).unwrap();
+    Problem { tasks, ..problem.clone() }
 }
 
 /// A copy that another solver solves.

@@ -71,6 +71,19 @@ impl Service {
         Answer::of(request.send(body).unwrap())
     }
 
+    /// Any request; what comes back, byte for byte.
+    pub fn exchange(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Response<Vec<u8>> {
+        let mut request = ureq::http::Request::builder().method(method).uri(self.url() + path);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let answer = match method {
+            "GET" => self.agent.run(request.body(()).unwrap()),
+            _ => self.agent.run(request.body(body).unwrap()),
+        };
+        answer.unwrap().map(|body| body.into_with_config().limit(100 << 20).read_to_vec().unwrap())
+    }
+
     /// Answer to a body that must be accepted.
     pub fn ask(&self, path: &str, body: &Value) -> Value {
         self.post(path, &body.to_string()).accepted()

@@ -1,5 +1,7 @@
 //! Where the controller's memory is kept makes no difference, to the last bit.
 
+use std::ops::ControlFlow;
+
 use revprio::client::Client;
 use revprio::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
@@ -51,13 +53,37 @@ fn session_and_travelling_memory_give_the_same_bytes() {
     }
 }
 
+/// A controller with everything that a period can depend on: moving targets, other frames, joints, null space.
+fn manifold() -> Value {
+    let path = json!({"kind": "waypoints", "points": [{"time_s": 0.0, "value": 0.0},
+        {"time_s": 0.1, "value": [0.01, -0.02]}, {"time_s": 0.2, "value": 0.005}]});
+    json!({"robot": "sawyer_dh", "period_s": 0.001, "wrench_frame": "tool",
+        "tool_offset": {"position": [0.0, 0.02, 0.1], "orientation": {"w": 0.8, "x": 0.0, "y": 0.6, "z": 0.0}},
+        "null_space_velocity": {"kind": "joint_limits", "gain": 2.5},
+        "tasks": [
+            {"name": "yield", "axes": ["x", "rz"], "frame": "tool", "reference_point": [0.0, 0.01, 0.2], "law":
+                {"kind": "impedance", "inertia": 15, "damping": 150, "stiffness": [1000, 200], "target_displacement": path}},
+            {"name": "go", "axes": ["y"], "frame": {"position": [0.1, 0.2, 0.3], "orientation":
+                {"w": 0.6, "x": 0.0, "y": 0.0, "z": 0.8}}, "law": {"kind": "pose", "gain": 3.7}},
+            {"name": "rest", "law": {"kind": "posture", "gain": 1.3, "target_position": "mid_range"}}]})
+}
+
+#[test]
+fn moving_targets_frames_and_postures_need_no_more_memory() {
+    let service = Service::start();
+    let (session, memory) = (by_session(&service, &manifold()), by_memory(&service, &manifold()));
+    assert_eq!(session.iter().zip(&memory).find(|(a, b)| a != b), None);
+    let shown = service.get(&service.open(&manifold())).accepted()["controller"].clone();
+    assert_eq!(by_session(&service, &shown), session, "the shown controller is another one");
+}
+
 #[test]
 fn the_simulated_arm_moves_the_same_way_in_both_modes() {
     let service = Service::start();
     let mut scenario = Scenario::find("stiff_wall").unwrap();
     scenario.duration_s = 0.45;
     let client = Client::new(&service.url());
-    let samples = |mode| format!("{:?}", run(&scenario, &client, mode, |_| ()).unwrap().samples);
+    let samples = |mode| format!("{:?}", run(&scenario, &client, mode, |_| ControlFlow::Continue(())).unwrap().samples);
     assert!(samples(CallMode::Session) == samples(CallMode::Stateless), "the two runs differ");
 }
 

@@ -59,6 +59,47 @@ fn solver_paths_statuses_and_iterations_are_counted() {
 }
 
 #[test]
+fn items_of_batches_and_messages_of_streams_count_like_requests() {
+    let service = Service::start();
+    let item = example("resolve.json");
+    let mut wrong = item.clone();
+    wrong["joint_position"] = json!([0]);
+    service.ask("/v1/resolve/batch", &json!({"items": [item, item, wrong]}));
+    let session = service.open(&example("controller.json"));
+    let request = service.url().replace("http", "ws") + &session + "/stream";
+    let (mut stream, _) = tungstenite::client(request, service.connect()).unwrap();
+    let mut ask = |text: String| {
+        stream.send(tungstenite::Message::text(text)).unwrap();
+        stream.read().unwrap().into_text().unwrap()
+    };
+    let answer: Value = serde_json::from_str(&ask(example("state.json").to_string())).unwrap();
+    // The same again is a retry, no step.
+    ask(example("state.json").to_string());
+    assert!(ask("{".to_owned()).contains("/problems/malformed"));
+    let path = |answer: &Value| answer["solver"]["path"].as_str().unwrap().to_owned();
+    let (of_item, of_step) = (path(&service.ask("/v1/resolve", &item)), path(&answer));
+    let solved =
+        |path: &str| metric(&service, &format!(r#"revprio_resolutions_total{{path="{path}",status="optimal"}}"#));
+    if of_item == of_step {
+        assert_eq!(solved(&of_item), 4.0);
+    } else {
+        assert_eq!((solved(&of_item), solved(&of_step)), (3.0, 1.0));
+    }
+    let route = "/v1/controllers/{id}/stream";
+    for (name, value) in [
+        (r#"revprio_problems_total{type="invalid"}"#.to_owned(), 1.0),
+        (r#"revprio_problems_total{type="malformed"}"#.to_owned(), 1.0),
+        ("revprio_clarabel_failures_total".to_owned(), 0.0),
+        // The stream is still open: it counted when it was let in.
+        (format!(r#"revprio_requests_total{{route="{route}",status="101"}}"#), 1.0),
+        (format!(r#"revprio_request_duration_seconds_count{{route="{route}"}}"#), 1.0),
+    ] {
+        assert_eq!(metric(&service, &name), value, "{name}");
+    }
+    assert!(metric(&service, &format!(r#"revprio_request_duration_seconds_sum{{route="{route}"}}"#)) < 0.1);
+}
+
+#[test]
 fn a_step_that_comes_late_is_counted_in_its_session_and_in_all() {
     let service = Service::start();
     let mut controller = example("controller.json");

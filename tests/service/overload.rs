@@ -58,6 +58,29 @@ fn large_bodies_share_the_room_and_small_ones_do_not_need_it() {
 }
 
 #[test]
+fn a_batch_takes_the_room_of_as_many_bodies_as_it_has_mebibytes() {
+    let service = Service::with(ServiceConfig { max_large_bodies: 4, ..ServiceConfig::default() });
+    let body = example("resolve.json").to_string();
+    let large = body.clone() + &" ".repeat(100_000);
+    let batch = |spaces: usize| format!(r#"{{"items": [{body}]}}"#) + &" ".repeat(spaces);
+    // More than all the room is all of it.
+    service.post("/v1/resolve/batch", &batch(6 << 20)).accepted();
+    let mut open = service.connect();
+    open.write_all(
+        b"POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 4000000\r\n\r\n",
+    )
+    .unwrap();
+    open.write_all(&vec![b' '; 3_500_000]).unwrap();
+    let refused = (0..200).any(|_| {
+        std::thread::sleep(Duration::from_millis(10));
+        service.post("/v1/resolve", &large).flaw(503, None).is_none()
+    });
+    assert!(refused);
+    service.post("/v1/resolve/batch", &batch(0)).accepted();
+    service.post("/v1/resolve/batch", &batch(17 << 20)).assert_refused(413, None);
+}
+
+#[test]
 fn for_one_connection_too_many_the_one_least_answered_is_closed() {
     let service = Service::with(ServiceConfig { max_connections: 10, ..ServiceConfig::default() });
     let mut busy = service.connect();

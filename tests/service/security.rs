@@ -9,6 +9,8 @@ use std::time::Duration;
 use revprio::service::{App, Robots, ServiceConfig, Tls, Token, router, serve};
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+use tungstenite::HandshakeError;
+use tungstenite::client::IntoClientRequest;
 
 use crate::harness::{Service, example};
 
@@ -45,6 +47,30 @@ fn without_the_token_only_probes_are_answered() {
     for path in ["/healthz", "/readyz"] {
         assert_eq!(service.get(path).status, 200, "{path}");
     }
+}
+
+#[test]
+fn streams_pass_the_same_gate_as_requests() {
+    let service = Service::with(ServiceConfig { token: Some(token("stream_token")), ..ServiceConfig::default() });
+    let bearer = ("authorization", "Bearer s3cret-word");
+    let json = ("content-type", "application/json");
+    let body = example("controller.json").to_string();
+    let session = service.send("POST", "/v1/controllers", &[bearer, json], &body).location.unwrap();
+    let open = |headers: &[(&'static str, &str)]| {
+        let mut request = (service.url().replace("http", "ws") + &session + "/stream").into_client_request().unwrap();
+        for &(name, value) in headers {
+            request.headers_mut().insert(name, value.parse().unwrap());
+        }
+        match tungstenite::client(request, service.connect()) {
+            Ok((_, answer)) => answer.status().as_u16(),
+            Err(HandshakeError::Failure(tungstenite::Error::Http(answer))) => answer.status().as_u16(),
+            Err(other) => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(open(&[bearer]), 101);
+    assert_eq!(open(&[]), 401);
+    assert_eq!(open(&[bearer, ("origin", "https://evil.example")]), 403);
+    service.get(&format!("{session}/watch")).assert_refused(401, None);
 }
 
 #[test]

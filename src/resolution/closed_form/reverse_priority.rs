@@ -64,7 +64,7 @@ mod tests {
         let (s, c) = angle.sin_cos();
         let jacobian = Matrix::from_row_slice(2, 3, &[c, s, 0.3, c - epsilon * s, s + epsilon * c, 0.3]);
         let velocity = Vector::from_vec(vec![0.7, -0.4]);
-        TaskStack::new(vec![Task { name: "only".to_owned(), jacobian, velocity }]).unwrap()
+        TaskStack::new(vec![Task::new("only", jacobian, velocity)]).unwrap()
     }
 
     #[test]

@@ -5,12 +5,12 @@ use super::level::Level;
 use crate::linalg::{Matrix, Svd, SvdError, Vector};
 use crate::resolution::certificate::relative;
 
-/// A bound of a joint.
+/// Which bound of a joint; inequalities have an upper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// q̇ ≥ lo.
     Lower,
-    /// q̇ ≤ hi.
+    /// q̇ ≤ hi, a·q̇ ≤ b.
     Upper,
 }
 
@@ -24,7 +24,7 @@ impl Side {
     }
 }
 
-/// The active limits of one level: joint index from 0, side; ordered by joint.
+/// The active limits of one level, in order: joints by index from 0, then inequalities, counted on; and the side.
 pub type ActiveSet = Vec<(usize, Side)>;
 
 /// Bounds count as kept up to this, relative to the speeds that the level deals with; the rest is clamped away.
@@ -51,17 +51,15 @@ const APPROACH: f64 = 1e-13;
 pub struct Candidate {
     /// z, p.
     pub z: Vector,
-    /// Signed multipliers, n; positive at the upper bound.
+    /// Signed multipliers, per row; positive at the upper bound.
     pub multipliers: Vector,
-    /// By how much ‖C z − d‖ would fall, to first order and relative to its size, if only this joint's limit were moved
-    /// away, n; ≥ 0.
+    /// By how much ‖C z − d‖ would fall, to first order and relative to its size, if only this limit were moved away,
+    /// per row; ≥ 0.
     pub relief: Vector,
     /// The set that the point was computed on.
     pub active_set: ActiveSet,
-    /// Relative residual of stationarity and multiplier signs.
+    /// Relative residual of stationarity and multiplier signs; infinite where a bound is broken.
     pub kkt_residual: f64,
-    /// Whether all bounds are kept.
-    pub feasible: bool,
 }
 
 impl Candidate {
@@ -73,22 +71,22 @@ impl Candidate {
             relief: Vector::zeros(level.G.nrows()),
             active_set: ActiveSet::new(),
             kkt_residual: 0.0,
-            feasible: true,
         }
     }
 
     fn new(level: &Level, minimiser: Minimiser, active: ActiveSet, conditions: &Conditions) -> Self {
         let n = level.G.nrows();
         let (mut multipliers, mut relief) = (Vector::zeros(n), Vector::zeros(n));
-        for (place, &(joint, _)) in active.iter().enumerate() {
+        for (place, &(row, _)) in active.iter().enumerate() {
             if conditions.relief[place] > OPTIMALITY {
-                multipliers[joint] = conditions.multipliers[place];
-                relief[joint] = conditions.relief[place];
+                multipliers[row] = conditions.multipliers[place];
+                relief[row] = conditions.relief[place];
             }
         }
+        let residual = conditions.relief.iter().fold(conditions.stationarity, |worst, relief| worst.max(-relief));
+        let feasible = level.constraints().all(|constraint| keeps(level, &minimiser.z, constraint));
         Self {
-            feasible: level.constraints().all(|constraint| keeps(level, &minimiser.z, constraint)),
-            kkt_residual: conditions.relief.iter().fold(conditions.stationarity, |worst, relief| worst.max(-relief)),
+            kkt_residual: if feasible { residual } else { f64::INFINITY },
             active_set: active,
             multipliers,
             relief,
@@ -98,7 +96,7 @@ impl Candidate {
 
     /// Whether the point solves the level.
     pub fn is_optimal(&self) -> bool {
-        self.feasible && self.kkt_residual <= OPTIMALITY
+        self.kkt_residual <= OPTIMALITY
     }
 }
 
@@ -137,17 +135,17 @@ fn signed_relative(value: f64, scale: f64) -> f64 {
     relative(&Vector::from_element(1, value), scale).copysign(value)
 }
 
-fn keeps(level: &Level, z: &Vector, (joint, side, bound): (usize, Side, f64)) -> bool {
-    let excess = side.sign() * ((level.G.row(joint) * z)[0] - bound);
+fn keeps(level: &Level, z: &Vector, (row, side, bound): (usize, Side, f64)) -> bool {
+    let excess = side.sign() * ((level.G.row(row) * z)[0] - bound);
     excess <= FEASIBILITY * (level.speed + z.norm())
 }
 
 fn active_rows(level: &Level, active: &ActiveSet) -> Matrix {
-    level.G.select_rows(active.iter().map(|(joint, _)| joint))
+    level.G.select_rows(active.iter().map(|(row, _)| row))
 }
 
 fn active_bounds(level: &Level, active: &ActiveSet) -> Vector {
-    Vector::from_iterator(active.len(), active.iter().map(|&(joint, side)| level.bound(joint, side)))
+    Vector::from_iterator(active.len(), active.iter().map(|&(row, side)| level.bound(row, side)))
 }
 
 /// The minimiser of ‖C z − d‖² with the limits of a set as equalities.
@@ -172,28 +170,32 @@ impl Minimiser {
     }
 }
 
-/// Solves the level on a guessed set and says whether the guess was right.
+/// Solves the level on a guessed set, as near to z = 0 as it leaves open, and says whether the guess was right.
 ///
 /// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
-pub fn polish(level: &Level, near: &Vector, guess: &ActiveSet) -> Result<Candidate, SvdError> {
+pub fn polish(level: &Level, guess: &ActiveSet) -> Result<Candidate, SvdError> {
     let mut active = ActiveSet::new();
-    for &(joint, side) in guess {
-        if level.constraints().any(|(j, s, _)| (j, s) == (joint, side)) {
-            active.push((joint, side));
+    for &(row, side) in guess {
+        if level.constraints().any(|(j, s, _)| (j, s) == (row, side)) {
+            active.push((row, side));
             if Svd::with_scale(&active_rows(level, &active), 1.0)?.rank() < active.len() {
                 active.pop();
             }
         }
     }
-    let minimiser = Minimiser::new(level, near, &active)?;
+    let minimiser = Minimiser::new(level, &Vector::zeros(level.unknowns()), &active)?;
     let conditions = Conditions::new(level, &minimiser, &active);
     Ok(Candidate::new(level, minimiser, active, &conditions))
 }
 
 /// A primal active-set method from z = 0: exact, finite, used where a guess fails.
 ///
-/// Ties are broken by the smallest joint index (Bland), so that degenerate corners do not cycle.
+/// Ties are broken by the smallest index (Bland), so that degenerate corners do not cycle.
 pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
+    #[cfg(test)]
+    if super::clarabel_level::fault::strikes_search() {
+        return polish(level, &ActiveSet::new());
+    }
     let mut z = Vector::zeros(level.unknowns());
     let mut active = ActiveSet::new();
     let mut best: Option<Candidate> = None;
@@ -205,7 +207,7 @@ pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
         } else if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
             z += (target.z - &z) * step;
             active.push(limit);
-            active.sort_by_key(|&(joint, _)| joint);
+            active.sort_by_key(|&(row, _)| row);
             continue;
         }
         z.copy_from(&target.z);
@@ -219,7 +221,7 @@ pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
             None => break,
         }
     }
-    best.map_or_else(|| polish(level, &z, &active), Ok)
+    best.map_or_else(|| polish(level, &active), Ok)
 }
 
 /// The first limit met on the way from `z` to `target`, and how far along.
@@ -227,15 +229,15 @@ fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> O
     let way = target - z;
     let (position, direction) = (&level.G * z, &level.G * &way);
     let mut first: Option<(f64, (usize, Side))> = None;
-    for (joint, side, bound) in level.constraints() {
-        let approach = side.sign() * direction[joint];
+    for (row, side, bound) in level.constraints() {
+        let approach = side.sign() * direction[row];
         // A limit that the move does not approach, or that the set holds already, cannot block.
-        if approach <= APPROACH * way.norm() || active.iter().any(|&(held, _)| held == joint) {
+        if approach <= APPROACH * way.norm() || active.iter().any(|&(held, _)| held == row) {
             continue;
         }
-        let step = (side.sign() * (bound - position[joint])).max(0.0) / approach;
+        let step = (side.sign() * (bound - position[row])).max(0.0) / approach;
         if step < first.map_or(1.0, |(nearest, _)| nearest) {
-            first = Some((step, (joint, side)));
+            first = Some((step, (row, side)));
         }
     }
     first

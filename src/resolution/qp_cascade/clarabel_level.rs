@@ -1,11 +1,11 @@
 //! One level through Clarabel, an interior-point solver.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+use clarabel::solver::{DefaultSettings, DefaultSolution, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
 use super::active_set::{ActiveSet, Side};
 use super::level::Level;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::Matrix;
 
 /// Far above the 5-15 iterations that levels take; a cap, because a failing problem would run on.
 const MAX_ITERATIONS: u32 = 40;
@@ -13,25 +13,18 @@ const MAX_ITERATIONS: u32 = 40;
 /// Clarabel reaches this on every level in reduced form; the exact answer comes from polishing.
 const TOLERANCE: f64 = 1e-10;
 
-/// An answer to the solver's tolerance.
-pub struct Approximate {
-    /// z, p; zero (feasible) if the solver failed.
-    pub z: Vector,
-    /// Limits whose multiplier exceeds their slack; none if the solver failed.
-    pub active_set: ActiveSet,
-    /// Iterations taken.
-    pub iterations: u32,
-}
-
-/// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0.
-pub fn solve(level: &Level) -> Approximate {
+/// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0: the limits that are active, `None` if
+/// the solver fails, and the iterations taken.
+///
+/// Its z is not worth taking: off by some 1e-7, and arbitrarily large where the objective leaves a direction open.
+pub fn solve(level: &Level) -> (Option<ActiveSet>, u32) {
     let constraints: Vec<(usize, Side, f64)> = level.constraints().collect();
     let scale = Scale::of(level);
     let p = upper_triangle(&(level.C.transpose() * &level.C * scale.objective));
     let q = level.C.transpose() * &level.d * (-scale.objective / scale.unknowns);
-    let signed = |&(joint, side, _): &(usize, Side, f64)| match side {
-        Side::Lower => -level.G.row(joint),
-        Side::Upper => level.G.row(joint).into_owned(),
+    let signed = |&(row, side, _): &(usize, Side, f64)| match side {
+        Side::Lower => -level.G.row(row),
+        Side::Upper => level.G.row(row).into_owned(),
     };
     let rows: Vec<_> = constraints.iter().map(signed).collect();
     let a = dense(constraints.len(), level.unknowns(), |i, j| rows[i][j]);
@@ -40,9 +33,11 @@ pub fn solve(level: &Level) -> Approximate {
     match DefaultSolver::new(&p, q.as_slice(), &a, &b, &cones, settings()) {
         Ok(mut solver) => {
             solver.solve();
-            read(&solver, &constraints, scale.unknowns)
+            #[cfg(test)]
+            fault::strike(&mut solver.solution);
+            (pressed(&solver.solution, &constraints), solver.solution.iterations)
         }
-        Err(_) => Approximate { z: Vector::zeros(level.unknowns()), active_set: ActiveSet::new(), iterations: 0 },
+        Err(_) => (None, 0),
     }
 }
 
@@ -74,31 +69,29 @@ fn settings() -> DefaultSettings<f64> {
     }
 }
 
-fn read(solver: &DefaultSolver<f64>, constraints: &[(usize, Side, f64)], unit: f64) -> Approximate {
-    let solution = &solver.solution;
+/// Limits whose multiplier exceeds their slack.
+fn pressed(solution: &DefaultSolution<f64>, constraints: &[(usize, Side, f64)]) -> Option<ActiveSet> {
     let usable = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved)
         && solution.x.iter().all(|x| x.is_finite());
-    let iterations = solution.iterations;
     if !usable {
-        return Approximate { z: Vector::zeros(solution.x.len()), active_set: ActiveSet::new(), iterations };
+        return None;
     }
     let mut pressed: Vec<(usize, Side, f64)> = Vec::new();
-    for (&(joint, side, _), (&multiplier, &slack)) in constraints.iter().zip(solution.z.iter().zip(&solution.s)) {
+    for (&(row, side, _), (&multiplier, &slack)) in constraints.iter().zip(solution.z.iter().zip(&solution.s)) {
         if multiplier <= slack {
             continue;
         }
         // Bounds nearer to each other than the solver's tolerance are both pressed; the set takes one per joint.
         match pressed.last_mut() {
-            Some(other) if other.0 == joint => {
+            Some(other) if other.0 == row => {
                 if multiplier > other.2 {
-                    *other = (joint, side, multiplier);
+                    *other = (row, side, multiplier);
                 }
             }
-            _ => pressed.push((joint, side, multiplier)),
+            _ => pressed.push((row, side, multiplier)),
         }
     }
-    let active_set = pressed.into_iter().map(|(joint, side, _)| (joint, side)).collect();
-    Approximate { z: Vector::from_row_slice(&solution.x) * unit, active_set, iterations }
+    Some(pressed.into_iter().map(|(row, side, _)| (row, side)).collect())
 }
 
 /// A full pattern, zeros included: the solver's structure then depends on sizes alone.
@@ -123,9 +116,53 @@ fn upper_triangle(symmetric: &Matrix) -> CscMatrix<f64> {
     )
 }
 
+/// Faults that tests inject: what a solver returns when it fails, and a search that finds nothing.
+#[cfg(test)]
+pub mod fault {
+    use std::cell::Cell;
+
+    use clarabel::solver::DefaultSolution;
+    pub use clarabel::solver::SolverStatus;
+
+    /// What goes wrong.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Fault {
+        /// Every solve ends with this status …
+        pub status: SolverStatus,
+        /// … and this value in all entries of x.
+        pub entry: f64,
+        /// Whether the active-set iteration finds nothing either.
+        pub search: bool,
+    }
+
+    thread_local! {
+        static FAULT: Cell<Option<Fault>> = const { Cell::new(None) };
+    }
+
+    /// Runs `f` with the fault on this thread.
+    pub fn with<T>(fault: Fault, f: impl FnOnce() -> T) -> T {
+        FAULT.set(Some(fault));
+        let result = f();
+        FAULT.set(None);
+        result
+    }
+
+    pub(super) fn strike(solution: &mut DefaultSolution<f64>) {
+        if let Some(Fault { status, entry, .. }) = FAULT.get() {
+            solution.status = status;
+            solution.x.fill(entry);
+        }
+    }
+
+    pub fn strikes_search() -> bool {
+        FAULT.get().is_some_and(|fault| fault.search)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::Vector;
 
     #[test]
     fn a_joint_between_bounds_that_nearly_coincide_is_active_at_one_of_them() {
@@ -141,7 +178,7 @@ mod tests {
                 scale: 1.0,
                 base_size: 1.0,
             };
-            assert_eq!(solve(&level).active_set, [(0, Side::Upper), (1, Side::Upper)], "width {width:e}");
+            assert_eq!(solve(&level).0.unwrap(), [(0, Side::Upper), (1, Side::Upper)], "width {width:e}");
         }
     }
 }

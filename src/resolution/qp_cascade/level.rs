@@ -6,19 +6,19 @@ use super::clarabel_level;
 use crate::linalg::{Matrix, RANK_TOLERANCE, SvdError, Vector};
 use crate::resolution::resolve::Path;
 
-/// min ‖C z − d‖² s.t. lower ≤ G z ≤ upper for the bounded joints; z = 0 is feasible.
+/// min ‖C z − d‖² s.t. lower ≤ G z ≤ upper for the bounded rows; z = 0 is feasible.
 pub struct Level {
     /// C, m × p.
     pub C: Matrix,
     /// d, m.
     pub d: Vector,
-    /// G, n × p: joint velocities per unit of z.
+    /// G, rows × p: the rows of the [`Constraints`](super::constraints::Constraints) per unit of z.
     pub G: Matrix,
-    /// Room below, n, ≤ 0.
+    /// Room below, per row, ≤ 0.
     pub lower: Vector,
-    /// Room above, n, ≥ 0.
+    /// Room above, per row, ≥ 0.
     pub upper: Vector,
-    /// Whether the joint's bounds are constraints of this level.
+    /// Whether the row's bounds are constraints of this level.
     pub bounded: Vec<bool>,
     /// ‖base‖, the speed from which z counts.
     pub speed: f64,
@@ -44,19 +44,19 @@ impl Level {
         self.C.norm() <= RANK_TOLERANCE * self.scale
     }
 
-    /// Room of a joint towards one side.
-    pub fn bound(&self, joint: usize, side: Side) -> f64 {
+    /// Room of a row towards one side.
+    pub fn bound(&self, row: usize, side: Side) -> f64 {
         match side {
-            Side::Lower => self.lower[joint],
-            Side::Upper => self.upper[joint],
+            Side::Lower => self.lower[row],
+            Side::Upper => self.upper[row],
         }
     }
 
-    /// The finite bounds: joint, side, right-hand side.
+    /// The finite bounds: row, side, right-hand side.
     pub fn constraints(&self) -> impl Iterator<Item = (usize, Side, f64)> {
         (0..self.G.nrows())
-            .filter(|&joint| self.bounded[joint])
-            .flat_map(|joint| [(joint, Side::Lower, self.lower[joint]), (joint, Side::Upper, self.upper[joint])])
+            .filter(|&row| self.bounded[row])
+            .flat_map(|row| [(row, Side::Lower, self.lower[row]), (row, Side::Upper, self.upper[row])])
             .filter(|(_, _, bound)| bound.is_finite())
     }
 }
@@ -65,11 +65,11 @@ impl Level {
 pub struct LevelSolution {
     /// z, p.
     pub z: Vector,
-    /// Signed multipliers of the limits, n; positive at the upper, negative at the lower bound.
+    /// Signed multipliers of the limits, per row; positive at the upper, negative at the lower bound.
     pub multipliers: Vector,
     /// The limits that are active.
     pub active_set: ActiveSet,
-    /// What moving each limit away would gain, n, relative to the size of the level; ≥ 0.
+    /// What moving each limit away would gain, per row, relative to the size of the level; ≥ 0.
     relief: Vector,
     /// Relative residual of the optimality conditions.
     pub kkt_residual: f64,
@@ -77,11 +77,18 @@ pub struct LevelSolution {
     pub path: Path,
     /// Iterations of Clarabel.
     pub iterations: u32,
+    /// Whether Clarabel failed, so that the active-set iteration stood in.
+    pub failed: bool,
 }
 
 impl LevelSolution {
-    fn new(candidate: Candidate, path: Path, iterations: u32) -> Self {
+    fn exact(candidate: Candidate) -> Self {
+        Self::new(candidate, Path::ActiveSet, 0, false)
+    }
+
+    fn new(candidate: Candidate, path: Path, iterations: u32, failed: bool) -> Self {
         Self {
+            failed,
             z: candidate.z,
             multipliers: candidate.multipliers,
             active_set: candidate.active_set,
@@ -92,33 +99,32 @@ impl LevelSolution {
         }
     }
 
-    /// Joints whose limit, moved away, would gain more than `proof`.
+    /// Rows whose limit, moved away, would gain more than `proof`.
     pub fn proved_active(&self, proof: f64) -> impl Iterator<Item = usize> {
-        self.relief.iter().enumerate().filter(move |(_, relief)| **relief > proof).map(|(joint, _)| joint)
+        self.relief.iter().enumerate().filter(move |(_, relief)| **relief > proof).map(|(row, _)| row)
     }
 }
 
 /// Solves the level: by the guessed active set if its optimality conditions hold, otherwise through Clarabel.
 ///
 /// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
-/// be wrong, which happens at degenerate corners, an active-set iteration from z = 0 corrects it.
+/// be wrong, which happens at degenerate corners, or Clarabel fail, an active-set iteration from z = 0 finds the right one.
 pub fn solve(level: &Level, guess: Option<&ActiveSet>) -> Result<LevelSolution, SvdError> {
     if level.is_decided() {
-        return Ok(LevelSolution::new(Candidate::stay(level), Path::ActiveSet, 0));
+        return Ok(LevelSolution::exact(Candidate::stay(level)));
     }
     if let Some(guess) = guess {
-        let candidate = active_set::polish(level, &Vector::zeros(level.unknowns()), guess)?;
+        let candidate = active_set::polish(level, guess)?;
         if candidate.is_optimal() {
-            return Ok(LevelSolution::new(candidate, Path::ActiveSet, 0));
+            return Ok(LevelSolution::exact(candidate));
         }
     }
-    let approximate = clarabel_level::solve(level);
-    // From z = 0 first: where the level leaves something open, Clarabel's point is large for no reason.
-    for near in [&Vector::zeros(level.unknowns()), &approximate.z] {
-        let polished = active_set::polish(level, near, &approximate.active_set)?;
-        if polished.is_optimal() {
-            return Ok(LevelSolution::new(polished, Path::Qp, approximate.iterations));
-        }
-    }
-    Ok(LevelSolution::new(active_set::iterate(level)?, Path::Qp, approximate.iterations))
+    let (active_set, iterations) = clarabel_level::solve(level);
+    let failed = active_set.is_none();
+    let polished = active_set.map(|set| active_set::polish(level, &set)).transpose()?;
+    let candidate = match polished.filter(Candidate::is_optimal) {
+        Some(candidate) => candidate,
+        None => active_set::iterate(level)?,
+    };
+    Ok(LevelSolution::new(candidate, Path::Qp, iterations, failed))
 }

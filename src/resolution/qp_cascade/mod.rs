@@ -7,35 +7,46 @@
 
 mod active_set;
 mod clarabel_level;
+mod constraints;
 mod feasible_set;
 mod level;
 mod objectives;
+mod relaxation;
+mod scaling;
 
 pub use active_set::{ActiveSet, Side};
+#[cfg(test)]
+pub use clarabel_level::fault;
 
+use constraints::Constraints;
 use feasible_set::FeasibleSet;
 use level::LevelSolution;
 use objectives::{Objective, stack_objectives, stage_objectives, strict_objectives};
+use scaling::{ScaledTask, Scaling};
 
 use super::closed_form::{self, ClosedForm};
 use super::hierarchy::Hierarchy;
 use super::problem::{Method, Problem};
 use super::resolve::Path;
-use crate::limits::VelocityBox;
 use crate::linalg::{SvdError, Vector};
 
 /// What the cascade, or a closed form in its place, found.
 pub struct Cascade {
     /// q̇, n, rad/s.
     pub joint_velocity: Vector,
-    /// Multipliers of the limits, n; positive at the upper, negative at the lower bound, 0 where inactive.
+    /// Multipliers of the limits, n joints, then the inequalities per unit length of their coefficients; positive at the
+    /// upper, negative at the lower bound, 0 where inactive.
     pub multipliers: Vector,
     /// Active limits, one set per level with limits.
     pub active_sets: Vec<ActiveSet>,
+    /// s of each level with limits whose task is to be scaled, as far as one keeps its direction; empty for a closed form.
+    pub scales: Vec<Option<f64>>,
     /// The longest way that a level needed.
     pub path: Path,
     /// Iterations of Clarabel.
     pub iterations: u32,
+    /// Levels that Clarabel failed to solve.
+    pub failures: u32,
     /// Largest relative residual of the optimality conditions.
     pub kkt_residual: f64,
 }
@@ -46,8 +57,10 @@ impl From<ClosedForm> for Cascade {
             multipliers: Vector::zeros(closed.joint_velocity.len()),
             joint_velocity: closed.joint_velocity,
             active_sets: Vec::new(),
+            scales: Vec::new(),
             path: Path::ClosedForm,
             iterations: 0,
+            failures: 0,
             kkt_residual: closed.kkt_residual,
         }
     }
@@ -79,14 +92,16 @@ impl<'a> Guesses<'a> {
 /// Solves the problem level by level.
 pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Result<Cascade, SvdError> {
     let zeta = problem.start();
-    let within_limits = |levels: Vec<Objective>| descend(&levels, &problem.limits, guesses);
+    let within_limits = |levels: Vec<Objective>| descend(&levels, Constraints::of(problem), guesses);
     match problem.method {
         Method::ReversePriority | Method::SingularityRobust => reverse_priority(problem, hierarchy, guesses),
         Method::StrictReversePriority | Method::TaskPriority => {
             strict_objectives(problem, &zeta).and_then(within_limits)
         }
-        Method::Pseudoinverse => within_limits(stack_objectives(problem, 0.0, &zeta)),
-        Method::DampedLeastSquares => within_limits(stack_objectives(problem, hierarchy.top().lambda, &zeta)),
+        Method::Pseudoinverse => within_limits(stack_objectives(problem, hierarchy.top(), 0.0, &zeta)),
+        Method::DampedLeastSquares => {
+            within_limits(stack_objectives(problem, hierarchy.top(), hierarchy.top().lambda, &zeta))
+        }
     }
 }
 
@@ -97,15 +112,14 @@ fn reverse_priority(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) 
     if guesses.allowed() {
         before = Cascade::from(closed_form::reverse_priority(lower, &before.joint_velocity)?);
     } else {
-        let unbounded = VelocityBox::unbounded(problem.tasks.joint_count());
         for stage in lower.iter().rev() {
             let start = &before.joint_velocity;
-            let answer = descend(&stage_objectives(stage, start), &unbounded, guesses)?;
+            let answer = descend(&stage_objectives(stage, start), Constraints::none(start.len()), guesses)?;
             before = answer.after(&before);
         }
     }
     let start = &before.joint_velocity;
-    let answer = descend(&stage_objectives(top, start), &problem.limits, guesses)?;
+    let answer = descend(&stage_objectives(top, start), Constraints::of(problem), guesses)?;
     Ok(answer.after(&before))
 }
 
@@ -114,6 +128,7 @@ impl Cascade {
     fn after(self, before: &Self) -> Self {
         Self {
             iterations: self.iterations + before.iterations,
+            failures: self.failures + before.failures,
             kkt_residual: self.kkt_residual.max(before.kkt_residual),
             ..self
         }
@@ -121,21 +136,30 @@ impl Cascade {
 }
 
 /// Goes down the levels of one stage.
-fn descend(objectives: &[Objective], limits: &VelocityBox, guesses: Guesses) -> Result<Cascade, SvdError> {
-    let mut set = FeasibleSet::new(limits);
+fn descend(objectives: &[Objective], constraints: Constraints, guesses: Guesses) -> Result<Cascade, SvdError> {
+    let rows = constraints.count();
+    let mut set = FeasibleSet::new(constraints)?;
     let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
+    cascade.multipliers = Vector::zeros(rows);
     // Levels that leave nothing to decide need no solver; those that do say which way they took.
     cascade.path = if guesses.allowed() { Path::ActiveSet } else { Path::Qp };
     let mut achieved = Vec::with_capacity(objectives.len());
     let mut speed = set.base().norm();
     for (index, objective) in objectives.iter().enumerate() {
-        let solution = level::solve(&set.reduce(objective), guesses.level(index))?;
+        let before = objective.scaled.then(|| set.clone());
+        let place = cascade.active_sets.len();
+        let solution = level::solve(&set.reduce(objective), guesses.level(place))?;
         set.keep(objective, &solution)?;
-        if index == 0 {
-            cascade.multipliers = set.multipliers_of_pinned(objective);
+        let pinned = (index == 0).then(|| set.multipliers_of_pinned(objective));
+        cascade.scales.push(None);
+        match before {
+            None => cascade.add(solution, pinned),
+            Some(before) => {
+                let task = ScaledTask::new(objective, &objectives[..index])?;
+                let scaling = task.solve(&before, &mut set, guesses.of_scaling(place))?;
+                cascade.add_scaled(solution, pinned, scaling);
+            }
         }
-        cascade.add(&solution);
-        cascade.active_sets.push(solution.active_set);
         achieved.push(objective.kept_value(set.base()));
         speed = speed.max(set.base().norm());
     }
@@ -146,17 +170,50 @@ fn descend(objectives: &[Objective], limits: &VelocityBox, guesses: Guesses) -> 
 }
 
 impl Cascade {
-    fn add(&mut self, solution: &LevelSolution) {
+    /// Adds a level; `pinned`: multipliers of joints whose bounds coincide, known at the first level.
+    fn add(&mut self, solution: LevelSolution, pinned: Option<Vector>) {
+        self.multipliers = pinned.unwrap_or_else(|| std::mem::take(&mut self.multipliers));
+        self.explain_by(&solution.multipliers);
+        self.count(&solution);
+        self.active_sets.push(solution.active_set);
+    }
+
+    /// Adds the level of a task that is to be scaled, and the levels that scaling took.
+    fn add_scaled(&mut self, usual: LevelSolution, pinned: Option<Vector>, scaling: Scaling) {
+        if scaling.is_cut() {
+            self.count(&usual);
+            self.active_sets.push(usual.active_set);
+        } else {
+            self.add(usual, pinned);
+        }
+        let mut sets = [ActiveSet::new(), ActiveSet::new()];
+        for (set, level) in sets.iter_mut().zip(scaling.levels) {
+            self.count(&level);
+            if scaling.factor.is_some() {
+                self.explain_by(&level.multipliers);
+            }
+            set.extend(level.active_set.iter().filter(|(row, _)| *row < self.multipliers.len()));
+        }
+        self.active_sets.extend(sets);
+        self.scales.pop();
+        self.scales.push(scaling.factor);
+    }
+
+    fn count(&mut self, solution: &LevelSolution) {
         if solution.path == Path::Qp {
             self.path = Path::Qp;
         }
         self.iterations += solution.iterations;
+        self.failures += u32::from(solution.failed);
         self.kkt_residual = self.kkt_residual.max(solution.kkt_residual);
-        // The highest level that a limit holds back is the reason for it.
-        self.multipliers.zip_apply(&solution.multipliers, |known, new| {
+    }
+
+    /// The highest level that a limit holds back is the reason for it.
+    fn explain_by(&mut self, multipliers: &Vector) {
+        for (known, &new) in self.multipliers.iter_mut().zip(multipliers.iter()) {
             if *known == 0.0 {
                 *known = new;
             }
-        });
+        }
     }
 }

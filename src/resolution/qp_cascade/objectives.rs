@@ -15,12 +15,19 @@ pub struct Objective {
     pub b: Vector,
     /// Rows of A whose value later levels must not change: all of them, or those that are not damping.
     pub kept: usize,
+    /// Whether limits may slow the task down, but not bend it.
+    pub scaled: bool,
 }
 
 impl Objective {
     /// min ‖J q̇ − ẋ‖².
-    fn exact(J: &Matrix, xdot: Vector) -> Self {
-        Self { A: J.clone(), b: xdot, kept: J.nrows() }
+    pub fn exact(J: &Matrix, xdot: Vector) -> Self {
+        Self { A: J.clone(), b: xdot, kept: J.nrows(), scaled: false }
+    }
+
+    /// min ‖J q̇ − ẋ‖², or J q̇ = s ẋ with the largest s ≤ 1 if the task is to be `scaled`.
+    fn task(J: &Matrix, xdot: Vector, scaled: bool) -> Self {
+        Self { scaled, ..Self::exact(J, xdot) }
     }
 
     /// min ‖J q̇ − ẋ‖² + factor² ‖q̇ − reference‖².
@@ -29,7 +36,8 @@ impl Objective {
             return Self::exact(J, xdot.clone());
         }
         let (kept, n) = (J.nrows(), J.ncols());
-        Self { A: stack(J, &(Matrix::identity(n, n) * factor)), b: concatenate(xdot, &(reference * factor)), kept }
+        let (A, b) = (stack(J, &(Matrix::identity(n, n) * factor)), concatenate(xdot, &(reference * factor)));
+        Self { A, b, kept, scaled: false }
     }
 
     /// min ‖q̇ − reference‖².
@@ -54,9 +62,18 @@ impl Objective {
 }
 
 /// One stack: reach it, then stay near ζ̇.
-pub fn stack_objectives(problem: &Problem, factor: f64, zeta: &Vector) -> Vec<Objective> {
+///
+/// A stack of which a task is to be scaled is scaled as a whole: it has one velocity. Damping then forms that velocity
+/// first, J (ζ̇ + J^# (ẋ − J ζ̇)).
+pub fn stack_objectives(problem: &Problem, top: &Stage, factor: f64, zeta: &Vector) -> Vec<Objective> {
     let (J, xdot) = (problem.tasks.stacked_jacobian(), problem.tasks.stacked_velocity());
-    vec![Objective::damped(&J, &xdot, factor, zeta), Objective::nearest_to(zeta)]
+    let reach = if problem.tasks.tasks().iter().any(|task| task.scaled) {
+        let given_up = top.svd_rp.damping_loss(&(&xdot - &J * zeta), factor);
+        Objective::task(&J, xdot - given_up, true)
+    } else {
+        Objective::damped(&J, &xdot, factor, zeta)
+    };
+    vec![reach, Objective::nearest_to(zeta)]
 }
 
 /// Stage k of reverse priority: reach what damping leaves of task k, spare what lies below, move least.
@@ -67,9 +84,9 @@ pub fn stack_objectives(problem: &Problem, factor: f64, zeta: &Vector) -> Vec<Ob
 ///
 /// `qdot_low`: q̇_{k+1}, n, rad/s.
 pub fn stage_objectives(stage: &Stage, qdot_low: &Vector) -> Vec<Objective> {
-    let Stage { J_k, xdot_k, J_low, svd, mu, lambda, .. } = stage;
+    let Stage { J_k, xdot_k, scaled, J_low, svd, mu, lambda, .. } = stage;
     let given_up = svd.damping_loss(&(xdot_k - J_k * qdot_low), *mu);
-    let mut levels = vec![Objective::exact(J_k, xdot_k - given_up)];
+    let mut levels = vec![Objective::task(J_k, xdot_k - given_up, *scaled)];
     if J_low.nrows() > 0 {
         levels.push(Objective::damped(J_low, &(J_low * qdot_low), *lambda, qdot_low));
     }
@@ -81,6 +98,6 @@ pub fn stage_objectives(stage: &Stage, qdot_low: &Vector) -> Vec<Objective> {
 pub fn strict_objectives(problem: &Problem, zeta: &Vector) -> Result<Vec<Objective>, SvdError> {
     let velocities = damped_velocities(&problem.tasks, problem.damping)?;
     let tasks = problem.tasks.tasks().iter().zip(velocities);
-    let task_levels = tasks.map(|(task, velocity)| Objective::exact(&task.jacobian, velocity));
+    let task_levels = tasks.map(|(task, velocity)| Objective::task(&task.jacobian, velocity, task.scaled));
     Ok(task_levels.chain([Objective::nearest_to(zeta)]).collect())
 }

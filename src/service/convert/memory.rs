@@ -4,10 +4,9 @@ use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 
 use super::numbers::{joint_list, numbers};
 use super::terms;
-use crate::controller::{Controller, Memory};
+use crate::controller::{Controller, ControllerConfig, Memory};
 use crate::linalg::Vector;
-use crate::resolution::ActiveSet;
-use crate::robot::RobotModel;
+use crate::resolution::{ActiveSet, Side};
 use crate::service::problem::Problem;
 use crate::service::sessions::grows;
 use crate::wire;
@@ -19,10 +18,10 @@ const ROTATION: f64 = 1e-9;
 pub fn memory(request: &wire::StepRequest, controller: &Controller) -> Result<Option<Memory>, Problem> {
     let Some(memory) = &request.memory else { return Ok(None) };
     grows(memory.sequence, request.state.sequence).map_err(|problem| problem.inside("/state"))?;
-    read(memory, &controller.config().robot).map(Some).map_err(|problem| problem.inside("/memory"))
+    read(memory, controller.config()).map(Some).map_err(|problem| problem.inside("/memory"))
 }
 
-fn read(memory: &wire::Memory, robot: &RobotModel) -> Result<Memory, Problem> {
+fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, Problem> {
     let vector = |values: &Vec<f64>, pointer: String| numbers(values, &pointer).map(Vector::from_vec);
     let velocities = memory.task_velocities.iter().enumerate();
     Ok(Memory {
@@ -30,8 +29,9 @@ fn read(memory: &wire::Memory, robot: &RobotModel) -> Result<Memory, Problem> {
             .map(|(k, v)| vector(v, format!("/task_velocities/{k}")))
             .collect::<Result<_, _>>()?,
         initial_pose: pose(&memory.initial_pose)?,
-        last_command: joint_list(&memory.last_command, robot.joint_count(), "/last_command").map(Vector::from_vec)?,
-        active_set: memory.active_set.iter().map(|set| active_set(set, robot)).collect::<Result<_, _>>()?,
+        last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
+            .map(Vector::from_vec)?,
+        active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
     })
 }
 
@@ -45,20 +45,27 @@ fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
     Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix)))
 }
 
-fn active_set(names: &[wire::ActiveLimitName], robot: &RobotModel) -> Result<ActiveSet, Problem> {
-    let limit = |limit: &wire::ActiveLimitName| match robot.joints().iter().position(|joint| joint.name == limit.joint)
-    {
-        Some(joint) => Ok((joint, terms::side(limit.side))),
-        None => Err(Problem::invalid("/active_set", format!("`{}` has no joint `{}`", robot.name(), limit.joint))),
+fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, Problem> {
+    let joints = config.robot.joints();
+    let place = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
+        (Some(name), None) => joints.iter().position(|joint| joint.name == *name),
+        (None, Some(name)) => {
+            config.barriers.iter().position(|barrier| barrier.name() == name).map(|place| joints.len() + place)
+        }
+        _ => None,
     };
+    let unknown = || Problem::invalid("/active_set", "names no limit of this controller; send the memory as it came");
+    let limit = |limit: &wire::ActiveLimitName| Ok((place(limit).ok_or_else(unknown)?, terms::side(limit.side)));
     names.iter().map(limit).collect()
 }
 
 /// The memory as a part of an answer.
 pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
     let joints = controller.config().robot.joints();
-    let name = |&(joint, side): &(usize, crate::resolution::Side)| wire::ActiveLimitName {
-        joint: joints[joint].name.clone(),
+    let barriers = &controller.config().barriers;
+    let name = |&(row, side): &(usize, Side)| wire::ActiveLimitName {
+        joint: joints.get(row).map(|joint| joint.name.clone()),
+        inequality: row.checked_sub(joints.len()).map(|place| barriers[place].name().to_owned()),
         side: terms::side_answer(side),
     };
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());

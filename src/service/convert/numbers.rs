@@ -18,6 +18,14 @@ pub fn number(value: f64, pointer: &str) -> Result<f64, Problem> {
     }
 }
 
+/// A number of sensible size that is not negative.
+pub fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
+    if value < 0.0 {
+        return Err(Problem::invalid(pointer, format!("{value} is out of range; it must not be negative")));
+    }
+    number(value, pointer)
+}
+
 /// A list of numbers of sensible size.
 pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, Problem> {
     // Pointers are made for the refusal only: this runs over every number of every request.

@@ -31,6 +31,8 @@ impl Outcome<'_> {
                 achieved: outcome.achieved.as_slice().to_vec(),
                 residual_norm: outcome.residual_norm,
                 rank: outcome.rank,
+                algorithmic: outcome.algorithmic,
+                scale: outcome.scale,
                 target_force,
             }
         };
@@ -59,6 +61,26 @@ impl Outcome<'_> {
         self.resolution.violated_limits.iter().map(violation).collect()
     }
 
+    /// Inequalities that hold the answer back.
+    pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
+        let active = |active: &crate::resolution::ActiveInequality| wire::ActiveInequality {
+            name: active.name.clone(),
+            bound: active.bound,
+            multiplier: active.multiplier,
+        };
+        self.resolution.active_inequalities.iter().map(active).collect()
+    }
+
+    /// Inequalities that the answer breaks.
+    pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
+        let violation = |violation: &crate::resolution::InequalityViolation| wire::ViolatedInequality {
+            name: violation.name.clone(),
+            bound: violation.bound,
+            value: violation.value,
+        };
+        self.resolution.violated_inequalities.iter().map(violation).collect()
+    }
+
     /// Names of joints.
     pub fn names(&self, joints: &[usize]) -> Vec<String> {
         joints.iter().map(|&joint| self.joints[joint].clone()).collect()
@@ -71,6 +93,7 @@ impl Outcome<'_> {
             path: terms::path_answer(report.path),
             status: terms::status_answer(report.status),
             iterations: report.iterations,
+            failures: report.failures,
             kkt_residual: report.kkt_residual,
         }
     }

@@ -3,12 +3,15 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::inequalities::InequalityReader;
+use super::null_space::null_space;
 use super::numbers::{damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
 use super::outcome::{Outcome, elapsed_us};
+use super::pose::{task_frame, with_tool_offset};
 use super::terms;
-use crate::controller::Limits;
-use crate::kinematics::{AxisSelection, Configuration};
-use crate::limits::{LimitKind, LimitedBox, VelocityBox};
+use crate::controller::{Limits, NullSpaceMotion};
+use crate::kinematics::{AxisSelection, Configuration, joint_limit_index};
+use crate::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
 use crate::linalg::{Matrix, Vector};
 use crate::resolution::{Problem as Question, ProblemError, Resolution};
 use crate::robot::RobotModel;
@@ -19,7 +22,7 @@ use crate::wire;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
 const MOST_ROWS: usize = 64;
-const MOST_JOINTS: usize = 32;
+pub const MOST_JOINTS: usize = 32;
 
 /// A request as a problem to resolve, with the names that its answer needs.
 pub struct ResolveQuestion {
@@ -29,11 +32,14 @@ pub struct ResolveQuestion {
     joints: Vec<String>,
     /// Joints whose acceleration limit was overruled.
     conflicts: Vec<usize>,
+    /// H, where robot and posture are known.
+    joint_limit_index: Option<f64>,
 }
 
 /// Reads a request.
 pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveQuestion, Problem> {
-    let robot = request.robot.as_deref().map(|name| known_robot(name, robots)).transpose()?;
+    let robot = robot(request, robots)?;
+    let robot = robot.as_ref();
     let configuration = configuration(request, robot)?;
     let tasks = task_stack(request, configuration.as_ref())?;
     let joints = tasks.joint_count();
@@ -42,13 +48,12 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
         return Err(Problem::invalid("/tasks/0/jacobian", detail));
     }
     let limited = limits(request, robot, configuration.as_ref(), joints)?;
-    let zeta = request.null_space_velocity.as_ref();
-    let zeta =
-        zeta.map(|zeta| joint_vector_of(zeta, robot.map(Arc::as_ref), joints, "/null_space_velocity")).transpose()?;
+    let zeta = null_space_velocity(request, robot, configuration.as_ref(), joints)?;
     Ok(ResolveQuestion {
         problem: Question {
             tasks,
             limits: limited.velocity_box,
+            inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
             method: terms::method(request.method),
             solver: terms::solver(request.solver),
             damping: damping(request.damping, "/damping")?,
@@ -56,13 +61,39 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
         },
         joints: joint_names(robot.map(Arc::as_ref), joints),
         conflicts: limited.conflicts,
+        joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
     })
 }
 
+/// The robot of the request, with its tool.
+fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<RobotModel>>, Problem> {
+    match (&request.robot, &request.tool_offset) {
+        (Some(name), offset) => with_tool_offset(&known_robot(name, robots)?, offset.as_ref()).map(Some),
+        (None, Some(_)) => Err(Problem::invalid("/robot", "`tool_offset` needs the name of a robot")),
+        (None, None) => Ok(None),
+    }
+}
+
+/// ζ̇, where one is asked for.
+fn null_space_velocity(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+    configuration: Option<&Configuration>,
+    joints: usize,
+) -> Result<Option<Vector>, Problem> {
+    let Some(motion) = &request.null_space_velocity else { return Ok(None) };
+    let motion = null_space(motion, robot.map(Arc::as_ref), joints)?;
+    if let NullSpaceMotion::Constant(velocity) = motion {
+        return Ok(Some(velocity));
+    }
+    let missing = || Problem::invalid("/joint_position", "this null-space velocity needs `joint_position`");
+    let (robot, configuration) = robot.zip(configuration).ok_or_else(missing)?;
+    Ok(Some(motion.velocity(robot, configuration.joint_position())))
+}
+
 /// A robot by name.
-pub fn known_robot<'a>(name: &str, robots: &'a Robots) -> Result<&'a Arc<RobotModel>, Problem> {
-    let unknown = || Problem::invalid("/robot", format!("there is no robot `{name}`; known: {}", robots.names()));
-    robots.get(name).ok_or_else(unknown)
+pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, Problem> {
+    robots.get(name).map_err(|error| Problem::invalid("/robot", error))
 }
 
 fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {
@@ -111,7 +142,15 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
             let axes = axis_selection(axes, &format!("{pointer}/axes"))?;
             let detail = "axes need `robot` and `joint_position`; or give `jacobian` rows instead";
             let configuration = configuration.ok_or_else(|| Problem::invalid(format!("{pointer}/axes"), detail))?;
-            axes.rows_of(configuration.jacobian())
+            let frame = task_frame(&task.frame, task.reference_point, &pointer)?;
+            axes.rows_of(&frame.at(configuration).jacobian())
+        }
+        (None, Some(_)) if task.frame != wire::Frame::Base => {
+            return Err(Problem::invalid(format!("{pointer}/frame"), "`jacobian` rows have no frame; it needs `axes`"));
+        }
+        (None, Some(_)) if task.reference_point.is_some() => {
+            let detail = "`jacobian` rows have no point; it needs `axes`";
+            return Err(Problem::invalid(format!("{pointer}/reference_point"), detail));
         }
         (None, Some(rows)) => matrix(rows, &format!("{pointer}/jacobian"))?,
         _ => return Err(Problem::invalid(pointer, "give either `axes` or `jacobian`")),
@@ -120,6 +159,7 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
         name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
         jacobian,
         velocity: Vector::from_vec(numbers(&task.velocity, &format!("{pointer}/velocity"))?),
+        scaled: task.scale,
     })
 }
 
@@ -143,6 +183,23 @@ fn matrix(rows: &[Vec<f64>], pointer: &str) -> Result<Matrix, Problem> {
         numbers(row, &pointer)?;
     }
     Ok(Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+}
+
+fn inequalities(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+    configuration: Option<&Configuration>,
+    joints: usize,
+) -> Result<Vec<Inequality>, Problem> {
+    let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
+    let reader = InequalityReader { robot, joints, period_s: request.period_s };
+    let barriers = reader.read(&request.inequalities)?.into_iter();
+    let at_posture = |barrier| match (barrier, configuration) {
+        (Barrier::Fixed(inequality), _) => Some(inequality),
+        (Barrier::Plane(plane), Some(configuration)) => Some(plane.at(configuration)),
+        (Barrier::Plane(_), None) => None,
+    };
+    Ok(barriers.filter_map(at_posture).collect())
 }
 
 fn limits(
@@ -215,6 +272,7 @@ pub fn positive_period(period: f64, pointer: &str) -> Result<f64, Problem> {
 pub fn resolution_problem(error: ProblemError) -> Problem {
     let pointer = match error {
         ProblemError::Limits { .. } => "/limits",
+        ProblemError::Inequality { .. } => "/inequalities",
         ProblemError::NullSpaceVelocity { .. } => "/null_space_velocity",
     };
     Problem::invalid(pointer, error)
@@ -229,9 +287,12 @@ pub fn resolve_answer(question: &ResolveQuestion, resolution: &Resolution, start
         tasks: outcome.tasks(|k| (tasks[k].name.clone(), tasks[k].velocity.as_slice().to_vec(), None)),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
+        active_inequalities: outcome.active_inequalities(),
+        violated_inequalities: outcome.violated_inequalities(),
         limit_conflict: outcome.names(&question.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
+        joint_limit_index: question.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
 }

@@ -1,15 +1,60 @@
-//! Robots as answers.
+//! Robots.
 
+use super::resolve::MOST_JOINTS;
 use super::terms;
-use crate::robot::{Joint, JointKind, RobotModel};
+use crate::robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
+use crate::service::problem::Problem;
+use crate::service::robots::RobotsError;
 use crate::wire;
+
+/// Reads a robot to be registered.
+pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, Problem> {
+    let options = UrdfOptions {
+        name: Some(&request.name),
+        description: None,
+        base: request.base.as_deref(),
+        tip: request.tip.as_deref(),
+    };
+    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| {
+        let pointer = match error {
+            UrdfError::Base { .. } | UrdfError::UnknownBase { .. } => "/base",
+            UrdfError::Tip { .. } | UrdfError::UnknownTip { .. } => "/tip",
+            _ => "/urdf",
+        };
+        Problem::invalid(pointer, error)
+    })?;
+    match robot.joint_count() {
+        0..=MOST_JOINTS => Ok(robot),
+        joints => Err(Problem::invalid("/urdf", format!("{joints} joints in the chain; at most {MOST_JOINTS}"))),
+    }
+}
+
+/// Why a robot cannot be had, added or removed.
+pub fn robots_problem(error: &RobotsError) -> Problem {
+    match error {
+        RobotsError::Name(_) => Problem::invalid("/name", error),
+        RobotsError::Taken(_) => Problem::name_taken(error.to_string()),
+        RobotsError::Full => Problem::too_many_robots(error.to_string()),
+        RobotsError::Permanent(_) => Problem::permanent(error.to_string()),
+        RobotsError::Unknown { .. } => Problem::not_found(error.to_string()),
+    }
+}
 
 /// What the interface says of a robot.
 pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
     wire::Robot {
         name: robot.name().to_owned(),
         description: robot.description().to_owned(),
+        source: source(robot),
         joints: robot.joints().iter().map(joint_answer).collect(),
+    }
+}
+
+fn source(robot: &RobotModel) -> wire::RobotSource {
+    if robot.joints().iter().all(|joint| joint.denavit_hartenberg.is_some()) {
+        wire::RobotSource::DenavitHartenberg
+    } else {
+        wire::RobotSource::Urdf
     }
 }
 

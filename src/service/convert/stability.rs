@@ -1,6 +1,6 @@
 //! `POST /v1/stability`.
 
-use super::numbers::number;
+use super::numbers::{not_negative, number};
 use super::resolve::positive_period;
 use crate::controller::{ContactLoop, LONGEST_DELAY, Margin};
 use crate::service::problem::Problem;
@@ -27,13 +27,6 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Pro
         delay_periods: request.delay_periods,
         velocity_measured: request.velocity_measured,
     })
-}
-
-fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
-    if value < 0.0 {
-        return Err(Problem::invalid(pointer, format!("{value} is out of range; it must not be negative")));
-    }
-    number(value, pointer)
 }
 
 /// The answer's body.

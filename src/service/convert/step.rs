@@ -6,7 +6,6 @@ use super::numbers::{joint_vector, number, numbers};
 use super::outcome::{Outcome, elapsed_us};
 use crate::controller::{Command, Controller, Measurement, StepError};
 use crate::kinematics::ConfigurationError;
-use crate::law::Law;
 use crate::service::problem::Problem;
 use crate::wire;
 
@@ -32,7 +31,7 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
 
 fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], Problem> {
     let Some(wire::Wrench { force, torque }) = wrench else {
-        return match controller.config().tasks.iter().find(|task| !matches!(task.law, Law::Velocity(_))) {
+        return match controller.config().tasks.iter().find(|task| task.law.integrates()) {
             None => Ok([0.0; 6]),
             Some(task) => Err(Problem::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name))),
         };
@@ -73,9 +72,12 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
         tasks: outcome.tasks(task),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
+        active_inequalities: outcome.active_inequalities(),
+        violated_inequalities: outcome.violated_inequalities(),
         limit_conflict: outcome.names(&command.limit_conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
+        joint_limit_index: command.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
 }

@@ -1,6 +1,6 @@
 //! Words of the interface and their meaning in the library.
 
-use crate::controller::WrenchConvention;
+use crate::controller::{WrenchConvention, WrenchFrame};
 use crate::kinematics::Axis;
 use crate::limits::LimitKind;
 use crate::resolution::{Method, Path, Side, Solver, Status};
@@ -22,6 +22,7 @@ same_words!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, 
 same_words!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });
 same_words!(limit_kind: wire::LimitKind => LimitKind { None, Velocity, PositionVelocity, PositionVelocityAcceleration });
 same_words!(wrench_convention: wire::WrenchConvention => WrenchConvention { OnEnvironment, OnTool });
+same_words!(wrench_frame: wire::WrenchFrame => WrenchFrame { Base, Tool });
 same_words!(side: wire::Side => Side { Lower, Upper });
 same_words!(side_answer: Side => wire::Side { Lower, Upper });
 same_words!(path_answer: Path => wire::Path { ClosedForm, ActiveSet, Qp });

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const CONTROLLER: [Row; 74] = [
+const CONTROLLER: &[Row] = &[
     ("/robot", LEFT_OUT, 422, ""),
     ("/robot", r#""puma""#, 422, "/robot"),
     ("/robot", "null", 422, "/robot"),
@@ -32,6 +32,21 @@ const CONTROLLER: [Row; 74] = [
     ("/damping", r#"{"threshold": 1}"#, 422, "/damping"),
     ("/damping", r#"{"threshold": 1, "max_factor": 0.1, "kind": "svd"}"#, 422, "/damping/kind"),
     ("/gain", "1", 422, "/gain"),
+    ("/environment", "1e5", 422, "/environment"),
+    ("/environment", "[]", 422, "/environment"),
+    ("/environment", r#"{"w": {"stiffness": 1}}"#, 422, "/environment/w"),
+    ("/environment", r#"{"x": 1e5}"#, 422, "/environment/x"),
+    ("/environment", r#"{"x": {}}"#, 422, "/environment/x"),
+    ("/environment", r#"{"x": {"stiffness": 1}, "x": {"stiffness": 2}}"#, 422, "/environment"),
+    ("/environment", r#"{"x": {"stiffness": -1}}"#, 422, "/environment/x/stiffness"),
+    ("/environment", r#"{"y": {"stiffness": 1e308}}"#, 422, "/environment/y/stiffness"),
+    ("/environment", r#"{"z": {"stiffness": 1, "damping": -1}}"#, 422, "/environment/z/damping"),
+    ("/environment", r#"{"rz": {"stiffness": 1, "inertia": -1}}"#, 422, "/environment/rz/inertia"),
+    ("/environment", r#"{"rx": {"stiffness": 1, "mass": 1}}"#, 422, "/environment/rx/mass"),
+    ("/environment", r#"{"lag_s": -0.001}"#, 422, "/environment/lag_s"),
+    ("/environment", r#"{"delay_periods": 9}"#, 422, "/environment/delay_periods"),
+    ("/environment", r#"{"delay_periods": 1.5}"#, 422, "/environment/delay_periods"),
+    ("/environment", r#"{"velocity_measured": "yes"}"#, 422, "/environment/velocity_measured"),
     ("/tasks", LEFT_OUT, 422, ""),
     ("/tasks", "[]", 422, "/tasks"),
     ("/tasks/1/name", r#""push""#, 422, "/tasks/1/name"),
@@ -47,7 +62,13 @@ const CONTROLLER: [Row; 74] = [
     ("/tasks/0/law/kind", r#""impedance""#, 422, "/tasks/0/law"),
     ("/tasks/0/law/stiffness", "[1]", 422, "/tasks/0/law"),
     ("/tasks/0/law/inertia", LEFT_OUT, 422, "/tasks/0/law"),
-    ("/tasks/0/law/inertia", "15", 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", r#""15""#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", r#"["15"]"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", "null", 422, "/tasks/0/law"),
+    ("/tasks/0/law/inertia", "0", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "-15", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "1e308", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "1e999", 400, NO_POINTER),
     ("/tasks/0/law/inertia", "[]", 422, "/tasks/0/law/inertia"),
     ("/tasks/0/law/inertia", "[15, 15]", 422, "/tasks/0/law/inertia"),
     ("/tasks/0/law/inertia", "[0]", 422, "/tasks/0/law/inertia/0"),
@@ -68,6 +89,16 @@ const CONTROLLER: [Row; 74] = [
     ("/tasks/0/law/target_force", r#"{"kind": "sine", "offset": [1], "amplitude": [1]}"#, 422, "/tasks/0/law"),
     ("/tasks/0/law/target_force", SHORT_AMPLITUDE, 422, "/tasks/0/law/target_force/amplitude"),
     ("/tasks/0/law/target_force", FAST_SINE, 422, "/tasks/0/law/target_force/angular_frequency_rad_s"),
+    ("/tasks/0/law/target_force/value", "1e300", 422, "/tasks/0/law/target_force/value"),
+    ("/tasks/0/law/target_force", r#"{"kind": "ramp", "start": 0, "end": 1}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/target_force", NO_RAMP, 422, "/tasks/0/law/target_force/duration_s"),
+    ("/tasks/0/law/target_force", r#"{"kind": "steps", "points": []}"#, 422, "/tasks/0/law/target_force/points"),
+    ("/tasks/0/law/target_force", r#"{"kind": "steps", "points": [[0, 1]]}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law/target_force", SAME_TIME, 422, "/tasks/0/law/target_force/points/1/time_s"),
+    ("/tasks/0/law/target_force", BACK_IN_TIME, 422, "/tasks/0/law/target_force/points/2/time_s"),
+    ("/tasks/0/law/target_force", LONG_POINT, 422, "/tasks/0/law/target_force/points/1/value"),
+    ("/tasks/0/law/target_force", FAR_POINT, 422, "/tasks/0/law/target_force/points/1/value/0"),
+    ("/tasks/0/law/target_force", LATE_POINT, 422, "/tasks/0/law/target_force/points/1/time_s"),
     ("/tasks/0/law", SHORT_SELECTION, 422, "/tasks/0/law/position_controlled"),
     ("/tasks/0/law", LONG_VELOCITY, 422, "/tasks/0/law/target_velocity/value"),
     ("/tasks/1/law/target_pose", r#""here""#, 422, "/tasks/1/law"),
@@ -80,7 +111,85 @@ const CONTROLLER: [Row; 74] = [
     ("/tasks/1/law/target_pose", LIST_QUATERNION, 422, "/tasks/1/law"),
     ("/tasks/1/law/target_pose", "null", 422, "/tasks/1/law"),
     ("/tasks/1/law/target_pose/x", "1", 422, "/tasks/1/law"),
+    ("/tasks/1/law/target_displacement", r#"{"kind": "constant", "value": [1]}"#, 422, DISPLACEMENT_VALUE),
+    ("/tasks/1/law/target_displacement", r#"{"kind": "constant", "value": 1e300}"#, 422, DISPLACEMENT_VALUE),
+    ("/tasks/1/law/target_displacement", "0.1", 422, "/tasks/1/law"),
+    ("/tasks/0/law/target_displacement", r#"{"kind": "constant", "value": 0}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/axes", LEFT_OUT, 422, "/tasks/0/axes"),
+    ("/tasks/0/axes", "null", 422, "/tasks/0/axes"),
+    ("/tasks/0/frame", r#""wall""#, 422, "/tasks/0/frame"),
+    ("/tasks/0/frame", "null", 422, "/tasks/0/frame"),
+    ("/tasks/0/frame", r#"{"position": [0, 0, 0]}"#, 422, "/tasks/0/frame"),
+    ("/tasks/0/frame", ZERO_QUATERNION, 422, "/tasks/0/frame/orientation"),
+    ("/tasks/0/frame", FAR_POSITION, 422, "/tasks/0/frame/position/1"),
+    ("/tasks/0/reference_point", "[0, 0]", 422, "/tasks/0/reference_point"),
+    ("/tasks/0/reference_point", "[0, 0, 1e300]", 422, "/tasks/0/reference_point/2"),
+    ("/tasks/0/reference_point", r#"{"x": 1}"#, 422, "/tasks/0/reference_point"),
+    ("/tool_offset", ZERO_QUATERNION, 422, "/tool_offset/orientation"),
+    ("/tool_offset", FAR_POSITION, 422, "/tool_offset/position/1"),
+    ("/tool_offset", "[0, 0, 0.1]", 422, "/tool_offset"),
+    ("/tool_offset", r#""initial""#, 422, "/tool_offset"),
+    ("/wrench_frame", r#""world""#, 422, "/wrench_frame"),
+    ("/null_space_velocity", "[1, 2]", 422, "/null_space_velocity"),
+    ("/null_space_velocity", "3", 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"{"elbow": 1}"#, 422, "/null_space_velocity/elbow"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits"}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"{"kind": "singularities", "gain": 1}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": -1}"#, 422, "/null_space_velocity/gain"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": 1e9}"#, 422, "/null_space_velocity/gain"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": 1, "n": 7}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"["joint_limits", 1]"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", SHORT_POSTURE, 422, "/null_space_velocity/joint_position"),
+    ("/tasks/0", POSTURE_WITH_AXES, 422, "/tasks/0/axes"),
+    ("/tasks/0", POSTURE_IN_FRAME, 422, "/tasks/0/frame"),
+    ("/tasks/0", POSTURE_AT_POINT, 422, "/tasks/0/reference_point"),
+    ("/tasks/0", POSTURE_OF_NO_JOINT, 422, "/tasks/0/law/joints"),
+    ("/tasks/0", POSTURE_OF_UNKNOWN, 422, "/tasks/0/law/joints/1"),
+    ("/tasks/0", POSTURE_OF_TWINS, 422, "/tasks/0/law/joints"),
+    ("/tasks/0", SHORT_TARGET, 422, "/tasks/0/law/target_position/value"),
+    ("/tasks/0", NEGATIVE_GAIN, 422, "/tasks/0/law/gain"),
+    ("/tasks/0", HARD_GAIN, 422, "/tasks/0/law/gain"),
+    (
+        "/tasks/0",
+        r#"{"name": "p", "law": {"kind": "posture", "gain": 1, "target_position": "home"}}"#,
+        422,
+        "/tasks/0/law",
+    ),
+    ("/tasks/0", r#"{"name": "p", "law": {"kind": "pose", "gain": 1}}"#, 422, "/tasks/0/axes"),
+    ("/tasks/0/law", r#"{"kind": "pose"}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": [1, 2]}"#, 422, "/tasks/0/law/gain"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": [-1]}"#, 422, "/tasks/0/law/gain/0"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": 2000}"#, 422, "/tasks/0/law/gain"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": 1, "stiffness": 1}"#, 422, "/tasks/0/law"),
 ];
+
+const DISPLACEMENT_VALUE: &str = "/tasks/1/law/target_displacement/value";
+const NO_RAMP: &str = r#"{"kind": "ramp", "start": 0, "end": 1, "duration_s": 0}"#;
+const SAME_TIME: &str = r#"{"kind": "waypoints", "points": [{"time_s": 1, "value": 1}, {"time_s": 1, "value": 2}]}"#;
+const BACK_IN_TIME: &str = r#"{"kind": "steps", "points": [{"time_s": 1, "value": 1}, {"time_s": 2, "value": 1},
+    {"time_s": 1.5, "value": 1}]}"#;
+const LONG_POINT: &str = r#"{"kind": "steps", "points": [{"time_s": 1, "value": 1}, {"time_s": 2, "value": [1, 2]}]}"#;
+const FAR_POINT: &str =
+    r#"{"kind": "waypoints", "points": [{"time_s": 1, "value": 1}, {"time_s": 2, "value": [1e10]}]}"#;
+const LATE_POINT: &str = r#"{"kind": "steps", "points": [{"time_s": 1, "value": 1}, {"time_s": 1e10, "value": 1}]}"#;
+const SHORT_POSTURE: &str = r#"{"kind": "posture", "joint_position": [1, 2], "gain": 1}"#;
+const POSTURE_WITH_AXES: &str =
+    r#"{"name": "p", "axes": ["x"], "law": {"kind": "posture", "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_IN_FRAME: &str =
+    r#"{"name": "p", "frame": "tool", "law": {"kind": "posture", "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_AT_POINT: &str = r#"{"name": "p", "reference_point": [0, 0, 1],
+    "law": {"kind": "posture", "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_OF_NO_JOINT: &str =
+    r#"{"name": "p", "law": {"kind": "posture", "joints": [], "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_OF_UNKNOWN: &str =
+    r#"{"name": "p", "law": {"kind": "posture", "joints": ["j1", "j9"], "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_OF_TWINS: &str =
+    r#"{"name": "p", "law": {"kind": "posture", "joints": ["j1", "j1"], "gain": 1, "target_position": "mid_range"}}"#;
+const SHORT_TARGET: &str = r#"{"name": "p", "law": {"kind": "posture", "joints": ["j1", "j2"], "gain": 1,
+    "target_position": {"kind": "constant", "value": [1]}}}"#;
+const NEGATIVE_GAIN: &str = r#"{"name": "p", "law": {"kind": "posture", "gain": -1, "target_position": "mid_range"}}"#;
+const HARD_GAIN: &str = r#"{"name": "p", "law": {"kind": "posture", "joints": ["j2"], "gain": 2000,
+    "target_position": {"kind": "constant", "value": 0}}}"#;
 
 const SHORT_AMPLITUDE: &str = r#"{"kind": "sine", "offset": [1], "amplitude": [], "angular_frequency_rad_s": 1}"#;
 const FAST_SINE: &str = r#"{"kind": "sine", "offset": [1], "amplitude": [1], "angular_frequency_rad_s": 1e300}"#;
@@ -104,7 +213,7 @@ fn controller() -> Value {
 
 #[test]
 fn wrong_controllers_are_refused() {
-    assert_all_refused(&Service::start(), "/v1/controllers", &controller(), &CONTROLLER);
+    assert_all_refused(&Service::start(), "/v1/controllers", &controller(), CONTROLLER);
 }
 
 #[test]

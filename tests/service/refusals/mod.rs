@@ -3,6 +3,7 @@
 mod controller;
 mod protocol;
 mod resolve;
+mod robots;
 mod stability;
 mod state;
 

@@ -135,7 +135,7 @@ fn unknown_routes_and_methods_are_named_so() {
     };
     allows(service.get("/v1/resolve"), "POST");
     allows(service.get("/v1/step"), "POST");
-    allows(service.delete("/v1/robots"), "GET,HEAD");
+    allows(service.delete("/v1/robots"), "GET,HEAD,POST");
     allows(service.post("/healthz", "{}"), "GET,HEAD");
 }
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const WITH_ROBOT: [Row; 73] = [
+const WITH_ROBOT: &[Row] = &[
     ("/robot", r#""puma""#, 422, "/robot"),
     ("/robot", r#""""#, 422, "/robot"),
     ("/robot", "7", 422, "/robot"),
@@ -78,10 +78,23 @@ const WITH_ROBOT: [Row; 73] = [
     ("/damping", r#"{"threshold": 0.05, "max_factor": -0.1}"#, 422, "/damping"),
     ("/damping", r#"{"threshold": 0.05, "max_factor": 1e300}"#, 422, "/damping/max_factor"),
     ("/null_space_velocity", "[1]", 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": -1}"#, 422, "/null_space_velocity/gain"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": 1e10}"#, 422, "/null_space_velocity/gain"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": "1"}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", r#"{"kind": "posture", "gain": 1}"#, 422, "/null_space_velocity"),
+    ("/null_space_velocity", WRONG_POSTURE, 422, "/null_space_velocity/joint_position/j9"),
+    ("/tool_offset", r#"{"position": [0, 0, 0]}"#, 422, "/tool_offset"),
+    ("/tool_offset", r#"{"position": [0, 0, 0], "orientation": [1, 0, 0, 0]}"#, 422, "/tool_offset/orientation"),
+    ("/tool_offset", NO_ORIENTATION, 422, "/tool_offset/orientation"),
+    ("/tasks/0/frame", r#""world""#, 422, "/tasks/0/frame"),
+    ("/tasks/0/frame", NO_ORIENTATION, 422, "/tasks/0/frame/orientation"),
+    ("/tasks/0/reference_point", "[0, 0]", 422, "/tasks/0/reference_point"),
+    ("/tasks/0/reference_point", "[0, 0, 1e308]", 422, "/tasks/0/reference_point/2"),
+    ("/tasks/0/reference_point", "[0, 0, NaN]", 400, NO_POINTER),
     ("/speed", "1", 422, "/speed"),
 ];
 
-const WITH_OWN_ROWS: [Row; 16] = [
+const WITH_OWN_ROWS: &[Row] = &[
     ("/robot", r#""sawyer_dh""#, 422, "/tasks/0/jacobian"),
     ("/joint_position", "[0, 0, 0]", 422, "/robot"),
     ("/tasks/0/axes", r#"["x"]"#, 422, "/tasks/0"),
@@ -98,7 +111,14 @@ const WITH_OWN_ROWS: [Row; 16] = [
     ("/limits", r#"{"lower": [0, 0, 0], "upper": [1, 1, 1], "lower": [0, 0, 0]}"#, 422, "/limits"),
     ("/null_space_velocity", r#"{"j1": 1, "j2": 1, "j3": 1}"#, 422, "/null_space_velocity"),
     ("/null_space_velocity/1", "1e10", 422, "/null_space_velocity/1"),
+    ("/null_space_velocity", r#"{"kind": "joint_limits", "gain": 1}"#, 422, "/robot"),
+    ("/tasks/0/frame", r#""tool""#, 422, "/tasks/0/frame"),
+    ("/tasks/0/reference_point", "[0, 0, 0.1]", 422, "/tasks/0/reference_point"),
+    ("/tool_offset", r#"{"position": [0, 0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}"#, 422, "/robot"),
 ];
+
+const WRONG_POSTURE: &str = r#"{"kind": "posture", "joint_position": {"j9": 0}, "gain": 1}"#;
+const NO_ORIENTATION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 0.5, "x": 0, "y": 0, "z": 0}}"#;
 
 fn own_rows() -> Value {
     let task = |row: [f64; 3]| json!({"jacobian": [row], "velocity": [0.1]});
@@ -108,12 +128,12 @@ fn own_rows() -> Value {
 
 #[test]
 fn wrong_problems_are_refused() {
-    assert_all_refused(&Service::start(), "/v1/resolve", &example("resolve.json"), &WITH_ROBOT);
+    assert_all_refused(&Service::start(), "/v1/resolve", &example("resolve.json"), WITH_ROBOT);
 }
 
 #[test]
 fn wrong_problems_of_ones_own_rows_are_refused() {
-    assert_all_refused(&Service::start(), "/v1/resolve", &own_rows(), &WITH_OWN_ROWS);
+    assert_all_refused(&Service::start(), "/v1/resolve", &own_rows(), WITH_OWN_ROWS);
 }
 
 #[test]

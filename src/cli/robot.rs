@@ -1,0 +1,152 @@
+//! Robots of one's own: the value of `--robot`.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::CliError;
+use crate::client::{Client, ClientError};
+use crate::robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
+use crate::service::robot_answer;
+use crate::wire::RobotRegistration;
+
+/// A file with a robot, and what the file leaves open.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct RobotArgument {
+    path: PathBuf,
+    name: Option<String>,
+    base: Option<String>,
+    tip: Option<String>,
+}
+
+impl RobotArgument {
+    pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK]";
+
+    pub const HELP: &str = "An arm of your own, in URDF (.urdf) or by Denavit-Hartenberg rows (.toml, .json); in URDF, `tip` is \
+         the link of the tool frame and `base` the link of the base frame, where the file leaves a choice";
+
+    pub fn read(&self) -> Result<Arc<RobotModel>, RobotFileError> {
+        let options = UrdfOptions {
+            name: self.name.as_deref(),
+            description: None,
+            base: self.base.as_deref(),
+            tip: self.tip.as_deref(),
+        };
+        from_file(&self.path, &options).map(Arc::new)
+    }
+
+    /// Makes a server know the robot; `None` if it did before.
+    pub fn register(
+        &self,
+        robot: &RobotModel,
+        client: &Client,
+        server: &str,
+    ) -> Result<Option<Registration>, CliError> {
+        if let Some(known) = client.robots()?.robots.into_iter().find(|known| known.name == robot.name()) {
+            return if known == robot_answer(robot) {
+                Ok(None)
+            } else {
+                Err(CliError::OtherRobot { server: server.to_owned(), name: known.name })
+            };
+        }
+        if self.path.extension().is_none_or(|ending| ending != "urdf") {
+            return Err(CliError::NotSent(self.to_string()));
+        }
+        let source = |source| RobotFileError::Read { path: self.path.clone(), source };
+        let registration = RobotRegistration {
+            name: robot.name().to_owned(),
+            urdf: std::fs::read_to_string(&self.path).map_err(source)?,
+            base: self.base.clone(),
+            tip: self.tip.clone(),
+        };
+        Ok(Some(Registration::new(&registration, client)?))
+    }
+}
+
+impl FromStr for RobotArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut parts = text.split(',');
+        let path = parts.next().filter(|path| !path.is_empty()).ok_or("give a file first")?;
+        let mut argument = Self { path: path.into(), name: None, base: None, tip: None };
+        for part in parts {
+            let slot = match part.split_once('=') {
+                Some(("name", value)) => (&mut argument.name, value),
+                Some(("base", value)) => (&mut argument.base, value),
+                Some(("tip", value)) => (&mut argument.tip, value),
+                _ => return Err(format!("`{part}` is none of name=…, base=…, tip=…")),
+            };
+            if slot.0.replace(slot.1.to_owned()).is_some() {
+                return Err(format!("`{part}` is given twice"));
+            }
+        }
+        Ok(argument)
+    }
+}
+
+impl TryFrom<String> for RobotArgument {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<RobotArgument> for String {
+    fn from(argument: RobotArgument) -> Self {
+        argument.to_string()
+    }
+}
+
+impl fmt::Display for RobotArgument {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(formatter, "{}", self.path.display())?;
+        let options = [("name", &self.name), ("base", &self.base), ("tip", &self.tip)];
+        for (key, value) in options.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?))) {
+            write!(formatter, ",{key}={value}")?;
+        }
+        Ok(())
+    }
+}
+
+/// A robot that a server knows until this is dropped.
+pub struct Registration {
+    client: Client,
+    name: String,
+}
+
+impl Registration {
+    fn new(registration: &RobotRegistration, client: &Client) -> Result<Self, ClientError> {
+        let name = client.register_robot(registration)?.name;
+        Ok(Self { client: client.clone(), name })
+    }
+}
+
+impl Drop for Registration {
+    /// If that fails, the server forgets the robot by itself.
+    fn drop(&mut self) {
+        let _ = self.client.delete_robot(&self.name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_is_a_file_with_options_in_any_order() {
+        let text = "arms/my.urdf,tip=hand,name=mine";
+        let robot: RobotArgument = text.parse().unwrap();
+        assert_eq!((robot.path.to_str(), robot.name.as_deref()), (Some("arms/my.urdf"), Some("mine")));
+        assert_eq!((robot.tip.as_deref(), robot.base.as_deref()), (Some("hand"), None));
+        assert_eq!(robot.to_string().parse(), Ok(robot));
+        for wrong in ["", ",tip=a", "a.urdf,tool=b", "a.urdf,tip", "a.urdf,tip=a,tip=b"] {
+            assert!(wrong.parse::<RobotArgument>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! `revprio scenarios`
+
+use std::io::{Write as _, stdout};
+
+use super::CliError;
+use crate::simulator::ScenarioList;
+
+pub fn run() -> Result<(), CliError> {
+    let scenarios = ScenarioList::built_in()?.scenarios;
+    let width = scenarios.iter().map(|scenario| scenario.name.len()).max().unwrap_or(0);
+    for scenario in scenarios {
+        writeln!(stdout(), "{:width$}  {} ({})", scenario.name, scenario.description, scenario.robot)?;
+    }
+    Ok(())
+}

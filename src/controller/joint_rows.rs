@@ -1,0 +1,69 @@
+//! Tasks about joints.
+
+use super::TaskConfigError;
+use super::task::Sensed;
+use crate::kinematics::{half_range, joint_limit_gradient};
+use crate::law::{Profile, SetPoint, TaskState};
+use crate::linalg::Vector;
+use crate::robot::RobotModel;
+
+/// Joints, and where they are to go.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointRows {
+    /// The joints, index from 0.
+    pub joints: Vec<usize>,
+    /// q_d.
+    pub target: JointTarget,
+}
+
+/// Where joints are to go.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointTarget {
+    /// To positions, rad or m, one row per joint.
+    Position(Profile),
+    /// To the middle of their ranges, along −∇H: the law's displacement is ∂H/∂q_i. Paper: Eq. (8).
+    MidRange,
+}
+
+impl JointRows {
+    /// Checks that the joints exist, stand once, and have what the target needs.
+    pub(super) fn check(&self, robot: &RobotModel) -> Result<(), TaskConfigError> {
+        let ranged = |joint: usize| half_range(&robot.joints()[joint].limits).is_some();
+        let sound = |(i, &joint): (usize, &usize)| {
+            joint < robot.joint_count()
+                && !self.joints[..i].contains(&joint)
+                && (self.target != JointTarget::MidRange || ranged(joint))
+        };
+        let all = !self.joints.is_empty() && self.joints.iter().enumerate().all(sound);
+        if all { Ok(()) } else { Err(TaskConfigError::Joints) }
+    }
+
+    /// The entries of the chosen joints, m.
+    pub(super) fn entries_of(&self, joints: &[f64]) -> Vector {
+        Vector::from_iterator(self.joints.len(), self.joints.iter().map(|&joint| joints[joint]))
+    }
+
+    /// What the law sees; `velocity`: q̇ of the chosen joints, m.
+    pub(super) fn state(&self, velocity: Vector, sensed: &Sensed) -> TaskState {
+        let position = sensed.configuration.joint_position();
+        let rest = Vector::zeros(velocity.len());
+        let (displacement, target) = match &self.target {
+            JointTarget::Position(profile) => {
+                let target = profile.at(sensed.time_s);
+                (self.entries_of(position) - &target.value, target)
+            }
+            JointTarget::MidRange => {
+                let gradient = joint_limit_gradient(sensed.robot, position);
+                (self.entries_of(gradient.as_slice()), SetPoint::resting(rest.clone()))
+            }
+        };
+        TaskState {
+            time_s: sensed.time_s,
+            velocity,
+            displacement,
+            target_velocity: target.rate,
+            target_acceleration: target.acceleration,
+            force: rest,
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The law of positions: `pose` on rows of the tool, `posture` on joints.
+
+use super::TaskState;
+use crate::linalg::Vector;
+
+/// ẋ = ẋ_d + K (x_d − x), K diagonal, 1/s: closed-loop inverse kinematics on the tool's rows, and the same on joints,
+/// q̇ = q̇_d + K (q_d − q).
+///
+/// Each axis closes its distance as e^(−K t); exactly, as (1 − K T)^i after i periods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositionLaw {
+    gain: Vector,
+}
+
+/// The gain is negative or not finite.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{value} is out of range; a gain must not be negative")]
+pub struct GainRange {
+    /// Row, from 0.
+    pub row: usize,
+    /// The value.
+    pub value: f64,
+}
+
+impl PositionLaw {
+    /// `gain`: K, one entry per row, 1/s.
+    pub fn new(gain: Vec<f64>) -> Result<Self, GainRange> {
+        match gain.iter().enumerate().find(|(_, value)| !(value.is_finite() && **value >= 0.0)) {
+            Some((row, &value)) => Err(GainRange { row, value }),
+            None => Ok(Self { gain: Vector::from_vec(gain) }),
+        }
+    }
+
+    /// m.
+    pub fn rows(&self) -> usize {
+        self.gain.len()
+    }
+
+    /// K, diagonal, 1/s.
+    pub fn gain(&self) -> &Vector {
+        &self.gain
+    }
+
+    /// ẋ_d − K ΔX, m/s and rad/s.
+    pub fn velocity(&self, state: &TaskState) -> Vector {
+        &state.target_velocity - self.gain.component_mul(&state.displacement)
+    }
+}

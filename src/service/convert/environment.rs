@@ -1,0 +1,116 @@
+//! Warnings about loops that the stated environment makes unstable.
+
+use super::numbers::not_negative;
+use crate::controller::{ContactLoop, Margin};
+use crate::linalg::EigenvalueError;
+use crate::service::problem::Problem;
+use crate::wire::{self, Axis, EnvironmentAxis, Law};
+
+/// Longest delay that a controller may state: the cost of a warning grows with its cube, and others wait meanwhile.
+const LONGEST_DELAY: usize = 8;
+
+const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// Refuses an environment whose numbers make no sense.
+pub fn check(request: &wire::Controller) -> Result<(), Problem> {
+    let Some(environment) = &request.environment else { return Ok(()) };
+    for axis in AXES {
+        if let Some(contact) = along(environment, axis) {
+            let at = |field: &str| format!("/environment/{axis}/{field}");
+            not_negative(contact.stiffness, &at("stiffness"))?;
+            not_negative(contact.damping, &at("damping"))?;
+            not_negative(contact.inertia, &at("inertia"))?;
+        }
+    }
+    not_negative(environment.lag_s, "/environment/lag_s")?;
+    if environment.delay_periods > LONGEST_DELAY {
+        let detail = format!("at most {LONGEST_DELAY} periods; for longer delays ask POST /v1/stability");
+        return Err(Problem::invalid("/environment/delay_periods", detail));
+    }
+    Ok(())
+}
+
+fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis> {
+    match axis {
+        Axis::X => environment.x,
+        Axis::Y => environment.y,
+        Axis::Z => environment.z,
+        Axis::Rx => environment.rx,
+        Axis::Ry => environment.ry,
+        Axis::Rz => environment.rz,
+    }
+}
+
+/// One warning for each axis of a checked controller whose loop is unstable.
+///
+/// Only the first task on an axis counts: it moves the axis, and the work stays bounded.
+pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
+    let mut warnings = Vec::new();
+    for axis in AXES {
+        let place = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
+        let first = request.tasks.iter().find_map(|task| place(task).map(|row| (task, row)));
+        // The environment is stated along the axes of the base.
+        let first = first.filter(|(task, _)| task.frame == wire::Frame::Base);
+        let contact = first.and_then(|(task, row)| Some((task, contact_loop(request, axis, &task.law, row)?)));
+        if let Some((task, contact)) = contact
+            && !contact.is_stable()?
+        {
+            warnings.push(format!("task `{}`, axis {axis}: {}", task.name, advice(&contact, axis)?));
+        }
+    }
+    Ok(warnings)
+}
+
+/// The loop of one row of a law with the stated environment; `None` where nothing is stated or the law feels no force.
+fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -> Option<ContactLoop> {
+    let environment = request.environment.as_ref()?;
+    let contact = along(environment, axis)?;
+    let (inertia, damping, stiffness) = match law {
+        Law::Velocity { .. } | Law::Pose { .. } | Law::Posture { .. } => return None,
+        Law::Force { inertia, damping, .. } => (inertia.at(row)?, damping.at(row)?, 0.0),
+        Law::Impedance { inertia, damping, stiffness, .. } => (inertia.at(row)?, damping.at(row)?, stiffness.at(row)?),
+        Law::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {
+            let stiffness = if position_controlled.at(row)? { stiffness.at(row)? } else { 0.0 };
+            (inertia.at(row)?, damping.at(row)?, stiffness)
+        }
+    };
+    Some(ContactLoop {
+        inertia,
+        damping,
+        stiffness,
+        environment_inertia: contact.inertia,
+        environment_damping: contact.damping,
+        environment_stiffness: contact.stiffness,
+        period_s: request.period_s,
+        lag_s: environment.lag_s,
+        delay_periods: environment.delay_periods,
+        velocity_measured: environment.velocity_measured,
+    })
+}
+
+/// What is wrong with an unstable loop, and what would help.
+fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, EigenvalueError> {
+    let Margin { spectral_radius, largest_lag_s, largest_delay_periods, smallest_damping } = contact.margin()?;
+    let unit = if matches!(axis, Axis::X | Axis::Y | Axis::Z) { "N·s/m" } else { "N·m·s/rad" };
+    let lag = match largest_lag_s {
+        Some(lag) => format!("largest admissible lag {} ms", four_digits(0.999 * 1e3 * lag)),
+        None => "no lag is short enough".to_owned(),
+    };
+    let delay = match largest_delay_periods {
+        _ if contact.delay_periods == 0 => String::new(),
+        Some(periods) => format!("; largest admissible delay {periods} periods"),
+        None => "; no delay is short enough".to_owned(),
+    };
+    let damping = match smallest_damping {
+        Some(damping) => format!("damping of at least {} {unit} makes it stable", four_digits(1.001 * damping)),
+        None => "no damping makes it stable".to_owned(),
+    };
+    Ok(format!(
+        "with this environment the loop is unstable: spectral radius {spectral_radius:.6}; {lag}{delay}; {damping}"
+    ))
+}
+
+/// The number to four digits: a thousandth inside a margin it stays inside.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

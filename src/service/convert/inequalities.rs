@@ -1,0 +1,91 @@
+//! Linear inequalities beside the joint limits.
+
+use super::numbers::{joint_list, number, numbers};
+use crate::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::wire;
+
+/// Most inequalities of a request.
+const MOST: usize = 64;
+
+/// What inequalities are about.
+pub struct InequalityReader<'a> {
+    /// The robot, for planes.
+    pub robot: Option<&'a RobotModel>,
+    /// Number of joints.
+    pub joints: usize,
+    /// T, s, where it is known.
+    pub period_s: Option<f64>,
+}
+
+impl InequalityReader<'_> {
+    /// Reads a list at the JSON pointer `/inequalities`.
+    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, Problem> {
+        if list.len() > MOST {
+            return Err(Problem::invalid("/inequalities", format!("at most {MOST} inequalities")));
+        }
+        let barriers = list
+            .iter()
+            .enumerate()
+            .map(|(i, inequality)| self.barrier(i, inequality))
+            .collect::<Result<Vec<_>, _>>()?;
+        for (i, barrier) in barriers.iter().enumerate() {
+            if barriers[..i].iter().any(|earlier| earlier.name() == barrier.name()) {
+                let detail = format!("two inequalities are named `{}`; give each its own name", barrier.name());
+                return Err(Problem::invalid(format!("/inequalities/{i}/name"), detail));
+            }
+        }
+        Ok(barriers)
+    }
+
+    fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, Problem> {
+        let pointer = format!("/inequalities/{index}");
+        let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
+        match inequality {
+            wire::Inequality::Joints { name, coefficients, upper } => {
+                let coefficients = joint_list(coefficients, self.joints, &format!("{pointer}/coefficients"))?;
+                let upper = number(*upper, &format!("{pointer}/upper"))?;
+                Inequality::new(named(name), coefficients, upper)
+                    .map(Barrier::Fixed)
+                    .map_err(|error| Problem::invalid(format!("{pointer}/coefficients"), error))
+            }
+            wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
+                numbers(normal, &format!("{pointer}/normal"))?;
+                let offset = number(*offset_m, &format!("{pointer}/offset_m"))?;
+                let point = self.point(point, &format!("{pointer}/point"))?;
+                let rate = self.rate(*rate_per_s, &format!("{pointer}/rate_per_s"))?;
+                VirtualPlane::new(named(name), *normal, offset, point, rate)
+                    .map(Barrier::Plane)
+                    .map_err(|error| Problem::invalid(format!("{pointer}/normal"), error))
+            }
+        }
+    }
+
+    fn point(&self, point: &str, pointer: &str) -> Result<PlanePoint, Problem> {
+        let Some(robot) = self.robot else {
+            return Err(Problem::invalid(pointer, "a plane needs `robot` and `joint_position`"));
+        };
+        if point == "tool" {
+            return Ok(PlanePoint::Tool);
+        }
+        let joint = robot.joints().iter().position(|joint| joint.name == point);
+        let unknown = || {
+            let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+            format!("`{}` has no joint `{point}`; give `tool` or one of {}", robot.name(), names.join(", "))
+        };
+        joint.map(PlanePoint::Joint).ok_or_else(|| Problem::invalid(pointer, unknown()))
+    }
+
+    fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64, Problem> {
+        let most = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
+        match rate {
+            None => Ok(APPROACH_RATE.min(most)),
+            Some(rate) if rate > 0.0 && rate <= most => number(rate, pointer),
+            Some(rate) => Err(Problem::invalid(
+                pointer,
+                format!("{rate} is out of range; it must be positive and at most one over the period"),
+            )),
+        }
+    }
+}

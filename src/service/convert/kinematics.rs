@@ -1,0 +1,42 @@
+//! `POST /v1/kinematics`.
+
+use nalgebra::{IsometryMatrix3, UnitQuaternion};
+
+use super::numbers::joint_vector;
+use super::resolve::known_robot;
+use crate::kinematics::{Configuration, link_frames};
+use crate::linalg::{Matrix, Svd};
+use crate::service::problem::Problem;
+use crate::service::robots::Robots;
+use crate::wire;
+
+/// Answers a request.
+pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, Problem> {
+    let pointer = "/joint_position";
+    let robot = &*known_robot(&request.robot, robots)?;
+    let position = joint_vector(&request.joint_position, robot, pointer)?;
+    let configuration = Configuration::new(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
+    let links = link_frames(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
+    let jacobian = configuration.jacobian();
+    let svd = Svd::new(&Matrix::from_column_slice(6, jacobian.ncols(), jacobian.as_slice()))
+        .map_err(|error| Problem::invalid(pointer, error))?;
+    let link = |(joint, frame): (&crate::robot::Joint, &IsometryMatrix3<f64>)| wire::LinkFrame {
+        joint: joint.name.clone(),
+        pose: pose_answer(frame),
+    };
+    Ok(wire::KinematicsAnswer {
+        pose: pose_answer(configuration.tool_pose()),
+        jacobian: jacobian.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        singular_values: svd.singular_values().to_vec(),
+        manipulability: svd.manipulability(),
+        links: robot.joints().iter().zip(&links).map(link).collect(),
+    })
+}
+
+fn pose_answer(frame: &IsometryMatrix3<f64>) -> wire::Pose {
+    let quaternion = UnitQuaternion::from_rotation_matrix(&frame.rotation);
+    wire::Pose {
+        position: frame.translation.vector.into(),
+        orientation: wire::Orientation { w: quaternion.w, x: quaternion.i, y: quaternion.j, z: quaternion.k },
+    }
+}

@@ -1,0 +1,61 @@
+//! `POST /v1/simulations`.
+
+use std::sync::Arc;
+
+use super::controller::controller;
+use super::numbers::joint_list;
+use super::resolve::known_robot;
+use crate::report::metrics::Metrics;
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::service::robots::Robots;
+use crate::simulator::{NamedScenario, Scenario, SimulationRequest};
+use crate::wire;
+
+/// Reads a request: a scenario that the service can run, and the arm that it is about.
+pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), Problem> {
+    let mut scenario = match request.scenario {
+        NamedScenario::BuiltIn(name) => built_in(&name)?,
+        NamedScenario::Own(scenario) => own(*scenario, robots).map_err(|problem| problem.inside("/scenario"))?,
+    };
+    scenario.controller.method = request.method.unwrap_or(scenario.controller.method);
+    scenario.controller.solver = request.solver.unwrap_or(scenario.controller.solver);
+    let robot = known_robot(&scenario.controller.robot, robots)?;
+    Ok((scenario, robot))
+}
+
+fn built_in(name: &str) -> Result<Scenario, Problem> {
+    let unknown = || {
+        let known = Scenario::names();
+        Problem::invalid("/scenario", format!("there is no scenario `{name}`; known: {known}; or give a whole one"))
+    };
+    Scenario::built_in(name).ok_or_else(unknown)?.map_err(|_| Problem::internal())
+}
+
+fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, Problem> {
+    if let Some((field, flaw)) = scenario.flaw() {
+        return Err(Problem::invalid(format!("/{}", field.replace('.', "/")), flaw));
+    }
+    let controller = controller(&scenario.controller, robots).map_err(|problem| problem.inside("/controller"))?;
+    let joints = controller.config().robot.joint_count();
+    joint_list(&scenario.start_joint_position, joints, "/start_joint_position")?;
+    Ok(scenario)
+}
+
+/// Measures of a run.
+pub fn metrics_answer(metrics: &Metrics) -> wire::SimulationMetrics {
+    let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
+    wire::SimulationMetrics {
+        rmse_force_x_n: finite(metrics.rmse_fx),
+        rmse_force_y_n: finite(metrics.rmse_fy),
+        overshoot_n: finite(metrics.overshoot.map(|overshoot| overshoot.newton)),
+        overshoot_percent: finite(metrics.overshoot.map(|overshoot| overshoot.percent)),
+        settling_time_s: finite(metrics.settling_time_s),
+        final_force_n: finite(metrics.final_force),
+        peak_force_n: finite(Some(metrics.peak_force)),
+        first_contact_s: finite(metrics.first_contact_s),
+        contacts: metrics.contacts,
+        largest_joint_speed_rad_s: finite(Some(metrics.max_joint_speed)),
+        calls_per_second: finite(metrics.calls_per_second),
+    }
+}

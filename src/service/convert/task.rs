@@ -1,0 +1,156 @@
+//! Tasks of a controller.
+
+use super::pose::{pose, task_frame};
+use super::profile::PerRow;
+use super::resolve::axis_selection;
+use crate::controller::{JointRows, JointTarget, TargetPose, TaskConfig, TaskRows, ToolRows};
+use crate::kinematics::half_range;
+use crate::law::{ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
+use crate::robot::RobotModel;
+use crate::service::problem::Problem;
+use crate::wire::{self, PerAxis};
+
+/// Reads the task at a JSON pointer.
+pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel, pointer: &str) -> Result<TaskConfig, Problem> {
+    let law_pointer = format!("{pointer}/law");
+    let (rows, law) = match &task.law {
+        wire::Law::Posture { joints, gain, target_position } => {
+            not_for_postures(task, pointer)?;
+            let joints = joint_indices(joints.as_deref(), target_position, robot, &law_pointer)?;
+            let reader = LawReader(PerRow { rows: joints.len(), pointer: &law_pointer });
+            let target = match target_position {
+                wire::PostureTarget::MidRange => JointTarget::MidRange,
+                wire::PostureTarget::Profile(profile) => {
+                    JointTarget::Position(reader.profile(profile, "target_position")?)
+                }
+            };
+            (TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?)
+        }
+        law => {
+            let axes_pointer = format!("{pointer}/axes");
+            let missing = || Problem::invalid(axes_pointer.clone(), "this law needs `axes`, the rows of the tool");
+            let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, &axes_pointer)?;
+            let reader = LawReader(PerRow { rows: axes.len(), pointer: &law_pointer });
+            let rows =
+                ToolRows { frame: task_frame(&task.frame, task.reference_point, pointer)?, ..ToolRows::new(axes) };
+            let (rows, law) = (reader.with_target(rows, law)?, reader.law(law)?);
+            (TaskRows::Tool(rows), law)
+        }
+    };
+    Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale })
+}
+
+fn not_for_postures(task: &wire::ControllerTask, pointer: &str) -> Result<(), Problem> {
+    let given = [
+        ("axes", task.axes.is_some()),
+        ("frame", task.frame != wire::Frame::Base),
+        ("reference_point", task.reference_point.is_some()),
+    ];
+    match given.iter().find(|(_, given)| *given) {
+        Some((field, _)) => {
+            let detail =
+                format!("the law `posture` is about joints and takes no `{field}`; choose among them by `joints`");
+            Err(Problem::invalid(format!("{pointer}/{field}"), detail))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The joints of a posture; by default all, towards the middle of their ranges all that have one.
+fn joint_indices(
+    names: Option<&[String]>,
+    target: &wire::PostureTarget,
+    robot: &RobotModel,
+    pointer: &str,
+) -> Result<Vec<usize>, Problem> {
+    let counts = |joint: &usize| {
+        *target != wire::PostureTarget::MidRange || half_range(&robot.joints()[*joint].limits).is_some()
+    };
+    let Some(names) = names else { return Ok((0..robot.joint_count()).filter(counts).collect()) };
+    let index = |(i, name): (usize, &String)| {
+        let known = robot.joints().iter().position(|joint| joint.name == *name);
+        let detail = || format!("`{}` has no joint `{name}`", robot.name());
+        known.ok_or_else(|| Problem::invalid(format!("{pointer}/joints/{i}"), detail()))
+    };
+    names.iter().enumerate().map(index).collect()
+}
+
+/// Reads the law at a JSON pointer.
+struct LawReader<'a>(PerRow<'a>);
+
+impl LawReader<'_> {
+    /// Laws of the tool's rows.
+    fn law(&self, law: &wire::Law) -> Result<Law, Problem> {
+        Ok(match law {
+            wire::Law::Velocity { target_velocity } => Law::Velocity(self.profile(target_velocity, "target_velocity")?),
+            wire::Law::Pose { gain, .. } | wire::Law::Posture { gain, .. } => self.position(gain)?,
+            wire::Law::Force { inertia, damping, target_force } => {
+                let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;
+                let law = ForceLaw::new(gains, self.profile(target_force, "target_force")?);
+                Law::Force(law.ok_or_else(|| self.mismatch())?)
+            }
+            wire::Law::Impedance { inertia, damping, stiffness, .. } => {
+                Law::Impedance(ImpedanceLaw::new(self.gains(inertia, damping, stiffness)?))
+            }
+            wire::Law::Hybrid { inertia, damping, stiffness, position_controlled, target_force, .. } => {
+                let gains = self.gains(inertia, damping, stiffness)?;
+                let force = self.profile(target_force, "target_force")?;
+                let law = HybridLaw::new(gains, force, self.0.each(position_controlled, "position_controlled")?);
+                Law::Hybrid(law.ok_or_else(|| self.mismatch())?)
+            }
+        })
+    }
+
+    /// The rows with the target that the law states.
+    fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows, Problem> {
+        let (wire::Law::Pose { target_pose, target_displacement, .. }
+        | wire::Law::Impedance { target_pose, target_displacement, .. }
+        | wire::Law::Hybrid { target_pose, target_displacement, .. }) = law
+        else {
+            return Ok(rows);
+        };
+        let target_pose = match target_pose {
+            wire::TargetPose::Initial => TargetPose::Initial,
+            wire::TargetPose::Fixed(fixed) => TargetPose::Fixed(pose(fixed, &self.0.at("target_pose"))?),
+        };
+        let displacement = target_displacement.as_ref();
+        let target_displacement =
+            displacement.map(|profile| self.profile(profile, "target_displacement")).transpose()?;
+        Ok(ToolRows { target_pose, target_displacement, ..rows })
+    }
+
+    fn position(&self, gain: &PerAxis<f64>) -> Result<Law, Problem> {
+        let law = PositionLaw::new(self.0.numbers(gain, "gain")?);
+        law.map(Law::Position).map_err(|error| Problem::invalid(self.0.at_row(gain, "gain", error.row), error))
+    }
+
+    fn gains(
+        &self,
+        inertia: &PerAxis<f64>,
+        damping: &PerAxis<f64>,
+        stiffness: &PerAxis<f64>,
+    ) -> Result<Gains, Problem> {
+        let list = |values: &PerAxis<f64>, field: &str| self.0.numbers(values, field);
+        let (m, b, k) = (list(inertia, "inertia")?, list(damping, "damping")?, list(stiffness, "stiffness")?);
+        Gains::new(self.0.rows, &m, &b, &k).map_err(|error| match error {
+            GainError::Size { gain, .. } => Problem::invalid(self.0.at(gain), error),
+            GainError::Range { gain, row, .. } => {
+                let values = match gain {
+                    "inertia" => inertia,
+                    "damping" => damping,
+                    _ => stiffness,
+                };
+                Problem::invalid(self.0.at_row(values, gain, row), error)
+            }
+        })
+    }
+
+    fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, Problem> {
+        PerRow { rows: self.0.rows, pointer: &self.0.at(field) }.profile(profile)
+    }
+
+    /// Sizes are checked field by field; this is what is left to say if the law refuses all the same.
+    fn mismatch(&self) -> Problem {
+        Problem::invalid(self.0.pointer, format!("the lists of a law have one value for each of {} rows", self.0.rows))
+    }
+}

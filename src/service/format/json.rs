@@ -1,0 +1,36 @@
+//! Bodies in JSON.
+
+use serde::de::DeserializeOwned;
+use serde_json::error::Category;
+
+use super::pointer;
+use crate::service::problem::Problem;
+use crate::wire::Object;
+
+/// Reads an object.
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    match serde_json::from_slice(bytes) {
+        Ok(Object(value)) => Ok(value),
+        Err(_) => explain(bytes),
+    }
+}
+
+/// Reads once more, keeping track of where: what a good body need not pay for.
+fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+        let (place, cause) = (pointer(error.path()), error.into_inner());
+        match cause.classify() {
+            Category::Data => Problem::invalid(place, cause),
+            _ if is_well_formed(bytes) => Problem::invalid(place, cause),
+            Category::Syntax | Category::Eof | Category::Io => Problem::malformed(cause.to_string()),
+        }
+    })?;
+    deserializer.end().map_err(|error| Problem::malformed(error.to_string()))?;
+    Ok(value)
+}
+
+/// Whether it is JSON of finite numbers: a value of another type than the expected one can look like wrong syntax.
+fn is_well_formed(bytes: &[u8]) -> bool {
+    serde_json::from_slice::<serde_json::Value>(bytes).is_ok()
+}

@@ -1,0 +1,94 @@
+//! Problems to resolve, one or many.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use tokio::sync::Semaphore;
+
+use super::app::App;
+use super::background::{Abandoned, background, spare_cores};
+use super::body::LargeBody;
+use super::convert;
+use super::problem::Problem;
+use crate::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
+
+/// Problems in a batch.
+const MOST_ITEMS: usize = 10_000;
+
+/// Batches at a time, one at work and the others waiting; each may hold a body and an answer of some 20 MB.
+const MOST_BATCHES: usize = 4;
+
+/// Resolves one problem.
+pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem> {
+    let start = Instant::now();
+    let question = convert::question(request, &app.robots)?;
+    let resolution = crate::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
+    let answer = convert::resolve_answer(&question, &resolution, start);
+    app.metrics.solved(&answer.solver);
+    Ok(answer)
+}
+
+/// Room for batches.
+pub struct Batches {
+    places: Arc<Semaphore>,
+    turn: Arc<Semaphore>,
+}
+
+impl Default for Batches {
+    fn default() -> Self {
+        Self { places: Arc::new(Semaphore::new(MOST_BATCHES)), turn: Arc::new(Semaphore::new(1)) }
+    }
+}
+
+impl Batches {
+    /// Resolves a batch on the spare cores when its turn comes.
+    pub async fn resolve(&self, body: LargeBody<BatchRequest>, app: &Arc<App>) -> Result<BatchAnswer, Problem> {
+        let busy =
+            |_| Problem::busy(format!("{MOST_BATCHES} batches are being resolved already; try again in a second"));
+        let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
+        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        let app = Arc::clone(app);
+        let work = move |abandoned: &Abandoned| {
+            // Held by the work itself: when its client is gone, it still takes until the next problem to end.
+            let _held = (place, turn);
+            many(&body.read()?, &app, abandoned)
+        };
+        background(work).await?
+    }
+}
+
+/// Resolves many problems, each as if it were the only one.
+fn many(request: &BatchRequest, app: &App, abandoned: &Abandoned) -> Result<BatchAnswer, Problem> {
+    let problems = &request.items;
+    if problems.len() > MOST_ITEMS {
+        return Err(Problem::invalid("/items", format!("{} items; a batch has at most {MOST_ITEMS}", problems.len())));
+    }
+    let answers: Vec<Mutex<Option<BatchItem>>> = problems.iter().map(|_| Mutex::default()).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while !abandoned.is_set() {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let (Some(problem), Some(answer)) = (problems.get(i), answers.get(i)) else { break };
+            let item = item(i, one(problem, app), app);
+            *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(item);
+        }
+    };
+    std::thread::scope(|scope| {
+        let helpers = spare_cores().min(problems.len()).saturating_sub(1);
+        (0..helpers).for_each(|_| drop(scope.spawn(work)));
+        work();
+    });
+    let items = answers.into_iter().map(|answer| answer.into_inner().ok().flatten());
+    Ok(BatchAnswer { items: items.collect::<Option<_>>().ok_or_else(Problem::internal)? })
+}
+
+fn item(i: usize, answer: Result<ResolveAnswer, Problem>, app: &App) -> BatchItem {
+    match answer {
+        Ok(answer) => BatchItem::Answer(Box::new(answer)),
+        Err(problem) => {
+            app.metrics.refused(problem.kind());
+            BatchItem::Problem(problem.inside(&format!("/items/{i}")).into_wire())
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! `--robot`
+
+use serde_json::Value;
+
+use crate::program::{Scratch, failure, program, success};
+use crate::serve::Server;
+use crate::trace::Trace;
+
+/// Three links and, on the last one, a camera beside the tool.
+fn camera_arm() -> String {
+    let text = include_str!("../../fixtures/robots/planar_3r.urdf");
+    let camera = r#"<link name="camera"/>
+  <joint name="clamp" type="fixed"><parent link="hand"/><child link="camera"/></joint>
+</robot>"#;
+    text.replace("</robot>", camera).replace(r#"name="planar_3r""#, r#"name="camera_arm""#)
+}
+
+/// Pushes against a spring in x, for 0.2 s, with that arm.
+fn push(robot: &str) -> String {
+    format!(
+        r#"
+name = "planar_push"
+description = "a planar arm pushes against a spring"
+duration_s = 0.2
+start_joint_position = [0.4, 0.9, -0.7]
+[[contacts]]
+axis = "x"
+kind = "spring"
+stiffness = 1000.0
+[controller]
+robot = "{robot}"
+period_s = 0.001
+[[controller.tasks]]
+name = "push"
+axes = ["x"]
+law = {{ kind = "force", inertia = [15.0], damping = [150.0], target_force = {{ kind = "constant", value = [5.0] }} }}
+"#
+    )
+}
+
+fn trace(scratch: &Scratch, out: &str) -> Vec<u8> {
+    let path = scratch.path().join(out).join("planar_push-reverse_priority-auto.csv");
+    assert_eq!(Trace::read(&path).rows(), 200);
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn an_arm_of_ones_own_is_simulated_with_and_without_a_server() {
+    let (scratch, server) = (Scratch::new("robot"), Server::start());
+    let built_in = scratch.write("built_in.toml", &push("planar_3r"));
+    success(&["simulate", &built_in, "--out", &scratch.argument("built_in")]);
+    let expected = trace(&scratch, "built_in");
+
+    let scenario = scratch.write("push.toml", &push("whatever"));
+    let robot = scratch.write("arm.urdf", &camera_arm()) + ",tip=tool";
+    success(&["simulate", &scenario, "--robot", &robot, "--out", &scratch.argument("own")]);
+    assert!(trace(&scratch, "own") == expected);
+    // Twice: the server forgets the robot after each run.
+    for out in ["server", "again"] {
+        let options = ["--robot", &robot, "--server", &server.url, "--out", &scratch.argument(out)];
+        success(&[&["simulate", &scenario][..], &options].concat());
+        assert!(trace(&scratch, out) == expected);
+    }
+}
+
+#[test]
+fn a_robot_that_a_server_cannot_take_is_named_with_the_remedy() {
+    let (scratch, server) = (Scratch::new("robot_failures"), Server::start());
+    let scenario = scratch.write("push.toml", &push("whatever"));
+    let urdf = scratch.write("arm.urdf", &camera_arm());
+    let simulate = |robot: &str| failure(&["simulate", &scenario, "--robot", robot, "--server", &server.url]);
+    assert!(simulate(&urdf).contains("name the `tip`: `tool`, `camera`"));
+    let message = simulate(&format!("{urdf},tip=tool,name=panda"));
+    assert!(message.contains("has another robot `panda`") && message.contains("name=NAME"), "{message}");
+    let rows = include_str!("../../fixtures/robots/sawyer_dh.toml");
+    let mine = scratch.write("rows.toml", &rows.replace(r#"name = "sawyer_dh""#, r#"name = "mine""#));
+    assert!(simulate(&mine).contains("revprio serve --robot"));
+    let unknown = failure(&["simulate", &scenario]);
+    assert!(unknown.contains("no robot `whatever`"), "{unknown}");
+}
+
+#[test]
+fn arms_of_ones_own_are_served_beside_the_built_in_ones() {
+    let scratch = Scratch::new("served_robot");
+    let urdf = scratch.write("arm.urdf", &camera_arm()) + ",tip=camera,name=mine";
+    let rows = include_str!("../../fixtures/robots/sawyer_dh.toml").to_owned();
+    let toml = scratch.write("rows.toml", &rows) + ",name=rows";
+    let server = Server::start_with(&["--robot", &urdf, "--robot", &toml]);
+    let answer = server.get("/v1/robots");
+    let robots = answer.split_once("\r\n\r\n").unwrap().1;
+    let robots: Value = serde_json::from_str(robots).unwrap();
+    let names: Vec<&str> = robots["robots"].as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "mine", "rows"]);
+}
+
+#[test]
+fn robot_files_that_cannot_be_served_are_named() {
+    let scratch = Scratch::new("robot_files");
+    let serve = |robot: &str| failure(&["serve", "--listen", "127.0.0.1:0", "--robot", robot]);
+    assert!(serve("none.urdf").contains("cannot read none.urdf"));
+    assert!(serve("README.md").contains("README.md: robots are described in .urdf, .toml or .json"));
+    assert!(serve("fixtures/robots/panda.urdf").contains("the name `panda` is taken"));
+    assert!(serve("fixtures/robots/sawyer_dh.toml,tip=tool").contains("`base` and `tip` are for .urdf"));
+    let broken = scratch.write("broken.urdf", "<robot name='r'>");
+    assert!(serve(&broken).contains(&broken));
+    let spaced = scratch.write("spaced.urdf", &camera_arm().replace("camera_arm", "two words"));
+    let message = serve(&(spaced + ",tip=tool"));
+    assert!(message.contains("`two words` cannot name a robot") && message.contains("name=NAME"), "{message}");
+    let output = program(&["serve", "--robot", "a.urdf,tool=b"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn simulate_warns_of_a_contact_that_would_bounce() {
+    let scratch = Scratch::new("warned");
+    let lag = |periods: u32, lag: f64| {
+        let text = push("planar_3r").replace("stiffness = 1000.0", "stiffness = 1e5");
+        format!("{text}[velocity_loop]\nlag_s = {lag}\ndelay_periods = {periods}\n")
+    };
+    let warnings = |name: &str, text: &str| {
+        let file = scratch.write(name, text);
+        let output = program(&["simulate", &file, "--out", &scratch.argument("out")]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let warned = warnings("lag.toml", &lag(0, 0.005));
+    assert!(warned.contains("warning: task `push`, axis x: ") && warned.contains("unstable"), "{warned}");
+    assert!(warnings("far.toml", &lag(40, 0.0)).contains("warning: stability is not checked"));
+    assert!(!warnings("calm.toml", &push("planar_3r")).contains("warning"));
+}

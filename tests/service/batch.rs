@@ -1,0 +1,158 @@
+//! Many problems in one request.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, example, without};
+
+/// Problems that differ from each other, every tenth one wrong.
+fn items(count: usize) -> Vec<Value> {
+    let item = |i: usize| {
+        let mut item = example("resolve.json");
+        item["tasks"][0]["velocity"][0] = json!(0.001 * i as f64);
+        item["solver"] = json!(["auto", "qp", "closed_form"][i % 3]);
+        if i % 10 == 7 {
+            item["joint_position"] = json!([0.0]);
+        }
+        item
+    };
+    (0..count).map(item).collect()
+}
+
+fn gunzipped(bytes: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut plain).unwrap();
+    plain
+}
+
+#[test]
+fn a_batch_is_answered_in_order_as_the_single_problems_are() {
+    let service = Service::start();
+    let items = items(60);
+    let answer = service.ask("/v1/resolve/batch", &json!({"items": items}));
+    let answers = answer["items"].as_array().unwrap();
+    assert_eq!(answers.len(), 60);
+    for (i, (item, answer)) in items.iter().zip(answers).enumerate() {
+        let mut single = service.post("/v1/resolve", &item.to_string()).json();
+        if i % 10 == 7 {
+            assert_eq!(answer["status"], 422);
+            assert_eq!(answer["pointer"], format!("/items/{i}/joint_position"));
+            single["pointer"] = answer["pointer"].clone();
+            assert_eq!(*answer, without(single, &["request_id"]));
+        } else {
+            assert_eq!(without(answer.clone(), &["elapsed_us"]), without(single, &["elapsed_us"]));
+        }
+    }
+}
+
+#[test]
+fn the_example_is_resolved() {
+    let answer = Service::start().ask("/v1/resolve/batch", &example("batch.json"));
+    assert_eq!(answer["items"][0]["tasks"][0]["name"], "push");
+    assert_eq!(answer["items"][1]["solver"]["status"], "optimal");
+    assert_eq!(answer["items"][1]["joint_velocity"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn a_batch_may_be_empty_and_has_an_end() {
+    let service = Service::start();
+    assert_eq!(service.ask("/v1/resolve/batch", &json!({"items": []})), json!({"items": []}));
+    let small = json!({"tasks": [{"jacobian": [[1]], "velocity": [1]}]});
+    let many = |count: usize| service.post("/v1/resolve/batch", &json!({"items": vec![&small; count]}).to_string());
+    assert_eq!(many(10_000).accepted()["items"].as_array().unwrap().len(), 10_000);
+    many(10_001).assert_refused(422, Some("/items"));
+}
+
+#[test]
+fn bodies_of_another_shape_are_refused_as_a_whole() {
+    let service = Service::start();
+    let batch = |text: &str| service.post("/v1/resolve/batch", text);
+    let mut broken = example("batch.json");
+    broken["items"][1]["taks"] = json!([]);
+    batch(&broken.to_string()).assert_refused(422, Some("/items/1/taks"));
+    batch(r#"{"items": [[]]}"#).assert_refused(422, Some("/items/0"));
+    batch(r#"{"item": []}"#).assert_refused(422, Some("/item"));
+    batch("{}").assert_refused(422, Some(""));
+    batch("{").assert_refused(400, None);
+    let padded = |size: usize| {
+        let body = example("batch.json").to_string();
+        body.clone() + &" ".repeat(size - body.len())
+    };
+    batch(&padded(16 << 20)).accepted();
+    batch(&padded((16 << 20) + 1)).assert_refused(413, None);
+}
+
+#[test]
+fn large_answers_are_compressed_for_those_who_can_read_it_and_small_ones_never() {
+    let service = Service::start();
+    let post = |path: &str, body: &Value| {
+        let headers = [("content-type", "application/json"), ("accept-encoding", "gzip, br")];
+        service.exchange("POST", path, &headers, body.to_string().as_bytes())
+    };
+    let body = json!({"items": items(50)});
+    let large = post("/v1/resolve/batch", &body);
+    assert_eq!(large.headers()["content-encoding"], "gzip");
+    let answer: Value = serde_json::from_slice(&gunzipped(large.body())).unwrap();
+    assert_eq!(answer["items"].as_array().unwrap().len(), 50);
+    for (path, body) in [("/v1/resolve/batch", example("batch.json")), ("/v1/resolve", example("resolve.json"))] {
+        let small = post(path, &body);
+        assert!(!small.headers().contains_key("content-encoding"));
+        assert!(serde_json::from_slice::<Value>(small.body()).is_ok());
+    }
+}
+
+/// A batch that takes far longer than a test waits, of problems that take Clarabel some milliseconds each.
+fn long_batch() -> String {
+    let row = |i: usize| (0..30).map(|j| (i * 7 + j * 3) % 10).collect::<Vec<_>>();
+    let task = |k: usize| json!({"jacobian": (0..6).map(|i| row(6 * k + i)).collect::<Vec<_>>(), "velocity": [9, 8, 7, 6, 5, 4]});
+    let limits = json!({"lower": vec![-0.1; 30], "upper": vec![0.1; 30]});
+    let tasks: Vec<Value> = (0..8).map(task).collect();
+    json!({"items": vec![json!({"tasks": tasks, "limits": limits, "solver": "qp"}); 4000]}).to_string()
+}
+
+/// Sends a batch and does not wait for its answer.
+fn send(service: &Service, body: &str) -> TcpStream {
+    let mut stream = service.connect();
+    let head = "POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json";
+    write!(stream, "{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).unwrap();
+    stream
+}
+
+#[test]
+fn steps_go_on_while_a_batch_is_resolved() {
+    let service = Service::start();
+    let mut batch = send(&service, &long_batch());
+    let session = service.open(&example("controller.json"));
+    for sequence in 0..200 {
+        let mut state = example("state.json");
+        state["sequence"] = json!(sequence);
+        service.ask(&format!("{session}/step"), &state);
+    }
+    batch.set_nonblocking(true).unwrap();
+    let answer = batch.read(&mut [0; 1]).map_err(|error| error.kind());
+    assert_eq!(answer, Err(ErrorKind::WouldBlock), "the batch was answered first");
+}
+
+#[test]
+fn too_many_batches_are_turned_away_and_abandoned_ones_make_room() {
+    let service = Service::start();
+    let body = long_batch();
+    let clients: Vec<TcpStream> = (0..4).map(|_| send(&service, &body)).collect();
+    let post = || {
+        let headers = [("content-type", "application/json")];
+        service.exchange("POST", "/v1/resolve/batch", &headers, example("batch.json").to_string().as_bytes())
+    };
+    // The service has read all four once it has answered a fifth client who came later.
+    let refusal = post();
+    assert_eq!((refusal.status().as_u16(), &refusal.headers()["retry-after"]), (503, &"1".parse().unwrap()));
+    drop(clients);
+    let start = Instant::now();
+    while post().status() == 503 {
+        sleep(Duration::from_millis(20));
+    }
+    assert!(start.elapsed() < Duration::from_secs(5), "an abandoned batch was resolved first: {:?}", start.elapsed());
+}

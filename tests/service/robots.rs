@@ -1,0 +1,127 @@
+//! Robots of one's own, from registration to deletion.
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, numbers, without};
+
+/// One joint about z with a tool 2 m away.
+pub const CRANK: &str = r#"<robot name="unused">
+  <link name="base"/><link name="arm"/><link name="tool"/>
+  <joint name="crank" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" velocity="1.5" acceleration="4"/>
+  </joint>
+  <joint name="hand" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="2 0 0"/></joint>
+</robot>"#;
+
+/// Body of `POST /v1/robots`.
+pub fn registration(name: &str, urdf: &str) -> Value {
+    json!({"name": name, "urdf": urdf})
+}
+
+/// Velocity along y asked of a robot with one joint.
+fn pull(robot: &str) -> Value {
+    json!({
+        "robot": robot, "joint_position": [0.0], "period_s": 0.001,
+        "tasks": [{"axes": ["y"], "velocity": [0.5]}]
+    })
+}
+
+fn controller(robot: &str) -> Value {
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.5]}});
+    json!({"robot": robot, "period_s": 0.001, "tasks": [{"name": "pull", "axes": ["y"], "law": law}]})
+}
+
+#[test]
+fn a_robot_is_registered_used_and_deleted() {
+    let service = Service::start();
+    service.post("/v1/resolve", &pull("crank").to_string()).assert_refused(422, Some("/robot"));
+    let created = service.post("/v1/robots", &registration("crank", CRANK).to_string());
+    assert_eq!((created.status, created.location.as_deref()), (201, Some("/v1/robots/crank")));
+    let shown = service.get("/v1/robots/crank").accepted();
+    assert_eq!(created.json(), shown);
+    assert_eq!((&shown["name"], &shown["source"]), (&json!("crank"), &json!("urdf")));
+    let joint = &shown["joints"][0];
+    assert_eq!((&joint["name"], &joint["position_limit"]), (&json!("crank"), &json!([-3.0, 3.0])));
+    assert_eq!((&joint["velocity_limit"], &joint["acceleration_limit"]), (&json!(1.5), &json!(4.0)));
+    assert!(service.get("/v1/robots").accepted()["robots"].as_array().unwrap().contains(&shown));
+
+    // 0.5 m/s at 2 m are 0.25 rad/s.
+    let answer = service.ask("/v1/resolve", &pull("crank"));
+    assert!((numbers(&answer["joint_velocity"])[0] - 0.25).abs() < 1e-12, "{answer}");
+
+    assert_eq!(service.delete("/v1/robots/crank").status, 204);
+    for answer in [service.get("/v1/robots/crank"), service.delete("/v1/robots/crank")] {
+        answer.assert_refused(404, None);
+    }
+    service.post("/v1/controllers", &controller("crank").to_string()).assert_refused(422, Some("/robot"));
+}
+
+#[test]
+fn a_session_keeps_its_robot_when_the_name_goes_to_another() {
+    let service = Service::start();
+    service.post("/v1/robots", &registration("crank", CRANK).to_string()).accepted();
+    let session = service.open(&controller("crank"));
+    service.delete("/v1/robots/crank");
+    let shorter = CRANK.replace("2 0 0", "1 0 0");
+    service.post("/v1/robots", &registration("crank", &shorter).to_string()).accepted();
+    let step = |session: &str| {
+        let state = json!({"sequence": 1, "time_s": 0.0, "joint_position": {"crank": 0.0}});
+        numbers(&service.ask(&format!("{session}/step"), &state)["joint_velocity"])[0]
+    };
+    assert!((step(&session) - 0.25).abs() < 1e-12);
+    assert!((step(&service.open(&controller("crank"))) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn joints_without_acceleration_limit_are_only_as_fast_as_their_other_limits() {
+    let service = Service::start();
+    let free = CRANK.replace(r#"acceleration="4""#, "");
+    service.post("/v1/robots", &registration("free", &free).to_string()).accepted();
+    service.post("/v1/robots", &registration("crank", CRANK).to_string()).accepted();
+    let speed = |robot: &str| {
+        let mut question = pull(robot);
+        question["limits"] = json!("position_velocity_acceleration");
+        question["joint_velocity"] = json!([0.0]);
+        question["tasks"][0]["velocity"] = json!([100.0]);
+        numbers(&service.ask("/v1/resolve", &question)["joint_velocity"])[0]
+    };
+    assert!((speed("crank") - 0.004).abs() < 1e-12 && (speed("free") - 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn the_named_chain_is_taken() {
+    let service = Service::start();
+    let mut body = registration("short", CRANK);
+    (body["base"], body["tip"]) = (json!("base"), json!("arm"));
+    let short = service.post("/v1/robots", &body.to_string()).accepted();
+    assert!(short["description"].as_str().unwrap().contains("to link `arm`"));
+    let full = service.post("/v1/robots", &registration("full", CRANK).to_string()).accepted();
+    assert_eq!(without(short, &["name", "description"]), without(full, &["name", "description"]));
+    let reached = service.ask("/v1/resolve", &pull("short"))["tasks"][0]["achieved"][0].as_f64().unwrap();
+    assert_eq!(reached, 0.0, "the tool stands on the axis");
+}
+
+#[test]
+fn every_arm_that_ships_with_the_program_says_where_it_comes_from_and_moves() {
+    let service = Service::start();
+    for (name, source, joints) in [
+        ("sawyer_dh", "denavit_hartenberg", 7),
+        ("sawyer", "urdf", 7),
+        ("ur5e", "urdf", 6),
+        ("panda", "urdf", 7),
+        ("planar_3r", "urdf", 3),
+    ] {
+        let robot = service.get(&format!("/v1/robots/{name}")).accepted();
+        assert_eq!((robot["source"].as_str(), robot["joints"].as_array().unwrap().len()), (Some(source), joints));
+        let middle = |joint: &Value| numbers(&joint["position_limit"]).iter().sum::<f64>() / 2.0 + 0.3;
+        let posture: Vec<f64> = robot["joints"].as_array().unwrap().iter().map(middle).collect();
+        let answer = service.ask(
+            "/v1/resolve",
+            &json!({"robot": name, "joint_position": posture, "period_s": 0.001,
+                "tasks": [{"axes": ["x", "y"], "velocity": [0.01, -0.02]}]}),
+        );
+        let achieved = numbers(&answer["tasks"][0]["achieved"]);
+        assert!((achieved[0] - 0.01).abs() < 1e-9 && (achieved[1] + 0.02).abs() < 1e-9, "{name}: {answer}");
+    }
+}

@@ -1,0 +1,65 @@
+//! Warnings about loops that the stated environment makes unstable.
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, example, without};
+
+/// The example's controller at a wall of 10⁵ N/m along x, behind a lag.
+fn at_the_wall(lag_s: f64) -> Value {
+    let mut controller = example("controller.json");
+    controller["environment"] = json!({"x": {"stiffness": 1e5}, "lag_s": lag_s});
+    controller
+}
+
+fn warnings(service: &Service, controller: &Value) -> Vec<String> {
+    let created = service.ask("/v1/controllers", controller);
+    created["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn an_unstable_axis_is_named_with_what_would_help() {
+    let service = Service::start();
+    let warnings = warnings(&service, &at_the_wall(0.005));
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let margin = service.ask("/v1/stability", &example("stability.json"));
+    let radius = format!("{:.6}", margin["spectral_radius"].as_f64().unwrap());
+    for part in ["task `push`, axis x: ", "unstable", &radius, "lag 1.498 ms", "at least 500.5 N·s/m"] {
+        assert!(warnings[0].contains(part), "`{part}` is not in {}", warnings[0]);
+    }
+}
+
+#[test]
+fn a_stable_controller_or_one_without_environment_has_no_warning() {
+    let service = Service::start();
+    assert_eq!(warnings(&service, &at_the_wall(0.001)), [""; 0]);
+    assert_eq!(warnings(&service, &example("controller.json")), [""; 0]);
+    let mut elsewhere = at_the_wall(0.005);
+    elsewhere["environment"] = json!({"lag_s": 0.005});
+    assert_eq!(warnings(&service, &elsewhere), [""; 0]);
+}
+
+#[test]
+fn the_first_task_on_an_axis_counts() {
+    let service = Service::start();
+    let mut controller = at_the_wall(0.005);
+    let still = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.0]}});
+    controller["tasks"].as_array_mut().unwrap().insert(0, json!({"name": "still", "axes": ["x"], "law": still}));
+    assert_eq!(warnings(&service, &controller), [""; 0]);
+}
+
+#[test]
+fn an_environment_is_shown_and_changes_no_command() {
+    let service = Service::start();
+    let controller = at_the_wall(0.005);
+    let session = service.open(&controller);
+    let shown = service.get(&session).accepted();
+    assert_eq!(shown["controller"]["environment"]["x"]["stiffness"], json!(1e5));
+    let plain = service.open(&example("controller.json"));
+    let step = |session: &str| service.ask(&format!("{session}/step"), &example("state.json"));
+    assert_eq!(without(step(&session), &["elapsed_us"]), without(step(&plain), &["elapsed_us"]));
+    let mut stateless = example("step.json");
+    let answer = |request: &Value| without(service.ask("/v1/step", request), &["elapsed_us"]);
+    let before = answer(&stateless);
+    stateless["controller"]["environment"] = controller["environment"].clone();
+    assert_eq!(answer(&stateless), before);
+}
