@@ -16,7 +16,6 @@ use super::drain::Draining;
 use super::events::{Shown, latest};
 use super::problem::Problem;
 use super::segment::Segment;
-use super::sessions::IDLE_TIMEOUT;
 use super::{resolve, simulations, stream};
 use crate::simulator::{Scenario, ScenarioList, SimulationRequest};
 use crate::wire;
@@ -34,7 +33,7 @@ pub async fn resolve(
     State(app): Shared,
     Body(request): Body<wire::ResolveRequest>,
 ) -> Result<Answer<wire::ResolveAnswer>, Problem> {
-    resolve::one(&request, &app.robots).map(Answer)
+    resolve::one(&request, &app).map(Answer)
 }
 
 /// `POST /v1/resolve/batch`
@@ -42,7 +41,7 @@ pub async fn resolve_batch(
     State(app): Shared,
     body: LargeBody<wire::BatchRequest>,
 ) -> Result<LargeAnswer<wire::BatchAnswer>, Problem> {
-    app.batches.resolve(body, Arc::clone(&app.robots)).await.map(LargeAnswer)
+    app.batches.resolve(body, &app).await.map(LargeAnswer)
 }
 
 /// `POST /v1/step`
@@ -56,6 +55,7 @@ pub async fn step(
     let mut memory = convert::memory(&request, &controller)?;
     let command = controller.step(&mut memory, &measurement).map_err(|e| convert::step_problem(&e, "/state"))?;
     let mut answer = convert::step_answer(&controller, request.state.sequence, &command, start);
+    app.metrics.solved(&answer.solver);
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
     Ok(Answer(answer))
 }
@@ -70,7 +70,7 @@ pub async fn create_controller(
     let warnings = convert::warnings(&request).map_err(|_| Problem::internal())?;
     let id = app.sessions.create(request, controller)?.to_string();
     let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
-    let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs(), warnings };
+    let created = wire::CreatedController { id, joints, idle_timeout_s: app.config.session_idle.as_secs(), warnings };
     Ok((StatusCode::CREATED, location, Answer(created)))
 }
 
@@ -143,7 +143,7 @@ pub async fn register_robot(
     let robot = Arc::new(convert::robot(&request)?);
     let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
     let answer = convert::robot_answer(&robot);
-    app.sessions.end_idle();
+    app.sessions.let_go();
     app.robots.register(robot).map_err(|error| convert::robots_problem(&error))?;
     Ok((StatusCode::CREATED, location, Answer(answer)))
 }
@@ -217,4 +217,15 @@ pub async fn simulation_trace(
 /// `DELETE /v1/simulations/{id}`
 pub async fn delete_simulation(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, Problem> {
     app.simulations.delete(&id).map(|()| StatusCode::NO_CONTENT)
+}
+
+/// `GET /readyz`
+pub async fn ready(State(app): Shared) -> Result<&'static str, Problem> {
+    if app.drain.is_announced() { Err(Problem::draining()) } else { Ok("ready") }
+}
+
+/// `GET /metrics`
+pub async fn metrics(State(app): Shared) -> impl IntoResponse {
+    let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    ([(header::CONTENT_TYPE, media_type)], app.metrics.text(app.sessions.count(), app.connections.count()))
 }
