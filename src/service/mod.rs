@@ -66,9 +66,9 @@
 //! - `server`: listening and ending. Told to end, the service first says so at `/readyz`, then stops listening, then
 //!   answers what is in flight and ends streams.
 //! - `connection`: at most [`ServiceConfig::max_connections`]; for one more, the connection without an answer for the
-//!   longest time is closed, which is never that of a control loop or of a WebSocket. Headers, handshakes and answers that are not taken
-//!   have their timeouts, after which a connection just ends. Bytes that are no HTTP, and headers beyond 64 KiB, get a
-//!   bare 400, 414 or 431 from hyper, without a body; every other error is a problem (RFC 9457).
+//!   longest time is closed, which is never that of a control loop or of a WebSocket. Headers, handshakes and answers
+//!   that are not taken have their timeouts, after which a connection just ends. Bytes that are no HTTP, and headers
+//!   beyond 64 KiB, get a bare 400, 414 or 431 from hyper, without a body; every other error is a problem (RFC 9457).
 //! - `gate`: every request gets a name (`x-request-id`), is counted and logged. Those without the token get 401, those
 //!   of a foreign web page 403.
 //! - `line`: requests that stand too far back get 503 and Retry-After at once instead of a late answer. `/healthz`,
