@@ -10,6 +10,7 @@ use axum::routing::{get, post};
 use tokio::sync::Semaphore;
 use tower_http::cors::CorsLayer;
 
+use super::background::Room;
 use super::config::ServiceConfig;
 use super::connection::Connections;
 use super::drain::Drain;
@@ -18,10 +19,13 @@ use super::handlers;
 use super::line::Line;
 use super::metrics::Metrics;
 use super::problem::Problem;
-use super::resolve::Batches;
+use super::resolve::MOST_BATCHES;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::simulations::Simulations;
+
+/// Stability margins at a time; one with the longest delay takes some seconds.
+const MOST_MARGINS: usize = 8;
 
 /// What all requests share.
 pub struct App {
@@ -30,7 +34,8 @@ pub struct App {
     /// What an operator can tune.
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
-    pub(super) batches: Batches,
+    pub(super) batches: Room,
+    pub(super) margins: Room,
     pub(super) simulations: Simulations,
     pub(super) connections: Arc<Connections>,
     pub(super) metrics: Arc<Metrics>,
@@ -53,7 +58,8 @@ impl App {
         Self {
             robots: robots.ending_after(config.session_idle),
             sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
-            batches: Batches::default(),
+            batches: Room::new(MOST_BATCHES),
+            margins: Room::new(MOST_MARGINS),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,

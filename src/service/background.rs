@@ -5,6 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::available_parallelism;
 
+use tokio::sync::Semaphore;
+
 use super::problem::Problem;
 
 /// Tells long work that nobody waits for it any more: the client is gone, or the service ends.
@@ -24,6 +26,39 @@ struct AbandonOnDrop(Abandoned);
 impl Drop for AbandonOnDrop {
     fn drop(&mut self) {
         self.0.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Room for long work of one kind: one piece at work, some waiting, no more.
+pub struct Room {
+    places: Arc<Semaphore>,
+    turn: Arc<Semaphore>,
+    most: usize,
+}
+
+impl Room {
+    /// Room for `most` pieces at a time.
+    pub fn new(most: usize) -> Self {
+        Self { places: Arc::new(Semaphore::new(most)), turn: Arc::new(Semaphore::new(1)), most }
+    }
+
+    /// Runs `work` in another thread when its turn comes; without a place, refuses it at once.
+    ///
+    /// `what`: the pieces, in the plural.
+    pub async fn run<T: Send + 'static>(
+        &self,
+        what: &str,
+        work: impl FnOnce(&Abandoned) -> T + Send + 'static,
+    ) -> Result<T, Problem> {
+        let busy = |_| Problem::busy(format!("{} {what} are at work already; try again in a second", self.most));
+        let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
+        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        background(move |abandoned| {
+            // Held by the work itself: when its client is gone, it still takes a while to end.
+            let _held = (place, turn);
+            work(abandoned)
+        })
+        .await
     }
 }
 

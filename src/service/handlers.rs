@@ -41,7 +41,7 @@ pub async fn resolve_batch(
     State(app): Shared,
     body: LargeBody<wire::BatchRequest>,
 ) -> Result<LargeAnswer<wire::BatchAnswer>, Problem> {
-    app.batches.resolve(body, &app).await.map(LargeAnswer)
+    resolve::batch(body, &app).await.map(LargeAnswer)
 }
 
 /// `POST /v1/step`
@@ -119,9 +119,13 @@ pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Resu
 }
 
 /// `POST /v1/stability`
-pub async fn stability(Body(request): Body<wire::StabilityRequest>) -> Result<Answer<wire::StabilityAnswer>, Problem> {
-    let margin = convert::contact_loop(&request)?.margin().map_err(|_| Problem::internal())?;
-    Ok(Answer(convert::margin_answer(&margin)))
+pub async fn stability(
+    State(app): Shared,
+    Body(request): Body<wire::StabilityRequest>,
+) -> Result<Answer<wire::StabilityAnswer>, Problem> {
+    let contact = convert::contact_loop(&request)?;
+    let margin = app.margins.run("stability margins", move |_| contact.margin()).await?;
+    Ok(Answer(convert::margin_answer(&margin.map_err(|_| Problem::internal())?)))
 }
 
 /// `GET /v1/robots`

@@ -4,10 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use tokio::sync::Semaphore;
-
 use super::app::App;
-use super::background::{Abandoned, background, spare_cores};
+use super::background::{Abandoned, spare_cores};
 use super::body::LargeBody;
 use super::convert;
 use super::problem::Problem;
@@ -17,7 +15,7 @@ use crate::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRe
 const MOST_ITEMS: usize = 10_000;
 
 /// Batches at a time, one at work and the others waiting; each may hold a body and an answer of some 20 MB.
-const MOST_BATCHES: usize = 4;
+pub const MOST_BATCHES: usize = 4;
 
 /// Resolves one problem.
 pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem> {
@@ -29,33 +27,10 @@ pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem
     Ok(answer)
 }
 
-/// Room for batches.
-pub struct Batches {
-    places: Arc<Semaphore>,
-    turn: Arc<Semaphore>,
-}
-
-impl Default for Batches {
-    fn default() -> Self {
-        Self { places: Arc::new(Semaphore::new(MOST_BATCHES)), turn: Arc::new(Semaphore::new(1)) }
-    }
-}
-
-impl Batches {
-    /// Resolves a batch on the spare cores when its turn comes.
-    pub async fn resolve(&self, body: LargeBody<BatchRequest>, app: &Arc<App>) -> Result<BatchAnswer, Problem> {
-        let busy =
-            |_| Problem::busy(format!("{MOST_BATCHES} batches are being resolved already; try again in a second"));
-        let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
-        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
-        let app = Arc::clone(app);
-        let work = move |abandoned: &Abandoned| {
-            // Held by the work itself: when its client is gone, it still takes until the next problem to end.
-            let _held = (place, turn);
-            many(&body.read()?, &app, abandoned)
-        };
-        background(work).await?
-    }
+/// Resolves a batch on the spare cores when its turn comes.
+pub async fn batch(body: LargeBody<BatchRequest>, app: &Arc<App>) -> Result<BatchAnswer, Problem> {
+    let shared = Arc::clone(app);
+    app.batches.run("batches", move |abandoned| many(&body.read()?, &shared, abandoned)).await?
 }
 
 /// Resolves many problems, each as if it were the only one.

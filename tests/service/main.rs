@@ -7,6 +7,7 @@ mod hard_problems;
 mod harness;
 mod inequalities;
 mod kinematics;
+mod long_work;
 mod memory;
 mod message_pack;
 mod observability;
