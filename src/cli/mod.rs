@@ -1,6 +1,7 @@
 //! The command line.
 
 mod demo;
+mod openapi;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -16,7 +17,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::client::{Client, ClientError};
 use crate::report;
 use crate::robot::RobotFileError;
-use crate::service::{App, Robots, RobotsError, RunningServer, ServeError, router};
+use crate::service::{
+    App, Robots, RobotsError, RunningServer, ServeError, asyncapi_document, openapi_document, router,
+};
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -50,6 +53,10 @@ enum Command {
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Print the OpenAPI document of the HTTP interface.
+    Openapi,
+    /// Print the AsyncAPI document of the WebSocket stream.
+    Asyncapi,
 }
 
 /// Why a command failed.
@@ -136,6 +143,8 @@ impl Cli {
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Openapi => openapi::run(openapi_document()),
+            Command::Asyncapi => openapi::run(asyncapi_document()),
         }
     }
 }

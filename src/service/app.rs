@@ -4,11 +4,15 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::response::IntoResponse;
-use axum::routing::{get, post};
+use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
+use utoipa::OpenApi as _;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
 
 use super::body;
 use super::handlers;
+use super::openapi::{self, ApiDoc};
 use super::problem::Problem;
 use super::resolve::Batches;
 use super::robots::Robots;
@@ -34,26 +38,11 @@ impl App {
 
 /// All routes of the service.
 pub fn router(app: App) -> Router {
-    Router::new()
-        .route("/v1/resolve", post(handlers::resolve))
-        .route("/v1/resolve/batch", post(handlers::resolve_batch))
-        .route("/v1/step", post(handlers::step))
-        .route("/v1/controllers", post(handlers::create_controller))
-        .route("/v1/controllers/{id}", get(handlers::show_controller).delete(handlers::delete_controller))
-        .route("/v1/controllers/{id}/step", post(handlers::step_controller))
-        .route("/v1/controllers/{id}/stream", get(handlers::stream_controller))
-        .route("/v1/controllers/{id}/watch", get(handlers::watch_controller))
-        .route("/v1/kinematics", post(handlers::kinematics))
-        .route("/v1/stability", post(handlers::stability))
-        .route("/v1/robots", get(handlers::robots).post(handlers::register_robot))
-        .route("/v1/robots/{name}", get(handlers::robot).delete(handlers::delete_robot))
-        .route("/v1/scenarios", get(handlers::scenarios))
-        .route("/v1/scenarios/{name}", get(handlers::scenario))
-        .route("/v1/simulations", post(handlers::create_simulation))
-        .route("/v1/simulations/{id}", get(handlers::show_simulation).delete(handlers::delete_simulation))
-        .route("/v1/simulations/{id}/events", get(handlers::simulation_events))
-        .route("/v1/simulations/{id}/trace", get(handlers::simulation_trace))
-        .route("/healthz", get(|| async { "ok" }))
+    let (routes, _) = described().split_for_parts();
+    routes
+        .route("/docs", get(openapi::docs_home))
+        .route("/docs/", get(openapi::docs_page))
+        .route("/docs/{file}", get(openapi::docs_file))
         .fallback(|uri: axum::http::Uri| async move {
             Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
@@ -64,4 +53,30 @@ pub fn router(app: App) -> Router {
             Problem::internal().into_response()
         }))
         .with_state(Arc::new(app))
+}
+
+/// All routes with their descriptions.
+pub(super) fn described() -> OpenApiRouter<Arc<App>> {
+    OpenApiRouter::with_openapi(ApiDoc::openapi())
+        .routes(routes!(handlers::resolve))
+        .routes(routes!(handlers::resolve_batch))
+        .routes(routes!(handlers::step))
+        .routes(routes!(handlers::create_controller))
+        .routes(routes!(handlers::show_controller, handlers::delete_controller))
+        .routes(routes!(handlers::step_controller))
+        .routes(routes!(handlers::stream_controller))
+        .routes(routes!(handlers::watch_controller))
+        .routes(routes!(handlers::kinematics))
+        .routes(routes!(handlers::stability))
+        .routes(routes!(handlers::robots, handlers::register_robot))
+        .routes(routes!(handlers::robot, handlers::delete_robot))
+        .routes(routes!(handlers::scenarios))
+        .routes(routes!(handlers::scenario))
+        .routes(routes!(handlers::create_simulation))
+        .routes(routes!(handlers::show_simulation, handlers::delete_simulation))
+        .routes(routes!(handlers::simulation_events))
+        .routes(routes!(handlers::simulation_trace))
+        .routes(routes!(handlers::alive))
+        .routes(routes!(openapi::document))
+        .routes(routes!(openapi::async_document))
 }

@@ -67,6 +67,7 @@ mod drain;
 mod events;
 mod format;
 mod handlers;
+mod openapi;
 mod problem;
 mod resolve;
 mod robots;
@@ -78,5 +79,6 @@ mod stream;
 
 pub use app::{App, router};
 pub use convert::robot_answer;
+pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve};

@@ -17,6 +17,7 @@ mod problem;
 mod profile;
 mod resolve;
 mod robot;
+mod schema;
 mod simulation;
 mod stability;
 mod step;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::de::{MapAccess, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
 
 use super::string_or_map::{self, StringOrMap};
 
@@ -21,7 +22,7 @@ macro_rules! display_as_in_json {
 display_as_in_json!(Axis, Method, Solver, Path, Status, Side, LimitKind);
 
 /// One row of a twist, at the point and along the axes of its task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {
     /// Along x, m/s.
@@ -39,7 +40,7 @@ pub enum Axis {
 }
 
 /// How priorities are understood.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// All tasks as one stack, exact.
@@ -58,7 +59,7 @@ pub enum Method {
 }
 
 /// How the problem is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Solver {
     /// Pseudo-inverses, limits ignored.
@@ -71,7 +72,7 @@ pub enum Solver {
 }
 
 /// Which way led to an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Pseudo-inverses.
@@ -83,7 +84,7 @@ pub enum Path {
 }
 
 /// How sure an answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// The optimality conditions hold; those of a problem without limits if the solver is `closed_form`, which may break
@@ -96,7 +97,7 @@ pub enum Status {
 }
 
 /// A bound of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// The lower bound.
@@ -106,7 +107,7 @@ pub enum Side {
 }
 
 /// How a joint moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// Rotation, rad.
@@ -116,7 +117,7 @@ pub enum JointKind {
 }
 
 /// Whose wrench a state carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WrenchConvention {
     /// What the tool exerts on the environment.
@@ -127,7 +128,7 @@ pub enum WrenchConvention {
 }
 
 /// Along which axes a state carries its wrench.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WrenchFrame {
     /// The axes of the base.
@@ -138,7 +139,7 @@ pub enum WrenchFrame {
 }
 
 /// Damping that sets in near a singularity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
     /// δ > 0, the smallest singular value below which damping acts.
@@ -148,7 +149,7 @@ pub struct Damping {
 }
 
 /// Which of the robot's limits count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitKind {
     /// None.
@@ -162,7 +163,7 @@ pub enum LimitKind {
 }
 
 /// The robot's own limits by name, or a box of joint velocities.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Limits {
     /// The robot's own.
