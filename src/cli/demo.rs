@@ -19,9 +19,10 @@ pub struct Options {
 }
 
 /// What is compared in every scenario.
-const VARIANTS: [(Method, Solver); 3] = [
+const VARIANTS: [(Method, Solver); 4] = [
     (Method::ReversePriority, Solver::ClosedForm),
     (Method::ReversePriority, Solver::Qp),
+    (Method::ReversePriority, Solver::Auto),
     (Method::DampedLeastSquares, Solver::ClosedForm),
 ];
 

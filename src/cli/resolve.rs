@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CliError, Target};
 use crate::client::Client;
-use crate::wire::{ResolveAnswer, ResolveRequest};
+use crate::wire::{ResolveAnswer, ResolveRequest, TaskOutcome};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -50,6 +50,13 @@ fn joint_names(client: &Client, request: &ResolveRequest, joints: usize) -> Resu
     Ok(robot.map(|robot| robot.joints.into_iter().map(|joint| joint.name).collect()).unwrap_or_default())
 }
 
+/// What became of a task, in words.
+fn remarks(task: &TaskOutcome) -> String {
+    let dependent = if task.algorithmic { ", depends on lower tasks" } else { "" };
+    let scale = task.scale.map(|scale| format!(", scaled by {scale:.6}")).unwrap_or_default();
+    format!("{dependent}, residual {:.3e}{scale}", task.residual_norm)
+}
+
 /// The answer for people.
 fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let mut text = String::new();
@@ -58,7 +65,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let _ = writeln!(text, "joint           {names}");
     let _ = writeln!(text, "joint velocity  {}  rad/s, m/s", numbers(&answer.joint_velocity));
     for task in &answer.tasks {
-        let _ = writeln!(text, "\ntask `{}`, rank {}, residual {:.3e}", task.name, task.rank, task.residual_norm);
+        let _ = writeln!(text, "\ntask `{}`, rank {}{}", task.name, task.rank, remarks(task));
         let _ = writeln!(text, "  requested     {}", numbers(&task.requested));
         let _ = writeln!(text, "  achieved      {}", numbers(&task.achieved));
     }
@@ -68,6 +75,14 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     for limit in &answer.active_limits {
         let _ =
             writeln!(text, "  {} {} {:.6}, multiplier {:.3e}", limit.joint, limit.side, limit.value, limit.multiplier);
+    }
+    for inequality in &answer.active_inequalities {
+        let _ =
+            writeln!(text, "inequality `{}` holds it back, multiplier {:.3e}", inequality.name, inequality.multiplier);
+    }
+    for inequality in &answer.violated_inequalities {
+        let broken = (&inequality.name, inequality.value, inequality.bound);
+        let _ = writeln!(text, "inequality `{}` is broken: {:.6} exceeds {:.6}", broken.0, broken.1, broken.2);
     }
     if !answer.violated_limits.is_empty() {
         let _ = writeln!(text, "\nlimits that it breaks");

@@ -10,10 +10,11 @@ const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stif
 /// Largest difference that is rounding, rad/s.
 const COINCIDE: f64 = 1e-9;
 
-/// The three runs of a scenario.
+/// The runs of a scenario.
 struct Runs {
     reverse: Trace,
     cascade: Trace,
+    automatic: Trace,
     classical: Trace,
 }
 
@@ -23,6 +24,7 @@ impl Runs {
         Self {
             reverse: trace("reverse_priority-closed_form"),
             cascade: trace("reverse_priority-qp"),
+            automatic: trace("reverse_priority-auto"),
             classical: trace("damped_least_squares-closed_form"),
         }
     }
@@ -71,6 +73,9 @@ fn cascade_is_the_closed_form(runs: &Runs) {
     assert!(difference <= COINCIDE, "{difference}");
     assert!(runs.cascade.words("status").iter().all(|status| status == "optimal"));
     assert!(runs.cascade.words("path").iter().all(|path| path == "qp"));
+    // No limit matters in these scenarios: the short way is the closed form itself.
+    assert_eq!(runs.automatic.largest_difference(&runs.reverse), 0.0);
+    assert!(runs.automatic.words("path").iter().all(|path| path == "closed_form"));
 }
 
 fn files_are_complete(out: &Path, files: &[String]) {
@@ -78,7 +83,7 @@ fn files_are_complete(out: &Path, files: &[String]) {
         files.iter().map(|name| out.join(name)).filter(|path| path.extension().is_some_and(|e| e == ending)).collect()
     };
     let [traces, pages, drawings, images] = ["csv", "html", "svg", "png"].map(with_ending);
-    assert_eq!((traces.len(), pages.len()), (12, 1));
+    assert_eq!((traces.len(), pages.len()), (16, 1));
     assert!(drawings.len() >= 4 && drawings.len() == images.len(), "{files:?}");
     let page = std::fs::read_to_string(&pages[0]).unwrap();
     assert!(page.contains("<svg") && page.contains("does not reach the wall"));

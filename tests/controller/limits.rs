@@ -7,7 +7,7 @@ use revprio::kinematics::Axis;
 use revprio::limits::{LimitKind, robot_box};
 use revprio::linalg::{Damping, Vector};
 use revprio::resolution::{Method, Path, Status};
-use revprio::robot::RobotModel;
+use revprio::robot::{Joint, JointLimits, RobotModel};
 
 use super::arms::{Loop, NOMINAL, PERIOD, Random, config, controller, force, impedance, measurement, sawyer, task};
 
@@ -35,16 +35,52 @@ fn adversary(robot: &Arc<RobotModel>, random: &mut Random) -> Controller {
     })
 }
 
+/// Sawyer with joints of very different limits: ranges down to 3 %, speeds and accelerations from 1 % to tenfold.
+fn odd_arm(random: &mut Random) -> Arc<RobotModel> {
+    let sawyer = sawyer();
+    let mut factor = |from: f64, to: f64| 10_f64.powf(from + (to - from) * 0.5 * (1.0 + random.signed()));
+    let mut joints = sawyer.joints().to_vec();
+    for joint in &mut joints {
+        let middle = 0.5 * (joint.limits.lower + joint.limits.upper);
+        let half = 0.5 * (joint.limits.upper - joint.limits.lower) * factor(-1.5, 0.0);
+        joint.limits = JointLimits {
+            lower: middle - half,
+            upper: middle + half,
+            velocity: joint.limits.velocity * factor(-2.0, 1.0),
+            acceleration: joint.limits.acceleration * factor(-2.0, 1.0),
+        };
+    }
+    Arc::new(RobotModel::new("odd", "", joints, *sawyer.tool()).unwrap())
+}
+
+/// Joint positions at rest: inside, exactly on a limit, or, where allowed, outside.
+fn start(robot: &RobotModel, random: &mut Random, outside: bool) -> Vec<f64> {
+    let mut position = |limits: &JointLimits| match random.below(if outside { 5 } else { 4 }) {
+        0 => limits.lower,
+        1 => limits.upper,
+        2 | 3 => 0.5 * (limits.lower + limits.upper + random.signed() * (limits.upper - limits.lower)),
+        _ if random.signed() < 0.0 => limits.lower - 0.3 * random.signed().abs(),
+        _ => limits.upper + 0.3 * random.signed().abs(),
+    };
+    robot.joints().iter().map(|joint| position(&joint.limits)).collect()
+}
+
+/// How far each joint is outside its range, rad.
+fn outside(robot: &RobotModel, q: &[f64]) -> Vec<f64> {
+    let beyond = |(joint, q): (&Joint, &f64)| (q - joint.limits.upper).max(joint.limits.lower - q).max(0.0);
+    robot.joints().iter().zip(q).map(beyond).collect()
+}
+
 /// A fresh memory for a controller that takes over a moving arm.
 fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
     let robot = &controller.config().robot;
     let (configuration, twist) = (arm.configuration(robot), arm.twist(robot));
-    let rows = |task: &TaskConfig| match &task.rows {
+    let moving = |task: &TaskConfig| match &task.rows {
         TaskRows::Tool(rows) => rows.axes.entries_of(&twist),
-        TaskRows::Joints(_) => panic!("no task of these tests is about joints"),
+        TaskRows::Joints(_) => unreachable!("the adversary has no postures"),
     };
     Memory {
-        task_velocities: controller.config().tasks.iter().map(rows).collect(),
+        task_velocities: controller.config().tasks.iter().map(moving).collect(),
         initial_pose: *configuration.tool_pose(),
         last_command: arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone()),
         active_set: Vec::new(),
@@ -65,11 +101,12 @@ struct Watch {
 }
 
 impl Watch {
-    fn see(&mut self, robot: &RobotModel, last: &[f64], command: &Command, arm: &Loop, period: f64) {
+    /// `outside`: how far each joint was outside at the start.
+    fn see(&mut self, robot: &RobotModel, outside: &[f64], last: &[f64], command: &Command, arm: &Loop, period: f64) {
         let mut near = false;
         for (i, joint) in robot.joints().iter().enumerate() {
             let (q, qdot, limits) = (arm.q[i], command.resolution.joint_velocity[i], joint.limits);
-            self.position = self.position.max(q - limits.upper).max(limits.lower - q);
+            self.position = self.position.max((q - limits.upper).max(limits.lower - q) - outside[i]);
             self.velocity = self.velocity.max(qdot.abs() - limits.velocity);
             self.acceleration = self.acceleration.max((qdot - last[i]).abs() / period - limits.acceleration);
             near |= (limits.upper - q).min(q - limits.lower) < 1e-3;
@@ -82,6 +119,13 @@ impl Watch {
         assert!(command.limit_conflicts.is_empty(), "cycle {}: {:?}", self.cycles, command.limit_conflicts);
         assert!(command.resolution.violated_limits.is_empty(), "cycle {}", self.cycles);
     }
+
+    fn assert_nothing_broken(&self) {
+        println!("{self:?}");
+        assert!(self.position <= 1e-9 && self.velocity <= 1e-9 && self.acceleration <= 1e-7, "{self:?}");
+        assert!(self.held_back > self.cycles / 2 && self.at_position_limit > self.cycles / 20, "harmless: {self:?}");
+        assert!(self.not_certified == 0, "{self:?}");
+    }
 }
 
 fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
@@ -91,26 +135,61 @@ fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
     assert!(lower.iter().zip(upper).all(|(lower, upper)| lower <= upper), "{limited:?}");
 }
 
-#[test]
-fn no_limit_is_ever_broken_in_a_hundred_thousand_cycles_of_adversarial_tasks() {
-    let (robot, mut random) = (sawyer(), Random(2));
-    let (mut arm, mut watch) = (Loop::at_rest(&NOMINAL), Watch::default());
-    while watch.cycles < 100_000 {
-        let controller = adversary(&robot, &mut random);
-        arm.memory = Some(taken_over(&arm, &controller));
-        let period = controller.config().period_s;
-        for _ in 0..500 {
-            let last = arm.memory.as_ref().unwrap().last_command.as_slice().to_vec();
-            assert_box_not_empty(&controller, &arm, &last);
-            let push = [0.0; 6].map(|_: f64| 3e3 * random.signed());
-            let command = arm.step(&controller, push);
-            watch.see(&robot, &last, &command, &arm, period);
+/// `cycles` of adversarial tasks under pushes that change their sign at will; a new arm at a new start every 2500.
+fn torment(seed: u64, cycles: usize, from_outside: bool) -> Watch {
+    let (mut random, mut watch) = (Random(seed), Watch::default());
+    while watch.cycles < cycles {
+        let robot = if random.below(2) == 0 { sawyer() } else { odd_arm(&mut random) };
+        let mut arm = Loop::at_rest(&start(&robot, &mut random, from_outside));
+        let outside_at_start = outside(&robot, &arm.q);
+        for _ in 0..5 {
+            let controller = adversary(&robot, &mut random);
+            arm.memory = Some(taken_over(&arm, &controller));
+            let period = controller.config().period_s;
+            for _ in 0..500 {
+                let last = arm.memory.as_ref().unwrap().last_command.as_slice().to_vec();
+                assert_box_not_empty(&controller, &arm, &last);
+                let push = [0.0; 6].map(|_: f64| 3e3 * random.signed());
+                let command = arm.step(&controller, push);
+                watch.see(&robot, &outside_at_start, &last, &command, &arm, period);
+            }
+        }
+        let outside_at_end = outside(&robot, &arm.q);
+        for (i, (start, end)) in outside_at_start.iter().zip(&outside_at_end).enumerate() {
+            assert!(*end <= 1e-9 || end < start, "joint {i} does not come back: {start} rad outside, then {end}");
         }
     }
-    println!("{watch:?}");
-    assert!(watch.position <= 1e-9 && watch.velocity <= 1e-9 && watch.acceleration <= 1e-9, "{watch:?}");
-    assert!(watch.held_back > 50_000 && watch.at_position_limit > 5_000, "not adversarial: {watch:?}");
-    assert!(watch.not_certified == 0, "{watch:?}");
+    watch
+}
+
+/// A quarter of the 10⁶ cycles, so that the test harness can share them out.
+fn quarter(seed: u64) {
+    torment(seed, 250_000, false).assert_nothing_broken();
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_first_quarter_of_1e6_adversarial_cycles() {
+    quarter(2);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_second_quarter_of_1e6_adversarial_cycles() {
+    quarter(3);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_third_quarter_of_1e6_adversarial_cycles() {
+    quarter(5);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_last_quarter_of_1e6_adversarial_cycles() {
+    quarter(7);
+}
+
+#[test]
+fn joints_found_outside_come_back_within_velocity_and_acceleration_whatever_the_tasks_ask() {
+    torment(11, 100_000, true).assert_nothing_broken();
 }
 
 /// An arm under a steady push in x, its joints moving.

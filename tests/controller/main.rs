@@ -2,6 +2,7 @@
 
 mod anti_windup;
 mod arms;
+mod barriers;
 mod frames;
 mod laws;
 mod limits;

@@ -1,7 +1,7 @@
 //! The results table: one definition of its columns for the terminal and for the page.
 
 use crate::simulator::recording::Recording;
-use crate::wire::{Method, Solver};
+use crate::wire::{Method, Path, Solver};
 
 use super::metrics::{Metrics, Overshoot, largest_difference};
 use super::number::significant;
@@ -43,7 +43,7 @@ pub struct Column {
 }
 
 /// The columns, from left to right; the first one names what the rows are grouped by.
-pub static COLUMNS: [Column; 10] = [
+pub static COLUMNS: [Column; 11] = [
     name("scenario", |row| row.scenario.clone()),
     name("method", |row| row.method.to_string().replace('_', " ")),
     name("solver", |row| row.solver.to_string().replace('_', " ")),
@@ -53,6 +53,7 @@ pub static COLUMNS: [Column; 10] = [
     number("settling", "s", SETTLING, |row| optional(row.metrics.settling_time_s, 3)),
     number("final F_x", "N", FINAL, |row| optional(row.metrics.final_force, 5)),
     number("vs closed form", "rad/s", DIFFERENCE, |row| optional(row.largest_difference, 2)),
+    number("solved by", "periods", PATHS, |row| paths(&row.metrics)),
     number("calls", "1/s", CALLS, |row| optional(row.metrics.calls_per_second, 3)),
 ];
 
@@ -64,6 +65,8 @@ const SETTLING: &str = "simulated time from which the force stays within 5 % of 
 const FINAL: &str = "force of the last sample";
 const DIFFERENCE: &str = "largest difference of any joint's commanded velocity, over all samples, from the closed form of \
      the same scenario and method";
+const PATHS: &str = "how many control periods each path served: the closed form inside the limits, a known set of active \
+     limits that proved right, or a solver at every level (`qp`)";
 const CALLS: &str = "control periods per second of real time, simulation and transport included";
 
 const fn name(heading: &'static str, cell: fn(&Row) -> String) -> Column {
@@ -125,6 +128,11 @@ fn reference<'a>(run: &Recording, recordings: &'a [Recording]) -> Option<&'a Rec
 
 fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |v| significant(v, digits))
+}
+
+fn paths(metrics: &Metrics) -> String {
+    let served = |(path, periods): (&Path, &usize)| format!("{} {periods}", path.to_string().replace('_', " "));
+    metrics.paths.iter().map(served).collect::<Vec<_>>().join(", ")
 }
 
 fn overshoot(value: Option<Overshoot>) -> String {

@@ -47,9 +47,9 @@ fn a_run_is_compared_with_the_closed_form_of_its_own_method() {
 fn the_cells_of_a_row_are_its_metrics() {
     let row = &rows(&[run(Method::ReversePriority, Solver::ClosedForm, 0.0)])[0];
     let cells = COLUMNS.each_ref().map(|column| (column.cell)(row));
-    let expected =
-        ["stiff_wall", "reverse priority", "closed form", "3.00", "–", "3.00 (10.0)", "–", "33.000", "–", "2.00"];
-    assert_eq!(cells, expected);
+    let forces = ["stiff_wall", "reverse priority", "closed form", "3.00", "–", "3.00 (10.0)", "–", "33.000"];
+    assert_eq!(cells[..8], forces);
+    assert_eq!(cells[8..], ["–", "closed form 1", "2.00"]);
 }
 
 #[test]
