@@ -79,7 +79,7 @@ pub async fn create_controller(
 ) -> Result<impl IntoResponse, Problem> {
     let controller = convert::controller(&request, &app.robots)?;
     let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let warnings = convert::warnings(&request).map_err(|_| Problem::internal())?;
+    let warnings = convert::warnings(&request)?;
     let id = app.sessions.create(request, controller)?.to_string();
     let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
     let created = wire::CreatedController { id, joints, idle_timeout_s: IDLE_TIMEOUT.as_secs(), warnings };
@@ -150,7 +150,7 @@ pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Resu
 /// How much lag, delay and how little damping one axis in contact bears.
 #[utoipa::path(post, path = "/v1/stability", tag = "analysis", request_body = wire::StabilityRequest, responses((status = 200, body = wire::StabilityAnswer, description = "How stable the loop is, and how far it could go.")))]
 pub async fn stability(Body(request): Body<wire::StabilityRequest>) -> Result<Answer<wire::StabilityAnswer>, Problem> {
-    let margin = convert::contact_loop(&request)?.margin().map_err(|_| Problem::internal())?;
+    let margin = convert::margin(&convert::contact_loop(&request)?)?;
     Ok(Answer(convert::margin_answer(&margin)))
 }
 

@@ -1,12 +1,12 @@
 //! Laws.
 
-use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
+use serde::de::{Error, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::ToSchema;
 
-use super::object;
 use super::string_or_map::{self, StringOrMap};
 use super::{PerAxis, Profile, TargetPose};
+use super::{object, words};
 
 /// How a task's velocity is made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -121,6 +121,6 @@ impl StringOrMap for PostureTarget {
     }
 
     fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Profile::deserialize(MapAccessDeserializer::new(map)).map(Self::Profile)
+        words::from_map(map).map(Self::Profile)
     }
 }

@@ -24,6 +24,7 @@ mod step;
 pub(crate) mod string_or_map;
 mod terms;
 mod watch;
+mod words;
 
 pub use batch::{BatchAnswer, BatchItem, BatchRequest};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionStatus};

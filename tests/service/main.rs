@@ -8,6 +8,7 @@ mod harness;
 mod kinematics;
 mod memory;
 mod message_pack;
+mod openapi;
 mod refusals;
 mod robots;
 mod sequence;

@@ -41,10 +41,17 @@ fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis>
     }
 }
 
+/// What is said of loops of which not even the eigenvalues are numbers.
+pub const UNJUDGED: &str = "the stability of this loop is beyond the numbers; use quantities that are less far apart";
+
 /// One warning for each axis of a checked controller whose loop is unstable.
 ///
 /// Only the first task on an axis counts: it moves the axis, and the work stays bounded.
-pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
+pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, Problem> {
+    unstable_axes(request).map_err(|_| Problem::invalid("/environment", UNJUDGED))
+}
+
+fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
     let mut warnings = Vec::new();
     for axis in AXES {
         let place = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);

@@ -30,5 +30,5 @@ pub use resolve::{
 };
 pub use robot::{robot, robot_answer, robots_problem};
 pub use simulation::{metrics_answer, scenario};
-pub use stability::{contact_loop, margin_answer};
+pub use stability::{contact_loop, margin, margin_answer};
 pub use step::{LARGEST_SEQUENCE, measurement, step_answer, step_problem};

@@ -27,7 +27,7 @@ pub fn asyncapi() -> Value {
         "info": {
             "title": "revprio stream",
             "version": openapi["info"]["version"],
-            "license": openapi["info"]["license"],
+            "license": {"name": openapi["info"]["license"]["name"]},
             "description": "A session over WebSocket: one state message in, one answer out, for loops faster than \
                 requests allow. Open the session with POST /v1/controllers. Without a subprotocol, or with \
                 `revprio.json`, messages are JSON in text frames; with `revprio.msgpack` they are MessagePack in binary \

@@ -25,7 +25,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 18] = examples! {
+const EXAMPLES: [Example; 19] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve/batch" "batch" => "batch";
@@ -40,6 +40,7 @@ const EXAMPLES: [Example; 18] = examples! {
     get "/v1/robots" => "robots";
     post "/v1/robots" "robot" => "robot";
     get "/v1/robots/{name}" => "robot_shown";
+    get "/v1/scenarios" => "scenarios";
     get "/v1/scenarios/{name}" => "scenario";
     post "/v1/simulations" "simulation" => "simulation";
     post "/v1/simulations" "simulation_own" => "simulation_own";
@@ -102,8 +103,7 @@ fn illustrate(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
         }
         illustrate(schemas, part, &place, value);
     }
-    for (i, value) in value.as_array().into_iter().flatten().enumerate() {
-        let _ = i;
+    for value in value.as_array().into_iter().flatten() {
         illustrate(schemas, &schema["items"], &format!("{place}/items"), value);
     }
 }

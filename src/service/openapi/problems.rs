@@ -81,7 +81,8 @@ pub const KINDS: [(u16, &str, &str, &str); 22] = [
 /// Adds to every operation what it may be refused for, and to the document what each kind means.
 pub fn complete(document: &mut Value) {
     for (path, item) in document["paths"].as_object_mut().into_iter().flatten() {
-        for (_, operation) in item.as_object_mut().into_iter().flatten() {
+        let operations = item.as_object_mut().into_iter().flatten().filter(|(_, operation)| operation.is_object());
+        for (_, operation) in operations {
             refusals(path, operation);
         }
     }

@@ -48,7 +48,10 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("inequalities", Items(0, MOST_INEQUALITIES)),
         ],
     ),
-    ("ControllerTask", &[("axes", UniqueItems(1, 6))]),
+    ("ControllerTask", &[("axes", UniqueItems(1, 6)), ("reference_point", Items(3, 3))]),
+    ("Pose", &[("position", Items(3, 3))]),
+    ("FramePose", &[("position", Items(3, 3)), ("rotation", Rows([3, 3], [3, 3]))]),
+    ("Wrench", &[("force", Items(3, 3)), ("torque", Items(3, 3))]),
     (
         "ResolveRequest",
         &[
@@ -61,6 +64,7 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
         "ResolveTask",
         &[
             ("axes", UniqueItems(1, 6)),
+            ("reference_point", Items(3, 3)),
             ("jacobian", Rows([1, MOST_ROWS], [1, MOST_JOINTS])),
             ("velocity", Items(1, MOST_ROWS)),
         ],
@@ -77,7 +81,7 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
         ],
     ),
     ("Profile", &[("duration_s", Between(1e-6, LARGEST)), ("points", Items(1, MOST_POINTS))]),
-    ("Inequality", &[("coefficients", Items(1, MOST_JOINTS)), ("rate_per_s", Positive)]),
+    ("Inequality", &[("coefficients", Items(1, MOST_JOINTS)), ("normal", Items(3, 3)), ("rate_per_s", Positive)]),
     ("Damping", &[("threshold", Positive), ("max_factor", NotNegative)]),
     ("NullSpaceMotion", &[("gain", NotNegative)]),
     (
@@ -130,7 +134,15 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("manipulability", NotNegative),
         ],
     ),
-    ("RobotJoint", &[("velocity_limit", NotNegative), ("acceleration_limit", NotNegative)]),
+    (
+        "RobotJoint",
+        &[
+            ("velocity_limit", NotNegative),
+            ("acceleration_limit", NotNegative),
+            ("position_limit", Items(2, 2)),
+            ("published_range", Items(2, 2)),
+        ],
+    ),
     ("Simulation", &[("progress", Between(0.0, 1.0))]),
     ("Problem", &[("status", Between(400.0, 599.0))]),
 ];
@@ -185,7 +197,8 @@ fn asked(document: &Value) -> BTreeSet<String> {
 fn whole_numbers(schema: &mut Value) {
     if is(schema, "integer") {
         schema["minimum"] = json!(0);
-        schema["maximum"] = json!(LARGEST_SEQUENCE);
+        let most = if schema["format"] == "int32" { i32::MAX.unsigned_abs().into() } else { LARGEST_SEQUENCE };
+        schema["maximum"] = json!(most);
     }
 }
 

@@ -16,6 +16,66 @@ pub fn complete(document: &mut Value) {
     }
     for (name, schema) in document["components"]["schemas"].as_object_mut().into_iter().flatten() {
         title_variants(name, schema);
+        visit(schema, &mut described_outside);
+    }
+    for (path, item) in document["paths"].as_object_mut().into_iter().flatten() {
+        if let Some(parameter) = parameter(path) {
+            item["parameters"] = json!([parameter]);
+        }
+        let events = "/get/responses/200/content/text~1event-stream";
+        if let Some(content) = item.pointer_mut(events) {
+            content["schema"] = match path.rsplit('/').next() {
+                Some("watch") => event(&["step"], "WatchedStep"),
+                _ => event(&["progress", "end"], "Simulation"),
+            };
+        }
+    }
+}
+
+/// A server-sent event.
+fn event(names: &[&str], data: &str) -> Value {
+    json!({
+        "type": "object",
+        "description": "One event of the stream.",
+        "required": ["event", "data"],
+        "properties": {
+            "event": {"type": "string", "enum": names, "description": "What it is about."},
+            "data": {
+                "type": "string",
+                "description": format!("A `{data}` as JSON."),
+                "contentMediaType": "application/json",
+                "contentSchema": {"$ref": format!("#/components/schemas/{data}")},
+            },
+        },
+    })
+}
+
+/// The variable part of a path.
+fn parameter(path: &str) -> Option<Value> {
+    let named = |of: &str, example: &str| {
+        let schema = json!({"type": "string", "minLength": 1, "examples": [example]});
+        Some(json!({"name": "name", "in": "path", "required": true, "description": of, "schema": schema}))
+    };
+    let identified = |of: &str| {
+        let schema = json!({"type": "string", "format": "uuid", "examples": ["1f0c2f2e-4f0e-4d55-9a57-0f3a5a3c1b7e"]});
+        Some(json!({"name": "id", "in": "path", "required": true, "description": of, "schema": schema}))
+    };
+    match path.split('/').nth(2)? {
+        _ if !path.contains('{') => None,
+        "robots" => named("Name of the robot.", "sawyer_dh"),
+        "scenarios" => named("Name of the scenario.", "stiff_wall"),
+        "simulations" => identified("Name of the run, as `POST /v1/simulations` answered."),
+        _ => identified("Name of the session, as `POST /v1/controllers` answered."),
+    }
+}
+
+/// What may be `null` is described as a whole, not only where it is not.
+fn described_outside(schema: &mut Value) {
+    if schema["oneOf"][0]["type"] == "null"
+        && let Some(reference) = schema["oneOf"][1].as_object_mut()
+        && let Some(description) = reference.remove("description")
+    {
+        schema["description"] = description;
     }
 }
 
@@ -33,6 +93,7 @@ fn title_variants(name: &str, schema: &mut Value) {
         if let Some(kind) = variant["properties"]["kind"]["enum"][0].as_str() {
             let words = kind.split('_').map(|word| word[..1].to_uppercase() + &word[1..]);
             variant["title"] = json!(words.collect::<String>() + name);
+            variant["properties"]["kind"]["description"] = json!("Says which.");
         }
     }
 }
