@@ -42,15 +42,18 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 8] = [
+const MAY_NAME: [(&str, &[&str]); 11] = [
     ("clarabel", &["resolution/qp_cascade/clarabel_level.rs"]),
     ("axum", &["service/"]),
     ("flate2", &["service/body.rs", "service/simulations/trace.rs"]),
+    ("futures_util", &["service/"]),
     ("hyper", &["service/"]),
     ("hyper_util", &["service/"]),
     ("rmp_serde", &["service/format/message_pack.rs"]),
     ("tower_http", &["service/"]),
-    ("tokio", &["service/", "cli/serve.rs"]),
+    ("tokio", &["service/", "cli/serve.rs", "cli/load/"]),
+    ("tokio_rustls", &["service/"]),
+    ("prometheus_client", &["service/"]),
 ];
 
 /// One line of code.

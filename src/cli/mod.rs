@@ -1,24 +1,28 @@
 //! The command line.
 
+mod config;
 mod demo;
+mod load;
 mod openapi;
 mod resolve;
 mod robot;
 mod scenarios;
 mod serve;
+mod settings;
 mod simulate;
 mod stability;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use self::settings::SettingsError;
 use crate::client::{Client, ClientError};
 use crate::report;
 use crate::robot::RobotFileError;
 use crate::service::{
-    App, Robots, RobotsError, RunningServer, ServeError, asyncapi_document, openapi_document, router,
+    App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
 };
 use crate::simulator::{RunError, ScenarioError};
 
@@ -33,6 +37,8 @@ pub struct Cli {
 const EXAMPLES: &str = "Examples:
   revprio demo                                       run the paper's experiments, write figures to ./revprio-out
   revprio serve                                      serve on 127.0.0.1:8080
+  revprio serve --listen 0.0.0.0:8443 --token-file token --tls-cert cert.pem --tls-key key.pem
+  revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
@@ -44,7 +50,14 @@ enum Command {
     /// Reproduce the paper's experiments: scenarios, table, figures, traces, one HTML page.
     Demo(demo::Options),
     /// Serve HTTP/JSON.
-    Serve(serve::Options),
+    Serve(settings::Options),
+    /// Print the settings that `serve` would use, and where each comes from.
+    Config(settings::Options),
+    /// Print the completions for a shell.
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
     /// List the scenarios that ship with the program.
     Scenarios,
     /// Run one scenario with the built-in simulator against a service.
@@ -57,6 +70,9 @@ enum Command {
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
     Asyncapi,
+    /// Load a server of its own with 1, 2 and 10 times what it takes, and with slow clients.
+    #[command(hide = true)]
+    Load(load::Options),
 }
 
 /// Why a command failed.
@@ -65,6 +81,12 @@ pub enum CliError {
     /// The service cannot run.
     #[error(transparent)]
     Serve(#[from] ServeError),
+    /// The settings are wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The server under load did something that it must not.
+    #[error("under load: {0}")]
+    Load(String),
     /// A robot file is refused.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -139,6 +161,9 @@ impl Cli {
         match self.command {
             Command::Demo(options) => demo::run(&options),
             Command::Serve(options) => serve::run(&options),
+            Command::Config(options) => config::run(&options),
+            Command::Completions { shell } => config::completions(shell),
+            Command::Load(options) => load::run(&options),
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
@@ -156,11 +181,16 @@ struct Target {
 }
 
 impl Target {
-    fn open(url: Option<&str>) -> Result<Self, ServeError> {
+    /// A given service is shown the token of the file that `REVPRIO_TOKEN_FILE` names, if it is set.
+    fn open(url: Option<&str>) -> Result<Self, CliError> {
         if let Some(url) = url {
-            return Ok(Self { client: Client::new(url), _own: None });
+            let file = std::env::var_os("REVPRIO_TOKEN_FILE").filter(|file| !file.is_empty());
+            let token = file.map(|file| Token::read(Path::new(&file))).transpose().map_err(SettingsError::from)?;
+            let client = Client::new(url);
+            let shown = token.and_then(|token| client.clone().with_token(token.secret()));
+            return Ok(Self { client: shown.unwrap_or(client), _own: None });
         }
-        Self::own(Robots::built_in())
+        Ok(Self::own(Robots::built_in())?)
     }
 
     /// A service of its own that knows these robots.

@@ -69,7 +69,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "  requested     {}", numbers(&task.requested));
         let _ = writeln!(text, "  achieved      {}", numbers(&task.achieved));
     }
-    if !answer.active_limits.is_empty() {
+    if !(answer.active_limits.is_empty() && answer.active_inequalities.is_empty()) {
         let _ = writeln!(text, "\nlimits that hold it back");
     }
     for limit in &answer.active_limits {
@@ -78,17 +78,16 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     }
     for inequality in &answer.active_inequalities {
         let _ =
-            writeln!(text, "inequality `{}` holds it back, multiplier {:.3e}", inequality.name, inequality.multiplier);
+            writeln!(text, "  `{}` {:.6}, multiplier {:.3e}", inequality.name, inequality.bound, inequality.multiplier);
     }
-    for inequality in &answer.violated_inequalities {
-        let broken = (&inequality.name, inequality.value, inequality.bound);
-        let _ = writeln!(text, "inequality `{}` is broken: {:.6} exceeds {:.6}", broken.0, broken.1, broken.2);
-    }
-    if !answer.violated_limits.is_empty() {
+    if !(answer.violated_limits.is_empty() && answer.violated_inequalities.is_empty()) {
         let _ = writeln!(text, "\nlimits that it breaks");
     }
     for limit in &answer.violated_limits {
         let _ = writeln!(text, "  {} {} {:.6}: {:.6}", limit.joint, limit.side, limit.limit, limit.value);
+    }
+    for inequality in &answer.violated_inequalities {
+        let _ = writeln!(text, "  `{}` {:.6}: {:.6}", inequality.name, inequality.bound, inequality.value);
     }
     for joint in &answer.limit_conflict {
         let _ = writeln!(text, "\n{joint}: its acceleration limit was overruled by position or velocity");

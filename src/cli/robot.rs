@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::CliError;
 use crate::client::{Client, ClientError};
 use crate::robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
@@ -12,7 +14,8 @@ use crate::service::robot_answer;
 use crate::wire::RobotRegistration;
 
 /// A file with a robot, and what the file leaves open.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct RobotArgument {
     path: PathBuf,
     name: Option<String>,
@@ -83,6 +86,20 @@ impl FromStr for RobotArgument {
             }
         }
         Ok(argument)
+    }
+}
+
+impl TryFrom<String> for RobotArgument {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<RobotArgument> for String {
+    fn from(argument: RobotArgument) -> Self {
+        argument.to_string()
     }
 }
 

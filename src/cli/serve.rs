@@ -2,44 +2,48 @@
 
 use std::future::Future;
 use std::io::{self, IsTerminal, Write as _, stdout};
-use std::net::SocketAddr;
+
+use tracing_subscriber::EnvFilter;
 
 use super::CliError;
-use super::robot::RobotArgument;
+use super::settings::{InForce, LogFormat, Options, SettingsError};
 use crate::service::{App, Robots, bind, router, serve};
 
-#[derive(Debug, clap::Args)]
-pub struct Options {
-    /// Address and port to listen on; port 0 takes a free one
-    #[arg(long, default_value = "127.0.0.1:8080")]
-    listen: SocketAddr,
-    /// An arm of your own beside the built-in ones; may be given several times
-    #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
-    robot: Vec<RobotArgument>,
-}
-
 pub fn run(options: &Options) -> Result<(), CliError> {
-    let filter = tracing_subscriber::EnvFilter::builder().with_default_directive(tracing::Level::INFO.into());
-    tracing_subscriber::fmt()
-        .with_env_filter(filter.from_env_lossy())
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_writer(std::io::stderr)
-        .init();
+    let settings = InForce::of(options, |name| std::env::var(name).ok())?;
+    start_log(&settings)?;
+    let config = settings.service()?;
+    config.check(settings.listen())?;
+    let scheme = if config.tls.is_some() { "https" } else { "http" };
     let mut robots = Robots::built_in();
-    for argument in &options.robot {
+    for argument in settings.robots() {
         robots = robots.with(argument.read()?)?;
     }
-    let listener = bind(options.listen)?;
-    let address = listener.local_addr()?;
-    Ok(serve(listener, router(App::new(robots)), announced_until_stopped(address))?)
+    let service = router(App::with_config(robots, config));
+    let listener = bind(settings.listen())?;
+    let url = format!("{scheme}://{}", listener.local_addr()?);
+    Ok(serve(listener, service, announced_until_stopped(url))?)
+}
+
+/// Log lines go to standard error, panics among them.
+fn start_log(settings: &InForce) -> Result<(), SettingsError> {
+    let filter = settings.log_level().parse::<EnvFilter>();
+    let filter = filter.map_err(|_| settings.refused("log_level", "is no level, such as `info` or `revprio=debug`"))?;
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    match settings.log_format() {
+        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
+        LogFormat::Json => log.json().init(),
+    }
+    std::panic::set_hook(Box::new(|panic| tracing::error!("{panic}")));
+    Ok(())
 }
 
 /// Says where the service listens, then waits for the signal that ends it.
 ///
 /// In this order: whoever reads the address and ends the service at once must not kill it instead.
-async fn announced_until_stopped(address: SocketAddr) {
+async fn announced_until_stopped(url: String) {
     let stop = stop_signal();
-    if let Err(error) = writeln!(stdout(), "listening on http://{address}") {
+    if let Err(error) = writeln!(stdout(), "listening on {url}") {
         tracing::warn!(%error, "cannot write the address to standard output");
     }
     match stop {

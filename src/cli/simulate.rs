@@ -134,6 +134,13 @@ pub fn record(
         None => run_scenario(scenario, &target.client, mode, progress)?,
     };
     bar.finish();
+    let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
+    if unanswered > 0 {
+        writeln!(
+            stderr(),
+            "{label}: no answer in {unanswered} periods; the arm came to rest when the last one was too old"
+        )?;
+    }
     Ok(recording)
 }
 

@@ -2,8 +2,12 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use ureq::http::Response;
-use ureq::{Agent, Body};
+use ureq::config::ConfigBuilder;
+use ureq::http::header::{AUTHORIZATION, HeaderValue};
+use ureq::http::{Request, Response};
+use ureq::middleware::MiddlewareNext;
+use ureq::typestate::AgentScope;
+use ureq::{Agent, Body, SendBody};
 
 use crate::wire;
 
@@ -55,8 +59,17 @@ pub struct Client {
 impl Client {
     /// A client of the service at a base address such as `http://127.0.0.1:8080`.
     pub fn new(base: &str) -> Self {
-        let config = Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT));
-        Self { agent: config.build().into(), base: base.trim_end_matches('/').to_owned() }
+        Self { agent: config().build().into(), base: base.trim_end_matches('/').to_owned() }
+    }
+
+    /// The same client, showing a token; `None` if that cannot stand in a header.
+    pub fn with_token(self, token: &str) -> Option<Self> {
+        let authorization = HeaderValue::from_str(&format!("Bearer {token}")).ok()?;
+        let show = move |mut request: Request<SendBody>, next: MiddlewareNext| {
+            request.headers_mut().insert(AUTHORIZATION, authorization.clone());
+            next.handle(request)
+        };
+        Some(Self { agent: config().middleware(show).build().into(), ..self })
     }
 
     /// `POST /v1/resolve`
@@ -115,6 +128,10 @@ impl Client {
         let url = format!("{}{path}", self.base);
         read(sent(self.agent.post(&url).send_json(body), &url)?, &url)
     }
+}
+
+fn config() -> ConfigBuilder<AgentScope> {
+    Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT))
 }
 
 fn sent(result: Result<Response<Body>, ureq::Error>, url: &str) -> Result<Response<Body>, ClientError> {

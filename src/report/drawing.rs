@@ -45,7 +45,7 @@ const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 type Area<'a, C = Shift> = DrawingArea<SVGBackend<'a>, C>;
 type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
-/// The SVG document of a figure, [`WIDTH`] pixels wide.
+/// The SVG document of a figure, `WIDTH` pixels wide.
 ///
 /// # Errors
 ///
@@ -128,7 +128,7 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
         .set_all_tick_mark_size(units(TICK))
         .label_style(text(12.0, FontStyle::Normal))
         .axis_desc_style(text(13.0, FontStyle::Normal))
-        .x_desc("time (s)")
+        .x_desc(&panel.x_label)
         .y_desc(panel.y_label.as_str())
         .draw()?;
     for curve in &panel.curves {

@@ -13,14 +13,19 @@ pub struct Figure {
     pub panels: Vec<Panel>,
 }
 
-/// One set of axes. Its x axis is the simulated time (s).
+/// Horizontal axis of a panel over the simulated time.
+pub const TIME: &str = "time (s)";
+
+/// One set of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Heading above the axes.
     pub heading: String,
+    /// Quantity and unit of the horizontal axis, most often [`TIME`].
+    pub x_label: String,
     /// Quantity and unit of the vertical axis.
     pub y_label: String,
-    /// Shown part of the time (s); points outside are left out.
+    /// Shown part of the horizontal axis; points outside are left out.
     pub window: (f64, f64),
     /// Values (unit of `y_label`) that the vertical axis covers besides its own curves, so that two
     /// figures can share a scale.
@@ -34,7 +39,7 @@ impl Panel {
     #[must_use]
     pub fn visible(&self, curve: &Curve) -> Vec<(f64, f64)> {
         let (from, to) = self.window;
-        let shown = |&(time, value): &(f64, f64)| time >= from && time <= to && value.is_finite();
+        let shown = |&(x, value): &(f64, f64)| x >= from && x <= to && value.is_finite();
         curve.points.iter().copied().filter(shown).collect()
     }
 
@@ -47,7 +52,7 @@ impl Panel {
     }
 }
 
-/// One curve over time.
+/// One curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Legend text.
@@ -56,7 +61,7 @@ pub struct Curve {
     pub colour: Colour,
     /// Shape of the line.
     pub stroke: Stroke,
-    /// Time (s) and value (unit of the panel), in order of time.
+    /// Abscissa and value, in the units of the panel, in order.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -107,6 +112,7 @@ mod tests {
         let curve = Curve { label: String::new(), colour: Colour::Blue, stroke: Stroke::Thin, points };
         Panel {
             heading: String::new(),
+            x_label: TIME.to_owned(),
             y_label: String::new(),
             window: (0.0, 1.0),
             y_covers: vec![],

@@ -33,6 +33,7 @@ use document::Drawn;
 use figure::Figure;
 use table::Row;
 
+pub use drawing::svg;
 pub use error::Error;
 
 /// Everything that the page says. In its texts, `F_x` sets an index.

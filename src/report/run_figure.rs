@@ -1,6 +1,6 @@
 //! One run at a glance.
 
-use super::figure::{Colour, Curve, Figure, Panel, Stroke};
+use super::figure::{Colour, Curve, Figure, Panel, Stroke, TIME};
 use crate::simulator::recording::{Recording, Sample};
 
 const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), ("z", Colour::Green)];
@@ -60,5 +60,12 @@ fn curve(run: &Recording, label: String, colour: Colour, stroke: Stroke, of: imp
 fn panel(run: &Recording, heading: &str, y_label: &str, curves: Vec<Curve>) -> Panel {
     let time = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.time_s);
     let window = (time(run.samples.first()), time(run.samples.last()) + run.period_s);
-    Panel { heading: heading.to_owned(), y_label: y_label.to_owned(), window, y_covers: Vec::new(), curves }
+    Panel {
+        heading: heading.to_owned(),
+        x_label: TIME.to_owned(),
+        y_label: y_label.to_owned(),
+        window,
+        y_covers: Vec::new(),
+        curves,
+    }
 }

@@ -12,6 +12,7 @@ fn report() -> Report {
     };
     let panel = Panel {
         heading: "(a)".to_owned(),
+        x_label: figure::TIME.to_owned(),
         y_label: "force (N)".to_owned(),
         window: (0.0, 1.0),
         y_covers: vec![],

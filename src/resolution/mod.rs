@@ -3,6 +3,8 @@
 //! Two ways lead there. The *closed form* is the literature's pseudo-inverse formula; it knows no limits. The
 //! *QP cascade* poses the same problem as a sequence of small least-squares problems with joint limits as
 //! inequalities. Inside the limits both give the same vector, and tests hold them to it.
+//!
+//! `docs/methods.md` in the repository compares the methods, with numbers and a picture; [`Method`] has their formulas.
 
 mod certificate;
 mod closed_form;

@@ -1,17 +1,25 @@
 //! Routes.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
-use axum::response::IntoResponse;
+use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::middleware::from_fn_with_state;
 use axum::routing::get;
-use tower_http::catch_panic::CatchPanicLayer;
+use tokio::sync::Semaphore;
+use tower_http::cors::CorsLayer;
 use utoipa::OpenApi as _;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::body;
+use super::config::ServiceConfig;
+use super::connection::Connections;
+use super::drain::Drain;
+use super::gate::{RequestIds, gate};
 use super::handlers;
+use super::line::Line;
+use super::metrics::Metrics;
 use super::openapi::{self, ApiDoc};
 use super::problem::Problem;
 use super::resolve::Batches;
@@ -22,37 +30,61 @@ use super::simulations::Simulations;
 /// What all requests share.
 pub struct App {
     /// The arms that requests can name.
-    pub robots: Arc<Robots>,
+    pub robots: Robots,
+    /// What an operator can tune.
+    pub config: ServiceConfig,
     pub(super) sessions: Sessions,
     pub(super) batches: Batches,
     pub(super) simulations: Simulations,
+    pub(super) connections: Arc<Connections>,
+    pub(super) metrics: Arc<Metrics>,
+    pub(super) line: Line,
+    /// Room for large bodies while they are read.
+    pub(super) large_bodies: Semaphore,
+    pub(super) request_ids: RequestIds,
+    pub(super) drain: Drain,
 }
 
 impl App {
-    /// A service for these robots, without sessions yet.
+    /// A service for these robots, without sessions yet, as it is by default.
     pub fn new(robots: Robots) -> Self {
-        let (batches, simulations) = (Batches::default(), Simulations::default());
-        Self { robots: Arc::new(robots), sessions: Sessions::default(), batches, simulations }
+        Self::with_config(robots, ServiceConfig::default())
+    }
+
+    /// A service for these robots, without sessions yet.
+    pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
+        let metrics = Arc::new(Metrics::new());
+        Self {
+            robots: robots.ending_after(config.session_idle),
+            sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
+            batches: Batches::default(),
+            simulations: Simulations::default(),
+            connections: Connections::new(config.max_connections),
+            metrics,
+            line: Line::default(),
+            large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
+            request_ids: RequestIds::default(),
+            drain: Drain::new(),
+            config,
+        }
     }
 }
 
+/// All routes with what they share, ready to be served.
+#[derive(Clone)]
+pub struct Service {
+    pub(super) router: Router,
+    pub(super) app: Arc<App>,
+}
+
 /// All routes of the service.
-pub fn router(app: App) -> Router {
+pub fn router(app: App) -> Service {
     let (routes, _) = described().split_for_parts();
-    routes
+    let routes = routes
         .route("/docs", get(openapi::docs_home))
         .route("/docs/", get(openapi::docs_page))
-        .route("/docs/{file}", get(openapi::docs_file))
-        .fallback(|uri: axum::http::Uri| async move {
-            Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
-        })
-        .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
-        .layer(axum::middleware::from_fn(body::written))
-        .layer(CatchPanicLayer::custom(|_| {
-            tracing::error!("a handler panicked");
-            Problem::internal().into_response()
-        }))
-        .with_state(Arc::new(app))
+        .route("/docs/{file}", get(openapi::docs_file));
+    guarded(routes, app)
 }
 
 /// All routes with their descriptions.
@@ -77,6 +109,66 @@ pub(super) fn described() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(handlers::simulation_events))
         .routes(routes!(handlers::simulation_trace))
         .routes(routes!(handlers::alive))
+        .routes(routes!(handlers::ready))
+        .routes(routes!(handlers::metrics))
         .routes(routes!(openapi::document))
         .routes(routes!(openapi::async_document))
+}
+
+/// The routes behind the gate, with problems for what they do not know.
+fn guarded(routes: Router<Arc<App>>, app: App) -> Service {
+    let app = Arc::new(app);
+    let mut router = routes
+        .fallback(|uri: axum::http::Uri| async move {
+            Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
+        })
+        .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
+        .layer(from_fn_with_state(Arc::clone(&app), gate));
+    if !app.config.allowed_origins.is_empty() {
+        router = router.layer(cors(&app.config.allowed_origins));
+    }
+    Service { router: router.with_state(Arc::clone(&app)), app }
+}
+
+/// Lets pages of these origins read answers.
+fn cors(origins: &[String]) -> CorsLayer {
+    let request_id = HeaderName::from_static("x-request-id");
+    let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
+    CorsLayer::new()
+        .allow_origin(origins)
+        .allow_methods([Method::GET, Method::POST, Method::DELETE])
+        .allow_headers([header::CONTENT_TYPE, header::AUTHORIZATION, header::ACCEPT, request_id.clone()])
+        .expose_headers([header::LOCATION, header::RETRY_AFTER, request_id])
+        .max_age(Duration::from_hours(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::RunningServer;
+
+    /// An answer's status and body.
+    fn get_text(url: &str) -> (u16, String) {
+        let agent: ureq::Agent = ureq::Agent::config_builder().http_status_as_error(false).build().into();
+        let mut response = agent.get(url).header("x-request-id", "mine-1").call().unwrap();
+        (response.status().as_u16(), response.body_mut().read_to_string().unwrap())
+    }
+
+    #[test]
+    fn a_panic_is_a_problem_that_is_named_and_counted() {
+        async fn panics() -> &'static str {
+            panic!("meant for a test")
+        }
+        let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(handlers::metrics));
+        let server = RunningServer::start(guarded(routes, App::new(Robots::built_in()))).unwrap();
+        let (status, body) = get_text(&(server.url() + "/panic"));
+        let problem: serde_json::Value = serde_json::from_str(&body).unwrap();
+        assert_eq!((status, &problem["type"]), (500, &"/problems/internal".into()));
+        assert_eq!(problem["request_id"], "mine-1");
+        assert!(!body.contains("meant for a test"), "{body}");
+        let (_, metrics) = get_text(&(server.url() + "/metrics"));
+        for line in ["revprio_panics_total 1", r#"revprio_requests_total{route="/panic",status="500"} 1"#] {
+            assert!(metrics.contains(line), "{line} is not in {metrics}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Bodies in and out, in the format that the client chose, with problems instead of axum's rejections.
 //!
-//! Handlers take a [`Body`] and return an [`Answer`], values both; the layer [`written`] makes bytes of answers. What
+//! Handlers take a [`Body`] and return an [`Answer`], values both; [`written`] makes bytes of answers. What
 //! takes longer than some control periods to read or write is a [`LargeBody`] or a [`LargeAnswer`] and handled in another
 //! thread, so that the steps of others do not wait.
 
@@ -9,7 +9,6 @@ use std::io::Write as _;
 use std::marker::PhantomData;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
@@ -20,24 +19,23 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use tokio::sync::SemaphorePermit;
 
 use super::accept;
+use super::app::App;
 use super::background::background;
 use super::format::Format;
 use super::problem::Problem;
 
-/// Largest body in bytes; a state is about one thousandth of it.
-pub const BODY_LIMIT: usize = 1 << 20;
+/// Bodies up to this many bytes are read without asking for room.
+const SMALL: usize = 64 << 10;
 
-/// Largest body in bytes where a request holds many problems.
-pub const LARGE_BODY_LIMIT: usize = 16 << 20;
+/// Larger ones take a place for every so many bytes.
+const PLACE: usize = 1 << 20;
 
 /// Most bytes beyond the limit that are read of a body that is too large: most clients listen only after they have sent
 /// all of it, and would see a broken connection instead of the refusal.
 const FORGOTTEN_LIMIT: usize = 15 << 20;
-
-/// Time in which the whole body must come in, so that a client cannot hold its connection by trickling.
-const BODY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Large answers of fewer bytes are not worth compressing.
 const SMALLEST_COMPRESSED: usize = 4 << 10;
@@ -45,11 +43,11 @@ const SMALLEST_COMPRESSED: usize = 4 << 10;
 /// A body that has been read.
 pub struct Body<T>(pub T);
 
-impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+impl<T: DeserializeOwned> FromRequest<Arc<App>> for Body<T> {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
-        let (format, bytes) = received(request, BODY_LIMIT).await?;
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+        let (format, bytes) = received(request, app, app.config.max_body_bytes).await?;
         format.read(&bytes).map(Self)
     }
 }
@@ -68,35 +66,59 @@ impl<T: DeserializeOwned> LargeBody<T> {
     }
 }
 
-impl<T, S: Send + Sync> FromRequest<S> for LargeBody<T> {
+impl<T> FromRequest<Arc<App>> for LargeBody<T> {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
-        let (format, bytes) = received(request, LARGE_BODY_LIMIT).await?;
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+        let (format, bytes) = received(request, app, app.config.max_batch_bytes).await?;
         Ok(Self { format, bytes, value: PhantomData })
     }
 }
 
-async fn received(request: Request, limit: usize) -> Result<(Format, Vec<u8>), Problem> {
+async fn received(request: Request, app: &App, limit: usize) -> Result<(Format, Vec<u8>), Problem> {
     let format = Format::of_body(request.headers()).ok_or_else(Problem::media_type)?;
-    let bytes = tokio::time::timeout(BODY_TIMEOUT, collected(request.into_body(), limit));
+    let bytes = tokio::time::timeout(app.config.body_timeout, collected(request.into_body(), app, limit));
     Ok((format, bytes.await.map_err(|_| Problem::body_timeout())??))
 }
 
 /// Collects a body up to the limit; what is too much is read and forgotten.
-async fn collected(mut body: axum::body::Body, limit: usize) -> Result<Vec<u8>, Problem> {
+///
+/// Only so many large ones at a time: together they could hold more memory than all connections.
+async fn collected(mut body: axum::body::Body, app: &App, limit: usize) -> Result<Vec<u8>, Problem> {
     let (mut bytes, mut size) = (Vec::new(), 0);
+    let (mut room, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| Problem::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
-        if size <= limit {
+        if size > limit {
+            refusal = Some(Problem::too_large(limit));
+        } else if refusal.is_none() && !fits(size, &mut room, app) {
+            refusal = Some(Problem::too_many_bodies());
+        }
+        if refusal.is_none() {
             bytes.extend_from_slice(data);
         } else if size > limit + FORGOTTEN_LIMIT {
             break;
         }
     }
-    if size <= limit { Ok(bytes) } else { Err(Problem::too_large(limit)) }
+    refusal.map_or(Ok(bytes), Err)
+}
+
+/// Whether there is room for a body of that size, beside the `room` that it takes up already; one that is larger than
+/// all the room needs all of it.
+fn fits<'a>(size: usize, room: &mut Option<SemaphorePermit<'a>>, app: &'a App) -> bool {
+    let places = if size > SMALL { size.div_ceil(PLACE).min(app.config.max_large_bodies) } else { 0 };
+    let missing = places.saturating_sub(room.as_ref().map_or(0, SemaphorePermit::num_permits));
+    if missing == 0 {
+        return true;
+    }
+    let Ok(more) = app.large_bodies.try_acquire_many(u32::try_from(missing).unwrap_or(u32::MAX)) else { return false };
+    match room {
+        Some(room) => room.merge(more),
+        None => *room = Some(more),
+    }
+    true
 }
 
 /// An answer of a few kilobytes.
@@ -142,7 +164,7 @@ impl<T: Serialize + Send + Sync> Writable for T {
     }
 }
 
-/// Layer that writes answers in the client's format; large ones in another thread, compressed if the client likes.
+/// Lets the routes answer, and writes answers in the client's format; large ones in another thread, compressed if the client likes.
 pub async fn written(request: Request, next: Next) -> Response {
     let format = Format::of_answer(request.headers());
     let gzip = accept::gzip(request.headers());

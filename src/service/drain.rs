@@ -1,44 +1,71 @@
-//! The orderly end: connections and streams learn of it, and the service learns when the last of them is done.
+//! The orderly end: told beforehand, then connections and streams learn of it, and the service learns when the last of
+//! them is done.
+
+use std::convert::Infallible;
+use std::sync::Arc;
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use tokio::sync::watch;
 
-use super::problem::Problem;
+use super::app::App;
 
-/// Held by the service.
-pub struct Drain(watch::Sender<bool>);
+/// How near the end is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Serving,
+    Announced,
+    Ending,
+}
+
+/// The service's end of it.
+#[derive(Debug)]
+pub struct Drain(watch::Sender<Phase>);
 
 /// Held by whatever must come to an end before the service may.
 #[derive(Debug, Clone)]
-pub struct Draining(watch::Receiver<bool>);
+pub struct Draining(watch::Receiver<Phase>);
 
 impl Drain {
-    /// Both ends.
-    pub fn new() -> (Self, Draining) {
-        let (sender, receiver) = watch::channel(false);
-        (Self(sender), Draining(receiver))
+    /// Of a service that goes on.
+    pub fn new() -> Self {
+        Self(watch::Sender::new(Phase::Serving))
+    }
+
+    /// From now on `/readyz` says no.
+    pub fn announce(&self) {
+        self.0.send_replace(Phase::Announced);
+    }
+
+    /// Whether the service is about to end.
+    pub fn is_announced(&self) -> bool {
+        *self.0.borrow() != Phase::Serving
+    }
+
+    /// For one more that must come to an end.
+    pub fn listener(&self) -> Draining {
+        Draining(self.0.subscribe())
     }
 
     /// Asks all to end and waits until they have.
-    pub async fn finished(self) {
-        self.0.send_replace(true);
+    pub async fn finished(&self) {
+        self.0.send_replace(Phase::Ending);
         self.0.closed().await;
     }
 }
 
 impl Draining {
-    /// Ready when the service wants to end.
+    /// Ready when all have to end.
     pub async fn begun(&mut self) {
         // An error means that the service is gone already.
-        let _ = self.0.wait_for(|draining| *draining).await;
+        let _ = self.0.wait_for(|phase| *phase == Phase::Ending).await;
     }
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for Draining {
-    type Rejection = Problem;
+impl FromRequestParts<Arc<App>> for Draining {
+    type Rejection = Infallible;
 
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        parts.extensions.get().cloned().ok_or_else(Problem::internal)
+    async fn from_request_parts(_: &mut Parts, app: &Arc<App>) -> Result<Self, Infallible> {
+        Ok(app.drain.listener())
     }
 }

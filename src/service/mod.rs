@@ -14,7 +14,7 @@
 //! | `GET /v1/scenarios`, `/v1/scenarios/{name}` | the experiments that ship with the service |
 //! | `POST /v1/simulations` | runs a scenario; `GET` shows, `DELETE` cancels (an ended one: forgets) `/v1/simulations/{id}` |
 //! | `GET /v1/simulations/{id}/events`, `/trace` | server-sent events `progress` and `end`; CSV, JSON lines or JSON |
-//! | `GET /healthz` | liveness |
+//! | `GET /healthz`, `/readyz`, `/metrics` | liveness; readiness, false while draining; Prometheus |
 //!
 //! # Bodies
 //!
@@ -42,7 +42,7 @@
 //! | code | because |
 //! |---|---|
 //! | 1001 | the service ends |
-//! | 1002 | a message is no WebSocket message, or larger than 1 MiB |
+//! | 1002 | a message is no WebSocket message, or larger than 128 KiB |
 //! | 1011 | the service has a defect |
 //! | 4404 | the controller has ended |
 //! | 4408 | nothing was heard of the client for 30 s, not even an answer to a ping |
@@ -57,16 +57,41 @@
 //! - simulations two at a time, the others queued; up to 100 000 control periods each and 250 000 all together, which
 //!   bounds the memory of their traces to some 125 MB. Ended ones are forgotten after an hour, or, oldest first, when a
 //!   new one needs the room; where that does not help, 503.
+//!
+//! # What keeps it safe and steady
+//!
+//! One thread answers all requests: a step takes microseconds, less than handing it to another thread. From the outside
+//! in:
+//!
+//! - `server`: listening and ending. Told to end, the service first says so at `/readyz`, then stops listening, then
+//!   answers what is in flight and ends streams.
+//! - `connection`: at most [`ServiceConfig::max_connections`]; for one more, the connection without an answer for the
+//!   longest time is closed, which is never that of a control loop or of a WebSocket. Headers, handshakes and answers that are not taken
+//!   have their timeouts, after which a connection just ends. Bytes that are no HTTP, and headers beyond 64 KiB, get a
+//!   bare 400, 414 or 431 from hyper, without a body; every other error is a problem (RFC 9457).
+//! - `gate`: every request gets a name (`x-request-id`), is counted and logged. Those without the token get 401, those
+//!   of a foreign web page 403.
+//! - `line`: requests that stand too far back get 503 and Retry-After at once instead of a late answer. `/healthz`,
+//!   `/readyz` and `/metrics` need not stand in line.
+//! - `body`: size and time of bodies are bounded, and how many large ones are read at a time, so that memory is.
+//!
+//! On any but a loopback address [`serve`] wants a [`Token`].
 
 mod accept;
+mod access;
 mod app;
 mod background;
 mod body;
+mod config;
+mod connection;
 mod convert;
 mod drain;
 mod events;
 mod format;
+mod gate;
 mod handlers;
+mod line;
+mod metrics;
 mod openapi;
 mod problem;
 mod resolve;
@@ -76,9 +101,13 @@ mod server;
 mod sessions;
 mod simulations;
 mod stream;
+mod tls;
 
-pub use app::{App, router};
+pub use access::{Token, TokenError};
+pub use app::{App, Service, router};
+pub use config::ServiceConfig;
 pub use convert::robot_answer;
 pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve};
+pub use tls::{Tls, TlsError};

@@ -8,6 +8,13 @@ use crate::wire;
 /// Media type of RFC 9457.
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
+/// What a connection gets for which there is no room: a whole answer, as its request is not read.
+pub fn no_room() -> String {
+    let body = r#"{"type":"/problems/overloaded","title":"The service has too much to do","status":503,"detail":"too many connections are open; close some"}"#;
+    let head = "HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/problem+json\r\nretry-after: 1";
+    format!("{head}\r\nconnection: close\r\ncontent-length: {}\r\n\r\n{body}", body.len())
+}
+
 /// A name as a part of a JSON pointer (RFC 6901).
 pub fn escaped(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
@@ -48,6 +55,18 @@ impl Problem {
         Self { pointer: Some(pointer.into()), ..problem }
     }
 
+    /// 401: the token is missing or wrong.
+    pub fn unauthorized() -> Self {
+        let detail = "send the service's token as `Authorization: Bearer …`";
+        Self::new(StatusCode::UNAUTHORIZED, "unauthorized", "The token is missing or wrong", detail)
+    }
+
+    /// 403: a web page of another site makes the request.
+    pub fn foreign_origin(origin: &str) -> Self {
+        let detail = format!("pages of `{origin}` may not call this service; allow them with --allow-origin");
+        Self::new(StatusCode::FORBIDDEN, "foreign-origin", "The origin is not allowed", detail)
+    }
+
     /// 403: what belongs to the service cannot be deleted.
     pub fn permanent(detail: impl Into<String>) -> Self {
         Self::new(StatusCode::FORBIDDEN, "permanent", "This cannot be deleted", detail)
@@ -56,6 +75,15 @@ impl Problem {
     /// 404: no such resource.
     pub fn not_found(detail: impl Into<String>) -> Self {
         Self::new(StatusCode::NOT_FOUND, "not-found", "There is nothing here", detail)
+    }
+
+    /// 404: no such session, or no longer.
+    pub fn unknown_controller(id: &str) -> Self {
+        let detail = format!(
+            "there is no controller `{id}`; it was deleted, idle for too long, or the service was started anew; create \
+             it again with POST /v1/controllers"
+        );
+        Self::new(StatusCode::NOT_FOUND, "unknown-controller", "There is no such controller", detail)
     }
 
     /// 405: the route exists, the method does not.
@@ -127,6 +155,24 @@ impl Problem {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "The service is busy", detail)
     }
 
+    /// 503: more requests wait than can be answered in time.
+    pub fn overloaded() -> Self {
+        let detail = "more requests wait than can be answered in time; send fewer, or start another server";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The service has too much to do", detail)
+    }
+
+    /// 503: many large bodies are being read.
+    pub fn too_many_bodies() -> Self {
+        let detail = "other large bodies are being read; try again, or send a smaller one";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The service has too much to do", detail)
+    }
+
+    /// 503: the service is about to end.
+    pub fn draining() -> Self {
+        let detail = "the service is about to end; call another one";
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "draining", "The service is about to end", detail)
+    }
+
     /// 500: a defect of the service.
     pub fn internal() -> Self {
         let detail = "a defect of the service, not of your request; the log has the details";
@@ -143,7 +189,12 @@ impl Problem {
         self.status == StatusCode::NOT_FOUND
     }
 
-    /// As a body.
+    /// Last part of the `type` reference.
+    pub fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    /// As a part of an answer that holds others, or as a message of a stream.
     pub fn into_wire(self) -> wire::Problem {
         wire::Problem {
             kind: format!("/problems/{}", self.kind),
@@ -151,22 +202,35 @@ impl Problem {
             status: self.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
+            request_id: None,
         }
+    }
+
+    /// Writes the body of the answer to a request of that name.
+    pub fn write(self, response: &mut Response, request_id: &str) {
+        let body = wire::Problem { request_id: Some(request_id.to_owned()), ..self.into_wire() };
+        // The layers below took the length of the body that it does not have yet.
+        response.headers_mut().remove(header::CONTENT_LENGTH);
+        *response.body_mut() = axum::Json(body).into_response().into_body();
     }
 }
 
+/// The head of the answer; the body, which names the request, is written at the gate.
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let status = self.status;
-        let mut response = (status, axum::Json(self.into_wire())).into_response();
+        let mut response = self.status.into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
-        if status == StatusCode::SERVICE_UNAVAILABLE {
+        if self.status == StatusCode::SERVICE_UNAVAILABLE {
             headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
         }
-        if status == StatusCode::UPGRADE_REQUIRED {
+        if self.status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
+        if self.status == StatusCode::UPGRADE_REQUIRED {
             headers.insert(header::UPGRADE, HeaderValue::from_static("websocket"));
         }
+        response.extensions_mut().insert(self);
         response
     }
 }

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use tokio::sync::Semaphore;
 
+use super::app::App;
 use super::background::{Abandoned, background, spare_cores};
 use super::body::LargeBody;
 use super::convert;
 use super::problem::Problem;
-use super::robots::Robots;
 use crate::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
 
 /// Problems in a batch.
@@ -20,11 +20,13 @@ pub const MOST_ITEMS: usize = 10_000;
 const MOST_BATCHES: usize = 4;
 
 /// Resolves one problem.
-pub fn one(request: &ResolveRequest, robots: &Robots) -> Result<ResolveAnswer, Problem> {
+pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem> {
     let start = Instant::now();
-    let question = convert::question(request, robots)?;
+    let question = convert::question(request, &app.robots)?;
     let resolution = crate::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
-    Ok(convert::resolve_answer(&question, &resolution, start))
+    let answer = convert::resolve_answer(&question, &resolution, start);
+    app.metrics.solved(&answer.solver);
+    Ok(answer)
 }
 
 /// Room for batches.
@@ -41,22 +43,23 @@ impl Default for Batches {
 
 impl Batches {
     /// Resolves a batch on the spare cores when its turn comes.
-    pub async fn resolve(&self, body: LargeBody<BatchRequest>, robots: Arc<Robots>) -> Result<BatchAnswer, Problem> {
+    pub async fn resolve(&self, body: LargeBody<BatchRequest>, app: &Arc<App>) -> Result<BatchAnswer, Problem> {
         let busy =
             |_| Problem::busy(format!("{MOST_BATCHES} batches are being resolved already; try again in a second"));
         let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
         let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        let app = Arc::clone(app);
         let work = move |abandoned: &Abandoned| {
             // Held by the work itself: when its client is gone, it still takes until the next problem to end.
             let _held = (place, turn);
-            many(&body.read()?, &robots, abandoned)
+            many(&body.read()?, &app, abandoned)
         };
         background(work).await?
     }
 }
 
 /// Resolves many problems, each as if it were the only one.
-fn many(request: &BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Result<BatchAnswer, Problem> {
+fn many(request: &BatchRequest, app: &App, abandoned: &Abandoned) -> Result<BatchAnswer, Problem> {
     let problems = &request.items;
     if problems.len() > MOST_ITEMS {
         return Err(Problem::invalid("/items", format!("{} items; a batch has at most {MOST_ITEMS}", problems.len())));
@@ -67,7 +70,7 @@ fn many(request: &BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Resul
         while !abandoned.is_set() {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let (Some(problem), Some(answer)) = (problems.get(i), answers.get(i)) else { break };
-            let item = item(i, one(problem, robots));
+            let item = item(i, one(problem, app), app);
             *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(item);
         }
     };
@@ -80,9 +83,12 @@ fn many(request: &BatchRequest, robots: &Robots, abandoned: &Abandoned) -> Resul
     Ok(BatchAnswer { items: items.collect::<Option<_>>().ok_or_else(Problem::internal)? })
 }
 
-fn item(i: usize, answer: Result<ResolveAnswer, Problem>) -> BatchItem {
+fn item(i: usize, answer: Result<ResolveAnswer, Problem>, app: &App) -> BatchItem {
     match answer {
         Ok(answer) => BatchItem::Answer(Box::new(answer)),
-        Err(problem) => BatchItem::Problem(problem.inside(&format!("/items/{i}")).into_wire()),
+        Err(problem) => {
+            app.metrics.refused(problem.kind());
+            BatchItem::Problem(problem.inside(&format!("/items/{i}")).into_wire())
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::sessions::IDLE_TIMEOUT;
+use super::config::ServiceConfig;
 use crate::robot::{RobotModel, built_in};
 
 /// Registered robots at a time; each holds at most some 100 kilobytes, mostly names.
@@ -75,7 +75,11 @@ impl Robots {
 
     /// No robot yet.
     pub fn none() -> Self {
-        Self { permanent: Vec::new(), registered: Mutex::default(), idle_timeout: IDLE_TIMEOUT }
+        Self {
+            permanent: Vec::new(),
+            registered: Mutex::default(),
+            idle_timeout: ServiceConfig::default().session_idle,
+        }
     }
 
     /// These and another permanent one.
@@ -83,6 +87,11 @@ impl Robots {
         self.check_name(robot.name(), &[])?;
         self.permanent.push(robot);
         Ok(self)
+    }
+
+    /// The same, but registered ones end when they are not used for that long.
+    pub(super) fn ending_after(self, idle_timeout: Duration) -> Self {
+        Self { idle_timeout, ..self }
     }
 
     /// Adds a robot until it is deleted or not used for long.

@@ -8,15 +8,13 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::convert;
+use super::metrics::Metrics;
 use super::problem::Problem;
-use crate::controller::{Command, Controller, Measurement, Memory};
+use crate::controller::{Controller, Memory};
 use crate::wire;
 
-/// Sessions at a time; each holds a few kilobytes.
-const MOST_SESSIONS: usize = 1024;
-
-/// A session that gets no state for this long ends; looking at it does not keep it.
-pub const IDLE_TIMEOUT: Duration = Duration::from_mins(15);
+/// A step that comes more than so many periods after the one before missed one.
+const LATE_PERIODS: f64 = 1.5;
 
 /// One controller with its memory.
 pub struct Session {
@@ -28,18 +26,17 @@ pub struct Session {
     last: watch::Sender<Option<Arc<wire::WatchedStep>>>,
     steps: u64,
     retries: u64,
+    stepped: Option<Instant>,
+    missed_periods: u64,
+    /// When the last state came, or the session was opened.
     called: Instant,
 }
 
 impl Session {
-    /// Answers a state: by a step, or, for the state of the last call, by the same answer again.
-    fn answer(
-        &mut self,
-        state: &wire::State,
-        measurement: &Measurement,
-        describe: impl FnOnce(&Controller, &Command) -> wire::StepAnswer,
-    ) -> Result<wire::StepAnswer, Problem> {
-        self.called = Instant::now();
+    /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
+    fn answer(&mut self, state: &wire::State, now: Instant, metrics: &Metrics) -> Result<wire::StepAnswer, Problem> {
+        let measurement = convert::measurement(state, &self.controller)?;
+        self.called = now;
         if let Some(last) = &*self.last.borrow() {
             if last.state == *state {
                 self.retries += 1;
@@ -48,9 +45,15 @@ impl Session {
             grows(last.state.sequence, state.sequence)?;
         }
         let command =
-            self.controller.step(&mut self.memory, measurement).map_err(|error| convert::step_problem(&error, ""))?;
-        let answer = describe(&self.controller, &command);
+            self.controller.step(&mut self.memory, &measurement).map_err(|error| convert::step_problem(&error, ""))?;
+        let answer = convert::step_answer(&self.controller, state.sequence, &command, now);
+        metrics.solved(&answer.solver);
         self.steps += 1;
+        let since = self.stepped.replace(now).map(|before| now.duration_since(before));
+        if since.is_some_and(|since| since.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
+            self.missed_periods += 1;
+            metrics.missed_periods.inc();
+        }
         self.last.send_replace(Some(Arc::new(wire::WatchedStep { state: state.clone(), answer: answer.clone() })));
         Ok(answer)
     }
@@ -68,6 +71,7 @@ impl Session {
             last_sequence: self.last.borrow().as_ref().map(|last| last.state.sequence),
             steps: self.steps,
             retries: self.retries,
+            missed_periods: self.missed_periods,
         }
     }
 }
@@ -83,48 +87,70 @@ pub fn grows(last: u64, now: u64) -> Result<(), Problem> {
 }
 
 /// All sessions.
-#[derive(Default)]
-pub struct Sessions(Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>);
+pub struct Sessions {
+    limit: usize,
+    idle_timeout: Duration,
+    metrics: Arc<Metrics>,
+    open: Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>,
+}
 
 impl Sessions {
+    /// None yet.
+    pub fn new(limit: usize, idle_timeout: Duration, metrics: Arc<Metrics>) -> Self {
+        Self { limit, idle_timeout, metrics, open: Mutex::default() }
+    }
+
+    /// How many have not ended.
+    pub fn count(&self) -> usize {
+        self.end_idle().len()
+    }
+
     /// Opens a session and returns its name.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
-        self.end_idle();
-        let now = Instant::now();
-        let mut sessions = lock(&self.0);
-        if sessions.len() >= MOST_SESSIONS {
-            return Err(Problem::too_many_sessions(MOST_SESSIONS));
+        let mut sessions = self.end_idle();
+        if sessions.len() >= self.limit {
+            return Err(Problem::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
-        let last = watch::Sender::new(None);
-        let session = Session { request, controller, memory: None, last, steps: 0, retries: 0, called: now };
+        let session = Session {
+            request,
+            controller,
+            memory: None,
+            last: watch::Sender::new(None),
+            steps: 0,
+            retries: 0,
+            stepped: None,
+            missed_periods: 0,
+            called: Instant::now(),
+        };
         sessions.insert(id, Arc::new(Mutex::new(session)));
         Ok(id)
     }
 
-    /// Ends the sessions that were not called for long, and lets go of their robots.
-    pub fn end_idle(&self) {
-        let now = Instant::now();
-        lock(&self.0).retain(|_, session| now.duration_since(lock(session).called) < IDLE_TIMEOUT);
+    /// Ends the sessions that got no state for long, and lets go of their robots.
+    pub fn let_go(&self) {
+        drop(self.end_idle());
+    }
+
+    /// Ends the sessions that got no state for long; what is left.
+    fn end_idle(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+        let mut open = lock(&self.open);
+        open.retain(|_, session| lock(session).called.elapsed() < self.idle_timeout);
+        open
     }
 
     /// Answers a state of a session.
     pub fn step(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, Problem> {
-        let start = Instant::now();
-        self.with(id, |_, session| {
-            let measurement = convert::measurement(state, &session.controller)?;
-            session.answer(state, &measurement, |controller, command| {
-                convert::step_answer(controller, state.sequence, command, start)
-            })
-        })
+        let now = Instant::now();
+        self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
 
     /// Lets `act` work on a session; other sessions are not held up meanwhile.
     pub fn with<T>(&self, id: &str, act: impl FnOnce(Uuid, &mut Session) -> Result<T, Problem>) -> Result<T, Problem> {
         let id = parse(id)?;
-        let session = lock(&self.0).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
+        let session = lock(&self.open).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
         let mut session = lock(&session);
-        if session.called.elapsed() >= IDLE_TIMEOUT {
+        if session.called.elapsed() >= self.idle_timeout {
             // Removed when the next one is created; taking both locks here, in the other order, could deadlock.
             return Err(unknown(&id.to_string()));
         }
@@ -133,7 +159,7 @@ impl Sessions {
 
     /// Ends a session.
     pub fn delete(&self, id: &str) -> Result<(), Problem> {
-        lock(&self.0).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
+        lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
     }
 }
 
@@ -142,9 +168,7 @@ fn parse(id: &str) -> Result<Uuid, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::not_found(format!(
-        "there is no controller `{id}`; it may have ended; create one with POST /v1/controllers"
-    ))
+    Problem::unknown_controller(id)
 }
 
 /// A panic while a lock was held is answered and counted elsewhere; the data, replaced whole, is still consistent.
@@ -156,6 +180,10 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
     use crate::service::robots::Robots;
+
+    fn sessions() -> Sessions {
+        Sessions::new(2, Duration::from_mins(15), Arc::new(Metrics::new()))
+    }
 
     fn open(sessions: &Sessions) -> String {
         let request: wire::Controller =
@@ -170,29 +198,29 @@ mod tests {
 
     /// Lets all sessions wait for the longest time they may.
     fn let_time_pass(sessions: &Sessions) {
-        for session in lock(&sessions.0).values() {
+        for session in lock(&sessions.open).values() {
             let mut session = lock(session);
-            session.called = session.called.checked_sub(IDLE_TIMEOUT).unwrap();
+            session.called = session.called.checked_sub(sessions.idle_timeout).unwrap();
         }
     }
 
     #[test]
     fn an_idle_session_ends_and_makes_room() {
-        let sessions = Sessions::default();
+        let sessions = sessions();
         let (idle, busy) = (open(&sessions), open(&sessions));
         let_time_pass(&sessions);
-        lock(&lock(&sessions.0)[&parse(&busy).unwrap()]).called = Instant::now();
+        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).called = Instant::now();
         assert!(sessions.step(&idle, &state()).unwrap_err().is_not_found());
         assert!(sessions.step(&busy, &state()).is_ok());
         open(&sessions);
-        assert_eq!(lock(&sessions.0).len(), 2);
+        assert_eq!(lock(&sessions.open).len(), 2);
     }
 
     #[test]
     fn states_keep_a_session_and_looking_at_it_does_not() {
-        let sessions = Sessions::default();
+        let sessions = sessions();
         let id = open(&sessions);
-        let called = || lock(&lock(&sessions.0)[&parse(&id).unwrap()]).called;
+        let called = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).called;
         let first = called();
         sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
         assert_eq!(called(), first);

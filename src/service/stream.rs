@@ -13,7 +13,6 @@ use axum::response::Response;
 use tokio::time::{Instant, interval_at, timeout};
 
 use super::app::App;
-use super::body::BODY_LIMIT;
 use super::drain::Draining;
 use super::format::Format;
 use super::problem::Problem;
@@ -26,6 +25,9 @@ const MESSAGE_PACK: &str = "revprio.msgpack";
 
 /// Largest message in bytes; a state is about one sixtieth of it.
 const MESSAGE_LIMIT: usize = 64 << 10;
+
+/// Larger ones are not even read.
+const READ_LIMIT: usize = 2 * MESSAGE_LIMIT;
 
 /// Buffers of a connection: some messages.
 const BUFFER: usize = 16 << 10;
@@ -57,8 +59,8 @@ pub fn accept(upgrade: WebSocketUpgrade, app: Arc<App>, id: String, draining: Dr
         .protocols([JSON, MESSAGE_PACK])
         .read_buffer_size(BUFFER)
         .write_buffer_size(0)
-        .max_message_size(BODY_LIMIT)
-        .max_frame_size(BODY_LIMIT);
+        .max_message_size(READ_LIMIT)
+        .max_frame_size(READ_LIMIT);
     upgrade.on_upgrade(|socket| async move {
         let is_binary = socket.protocol().map(HeaderValue::as_bytes) == Some(MESSAGE_PACK.as_bytes());
         let format = if is_binary { Format::MessagePack } else { Format::Json };
@@ -122,6 +124,7 @@ impl Stream {
         match self.step(bytes) {
             Ok(answer) => Ok((self.message(&answer)?, None)),
             Err(problem) => {
+                self.app.metrics.refused(problem.kind());
                 let farewell = problem.is_not_found().then_some(NO_CONTROLLER);
                 Ok((self.message(&problem.into_wire())?, farewell))
             }

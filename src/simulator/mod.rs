@@ -9,6 +9,7 @@ pub mod recording;
 mod request;
 mod run;
 mod scenario;
+mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};

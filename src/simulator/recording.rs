@@ -57,6 +57,8 @@ pub struct Sample {
     pub smallest_singular_value: f64,
     /// ‖J_k q̇ − ẋ_k‖ per task, highest priority first.
     pub residual_norms: Vec<f64>,
+    /// Whether the service answered in this period; if not, what is said of the answer is that of the last one.
+    pub answered: bool,
 }
 
 impl Recording {
@@ -102,6 +104,7 @@ impl Recording {
             ["wall_distance_m", "path", "status", "kkt_residual", "smallest_singular_value"].map(str::to_owned),
         );
         columns.extend((1..=tasks).map(|k| format!("residual_task_{k}")));
+        columns.push("answered".to_owned());
         columns
     }
 }
@@ -128,5 +131,6 @@ fn cells(sample: &Sample) -> Vec<String> {
     cells.push(optional(&sample.kkt_residual));
     cells.push(number(&sample.smallest_singular_value));
     cells.extend(sample.residual_norms.iter().map(number));
+    cells.push(sample.answered.to_string());
     cells
 }

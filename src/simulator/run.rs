@@ -8,6 +8,7 @@ use super::arm::Arm;
 use super::environment::Environment;
 use super::recording::{Recording, Sample};
 use super::scenario::Scenario;
+use super::watchdog::{Obeyed, is_silence, pause};
 use crate::client::{Client, ClientError};
 use crate::kinematics::{Configuration, ConfigurationError, NotUnitLength, pose};
 use crate::robot::{ModelError, RobotModel, built_in};
@@ -99,6 +100,9 @@ fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
 }
 
 /// Runs the scenario with any robot; the service must know the same one by the name in the scenario's controller.
+///
+/// A service that falls silent in the middle does not end the run: the arm obeys the last answer for as long as that is
+/// valid, slows down to rest, and goes on with the next answer. Meanwhile periods take as long as they really do.
 pub fn run_robot(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
@@ -111,17 +115,27 @@ pub fn run_robot(
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();
     let mut samples = Vec::new();
+    let mut obeyed: Option<Obeyed> = None;
     for sequence in 0..scenario.cycles() {
         let time_s = sequence as f64 * scenario.period_s();
         let measured = plant.measure(time_s)?;
-        let answer =
-            caller.call(measured.state(sequence, time_s)).map_err(|source| RunError::Service { time_s, source })?;
-        let (expected, given) = (robot.joint_count(), answer.joint_velocity.len());
+        let now = match (caller.call(measured.state(sequence, time_s)), obeyed) {
+            (Ok(answer), _) => Obeyed::new(answer, time_s),
+            (Err(error), Some(before)) if is_silence(&error) => {
+                if pause(scenario.period_s(), || progress(sequence)).is_break() {
+                    return Err(RunError::Stopped { time_s });
+                }
+                before.still(time_s, &robot, scenario.period_s())
+            }
+            (Err(source), _) => return Err(RunError::Service { time_s, source }),
+        };
+        let (expected, given) = (robot.joint_count(), now.answer.joint_velocity.len());
         if given != expected {
             return Err(RunError::AnswerSize { time_s, expected, given });
         }
-        plant.arm.advance(&answer.joint_velocity, scenario.period_s());
-        samples.push(measured.sample(time_s, &plant, scenario, answer));
+        plant.arm.advance(&now.answer.joint_velocity, scenario.period_s());
+        samples.push(measured.sample(time_s, &plant, scenario, &now));
+        obeyed = Some(now);
         if progress(sequence + 1).is_break() {
             return Err(RunError::Stopped { time_s });
         }
@@ -227,21 +241,23 @@ impl Measured {
         }
     }
 
-    fn sample(self, time_s: f64, plant: &Plant, scenario: &Scenario, answer: wire::StepAnswer) -> Sample {
+    fn sample(self, time_s: f64, plant: &Plant, scenario: &Scenario, obeyed: &Obeyed) -> Sample {
+        let answer = &obeyed.answer;
         Sample {
             time_s,
             joint_position: self.joint_position,
             position: self.position,
             position_error: [0, 1, 2].map(|i| self.position[i] - plant.start[i]),
             force: self.force,
-            target_force: target_force(scenario, &answer),
+            target_force: target_force(scenario, answer),
             wall_distance: plant.environment.wall_distance(self.position),
             path: answer.solver.path,
             status: answer.solver.status,
             kkt_residual: answer.solver.kkt_residual,
             smallest_singular_value: answer.singularity.smallest_singular_value,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
-            joint_velocity: answer.joint_velocity,
+            joint_velocity: answer.joint_velocity.clone(),
+            answered: obeyed.is_new,
         }
     }
 }

@@ -111,4 +111,7 @@ pub struct SessionStatus {
     pub steps: u64,
     /// States answered again, because they were sent again.
     pub retries: u64,
+    /// Steps that came more than 1.5 periods after the one before.
+    #[serde(default)]
+    pub missed_periods: u64,
 }

@@ -10,10 +10,11 @@ const EXAMPLE: &str = "api/examples/resolve.json";
 #[test]
 fn help_shows_every_command_and_examples() {
     let help = success(&["--help"]);
-    for word in ["demo", "serve", "simulate", "resolve", "stability", "Examples:", "--version"] {
+    for word in ["demo", "serve", "config", "completions", "simulate", "resolve", "stability", "Examples:", "--version"]
+    {
         assert!(help.contains(word), "{word} is not in {help}");
     }
-    for command in ["demo", "serve", "simulate", "resolve", "stability"] {
+    for command in ["demo", "serve", "config", "completions", "simulate", "resolve", "stability"] {
         assert!(success(&[command, "--help"]).contains("Usage: revprio"), "{command}");
     }
     assert!(success(&["--version"]).starts_with("revprio "));

@@ -86,8 +86,9 @@ fn arms_of_ones_own_are_served_beside_the_built_in_ones() {
     let rows = include_str!("../../fixtures/robots/sawyer_dh.toml").to_owned();
     let toml = scratch.write("rows.toml", &rows) + ",name=rows";
     let server = Server::start_with(&["--robot", &urdf, "--robot", &toml]);
-    let robots = server.get("/v1/robots");
-    let robots: Value = serde_json::from_str(&robots).unwrap();
+    let answer = server.get("/v1/robots");
+    let robots = answer.split_once("\r\n\r\n").unwrap().1;
+    let robots: Value = serde_json::from_str(robots).unwrap();
     let names: Vec<&str> = robots["robots"].as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "mine", "rows"]);
 }

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
-use crate::program::{failure, program};
+use crate::program::{Scratch, failure, program};
 
 /// A server as a process; killed when a test fails before it ends.
 pub struct Server {
@@ -18,9 +18,18 @@ impl Server {
         Self::start_with(&[])
     }
 
-    /// The same with more options.
-    pub fn start_with(options: &[&str]) -> Self {
-        let mut command = program(&[&["serve", "--listen", "127.0.0.1:0"], options].concat());
+    /// Starts at an address.
+    pub fn start_at(address: &str) -> Self {
+        Self::launch(address, &[])
+    }
+
+    /// Starts on a free port with further flags.
+    pub fn start_with(flags: &[&str]) -> Self {
+        Self::launch("127.0.0.1:0", flags)
+    }
+
+    fn launch(address: &str, flags: &[&str]) -> Self {
+        let mut command = program(&[&["serve", "--listen", address], flags].concat());
         let mut process = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
@@ -32,21 +41,27 @@ impl Server {
         self.url.trim_start_matches("http://")
     }
 
-    /// Body of the answer to a GET.
-    pub fn get(&self, path: &str) -> String {
-        let mut stream = TcpStream::connect(self.address()).unwrap();
-        write!(stream, "GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).unwrap();
-        answer.split_once("\r\n\r\n").unwrap().1.to_owned()
-    }
-
     /// Asks it to end as an operator would.
     #[cfg(unix)]
-    fn terminate(mut self) -> ExitStatus {
+    fn signal(&self) {
         let signalled = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
         assert!(signalled.success());
+    }
+
+    #[cfg(unix)]
+    fn terminate(mut self) -> ExitStatus {
+        self.signal();
         self.process.wait().unwrap()
+    }
+
+    /// The whole answer to a bare request, after which the connection ends.
+    pub fn get(&self, path: &str) -> String {
+        let mut stream = TcpStream::connect(self.address()).unwrap();
+        let request = format!("GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
     }
 }
 
@@ -60,10 +75,7 @@ impl Drop for Server {
 #[test]
 fn a_server_says_where_it_listens_and_answers_there() {
     let server = Server::start();
-    let mut stream = TcpStream::connect(server.address()).unwrap();
-    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).unwrap();
+    let answer = server.get("/healthz");
     assert!(answer.starts_with("HTTP/1.1 200 OK\r\n") && answer.ends_with("\r\n\r\nok"), "{answer}");
 }
 
@@ -75,6 +87,67 @@ fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
     let mut half = TcpStream::connect(server.address()).unwrap();
     half.write_all(b"POST /v1/step HTTP/1.1\r\nho").unwrap();
     assert_eq!(server.terminate().code(), Some(0));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
+    let mut server = Server::start_with(&["--drain-delay-s", "2", "--drain-timeout-s", "20"]);
+    let body = include_str!("../../api/examples/resolve.json");
+    let (first, rest) = body.split_at(20);
+    let mut in_flight = TcpStream::connect(server.address()).unwrap();
+    let head = format!(
+        "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    in_flight.write_all((head + first).as_bytes()).unwrap();
+    assert!(server.get("/readyz").starts_with("HTTP/1.1 200 "));
+    server.signal();
+    // The signal takes its time; an answer that says "ready" may still be on its way.
+    let not_ready = (0..100).map(|_| server.get("/readyz")).find(|answer| answer.starts_with("HTTP/1.1 503 ")).unwrap();
+    assert!(not_ready.contains("/problems/draining") && not_ready.contains("retry-after: 1"), "{not_ready}");
+    assert!(server.get("/healthz").starts_with("HTTP/1.1 200 "));
+    while TcpStream::connect(server.address()).is_ok() {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    in_flight.write_all(rest.as_bytes()).unwrap();
+    let mut answer = String::new();
+    in_flight.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200 ") && answer.contains("connection: close"), "{answer}");
+    assert_eq!(server.process.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn log_lines_are_json_with_the_name_of_the_request_if_asked_for() {
+    let scratch = Scratch::new("log");
+    let token = scratch.write("token", "secret");
+    let flags = ["--log-format", "json", "--log-level", "debug", "--token-file", &token];
+    let mut command = program(&[&["serve", "--listen", "127.0.0.1:0"], &flags[..]].concat());
+    let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let url = line.trim().strip_prefix("listening on ").unwrap().to_owned();
+    let log = process.stderr.take().unwrap();
+    let server = Server { process, url };
+    assert!(server.get("/v1/robots").starts_with("HTTP/1.1 401 "));
+    drop(server);
+    let lines: Vec<serde_json::Value> =
+        BufReader::new(log).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
+    let line = lines.iter().find(|line| line["fields"]["message"] == "GET /v1/robots").unwrap();
+    assert_eq!((line["level"].as_str(), line["fields"]["status"].as_u64()), (Some("DEBUG"), Some(401)));
+    assert!(line["fields"]["request_id"].as_str().is_some_and(|id| !id.is_empty()), "{line}");
+    let readable = |line: &serde_json::Value| line["fields"]["message"].as_str().unwrap().contains("chmod 600");
+    assert_eq!(lines.iter().any(readable), cfg!(unix), "a token that others can read is warned of: {lines:?}");
+}
+
+#[test]
+fn commands_show_the_token_to_a_server_that_asks_for_one() {
+    let scratch = Scratch::new("client_token");
+    let token = scratch.write("token", "secret");
+    let server = Server::start_with(&["--token-file", &token]);
+    let arguments = ["resolve", "api/examples/resolve.json", "--server", &server.url];
+    assert!(failure(&arguments).contains("(401)"));
+    assert!(program(&arguments).env("REVPRIO_TOKEN_FILE", &token).output().unwrap().status.success());
 }
 
 #[test]

@@ -4,9 +4,9 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-use revprio::service::{App, Robots, RunningServer, router};
+use revprio::service::{App, Robots, RunningServer, ServiceConfig, router};
 use serde_json::Value;
-use ureq::http::Response;
+use ureq::http::{HeaderMap, Request, Response};
 use ureq::{Agent, Body};
 
 /// Longer than any time limit of the service, so that a test ends even if the service says nothing.
@@ -25,15 +25,29 @@ pub struct Answer {
     pub location: Option<String>,
     pub allow: Option<String>,
     pub text: String,
+    pub headers: HeaderMap,
 }
 
 impl Service {
     pub fn start() -> Self {
-        let config = Agent::config_builder().http_status_as_error(false).timeout_global(Some(PATIENCE));
+        Self::with(ServiceConfig::default())
+    }
+
+    pub fn with(config: ServiceConfig) -> Self {
+        let built = Agent::config_builder().http_status_as_error(false).timeout_global(Some(PATIENCE)).build();
         Self {
-            server: RunningServer::start(router(App::new(Robots::built_in()))).unwrap(),
-            agent: config.build().into(),
+            server: RunningServer::start(router(App::with_config(Robots::built_in(), config))).unwrap(),
+            agent: built.into(),
         }
+    }
+
+    /// Any method, with headers and a body that may be empty.
+    pub fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
+        let mut request = Request::builder().method(method).uri(self.url() + path);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        Answer::of(self.agent.run(request.body(body.to_owned()).unwrap()).unwrap())
     }
 
     pub fn url(&self) -> String {
@@ -113,8 +127,13 @@ impl Answer {
             media_type: media_type.unwrap_or_default(),
             location,
             allow,
+            headers: response.headers().clone(),
             text: response.body_mut().read_to_string().unwrap(),
         }
+    }
+
+    pub fn header(&self, name: &str) -> Option<&str> {
+        self.headers.get(name).map(|value| value.to_str().unwrap())
     }
 
     pub fn json(&self) -> Value {

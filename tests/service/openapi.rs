@@ -117,7 +117,7 @@ fn every_operation_says_what_it_does_and_what_it_answers() {
                 assert!(operation[field].as_str().is_some_and(|text| !text.is_empty()), "{place}: {field}");
             }
             assert!(operation["tags"].as_array().is_some_and(|tags| tags.len() == 1), "{place}: tags");
-            assert!(names.insert(operation["operationId"].clone()), "{place}: operationId");
+            assert!(names.insert(operation["operationId"].to_string()), "{place}: operationId");
             for (status, response) in operation["responses"].as_object().unwrap() {
                 assert!(response["description"].as_str().is_some_and(|text| !text.is_empty()), "{place} {status}");
                 if status.as_str() >= "400" {

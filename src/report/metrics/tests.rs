@@ -19,6 +19,7 @@ fn sample(time_s: f64) -> Sample {
         kkt_residual: Some(0.0),
         smallest_singular_value: 0.2,
         residual_norms: vec![],
+        answered: true,
     }
 }
 

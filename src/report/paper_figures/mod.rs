@@ -3,7 +3,7 @@
 use crate::simulator::recording::{Recording, Sample};
 use crate::wire::{Method, Solver};
 
-use super::figure::{Colour, Curve, Figure, Panel, Stroke};
+use super::figure::{Colour, Curve, Figure, Panel, Stroke, TIME};
 use super::metrics::{Metrics, evaluation_start, force_error};
 use super::number::significant;
 
@@ -224,7 +224,7 @@ fn title(number: u8, subject: &str, posture: Posture) -> String {
 
 fn panel(heading: &str, y_label: &str, window: (f64, f64), curves: Vec<Curve>) -> Panel {
     let (heading, y_label) = (heading.to_owned(), y_label.to_owned());
-    Panel { heading, y_label, window, y_covers: vec![], curves }
+    Panel { heading, x_label: TIME.to_owned(), y_label, window, y_covers: vec![], curves }
 }
 
 fn over_time(run: &Recording, of: &dyn Fn(&Sample) -> Option<f64>) -> Vec<(f64, f64)> {

@@ -19,6 +19,7 @@ fn run(method: Method, solver: Solver, velocity: f64) -> Recording {
         kkt_residual: Some(0.0),
         smallest_singular_value: 0.2,
         residual_norms: vec![],
+        answered: true,
     };
     Recording {
         scenario: "stiff_wall".to_owned(),

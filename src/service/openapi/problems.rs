@@ -103,7 +103,11 @@ pub fn complete(document: &mut Value) {
 
 fn refusals(path: &str, operation: &mut Value) {
     let has_body = operation.get("requestBody").is_some();
-    let mut statuses = vec![401, 403, 500, 503];
+    let mut statuses = match path {
+        "/healthz" => vec![500],
+        "/readyz" => vec![500, 503],
+        _ => vec![401, 403, 500, 503],
+    };
     if has_body {
         statuses.extend([400, 408, 413, 415, 422]);
     }
@@ -119,7 +123,9 @@ fn refusals(path: &str, operation: &mut Value) {
             response["content"] =
                 json!({"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}});
         }
-        let header = match status.as_str() {
+        let id = json!({"description": "Name of the request, as in its problem and in the log.", "schema": {"type": "string"}});
+        response["headers"]["X-Request-Id"] = id;
+        let (name, description, schema) = match status.as_str() {
             "401" => ("WWW-Authenticate", "`Bearer`.", json!({"type": "string"})),
             "426" => ("Upgrade", "`websocket`.", json!({"type": "string"})),
             "503" => {
@@ -127,7 +133,7 @@ fn refusals(path: &str, operation: &mut Value) {
             }
             _ => continue,
         };
-        response["headers"] = json!({header.0: {"description": header.1, "schema": header.2}});
+        response["headers"][name] = json!({"description": description, "schema": schema});
     }
     if has_body {
         let content = &mut operation["requestBody"]["content"];

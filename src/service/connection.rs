@@ -1,0 +1,161 @@
+//! Open connections: how many there may be, and how long a client may let an answer lie.
+
+use std::collections::HashMap;
+use std::io;
+use std::pin::Pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::task::AbortHandle;
+use tokio::time::Sleep;
+
+/// All open connections.
+#[derive(Debug)]
+pub struct Connections {
+    limit: usize,
+    /// Counts answers; tells which of two was later.
+    clock: AtomicU64,
+    open: Mutex<HashMap<u64, Arc<Entry>>>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    /// When it was opened or last answered, by the clock above.
+    answered: AtomicU64,
+    task: OnceLock<AbortHandle>,
+}
+
+/// The place of one connection, given back when dropped.
+#[derive(Debug)]
+pub struct Slot {
+    id: u64,
+    entry: Arc<Entry>,
+    all: Arc<Connections>,
+}
+
+impl Connections {
+    /// None yet.
+    pub fn new(limit: usize) -> Arc<Self> {
+        Arc::new(Self { limit, clock: AtomicU64::new(0), open: Mutex::default() })
+    }
+
+    /// A place for one more connection, and whether another was closed for it; `None` if none could be.
+    ///
+    /// The one that got no answer for the longest time goes: a client that sends its request slowly, or an idle one,
+    /// never one in a control loop.
+    pub fn enter(self: &Arc<Self>) -> Option<(Slot, bool)> {
+        let full = self.count() >= self.limit;
+        if full && !self.close_oldest() {
+            return None;
+        }
+        let id = self.tick();
+        let entry = Arc::new(Entry { answered: AtomicU64::new(id), task: OnceLock::new() });
+        self.open().insert(id, Arc::clone(&entry));
+        Some((Slot { id, entry, all: Arc::clone(self) }, full))
+    }
+
+    /// Closes the connection that got no answer for the longest time; false if there is none that can be closed.
+    pub fn close_oldest(&self) -> bool {
+        let mut open = self.open();
+        let closable = |entry: &Entry| entry.task.get().is_some_and(|task| !task.is_finished());
+        let oldest = open.iter().filter(|(_, entry)| closable(entry));
+        let oldest = oldest.min_by_key(|(_, entry)| entry.answered.load(Ordering::Relaxed)).map(|(&id, _)| id);
+        let Some(entry) = oldest.and_then(|id| open.remove(&id)) else { return false };
+        entry.task.get().inspect(|task| task.abort());
+        true
+    }
+
+    /// How many are open.
+    pub fn count(&self) -> usize {
+        self.open().len()
+    }
+
+    fn tick(&self) -> u64 {
+        self.clock.fetch_add(1, Ordering::Relaxed)
+    }
+
+    fn open(&self) -> MutexGuard<'_, HashMap<u64, Arc<Entry>>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Slot {
+    /// How to tell which task serves the connection.
+    pub fn owner(&self) -> impl FnOnce(AbortHandle) + use<> {
+        let entry = Arc::clone(&self.entry);
+        move |task| drop(entry.task.set(task))
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        self.all.open().remove(&self.id);
+    }
+}
+
+/// A connection that ends if its client takes no byte of an answer for too long.
+#[derive(Debug)]
+pub struct Connection {
+    stream: TcpStream,
+    slot: Slot,
+    write_timeout: Duration,
+    /// Runs while the client does not read.
+    stalled: Option<Pin<Box<Sleep>>>,
+}
+
+impl Connection {
+    /// Takes over an accepted stream.
+    pub fn new(stream: TcpStream, slot: Slot, write_timeout: Duration) -> Self {
+        Self { stream, slot, write_timeout, stalled: None }
+    }
+
+    fn written(&mut self, context: &mut Context, result: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
+        if result.is_ready() {
+            self.stalled = None;
+            self.slot.entry.answered.store(self.slot.all.tick(), Ordering::Relaxed);
+            return result;
+        }
+        let timeout = self.write_timeout;
+        let stalled = self.stalled.get_or_insert_with(|| Box::pin(tokio::time::sleep(timeout)));
+        ready!(stalled.as_mut().poll(context));
+        Poll::Ready(Err(io::ErrorKind::TimedOut.into()))
+    }
+}
+
+impl AsyncRead for Connection {
+    fn poll_read(mut self: Pin<&mut Self>, context: &mut Context, into: &mut ReadBuf) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(context, into)
+    }
+}
+
+impl AsyncWrite for Connection {
+    fn poll_write(mut self: Pin<&mut Self>, context: &mut Context, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let result = Pin::new(&mut self.stream).poll_write(context, bytes);
+        self.written(context, result)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context,
+        slices: &[io::IoSlice],
+    ) -> Poll<io::Result<usize>> {
+        let result = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
+        self.written(context, result)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(context)
+    }
+}

@@ -1,0 +1,127 @@
+//! Inequalities beside the limits, and tasks that are slowed down, as clients meet them.
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, example, numbers, without};
+
+fn names(list: &Value) -> Vec<&str> {
+    list.as_array().map(|list| list.iter().map(|entry| entry["name"].as_str().unwrap()).collect()).unwrap_or_default()
+}
+
+#[test]
+fn a_ceiling_slows_a_scaled_move_and_says_so() {
+    let service = Service::start();
+    let request = example("resolve_limits.json");
+    let answer = service.ask("/v1/resolve", &request);
+    let scale = answer["tasks"][0]["scale"].as_f64().unwrap();
+    let achieved = numbers(&answer["tasks"][0]["achieved"]);
+    assert!(scale > 0.0 && scale < 1.0, "{answer}");
+    for (achieved, asked) in achieved.iter().zip([0.4, 0.2, 0.1]) {
+        assert!((achieved - scale * asked).abs() < 1e-12, "{answer}");
+    }
+    let active = &answer["active_inequalities"];
+    assert!(!names(active).is_empty() && active[0]["multiplier"].as_f64().unwrap() > 0.0, "{answer}");
+
+    let mut free = request.clone();
+    free.as_object_mut().unwrap().remove("inequalities");
+    let free = service.ask("/v1/resolve", &free);
+    assert!(free["tasks"][0]["scale"].as_f64().unwrap() > scale && free.get("active_inequalities").is_none());
+
+    let mut bent = request;
+    bent["tasks"][0]["scale"] = json!(false);
+    let bent = service.ask("/v1/resolve", &bent);
+    assert!(bent["tasks"][0].get("scale").is_none());
+    let height = numbers(&bent["tasks"][0]["achieved"])[2];
+    assert!((height - scale * 0.1).abs() < 1e-9 || height < scale * 0.1, "the ceiling bends the move: {bent}");
+}
+
+#[test]
+fn the_closed_form_names_the_inequalities_that_it_breaks() {
+    let service = Service::start();
+    let mut request = example("resolve_limits.json");
+    request["solver"] = json!("closed_form");
+    request["inequalities"][0]["offset_m"] = json!(-2);
+    let answer = service.ask("/v1/resolve", &request);
+    assert!(names(&answer["violated_inequalities"]).contains(&"ceiling"), "{answer}");
+    let broken = &answer["violated_inequalities"][0];
+    assert!(broken["value"].as_f64().unwrap() > broken["bound"].as_f64().unwrap());
+}
+
+#[test]
+fn a_controllers_inequality_is_remembered_alike_in_both_modes() {
+    let service = Service::start();
+    let mut controller = example("controller.json");
+    controller["inequalities"] = json!([
+        {"kind": "plane", "name": "wall", "normal": [1, 0, 0], "offset_m": -9, "point": "j4", "rate_per_s": 0.001},
+        {"kind": "joints", "coefficients": [1, 0, 1, 0, 0, 0, 0], "upper": 0}
+    ]);
+    let session = service.open(&controller);
+    let mut memory = Value::Null;
+    let mut remembered = false;
+    for sequence in 0..20 {
+        let mut state = example("state.json");
+        state["sequence"] = json!(sequence);
+        state["time_s"] = json!(0.001 * f64::from(sequence));
+        let by_session = service.ask(&format!("{session}/step"), &state);
+        let body = json!({"controller": controller, "state": state, "memory": memory});
+        let stateless = service.ask("/v1/step", &body);
+        memory = stateless["memory"].clone();
+        remembered |= memory["active_set"].to_string().contains("inequality");
+        let answer = |answer: Value| without(answer, &["elapsed_us", "memory"]).to_string();
+        assert_eq!(answer(by_session), answer(stateless));
+    }
+    assert!(remembered, "no inequality was ever active: {memory}");
+}
+
+#[test]
+fn wrong_inequalities_are_refused_at_the_field() {
+    let service = Service::start();
+    let plane = json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.4});
+    let joints = json!({"kind": "joints", "coefficients": [1, 0, 0, 0, 0, 0, 0], "upper": 0.1});
+    let with = |base: &Value, field: &str, value: Value| {
+        let mut inequality = base.clone();
+        inequality[field] = value;
+        json!([inequality])
+    };
+    let rows: Vec<(Value, &str, &str)> = vec![
+        (json!(7), "/inequalities", "expected a sequence"),
+        (json!([7]), "/inequalities/0", "expected an object"),
+        (json!([{"kind": "sphere"}]), "/inequalities/0/kind", "unknown variant"),
+        (with(&joints, "coefficients", json!([1, 0])), "/inequalities/0/coefficients", "one per joint"),
+        (
+            with(&joints, "coefficients", json!([0, 0, 0, 0, 0, 0, 0])),
+            "/inequalities/0/coefficients",
+            "differ from zero",
+        ),
+        (with(&joints, "upper", json!(1e300)), "/inequalities/0/upper", "out of range"),
+        (with(&plane, "normal", json!([0, 0, 0])), "/inequalities/0/normal", "differ from zero"),
+        (with(&plane, "normal", json!([0, 0, 1e10])), "/inequalities/0/normal/2", "out of range"),
+        (with(&plane, "point", json!("elbow")), "/inequalities/0/point", "j4"),
+        (with(&plane, "rate_per_s", json!(0)), "/inequalities/0/rate_per_s", "positive"),
+        (with(&plane, "rate_per_s", json!(-3)), "/inequalities/0/rate_per_s", "positive"),
+        (with(&plane, "offset", json!(1)), "/inequalities/0", "unknown field"),
+        (
+            json!([plane, {"kind": "joints", "name": "inequality 1", "coefficients": [1, 0, 0, 0, 0, 0, 0], "upper": 0}]),
+            "/inequalities/1/name",
+            "own name",
+        ),
+        (Value::Array(vec![joints; 65]), "/inequalities", "at most 64"),
+    ];
+    for (inequalities, pointer, word) in rows {
+        let mut request = example("resolve.json");
+        request["inequalities"] = inequalities;
+        let answer = service.post("/v1/resolve", &request.to_string());
+        answer.assert_refused(422, Some(pointer));
+        assert!(answer.text.contains(word), "{word} is not in {}", answer.text);
+        let mut controller = example("controller.json");
+        controller["inequalities"] = request["inequalities"].clone();
+        service.post("/v1/controllers", &controller.to_string()).assert_refused(422, Some(pointer));
+    }
+    let mut nowhere = example("resolve.json");
+    nowhere["tasks"] = json!([{"jacobian": [[1, 0]], "velocity": [1]}]);
+    for field in ["robot", "joint_position", "limits"] {
+        nowhere.as_object_mut().unwrap().remove(field);
+    }
+    nowhere["inequalities"] = json!([{"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.4}]);
+    service.post("/v1/resolve", &nowhere.to_string()).assert_refused(422, Some("/inequalities/0/point"));
+}
