@@ -14,6 +14,7 @@
 //! | `GET /v1/scenarios`, `/v1/scenarios/{name}` | the experiments that ship with the service |
 //! | `POST /v1/simulations` | runs a scenario; `GET` shows, `DELETE` cancels (an ended one: forgets) `/v1/simulations/{id}` |
 //! | `GET /v1/simulations/{id}/events`, `/trace` | server-sent events `progress` and `end`; CSV, JSON lines or JSON |
+//! | `GET /docs`, `/openapi.json`, `/asyncapi.json` | the interactive reference and the documents behind it |
 //! | `GET /healthz`, `/readyz`, `/metrics` | liveness; readiness, false while draining; Prometheus |
 //!
 //! # Bodies

@@ -178,7 +178,7 @@ pub fn complete(document: &mut Value) {
 
 /// Names of the schemas that bodies of requests are made of.
 fn asked(document: &Value) -> BTreeSet<String> {
-    let operations = document["paths"].as_object().into_iter().flatten().flat_map(|(_, item)| item.as_object());
+    let operations = document["paths"].as_object().into_iter().flatten().filter_map(|(_, item)| item.as_object());
     let bodies = operations.flatten().map(|(_, operation)| operation["requestBody"].to_string());
     let mut waiting: Vec<String> = bodies.collect();
     let mut found = BTreeSet::new();
