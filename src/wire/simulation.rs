@@ -23,6 +23,7 @@ pub struct Simulation {
     /// Part of the run that is done, 0 to 1.
     pub progress: f64,
     /// Why it failed.
+    #[schema(example = "the service refused a state: a wrench is needed")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Measures of the run, once it is finished.

@@ -192,13 +192,15 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
         assert_committed(name, &answer);
         answer
     };
-    for name in ["resolve", "resolve_everything"] {
+    for name in ["resolve", "resolve_closed_form", "resolve_everything", "resolve_limits"] {
         ask("/v1/resolve", name);
     }
     ask("/v1/resolve/batch", "batch");
     ask("/v1/kinematics", "kinematics");
     ask("/v1/stability", "stability");
+    ask("/v1/stability", "stability_impedance");
     ask("/v1/step", "step");
+    ask("/v1/step", "step_inequality");
     ask("/v1/step", "step_again");
     ask("/v1/controllers", "controller_laws");
     let session = ask("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
@@ -212,6 +214,9 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
     shown("/v1/scenarios", "scenarios");
     shown("/v1/scenarios/stiff_wall", "scenario");
     shown(&format!("/v1/controllers/{session}"), "session");
+    let mut wrong = example("resolve.json");
+    wrong["joint_position"] = json!([0.3, -0.6]);
+    assert_committed("problem", &service.post("/v1/resolve", &wrong.to_string()).json());
     let status = || service.get(&format!("/v1/simulations/{run}")).accepted();
     while ["queued", "running"].map(Value::from).contains(&status()["state"]) {
         std::thread::sleep(std::time::Duration::from_millis(20));

@@ -25,11 +25,14 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 19] = examples! {
+const EXAMPLES: [Example; 23] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
+    post "/v1/resolve" "resolve_limits" => "resolve_limits";
+    post "/v1/resolve" "resolve_closed_form" => "resolve_closed_form";
     post "/v1/resolve/batch" "batch" => "batch";
     post "/v1/step" "step" => "step";
+    post "/v1/step" "step_inequality" => "step_inequality";
     post "/v1/step" "step_again" => "step_again";
     post "/v1/controllers" "controller" => "controller";
     post "/v1/controllers" "controller_laws" => "controller_laws";
@@ -37,6 +40,7 @@ const EXAMPLES: [Example; 19] = examples! {
     post "/v1/controllers/{id}/step" "state" => "state";
     post "/v1/kinematics" "kinematics" => "kinematics";
     post "/v1/stability" "stability" => "stability";
+    post "/v1/stability" "stability_impedance" => "stability_impedance";
     get "/v1/robots" => "robots";
     post "/v1/robots" "robot" => "robot";
     get "/v1/robots/{name}" => "robot_shown";
@@ -46,6 +50,13 @@ const EXAMPLES: [Example; 19] = examples! {
     post "/v1/simulations" "simulation_own" => "simulation_own";
     get "/v1/simulations/{id}" => "simulation_finished";
 };
+
+/// What a refusal looks like.
+const PROBLEM: &str = include_str!("../../../api/examples/answers/problem.json");
+
+/// What passes through the session of the examples.
+const STATE: &str = include_str!("../../../api/examples/state.json");
+const STATE_ANSWER: &str = include_str!("../../../api/examples/answers/state.json");
 
 /// Adds the examples to their operations, and to each field the first value that it has in one of them.
 pub fn complete(document: &mut Value) {
@@ -64,6 +75,30 @@ pub fn complete(document: &mut Value) {
         let pointer =
             format!("/paths/{}/{method}/responses/{status}/content/application~1json", path.replace('/', "~1"));
         add(document, &pointer, name, &parsed(answer));
+    }
+    let refusal = "/paths/~1v1~1resolve/post/responses/422/content/application~1problem+json";
+    add(document, refusal, "problem", &parsed(PROBLEM));
+    let watched = json!({"state": parsed(STATE), "answer": parsed(STATE_ANSWER)});
+    let schemas = &mut document["components"]["schemas"];
+    illustrate(schemas, &json!({"$ref": "#/components/schemas/WatchedStep"}), "", &watched);
+    borrow(schemas);
+}
+
+/// Gives fields that no example has the value of the same field elsewhere.
+fn borrow(schemas: &mut Value) {
+    let known = schemas.clone();
+    let fields = || known.as_object().into_iter().flatten().flat_map(|(_, schema)| schema["properties"].as_object());
+    let same = |name: &str, field: &Value| {
+        let others = fields().filter_map(|fields| fields.get(name));
+        let alike = |other: &&Value| other["type"] == field["type"] && other["items"] == field["items"];
+        others.filter(alike).find_map(|other| other.get("examples").cloned())
+    };
+    for (_, schema) in schemas.as_object_mut().into_iter().flatten() {
+        for (name, field) in schema["properties"].as_object_mut().into_iter().flatten() {
+            if let Some(examples) = same(name, field).filter(|_| field.get("examples").is_none()) {
+                field["examples"] = examples;
+            }
+        }
     }
 }
 

@@ -17,6 +17,7 @@ pub fn complete(document: &mut Value) {
     for (name, schema) in document["components"]["schemas"].as_object_mut().into_iter().flatten() {
         title_variants(name, schema);
         visit(schema, &mut described_outside);
+        visit(schema, &mut listed_example);
     }
     for (path, item) in document["paths"].as_object_mut().into_iter().flatten() {
         if let Some(parameter) = parameter(path) {
@@ -66,6 +67,14 @@ fn parameter(path: &str) -> Option<Value> {
         "scenarios" => named("Name of the scenario.", "stiff_wall"),
         "simulations" => identified("Name of the run, as `POST /v1/simulations` answered."),
         _ => identified("Name of the session, as `POST /v1/controllers` answered."),
+    }
+}
+
+/// JSON Schema knows lists of examples.
+fn listed_example(schema: &mut Value) {
+    let example = schema.as_object_mut().and_then(|fields| fields.remove("example"));
+    if let Some(example) = example {
+        schema["examples"] = json!([example]);
     }
 }
 
