@@ -87,14 +87,14 @@ pub fn complete(document: &mut Value) {
 /// Gives fields that no example has the value of the same field elsewhere.
 fn borrow(schemas: &mut Value) {
     let known = schemas.clone();
-    let fields = || known.as_object().into_iter().flatten().flat_map(|(_, schema)| schema["properties"].as_object());
+    let fields = || known.as_object().into_iter().flatten().filter_map(|(_, schema)| schema["properties"].as_object());
     let same = |name: &str, field: &Value| {
         let others = fields().filter_map(|fields| fields.get(name));
         let alike = |other: &&Value| other["type"] == field["type"] && other["items"] == field["items"];
         others.filter(alike).find_map(|other| other.get("examples").cloned())
     };
     for (_, schema) in schemas.as_object_mut().into_iter().flatten() {
-        for (name, field) in schema["properties"].as_object_mut().into_iter().flatten() {
+        for (name, field) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
             if let Some(examples) = same(name, field).filter(|_| field.get("examples").is_none()) {
                 field["examples"] = examples;
             }

@@ -22,6 +22,7 @@ use crate::wire;
 
 pub use asyncapi::asyncapi;
 pub use docs::{docs_file, docs_home, docs_page};
+pub use problems::KINDS;
 
 static OPENAPI: LazyLock<String> = LazyLock::new(|| text(&document_value()));
 static ASYNCAPI: LazyLock<String> = LazyLock::new(|| text(&asyncapi()));
