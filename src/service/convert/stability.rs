@@ -32,7 +32,8 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Pro
 
 /// How stable the loop is.
 pub fn margin(contact: &ContactLoop) -> Result<Margin, Problem> {
-    contact.margin().map_err(|_| Problem::invalid("", UNJUDGED))
+    let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
+    margin.ok_or_else(|| Problem::invalid("", UNJUDGED))
 }
 
 /// The answer's body.
