@@ -42,7 +42,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 11] = [
+const MAY_NAME: [(&str, &[&str]); 14] = [
     ("clarabel", &["resolution/qp_cascade/clarabel_level.rs"]),
     ("axum", &["service/"]),
     ("flate2", &["service/body.rs", "service/simulations/trace.rs"]),
@@ -54,6 +54,9 @@ const MAY_NAME: [(&str, &[&str]); 11] = [
     ("tokio", &["service/", "cli/serve.rs", "cli/load/"]),
     ("tokio_rustls", &["service/"]),
     ("prometheus_client", &["service/"]),
+    ("utoipa", &["service/", "simulator/", "wire/"]),
+    ("utoipa_axum", &["service/app.rs"]),
+    ("utoipa_swagger_ui", &["service/openapi/docs.rs"]),
 ];
 
 /// One line of code.

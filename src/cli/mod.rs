@@ -3,6 +3,7 @@
 mod config;
 mod demo;
 mod load;
+mod openapi;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -20,7 +21,9 @@ use self::settings::SettingsError;
 use crate::client::{Client, ClientError};
 use crate::report;
 use crate::robot::RobotFileError;
-use crate::service::{App, Robots, RobotsError, RunningServer, ServeError, Token, router};
+use crate::service::{
+    App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
+};
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -63,6 +66,10 @@ enum Command {
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Print the OpenAPI document of the HTTP interface.
+    Openapi,
+    /// Print the AsyncAPI document of the WebSocket stream.
+    Asyncapi,
     /// Load a server of its own with 1, 2 and 10 times what it takes, and with slow clients.
     #[command(hide = true)]
     Load(load::Options),
@@ -161,6 +168,8 @@ impl Cli {
             Command::Simulate(options) => simulate::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Openapi => openapi::run(openapi_document()),
+            Command::Asyncapi => openapi::run(asyncapi_document()),
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{IsometryMatrix3, Quaternion, Translation3, UnitQuaternion};
 
 /// How far from 1 the length of a quaternion may be; more is no rounding but a mistake.
-const UNIT_LENGTH: f64 = 1e-3;
+pub const UNIT_LENGTH: f64 = 1e-3;
 
 /// The quaternion is no orientation; holds its length.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

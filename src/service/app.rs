@@ -6,9 +6,12 @@ use std::time::Duration;
 use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::from_fn_with_state;
-use axum::routing::{get, post};
+use axum::routing::get;
 use tokio::sync::Semaphore;
 use tower_http::cors::CorsLayer;
+use utoipa::OpenApi as _;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
 
 use super::background::Room;
 use super::config::ServiceConfig;
@@ -18,6 +21,7 @@ use super::gate::{RequestIds, gate};
 use super::handlers;
 use super::line::Line;
 use super::metrics::Metrics;
+use super::openapi::{self, ApiDoc};
 use super::problem::Problem;
 use super::resolve::MOST_BATCHES;
 use super::robots::Robots;
@@ -81,29 +85,40 @@ pub struct Service {
 
 /// All routes of the service.
 pub fn router(app: App) -> Service {
-    let routes = Router::new()
-        .route("/v1/resolve", post(handlers::resolve))
-        .route("/v1/resolve/batch", post(handlers::resolve_batch))
-        .route("/v1/step", post(handlers::step))
-        .route("/v1/controllers", post(handlers::create_controller))
-        .route("/v1/controllers/{id}", get(handlers::show_controller).delete(handlers::delete_controller))
-        .route("/v1/controllers/{id}/step", post(handlers::step_controller))
-        .route("/v1/controllers/{id}/stream", get(handlers::stream_controller))
-        .route("/v1/controllers/{id}/watch", get(handlers::watch_controller))
-        .route("/v1/kinematics", post(handlers::kinematics))
-        .route("/v1/stability", post(handlers::stability))
-        .route("/v1/robots", get(handlers::robots).post(handlers::register_robot))
-        .route("/v1/robots/{name}", get(handlers::robot).delete(handlers::delete_robot))
-        .route("/v1/scenarios", get(handlers::scenarios))
-        .route("/v1/scenarios/{name}", get(handlers::scenario))
-        .route("/v1/simulations", post(handlers::create_simulation))
-        .route("/v1/simulations/{id}", get(handlers::show_simulation).delete(handlers::delete_simulation))
-        .route("/v1/simulations/{id}/events", get(handlers::simulation_events))
-        .route("/v1/simulations/{id}/trace", get(handlers::simulation_trace))
-        .route("/healthz", get(|| async { "ok" }))
-        .route("/readyz", get(handlers::ready))
-        .route("/metrics", get(handlers::metrics));
+    let (routes, _) = described().split_for_parts();
+    let routes = routes
+        .route("/docs", get(openapi::docs_home))
+        .route("/docs/", get(openapi::docs_page))
+        .route("/docs/{file}", get(openapi::docs_file));
     guarded(routes, app)
+}
+
+/// All routes with their descriptions.
+pub(super) fn described() -> OpenApiRouter<Arc<App>> {
+    OpenApiRouter::with_openapi(ApiDoc::openapi())
+        .routes(routes!(handlers::resolve))
+        .routes(routes!(handlers::resolve_batch))
+        .routes(routes!(handlers::step))
+        .routes(routes!(handlers::create_controller))
+        .routes(routes!(handlers::show_controller, handlers::delete_controller))
+        .routes(routes!(handlers::step_controller))
+        .routes(routes!(handlers::stream_controller))
+        .routes(routes!(handlers::watch_controller))
+        .routes(routes!(handlers::kinematics))
+        .routes(routes!(handlers::stability))
+        .routes(routes!(handlers::robots, handlers::register_robot))
+        .routes(routes!(handlers::robot, handlers::delete_robot))
+        .routes(routes!(handlers::scenarios))
+        .routes(routes!(handlers::scenario))
+        .routes(routes!(handlers::create_simulation))
+        .routes(routes!(handlers::show_simulation, handlers::delete_simulation))
+        .routes(routes!(handlers::simulation_events))
+        .routes(routes!(handlers::simulation_trace))
+        .routes(routes!(handlers::alive))
+        .routes(routes!(handlers::ready))
+        .routes(routes!(handlers::metrics))
+        .routes(routes!(openapi::document))
+        .routes(routes!(openapi::async_document))
 }
 
 /// The routes behind the gate, with problems for what they do not know.

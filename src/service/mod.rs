@@ -14,6 +14,7 @@
 //! | `GET /v1/scenarios`, `/v1/scenarios/{name}` | the experiments that ship with the service |
 //! | `POST /v1/simulations` | runs a scenario; `GET` shows, `DELETE` cancels (an ended one: forgets) `/v1/simulations/{id}` |
 //! | `GET /v1/simulations/{id}/events`, `/trace` | server-sent events `progress` and `end`; CSV, JSON lines or JSON |
+//! | `GET /docs`, `/openapi.json`, `/asyncapi.json` | the interactive reference and the documents behind it |
 //! | `GET /healthz`, `/readyz`, `/metrics` | liveness; readiness, false while draining; Prometheus |
 //!
 //! # Bodies
@@ -93,6 +94,7 @@ mod gate;
 mod handlers;
 mod line;
 mod metrics;
+mod openapi;
 mod problem;
 mod resolve;
 mod robots;
@@ -107,6 +109,7 @@ pub use access::{Token, TokenError};
 pub use app::{App, Service, router};
 pub use config::ServiceConfig;
 pub use convert::robot_answer;
+pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve};
 pub use tls::{Tls, TlsError};

@@ -3,6 +3,7 @@
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
+use super::openapi::KINDS;
 use crate::wire;
 
 /// Media type of RFC 9457.
@@ -33,6 +34,7 @@ pub struct Problem {
 
 impl Problem {
     fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<String>) -> Self {
+        debug_assert!(KINDS.iter().any(|(_, known, ..)| *known == kind), "{kind} is described nowhere");
         Self { status, kind, title, detail: detail.into(), pointer: None }
     }
 

@@ -12,7 +12,7 @@ use super::problem::Problem;
 use crate::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
 
 /// Problems in a batch.
-const MOST_ITEMS: usize = 10_000;
+pub const MOST_ITEMS: usize = 10_000;
 
 /// Batches at a time, one at work and the others waiting; each may hold a body and an answer of some 20 MB.
 pub const MOST_BATCHES: usize = 4;

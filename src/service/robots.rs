@@ -10,7 +10,7 @@ use crate::robot::{RobotModel, built_in};
 const MOST_REGISTERED: usize = 64;
 
 /// Longest name of a robot, bytes.
-const LONGEST_NAME: usize = 64;
+pub const LONGEST_NAME: usize = 64;
 
 /// Why a robot cannot be added or removed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

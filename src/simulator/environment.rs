@@ -1,9 +1,10 @@
 //! What the tool touches: Eq. (36) on each axis.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// Whether a contact also pulls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactKind {
     /// Bilateral: pushes and pulls.
@@ -15,11 +16,12 @@ pub enum ContactKind {
 /// A contact on one axis: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0).
 ///
 /// Paper: Eq. (36). Departs: X_0, where the surface is, is not printed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Base axis: 0 = x, 1 = y, 2 = z.
     #[serde(with = "axis_name")]
+    #[schema(schema_with = axis_name::schema)]
     pub axis: usize,
     /// Whether it also pulls.
     pub kind: ContactKind,
@@ -40,7 +42,14 @@ mod axis_name {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
 
+    use utoipa::openapi::schema::{Object, ObjectBuilder, SchemaType, Type};
+
     const NAMES: [&str; 3] = ["x", "y", "z"];
+
+    pub fn schema() -> Object {
+        let words = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).enum_values(Some(NAMES));
+        words.description(Some("Axis of the base.")).build()
+    }
 
     // serde hands over a reference.
     #[expect(clippy::trivially_copy_pass_by_ref)]

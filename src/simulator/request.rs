@@ -2,13 +2,14 @@
 
 use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
 
 use super::scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
 use crate::wire::string_or_map::{self, StringOrMap};
 use crate::wire::{Method, Solver};
 
 /// A run to make.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulationRequest {
     /// A scenario that ships with the service, by name, or one of the client's own.
@@ -22,7 +23,7 @@ pub struct SimulationRequest {
 }
 
 /// A scenario by name or as it is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum NamedScenario {
     /// One that ships with the service.
@@ -50,14 +51,14 @@ impl StringOrMap for NamedScenario {
 }
 
 /// Answer to `GET /v1/scenarios`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ScenarioList {
     /// The scenarios that ship with the service.
     pub scenarios: Vec<ScenarioEntry>,
 }
 
 /// One scenario of the list.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ScenarioEntry {
     /// Name.
     pub name: String,

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::arm::VelocityLoop;
 use super::environment::Contact;
 use crate::wire::{self, object};
 
 /// An experiment: a controller, where the arm starts, what it touches, for how long.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Name, as in `force_tracking`.

@@ -1,12 +1,13 @@
 //! `POST /v1/resolve/batch`: many stateless questions at once.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 use super::{Problem, ResolveAnswer, ResolveRequest};
 
 /// Problems that have nothing to do with each other.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BatchRequest {
     /// The problems, 10 000 at most.
@@ -15,14 +16,14 @@ pub struct BatchRequest {
 }
 
 /// What became of them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BatchAnswer {
     /// One answer or problem for each, in the order of the request.
     pub items: Vec<BatchItem>,
 }
 
 /// What became of one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged)]
 pub enum BatchItem {
     /// As `POST /v1/resolve` answers.

@@ -1,6 +1,7 @@
 //! A controller: the same object in a file, in a request and in a scenario.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 use super::{
@@ -9,7 +10,7 @@ use super::{
 };
 
 /// Robot, tasks with their laws, method, solver, limits, period.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
     /// Name of a robot.
@@ -61,7 +62,7 @@ fn default_damping() -> Option<Damping> {
 }
 
 /// One task with its law.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
     /// Name, unique in the controller.
@@ -84,7 +85,7 @@ pub struct ControllerTask {
 }
 
 /// Answer to `POST /v1/controllers`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CreatedController {
     /// Name of the session, part of its address.
     pub id: String,
@@ -98,7 +99,7 @@ pub struct CreatedController {
 }
 
 /// Answer to `GET /v1/controllers/{id}`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionStatus {
     /// Name of the session.
     pub id: String,

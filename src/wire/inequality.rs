@@ -1,9 +1,10 @@
 //! Linear inequalities beside the joint limits.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// What the joint velocities must obey beside the box.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Inequality {
     /// a·q̇ ≤ b.
@@ -39,7 +40,7 @@ fn tool() -> String {
 }
 
 /// An inequality that holds the answer back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ActiveInequality {
     /// Its name.
     pub name: String,
@@ -50,7 +51,7 @@ pub struct ActiveInequality {
 }
 
 /// An inequality that the answer breaks: by the solver `closed_form`, or because the joint limits leave no other way.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ViolatedInequality {
     /// Its name.
     pub name: String,

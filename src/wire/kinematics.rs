@@ -1,11 +1,12 @@
 //! `POST /v1/kinematics`: where the arm is at a posture, and how it can move.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::{JointVector, Pose};
 
 /// A posture of a robot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicsRequest {
     /// Name of a robot.
@@ -15,7 +16,7 @@ pub struct KinematicsRequest {
 }
 
 /// Poses, Jacobian and its singular values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct KinematicsAnswer {
     /// The tool in the base frame.
     pub pose: Pose,
@@ -30,7 +31,7 @@ pub struct KinematicsAnswer {
 }
 
 /// The frame of one link.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LinkFrame {
     /// The joint that moves it.
     pub joint: String,

@@ -1,14 +1,15 @@
 //! Laws.
 
-use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
+use serde::de::{Error, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use utoipa::ToSchema;
 
-use super::object;
 use super::string_or_map::{self, StringOrMap};
 use super::{PerAxis, Profile, TargetPose};
+use super::{object, words};
 
 /// How a task's velocity is made.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Law {
     /// ẋ as given.
@@ -120,6 +121,6 @@ impl StringOrMap for PostureTarget {
     }
 
     fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Profile::deserialize(MapAccessDeserializer::new(map)).map(Self::Profile)
+        words::from_map(map).map(Self::Profile)
     }
 }

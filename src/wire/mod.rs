@@ -17,12 +17,14 @@ mod problem;
 mod profile;
 mod resolve;
 mod robot;
+mod schema;
 mod simulation;
 mod stability;
 mod step;
 pub(crate) mod string_or_map;
 mod terms;
 mod watch;
+mod words;
 
 pub use batch::{BatchAnswer, BatchItem, BatchRequest};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionStatus};

@@ -1,11 +1,12 @@
 //! What the joints do where the tasks leave them free.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::{JointVector, object};
 
 /// ζ̇ as such, or what makes it from the posture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(
     untagged,
     expecting = "expected joint velocities, as a list or by joint name, or `kind` `joint_limits` with `gain`, or `kind` \
@@ -19,7 +20,7 @@ pub enum NullSpaceVelocity {
 }
 
 /// A velocity that depends on the posture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum NullSpaceMotion {
     /// −k ∇H, away from the ends of the joints' ranges.

@@ -6,8 +6,10 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{MapAccess, Visitor, value::MapAccessDeserializer};
+use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+
+use super::words;
 
 /// A value that is written as an object.
 pub struct Object<T>(pub T);
@@ -43,6 +45,6 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-        T::deserialize(MapAccessDeserializer::new(map))
+        words::from_map(map)
     }
 }

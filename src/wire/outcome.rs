@@ -1,11 +1,12 @@
 //! The parts that every answer with joint velocities has.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::{Path, Side, Status};
 
 /// What became of one task.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TaskOutcome {
     /// The task's name.
     pub name: String,
@@ -28,7 +29,7 @@ pub struct TaskOutcome {
 }
 
 /// A limit that holds the answer back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ActiveLimit {
     /// Joint name.
     pub joint: String,
@@ -41,7 +42,7 @@ pub struct ActiveLimit {
 }
 
 /// A limit that the answer breaks; only the solver `closed_form` does.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ViolatedLimit {
     /// Joint name.
     pub joint: String,
@@ -54,7 +55,7 @@ pub struct ViolatedLimit {
 }
 
 /// How the answer was found and how sure it is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SolverReport {
     /// Which way led to it.
     pub path: Path,
@@ -71,7 +72,7 @@ pub struct SolverReport {
 }
 
 /// How near the tasks are to singularities.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Singularity {
     /// σ_min of all task rows together.
     pub smallest_singular_value: f64,

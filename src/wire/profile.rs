@@ -1,11 +1,12 @@
 //! Set-points over time.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 
 /// One value that counts for every axis of the task, or a list with one value per axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged, expecting = "expected one value for all axes, or a list with one value per axis")]
 pub enum PerAxis<T> {
     /// The same for every axis.
@@ -25,7 +26,7 @@ impl<T: Copy> PerAxis<T> {
 }
 
 /// A set-point over time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Profile {
     /// The same for ever.
@@ -72,7 +73,7 @@ pub enum Profile {
 }
 
 /// A value at a time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProfilePoint {
     /// t, s.

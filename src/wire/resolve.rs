@@ -1,6 +1,7 @@
 //! `POST /v1/resolve`: one stateless question.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 use super::{
@@ -9,7 +10,7 @@ use super::{
 };
 
 /// Prioritised tasks at one posture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveRequest {
     /// Name of a robot; may be left out when every task has its own `jacobian`.
@@ -51,7 +52,7 @@ pub struct ResolveRequest {
 }
 
 /// One task: axes of the tool, or rows of its own.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveTask {
     /// Name; `task 1`, `task 2`, … if left out.
@@ -77,7 +78,7 @@ pub struct ResolveTask {
 }
 
 /// Joint velocities and why they are what they are.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ResolveAnswer {
     /// q̇, rad/s or m/s.
     pub joint_velocity: Vec<f64>,

@@ -1,18 +1,19 @@
 //! Known arms.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::JointKind;
 
 /// Answer to `GET /v1/robots`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RobotList {
     /// The robots that requests can name.
     pub robots: Vec<Robot>,
 }
 
 /// `POST /v1/robots`: the chain of a URDF text from one link to another.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotRegistration {
     /// Name by which requests will call it: letters, digits, `_`, `-` and `.`, at most 64.
@@ -28,7 +29,7 @@ pub struct RobotRegistration {
 }
 
 /// How an arm was described.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RobotSource {
     /// By a Denavit-Hartenberg row per joint.
@@ -38,7 +39,7 @@ pub enum RobotSource {
 }
 
 /// An arm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Robot {
     /// Name.
     pub name: String,
@@ -51,7 +52,7 @@ pub struct Robot {
 }
 
 /// A joint and its limits; `null` where there is none.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RobotJoint {
     /// Name.
     pub name: String,
@@ -74,7 +75,7 @@ pub struct RobotJoint {
 }
 
 /// Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d (prismatic).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DenavitHartenberg {
     /// d, m.
     pub d_m: f64,

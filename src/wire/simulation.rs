@@ -1,11 +1,12 @@
 //! `GET /v1/simulations/{id}`: how far a run of the built-in simulator is, and what came of it.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::{Method, Solver};
 
 /// A run of a scenario.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Simulation {
     /// Name of the run, part of its address.
     pub id: String,
@@ -22,6 +23,7 @@ pub struct Simulation {
     /// Part of the run that is done, 0 to 1.
     pub progress: f64,
     /// Why it failed.
+    #[schema(example = "the service refused a state: a wrench is needed")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Measures of the run, once it is finished.
@@ -30,7 +32,7 @@ pub struct Simulation {
 }
 
 /// What a run is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SimulationState {
     /// Others come first.
@@ -46,7 +48,7 @@ pub enum SimulationState {
 }
 
 /// Measures of a run; `null` where one has no meaning. In contact: touching a wall or, without one, feeling a force.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SimulationMetrics {
     /// Root mean square of F_x − F_d,x, N; from 5 s on in runs longer than 10 s, else from the first contact on.
     pub rmse_force_x_n: Option<f64>,

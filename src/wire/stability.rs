@@ -1,11 +1,12 @@
 //! `POST /v1/stability`: how near one axis in contact is to bouncing for ever.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 
 /// One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StabilityRequest {
     /// M_d > 0.
@@ -36,7 +37,7 @@ fn measured() -> bool {
 }
 
 /// M_e Ẍ + B_e Ẋ + K_e X on one axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentAxis {
     /// K_e.
@@ -51,7 +52,7 @@ pub struct EnvironmentAxis {
 
 /// What a controller's tool touches and how the arm follows, as far as it is known: enough to be warned of a loop that
 /// bounces for ever. It changes no command.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Environment {
     /// Along x, base axes.
@@ -84,7 +85,7 @@ pub struct Environment {
 }
 
 /// How stable the loop is, and how far it could go.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StabilityAnswer {
     /// Whether the loop is stable.
     pub stable: bool,

@@ -1,6 +1,7 @@
 //! One control period: a state in, joint velocities out.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::object;
 use super::{
@@ -9,7 +10,7 @@ use super::{
 };
 
 /// The measured state.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct State {
     /// Number of the period; must grow.
@@ -27,7 +28,7 @@ pub struct State {
 }
 
 /// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wrench {
     /// N.
@@ -37,7 +38,7 @@ pub struct Wrench {
 }
 
 /// `POST /v1/step`: controller, state and memory in one body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepRequest {
     /// The controller.
@@ -52,7 +53,7 @@ pub struct StepRequest {
 }
 
 /// What a controller remembers; opaque to clients, who send it back as it came.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
     /// Sequence number of the state that led here.
@@ -69,7 +70,7 @@ pub struct Memory {
 }
 
 /// A pose that survives writing and reading to the last bit: a rotation matrix, not a quaternion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FramePose {
     /// x, y, z in the base frame, m.
@@ -79,7 +80,7 @@ pub struct FramePose {
 }
 
 /// A limit by joint and side, or an inequality by name.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveLimitName {
     /// Joint name, for a bound of a joint.
@@ -93,7 +94,7 @@ pub struct ActiveLimitName {
 }
 
 /// Joint velocities for one period and why they are what they are.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StepAnswer {
     /// q̇, rad/s or m/s.
     pub joint_velocity: Vec<f64>,

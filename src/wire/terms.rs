@@ -1,9 +1,11 @@
 //! The words that requests and answers choose from.
 
+use std::borrow::Cow;
 use std::fmt;
 
-use serde::de::{MapAccess, value::MapAccessDeserializer};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::de::{MapAccess, value::MapAccessDeserializer, value::StrDeserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use utoipa::ToSchema;
 
 use super::string_or_map::{self, StringOrMap};
 
@@ -20,9 +22,29 @@ macro_rules! display_as_in_json {
 
 display_as_in_json!(Axis, Method, Solver, Path, Status, Side, LimitKind);
 
+/// Reads a word from a text alone: for an enum, serde also takes `{"word": null}`, and in MessagePack the word's number.
+macro_rules! read_as_text {
+    ($($word:ty),+) => {$(
+        impl<'de> Deserialize<'de> for $word {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = Cow::<str>::deserialize(deserializer)?;
+                Self::deserialize(StrDeserializer::new(&text))
+            }
+        }
+
+        impl Serialize for $word {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                Self::serialize(self, serializer)
+            }
+        }
+    )+};
+}
+
+read_as_text!(Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, LimitKind);
+
 /// One row of a twist, at the point and along the axes of its task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Axis {
     /// Along x, m/s.
     X,
@@ -39,8 +61,8 @@ pub enum Axis {
 }
 
 /// How priorities are understood.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Method {
     /// All tasks as one stack, exact.
     Pseudoinverse,
@@ -58,8 +80,8 @@ pub enum Method {
 }
 
 /// How the problem is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Solver {
     /// Pseudo-inverses, limits ignored.
     ClosedForm,
@@ -71,7 +93,7 @@ pub enum Solver {
 }
 
 /// Which way led to an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Pseudo-inverses.
@@ -83,7 +105,7 @@ pub enum Path {
 }
 
 /// How sure an answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// The optimality conditions hold; those of a problem without limits if the solver is `closed_form`, which may break
@@ -96,8 +118,8 @@ pub enum Status {
 }
 
 /// A bound of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Side {
     /// The lower bound.
     Lower,
@@ -106,7 +128,7 @@ pub enum Side {
 }
 
 /// How a joint moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// Rotation, rad.
@@ -116,8 +138,8 @@ pub enum JointKind {
 }
 
 /// Whose wrench a state carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum WrenchConvention {
     /// What the tool exerts on the environment.
     #[default]
@@ -127,8 +149,8 @@ pub enum WrenchConvention {
 }
 
 /// Along which axes a state carries its wrench.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum WrenchFrame {
     /// The axes of the base.
     #[default]
@@ -138,7 +160,7 @@ pub enum WrenchFrame {
 }
 
 /// Damping that sets in near a singularity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
     /// δ > 0, the smallest singular value below which damping acts.
@@ -148,8 +170,8 @@ pub struct Damping {
 }
 
 /// Which of the robot's limits count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
 pub enum LimitKind {
     /// None.
     None,
@@ -162,7 +184,7 @@ pub enum LimitKind {
 }
 
 /// The robot's own limits by name, or a box of joint velocities.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Limits {
     /// The robot's own.
@@ -186,7 +208,7 @@ impl StringOrMap for Limits {
     const EXPECTED: &'static str = "the name of a limit set or an object with `lower` and `upper`";
 
     fn from_string<E: serde::de::Error>(name: &str) -> Result<Self, E> {
-        LimitKind::deserialize(serde::de::value::StrDeserializer::new(name)).map(Self::Robot)
+        LimitKind::deserialize(StrDeserializer::new(name)).map(Self::Robot)
     }
 
     fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {

@@ -2,6 +2,7 @@
 
 mod demo;
 mod load;
+mod openapi;
 mod program;
 mod resolve;
 mod restart;

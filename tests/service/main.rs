@@ -11,6 +11,7 @@ mod long_work;
 mod memory;
 mod message_pack;
 mod observability;
+mod openapi;
 mod overload;
 mod refusals;
 mod robots;

@@ -14,7 +14,7 @@ use crate::service::robots::Robots;
 use crate::wire;
 
 /// Most tasks of a controller.
-const MOST_TASKS: usize = 64;
+pub const MOST_TASKS: usize = 64;
 
 /// Reads a controller.
 pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, Problem> {

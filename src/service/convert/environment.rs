@@ -7,7 +7,7 @@ use crate::service::problem::Problem;
 use crate::wire::{self, Axis, EnvironmentAxis, Law};
 
 /// Longest delay that a controller may state: the cost of a warning grows with its cube, and others wait meanwhile.
-const LONGEST_DELAY: usize = 8;
+pub const LONGEST_STATED_DELAY: usize = 8;
 
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
@@ -23,8 +23,8 @@ pub fn check(request: &wire::Controller) -> Result<(), Problem> {
         }
     }
     not_negative(environment.lag_s, "/environment/lag_s")?;
-    if environment.delay_periods > LONGEST_DELAY {
-        let detail = format!("at most {LONGEST_DELAY} periods; for longer delays ask POST /v1/stability");
+    if environment.delay_periods > LONGEST_STATED_DELAY {
+        let detail = format!("at most {LONGEST_STATED_DELAY} periods; for longer delays ask POST /v1/stability");
         return Err(Problem::invalid("/environment/delay_periods", detail));
     }
     Ok(())
@@ -41,10 +41,17 @@ fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis>
     }
 }
 
+/// What is said of loops of which not even the eigenvalues are numbers.
+pub const UNJUDGED: &str = "the stability of this loop is beyond the numbers; use quantities that are less far apart";
+
 /// One warning for each axis of a checked controller whose loop is unstable.
 ///
 /// Only the first task on an axis counts: it moves the axis, and the work stays bounded.
-pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
+pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, Problem> {
+    unstable_axes(request).map_err(|_| Problem::invalid("/environment", UNJUDGED))
+}
+
+fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
     let mut warnings = Vec::new();
     for axis in AXES {
         let place = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);

@@ -7,7 +7,7 @@ use crate::service::problem::Problem;
 use crate::wire;
 
 /// Most inequalities of a request.
-const MOST: usize = 64;
+pub const MOST_INEQUALITIES: usize = 64;
 
 /// What inequalities are about.
 pub struct InequalityReader<'a> {
@@ -22,8 +22,8 @@ pub struct InequalityReader<'a> {
 impl InequalityReader<'_> {
     /// Reads a list at the JSON pointer `/inequalities`.
     pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, Problem> {
-        if list.len() > MOST {
-            return Err(Problem::invalid("/inequalities", format!("at most {MOST} inequalities")));
+        if list.len() > MOST_INEQUALITIES {
+            return Err(Problem::invalid("/inequalities", format!("at most {MOST_INEQUALITIES} inequalities")));
         }
         let barriers = list
             .iter()

@@ -18,12 +18,17 @@ mod step;
 mod task;
 mod terms;
 
-pub use controller::controller;
-pub use environment::warnings;
+pub use controller::{MOST_TASKS, controller};
+pub use environment::{LONGEST_STATED_DELAY, warnings};
+pub use inequalities::MOST_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{memory, memory_answer};
-pub use resolve::{question, resolution_problem, resolve_answer};
+pub use numbers::LARGEST;
+pub use profile::MOST_POINTS;
+pub use resolve::{
+    LONGEST_PERIOD_S, MOST_JOINTS, MOST_ROWS, SHORTEST_PERIOD_S, question, resolution_problem, resolve_answer,
+};
 pub use robot::{robot, robot_answer, robots_problem};
 pub use simulation::{metrics_answer, scenario};
-pub use stability::{contact_loop, margin_answer};
-pub use step::{measurement, step_answer, step_problem};
+pub use stability::{contact_loop, margin, margin_answer};
+pub use step::{LARGEST_SEQUENCE, measurement, step_answer, step_problem};

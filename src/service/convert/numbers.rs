@@ -7,7 +7,7 @@ use crate::service::problem::{Problem, escaped};
 use crate::wire::{self, JointVector};
 
 /// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
-const LARGEST: f64 = 1e9;
+pub const LARGEST: f64 = 1e9;
 
 /// A number of sensible size.
 pub fn number(value: f64, pointer: &str) -> Result<f64, Problem> {

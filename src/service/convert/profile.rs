@@ -6,7 +6,7 @@ use crate::service::problem::Problem;
 use crate::wire::{self, PerAxis};
 
 /// Most points of a profile: what is far beyond any path of one task would only hold up others.
-const MOST_POINTS: usize = 1000;
+pub const MOST_POINTS: usize = 1000;
 
 /// Reads lists with one value per row for the object at a JSON pointer.
 pub struct PerRow<'a> {

@@ -21,8 +21,12 @@ use crate::task::{Task, TaskError, TaskStack};
 use crate::wire;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
-const MOST_ROWS: usize = 64;
+pub const MOST_ROWS: usize = 64;
 pub const MOST_JOINTS: usize = 32;
+
+/// Shortest and longest control period, s.
+pub const SHORTEST_PERIOD_S: f64 = 1e-6;
+pub const LONGEST_PERIOD_S: f64 = 10.0;
 
 /// A request as a problem to resolve, with the names that its answer needs.
 pub struct ResolveQuestion {
@@ -262,7 +266,7 @@ impl RobotState<'_> {
 
 /// T > 0.
 pub fn positive_period(period: f64, pointer: &str) -> Result<f64, Problem> {
-    if (1e-6..=10.0).contains(&period) {
+    if (SHORTEST_PERIOD_S..=LONGEST_PERIOD_S).contains(&period) {
         return number(period, pointer);
     }
     Err(Problem::invalid(pointer, format!("{period} is out of range; a control period lies between 1e-6 and 10 s")))

@@ -1,5 +1,6 @@
 //! `POST /v1/stability`.
 
+use super::environment::UNJUDGED;
 use super::numbers::{not_negative, number};
 use super::resolve::positive_period;
 use crate::controller::{ContactLoop, LONGEST_DELAY, Margin};
@@ -27,6 +28,12 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Pro
         delay_periods: request.delay_periods,
         velocity_measured: request.velocity_measured,
     })
+}
+
+/// How stable the loop is.
+pub fn margin(contact: &ContactLoop) -> Result<Margin, Problem> {
+    let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
+    margin.ok_or_else(|| Problem::invalid("", UNJUDGED))
 }
 
 /// The answer's body.

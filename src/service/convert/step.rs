@@ -13,7 +13,7 @@ use crate::wire;
 const VALID_FOR_MS: u64 = 100;
 
 /// Largest sequence number: beyond it, clients whose numbers are doubles could no longer count.
-const LARGEST_SEQUENCE: u64 = (1 << 53) - 1;
+pub const LARGEST_SEQUENCE: u64 = (1 << 53) - 1;
 
 /// Reads a state.
 pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, Problem> {

@@ -1,9 +1,11 @@
 //! Bad input, row by row: what is changed in a good body, and the refusal that it gets.
 
 mod controller;
+mod kinematics;
 mod protocol;
 mod resolve;
 mod robots;
+mod simulations;
 mod stability;
 mod state;
 

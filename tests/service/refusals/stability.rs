@@ -3,9 +3,10 @@
 use super::{LEFT_OUT, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const ROWS: [Row; 14] = [
+const ROWS: [Row; 15] = [
     ("/inertia", "0", 422, "/inertia"),
     ("/inertia", "-15", 422, "/inertia"),
+    ("/inertia", "1e-320", 422, ""),
     ("/inertia", LEFT_OUT, 422, ""),
     ("/damping", "-1", 422, "/damping"),
     ("/damping", "1e10", 422, "/damping"),

@@ -1,0 +1,169 @@
+//! The files of `api/examples` in the document.
+
+use serde_json::{Value, json};
+
+/// One request of an operation with its answer; `None` where an operation has no body.
+struct Example {
+    path: &'static str,
+    method: &'static str,
+    name: &'static str,
+    request: Option<&'static str>,
+    answer: &'static str,
+}
+
+macro_rules! examples {
+    (@request $name:literal) => { Some(include_str!(concat!("../../../api/examples/", $name, ".json"))) };
+    (@request) => { None };
+    ($($method:ident $path:literal $($request:literal)? => $answer:literal;)+) => {
+        [$(Example {
+            path: $path,
+            method: stringify!($method),
+            name: $answer,
+            request: examples!(@request $($request)?),
+            answer: include_str!(concat!("../../../api/examples/answers/", $answer, ".json")),
+        }),+]
+    };
+}
+
+const EXAMPLES: [Example; 23] = examples! {
+    post "/v1/resolve" "resolve" => "resolve";
+    post "/v1/resolve" "resolve_everything" => "resolve_everything";
+    post "/v1/resolve" "resolve_limits" => "resolve_limits";
+    post "/v1/resolve" "resolve_closed_form" => "resolve_closed_form";
+    post "/v1/resolve/batch" "batch" => "batch";
+    post "/v1/step" "step" => "step";
+    post "/v1/step" "step_inequality" => "step_inequality";
+    post "/v1/step" "step_again" => "step_again";
+    post "/v1/controllers" "controller" => "controller";
+    post "/v1/controllers" "controller_laws" => "controller_laws";
+    get "/v1/controllers/{id}" => "session";
+    post "/v1/controllers/{id}/step" "state" => "state";
+    post "/v1/kinematics" "kinematics" => "kinematics";
+    post "/v1/stability" "stability" => "stability";
+    post "/v1/stability" "stability_impedance" => "stability_impedance";
+    get "/v1/robots" => "robots";
+    post "/v1/robots" "robot" => "robot";
+    get "/v1/robots/{name}" => "robot_shown";
+    get "/v1/scenarios" => "scenarios";
+    get "/v1/scenarios/{name}" => "scenario";
+    post "/v1/simulations" "simulation" => "simulation";
+    post "/v1/simulations" "simulation_own" => "simulation_own";
+    get "/v1/simulations/{id}" => "simulation_finished";
+};
+
+/// What a refusal looks like.
+const PROBLEM: &str = include_str!("../../../api/examples/answers/problem.json");
+
+/// What passes through the session of the examples.
+const STATE: &str = include_str!("../../../api/examples/state.json");
+const STATE_ANSWER: &str = include_str!("../../../api/examples/answers/state.json");
+
+/// Adds the examples to their operations, and to each field the first value that it has in one of them.
+pub fn complete(document: &mut Value) {
+    for Example { path, method, name, request, answer } in EXAMPLES {
+        let operation = &document["paths"][path][method];
+        let body = "/requestBody/content/application~1json";
+        if let Some(request) = request {
+            let pointer = format!("/paths/{}/{method}{body}", path.replace('/', "~1"));
+            add(document, &pointer, name, &parsed(request));
+        } else if operation.is_null() {
+            continue;
+        }
+        let responses = document["paths"][path][method]["responses"].as_object();
+        let success = responses.and_then(|all| all.keys().find(|status| status.starts_with('2')).cloned());
+        let Some(status) = success else { continue };
+        let pointer =
+            format!("/paths/{}/{method}/responses/{status}/content/application~1json", path.replace('/', "~1"));
+        add(document, &pointer, name, &parsed(answer));
+    }
+    let refusal = "/paths/~1v1~1resolve/post/responses/422/content/application~1problem+json";
+    add(document, refusal, "problem", &parsed(PROBLEM));
+    let watched = json!({"state": parsed(STATE), "answer": parsed(STATE_ANSWER)});
+    let schemas = &mut document["components"]["schemas"];
+    illustrate(schemas, &json!({"$ref": "#/components/schemas/WatchedStep"}), "", &watched);
+    borrow(schemas);
+}
+
+/// Gives fields that no example has the value of the same field elsewhere.
+fn borrow(schemas: &mut Value) {
+    let known = schemas.clone();
+    let fields = || known.as_object().into_iter().flatten().filter_map(|(_, schema)| schema["properties"].as_object());
+    let same = |name: &str, field: &Value| {
+        let others = fields().filter_map(|fields| fields.get(name));
+        let alike = |other: &&Value| other["type"] == field["type"] && other["items"] == field["items"];
+        others.filter(alike).find_map(|other| other.get("examples").cloned())
+    };
+    for (_, schema) in schemas.as_object_mut().into_iter().flatten() {
+        for (name, field) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
+            if let Some(examples) = same(name, field).filter(|_| field.get("examples").is_none()) {
+                field["examples"] = examples;
+            }
+        }
+    }
+}
+
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_default()
+}
+
+fn add(document: &mut Value, pointer: &str, name: &str, value: &Value) {
+    let Some(content) = document.pointer_mut(pointer) else { return };
+    content["examples"][name] = json!({"summary": name.replace('_', " "), "value": value});
+    let schema = content["schema"].clone();
+    let schemas = &mut document["components"]["schemas"];
+    illustrate(schemas, &schema, "", value);
+}
+
+/// Gives the fields of the schema the values of the example. `place` is a JSON pointer into the component that holds the
+/// schema, empty for a reference.
+fn illustrate(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
+    if let Some(name) = schema["$ref"].as_str().and_then(|link| link.rsplit('/').next()) {
+        let schema = schemas[name].clone();
+        return illustrate(schemas, &schema, &format!("/{name}"), value);
+    }
+    for key in ["oneOf", "allOf"] {
+        for (i, option) in schema[key].as_array().into_iter().flatten().enumerate() {
+            if fits(schemas, option, value) {
+                illustrate(schemas, &option.clone(), &format!("{place}/{key}/{i}"), value);
+            }
+        }
+    }
+    for (field, part) in schema["properties"].as_object().into_iter().flatten() {
+        let Some(value) = value.get(field) else { continue };
+        let place = format!("{place}/properties/{field}");
+        if let Some(known) = schemas.pointer_mut(&place)
+            && (known.get("examples").is_none() || known["examples"][0].is_null())
+        {
+            known["examples"] = json!([value]);
+        }
+        illustrate(schemas, part, &place, value);
+    }
+    for value in value.as_array().into_iter().flatten() {
+        illustrate(schemas, &schema["items"], &format!("{place}/items"), value);
+    }
+}
+
+/// Whether the value can be meant by this alternative.
+fn fits(schemas: &Value, option: &Value, value: &Value) -> bool {
+    if let Some(name) = option["$ref"].as_str().and_then(|link| link.rsplit('/').next()) {
+        return fits(schemas, &schemas[name], value);
+    }
+    if let Some(options) = option["oneOf"].as_array() {
+        return options.iter().any(|option| fits(schemas, option, value));
+    }
+    let of_type = match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    };
+    let tag = &option["properties"]["kind"]["enum"][0];
+    let all_known = |fields: &serde_json::Map<String, Value>| {
+        option["properties"].is_null() || fields.keys().all(|field| option["properties"].get(field).is_some())
+    };
+    let type_fits =
+        option["type"] == of_type || option["type"].as_array().is_some_and(|types| types.iter().any(|t| t == of_type));
+    type_fits && (tag.is_null() || *tag == value["kind"]) && value.as_object().is_none_or(all_known)
+}

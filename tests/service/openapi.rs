@@ -1,0 +1,243 @@
+//! The interface description: it is the committed one, says something of everything, and its examples happen.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use revprio::service::{asyncapi_document, openapi_document};
+use serde_json::{Map, Value, json};
+
+use crate::harness::{Service, example};
+
+fn document() -> Value {
+    serde_json::from_str(openapi_document()).unwrap()
+}
+
+fn committed(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("api").join(name)
+}
+
+#[test]
+fn the_committed_documents_are_those_of_the_program() {
+    for (name, command, text) in
+        [("openapi.json", "openapi", openapi_document()), ("asyncapi.json", "asyncapi", asyncapi_document())]
+    {
+        let is_equal = std::fs::read_to_string(committed(name)).unwrap() == text;
+        assert!(is_equal, "api/{name} is old; write it anew: cargo run -- {command} > api/{name}");
+    }
+}
+
+#[test]
+fn the_service_hands_out_its_description() {
+    let service = Service::start();
+    assert_eq!(service.get("/openapi.json").text, openapi_document());
+    assert_eq!(service.get("/asyncapi.json").text, asyncapi_document());
+}
+
+#[test]
+fn the_reference_is_a_page_that_loads_nothing_from_elsewhere() {
+    let service = Service::start();
+    for file in ["", "index.css", "swagger-ui.css", "swagger-ui-bundle.js", "swagger-initializer.js"] {
+        let answer = service.get(&format!("/docs/{file}"));
+        assert_eq!(answer.status, 200, "{file}");
+        assert!(!answer.text.contains("src=\"http") && !answer.text.contains("href=\"http"), "{file}");
+    }
+    assert!(service.get("/docs/swagger-initializer.js").text.contains("/openapi.json"));
+    assert_eq!(service.get("/docs").status, 200, "it leads to the page");
+    for none in ["/docs/none.js", "/docs/..%2fCargo.toml", "/docs/%00"] {
+        service.get(none).assert_refused(404, None);
+    }
+}
+
+/// Calls `act` with every schema of the components and its place.
+fn each_schema(act: &mut impl FnMut(&str, &Value)) {
+    fn visit(place: &str, schema: &Value, act: &mut impl FnMut(&str, &Value)) {
+        act(place, schema);
+        for (name, part) in schema["properties"].as_object().into_iter().flatten() {
+            visit(&format!("{place}/{name}"), part, act);
+        }
+        for (i, part) in schema["oneOf"].as_array().into_iter().flatten().enumerate() {
+            visit(&format!("{place}/{i}"), part, act);
+        }
+        for key in ["items", "additionalProperties"] {
+            if schema[key].is_object() {
+                visit(&format!("{place}/{key}"), &schema[key], act);
+            }
+        }
+    }
+    for (name, schema) in document()["components"]["schemas"].as_object().unwrap() {
+        visit(name, schema, act);
+    }
+}
+
+#[test]
+fn every_schema_and_field_is_described_and_every_field_of_a_body_has_an_example() {
+    let mut flaws = Vec::new();
+    each_schema(&mut |place, schema| {
+        if !place.contains('/') && schema["description"].as_str().is_none_or(str::is_empty) {
+            flaws.push(format!("{place} has no description"));
+        }
+        for (name, field) in schema["properties"].as_object().into_iter().flatten() {
+            if field["description"].as_str().is_none_or(str::is_empty) {
+                flaws.push(format!("{place}/{name} has no description"));
+            }
+            if field.get("examples").is_none() {
+                flaws.push(format!("{place}/{name} has no example"));
+            }
+        }
+    });
+    assert!(flaws.is_empty(), "{} flaws\n{}", flaws.len(), flaws.join("\n"));
+}
+
+#[test]
+fn every_number_that_is_sent_and_every_whole_number_is_bounded() {
+    let mut flaws = Vec::new();
+    let mut bounded = 0;
+    each_schema(&mut |place, schema| {
+        let is =
+            |kind: &str| schema["type"] == kind || schema["type"].as_array().is_some_and(|k| k.contains(&kind.into()));
+        if is("integer")
+            && !(schema["minimum"].is_number()
+                && schema["maximum"].as_f64().is_some_and(|most| most <= 9_007_199_254_740_991.0))
+        {
+            flaws.push(place.to_owned());
+        }
+        bounded += usize::from(is("number") && schema["maximum"].is_number());
+    });
+    assert!(flaws.is_empty(), "{}", flaws.join("\n"));
+    assert!(bounded > 50, "{bounded}");
+}
+
+#[test]
+fn every_operation_says_what_it_does_and_what_it_answers() {
+    let mut names = BTreeSet::new();
+    for (path, item) in document()["paths"].as_object().unwrap() {
+        for (method, operation) in item.as_object().unwrap().iter().filter(|(key, _)| *key != "parameters") {
+            let place = format!("{method} {path}");
+            for field in ["summary", "description", "operationId"] {
+                assert!(operation[field].as_str().is_some_and(|text| !text.is_empty()), "{place}: {field}");
+            }
+            assert!(operation["tags"].as_array().is_some_and(|tags| tags.len() == 1), "{place}: tags");
+            assert!(names.insert(operation["operationId"].to_string()), "{place}: operationId");
+            for (status, response) in operation["responses"].as_object().unwrap() {
+                assert!(response["description"].as_str().is_some_and(|text| !text.is_empty()), "{place} {status}");
+                if status.as_str() >= "400" {
+                    assert!(response["content"]["application/problem+json"].is_object(), "{place} {status}");
+                }
+            }
+        }
+    }
+    assert!(names.len() >= 23, "{names:?}");
+}
+
+/// What differs from call to call.
+const VOLATILE: [&str; 5] = ["elapsed_us", "id", "request_id", "calls_per_second", "progress"];
+
+fn stable(value: Value) -> Value {
+    match value {
+        Value::Object(fields) => {
+            let kept = fields.into_iter().map(|(name, value)| {
+                let value = if VOLATILE.contains(&name.as_str()) { Value::Null } else { stable(value) };
+                (name, value)
+            });
+            Value::Object(kept.collect::<Map<_, _>>())
+        }
+        Value::Array(values) => values.into_iter().map(stable).collect(),
+        other => other,
+    }
+}
+
+/// The first place where two values differ by more than rounding.
+fn difference(place: &str, a: &Value, b: &Value) -> Option<String> {
+    let differs = || Some(format!("{place}: {a:.200} is not {b:.200}"));
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            if a.keys().ne(b.keys()) {
+                return differs();
+            }
+            a.iter().find_map(|(name, value)| difference(&format!("{place}/{name}"), value, &b[name]))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).enumerate().find_map(|(i, (a, b))| difference(&format!("{place}/{i}"), a, b))
+        }
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+            ((a - b).abs() > 1e-9 * (1.0 + b.abs())).then(differs).flatten()
+        }
+        (a, b) if a == b => None,
+        _ => differs(),
+    }
+}
+
+/// Holds that an answer is the committed one; `REVPRIO_WRITE_ANSWERS=1` writes it instead.
+fn assert_committed(name: &str, answer: &Value) {
+    let path = committed("examples").join("answers").join(format!("{name}.json"));
+    if std::env::var_os("REVPRIO_WRITE_ANSWERS").is_some() {
+        std::fs::write(&path, format!("{answer:#}\n")).unwrap();
+        return;
+    }
+    let committed: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let difference = difference("", &stable(answer.clone()), &stable(committed));
+    let advice = "if it is meant so: REVPRIO_WRITE_ANSWERS=1 cargo test --test service examples";
+    assert_eq!(difference, None, "{name}: {advice}");
+}
+
+/// Every file of `api/examples` is sent; the answers are those of `api/examples/answers`.
+#[test]
+fn the_examples_of_the_document_are_answered_as_it_says() {
+    let service = Service::start();
+    let mut sent = BTreeSet::new();
+    let mut ask = |path: &str, name: &str| {
+        sent.insert(name.to_owned());
+        let answer = service.ask(path, &example(&format!("{name}.json")));
+        assert_committed(name, &answer);
+        answer
+    };
+    for name in ["resolve", "resolve_closed_form", "resolve_everything", "resolve_limits"] {
+        ask("/v1/resolve", name);
+    }
+    ask("/v1/resolve/batch", "batch");
+    ask("/v1/kinematics", "kinematics");
+    ask("/v1/stability", "stability");
+    ask("/v1/stability", "stability_impedance");
+    ask("/v1/step", "step");
+    ask("/v1/step", "step_inequality");
+    ask("/v1/step", "step_again");
+    ask("/v1/controllers", "controller_laws");
+    let session = ask("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
+    ask(&format!("/v1/controllers/{session}/step"), "state");
+    ask("/v1/simulations", "simulation");
+    let run = ask("/v1/simulations", "simulation_own")["id"].as_str().unwrap().to_owned();
+    let shown = |path: &str, name: &str| assert_committed(name, &service.get(path).accepted());
+    shown("/v1/robots", "robots");
+    shown("/v1/robots/sawyer_dh", "robot_shown");
+    ask("/v1/robots", "robot");
+    shown("/v1/scenarios", "scenarios");
+    shown("/v1/scenarios/stiff_wall", "scenario");
+    shown(&format!("/v1/controllers/{session}"), "session");
+    let mut wrong = example("resolve.json");
+    wrong["joint_position"] = json!([0.3, -0.6]);
+    assert_committed("problem", &service.post("/v1/resolve", &wrong.to_string()).json());
+    let status = || service.get(&format!("/v1/simulations/{run}")).accepted();
+    while ["queued", "running"].map(Value::from).contains(&status()["state"]) {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert_committed("simulation_finished", &status());
+
+    let files = std::fs::read_dir(committed("examples")).unwrap().map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
+    let files: BTreeSet<String> = files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    assert_eq!(files, sent);
+}
+
+#[test]
+fn the_examples_of_the_document_are_the_files() {
+    let document = document();
+    let body = |path: &str, name: &str| {
+        document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["examples"][name]["value"].clone()
+    };
+    assert_eq!(body("/v1/resolve", "resolve"), example("resolve.json"));
+    assert_eq!(body("/v1/robots", "robot"), example("robot.json"));
+    let answer = &document["paths"]["/v1/step"]["post"]["responses"]["200"]["content"]["application/json"];
+    assert_eq!(answer["examples"]["step"]["value"], example("answers/step.json"));
+    assert_ne!(answer["examples"]["step"]["value"], json!(null));
+}
