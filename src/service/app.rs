@@ -96,27 +96,27 @@ pub fn router(app: App) -> Service {
 /// All routes with their descriptions.
 pub(super) fn described() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(ApiDoc::openapi())
-        .routes(routes!(handlers::resolve))
-        .routes(routes!(handlers::resolve_batch))
-        .routes(routes!(handlers::step))
-        .routes(routes!(handlers::create_controller))
-        .routes(routes!(handlers::show_controller, handlers::delete_controller))
-        .routes(routes!(handlers::step_controller))
-        .routes(routes!(handlers::stream_controller))
-        .routes(routes!(handlers::watch_controller))
-        .routes(routes!(handlers::kinematics))
-        .routes(routes!(handlers::stability))
-        .routes(routes!(handlers::robots, handlers::register_robot))
-        .routes(routes!(handlers::robot, handlers::delete_robot))
-        .routes(routes!(handlers::scenarios))
-        .routes(routes!(handlers::scenario))
-        .routes(routes!(handlers::create_simulation))
-        .routes(routes!(handlers::show_simulation, handlers::delete_simulation))
-        .routes(routes!(handlers::simulation_events))
-        .routes(routes!(handlers::simulation_trace))
-        .routes(routes!(handlers::alive))
-        .routes(routes!(handlers::ready))
-        .routes(routes!(handlers::metrics))
+        .routes(routes!(handlers::resolve::resolve))
+        .routes(routes!(handlers::resolve::resolve_batch))
+        .routes(routes!(handlers::control::step))
+        .routes(routes!(handlers::control::create_controller))
+        .routes(routes!(handlers::control::show_controller, handlers::control::delete_controller))
+        .routes(routes!(handlers::control::step_controller))
+        .routes(routes!(handlers::control::stream_controller))
+        .routes(routes!(handlers::control::watch_controller))
+        .routes(routes!(handlers::analysis::kinematics))
+        .routes(routes!(handlers::analysis::stability))
+        .routes(routes!(handlers::robots::robots, handlers::robots::register_robot))
+        .routes(routes!(handlers::robots::robot, handlers::robots::delete_robot))
+        .routes(routes!(handlers::simulation::scenarios))
+        .routes(routes!(handlers::simulation::scenario))
+        .routes(routes!(handlers::simulation::create_simulation))
+        .routes(routes!(handlers::simulation::show_simulation, handlers::simulation::delete_simulation))
+        .routes(routes!(handlers::simulation::simulation_events))
+        .routes(routes!(handlers::simulation::simulation_trace))
+        .routes(routes!(handlers::operation::alive))
+        .routes(routes!(handlers::operation::ready))
+        .routes(routes!(handlers::operation::metrics))
         .routes(routes!(openapi::document))
         .routes(routes!(openapi::async_document))
 }
@@ -165,7 +165,7 @@ mod tests {
         async fn panics() -> &'static str {
             panic!("meant for a test")
         }
-        let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(handlers::metrics));
+        let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(handlers::operation::metrics));
         let server = RunningServer::start(guarded(routes, App::new(Robots::built_in()))).unwrap();
         let (status, body) = get_text(&(server.url() + "/panic"));
         let problem: serde_json::Value = serde_json::from_str(&body).unwrap();

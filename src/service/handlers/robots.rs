@@ -1,0 +1,88 @@
+//! The arms that requests can name.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::IntoResponse;
+
+use super::Shared;
+use crate::service::body::{Answer, Body};
+use crate::service::convert;
+use crate::service::problem::Problem;
+use crate::service::segment::Segment;
+use crate::wire;
+
+/// Lists the robots.
+///
+/// Those that ship with the service, those given at its start and those registered.
+#[utoipa::path(
+    get,
+    path = "/v1/robots",
+    tag = "robots",
+    responses((status = 200, body = wire::RobotList, description = "All robots that requests can name."))
+)]
+pub async fn robots(State(app): Shared) -> Answer<wire::RobotList> {
+    Answer(wire::RobotList { robots: app.robots.all().iter().map(|robot| convert::robot_answer(robot)).collect() })
+}
+
+/// Shows a robot.
+///
+/// Joints in order, their limits with units, and how the robot was described.
+#[utoipa::path(
+    get,
+    path = "/v1/robots/{name}",
+    tag = "robots",
+    responses((status = 200, body = wire::Robot, description = "The robot."))
+)]
+pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<wire::Robot>, Problem> {
+    let robot = app.robots.get(&name).map_err(|error| convert::robots_problem(&error))?;
+    Ok(Answer(convert::robot_answer(&robot)))
+}
+
+/// Registers a robot.
+///
+/// The chain of a URDF text from one link to another; kept until it is deleted or not used for long.
+#[utoipa::path(
+    post,
+    path = "/v1/robots",
+    tag = "robots",
+    request_body = wire::RobotRegistration,
+    responses(
+        (
+            status = 201,
+            body = wire::Robot,
+            description = "The robot is known.",
+            headers(("Location" = String, description = "Address of what was made."))
+        ),
+        (status = 409, description = "The name belongs to another robot: `name-taken`.")
+    )
+)]
+pub async fn register_robot(
+    State(app): Shared,
+    Body(request): Body<wire::RobotRegistration>,
+) -> Result<impl IntoResponse, Problem> {
+    let robot = Arc::new(convert::robot(&request)?);
+    let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
+    let answer = convert::robot_answer(&robot);
+    app.sessions.let_go();
+    app.robots.register(robot).map_err(|error| convert::robots_problem(&error))?;
+    Ok((StatusCode::CREATED, location, Answer(answer)))
+}
+
+/// Deletes a registered robot.
+///
+/// Sessions that use it go on.
+#[utoipa::path(
+    delete,
+    path = "/v1/robots/{name}",
+    tag = "robots",
+    responses(
+        (status = 204, description = "The name is free."),
+        (status = 403, description = "The robot belongs to the service: `permanent`.")
+    )
+)]
+pub async fn delete_robot(State(app): Shared, Segment(name): Segment) -> Result<StatusCode, Problem> {
+    app.robots.remove(&name).map_err(|error| convert::robots_problem(&error))?;
+    Ok(StatusCode::NO_CONTENT)
+}

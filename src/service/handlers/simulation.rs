@@ -1,0 +1,151 @@
+//! Scenarios and their runs.
+
+use std::time::Duration;
+
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use super::Shared;
+use crate::service::body::{Answer, Body, LargeAnswer};
+use crate::service::drain::Draining;
+use crate::service::events::{Shown, latest};
+use crate::service::problem::Problem;
+use crate::service::segment::Segment;
+use crate::service::{convert, simulations};
+use crate::simulator::{Scenario, ScenarioList, SimulationRequest};
+use crate::wire;
+
+/// Between two events of a simulation's progress.
+const PROGRESS_PAUSE: Duration = Duration::from_millis(100);
+
+/// Lists the scenarios.
+///
+/// The experiments that ship with the service.
+#[utoipa::path(
+    get,
+    path = "/v1/scenarios",
+    tag = "simulation",
+    responses((status = 200, body = ScenarioList, description = "All scenarios."))
+)]
+pub async fn scenarios() -> Result<LargeAnswer<ScenarioList>, Problem> {
+    ScenarioList::built_in().map(LargeAnswer).map_err(|_| Problem::internal())
+}
+
+/// Shows a scenario.
+///
+/// All of it, ready to be changed and simulated.
+#[utoipa::path(
+    get,
+    path = "/v1/scenarios/{name}",
+    tag = "simulation",
+    responses((status = 200, body = Scenario, description = "The scenario."))
+)]
+pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, Problem> {
+    match Scenario::built_in(&name) {
+        Some(scenario) => scenario.map(Answer).map_err(|_| Problem::internal()),
+        None => Err(Problem::not_found(format!("there is no scenario `{name}`; known: {}", Scenario::names()))),
+    }
+}
+
+/// Starts a simulation.
+///
+/// Runs a scenario with the built-in simulator against this service, when its turn comes.
+#[utoipa::path(
+    post,
+    path = "/v1/simulations",
+    tag = "simulation",
+    request_body = SimulationRequest,
+    responses(
+        (
+            status = 202,
+            body = wire::Simulation,
+            description = "The run is taken in.",
+            headers(("Location" = String, description = "Address of what was made."))
+        )
+    )
+)]
+pub async fn create_simulation(
+    State(app): Shared,
+    Body(request): Body<SimulationRequest>,
+) -> Result<impl IntoResponse, Problem> {
+    let (scenario, robot) = convert::scenario(request, &app.robots)?;
+    let status = app.simulations.create(scenario, robot)?.status();
+    let location = [(header::LOCATION, format!("/v1/simulations/{}", status.id))];
+    Ok((StatusCode::ACCEPTED, location, Answer(status)))
+}
+
+/// Shows a simulation.
+///
+/// How far it is, and its measures once it is finished.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}",
+    tag = "simulation",
+    responses((status = 200, body = wire::Simulation, description = "The run."))
+)]
+pub async fn show_simulation(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::Simulation>, Problem> {
+    app.simulations.get(&id).map(|job| Answer(job.status()))
+}
+
+/// Follows a simulation.
+///
+/// Server-sent events `progress`, ten a second at most, and `end` as the last one; the data of each is a `Simulation`.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}/events",
+    tag = "simulation",
+    responses(
+        (status = 200, body = String, content_type = "text/event-stream", description = "Events until the run ends.")
+    )
+)]
+pub async fn simulation_events(
+    State(app): Shared,
+    Segment(id): Segment,
+    draining: Draining,
+) -> Result<impl IntoResponse, Problem> {
+    let job = app.simulations.get(&id)?;
+    let progress = job.watch();
+    Ok(latest(progress, draining, PROGRESS_PAUSE, move |progress| {
+        let status = job.status_at(progress);
+        if progress.has_ended() { Shown::Last("end", status) } else { Shown::Event("progress", status) }
+    }))
+}
+
+/// Gets the trace of a simulation.
+///
+/// Every control period of a finished run: a table (CSV), one object per line, or one object. `Accept` chooses.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}/trace",
+    tag = "simulation",
+    responses(
+        (
+            status = 200,
+            content((String = "text/csv"), (String = "application/x-ndjson"), (Object = "application/json")),
+            description = "The trace."
+        ),
+        (status = 406, description = "The trace cannot be had in any type that `Accept` names: `not-acceptable`."),
+        (status = 409, description = "The run is not finished: `no-trace`.")
+    )
+)]
+pub async fn simulation_trace(
+    State(app): Shared,
+    Segment(id): Segment,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    simulations::trace(&app.simulations.get(&id)?.recording()?, &headers)
+}
+
+/// Cancels or forgets a simulation.
+///
+/// A run that has not ended is cancelled, one that has is forgotten.
+#[utoipa::path(
+    delete,
+    path = "/v1/simulations/{id}",
+    tag = "simulation",
+    responses((status = 204, description = "The run is cancelled or forgotten."))
+)]
+pub async fn delete_simulation(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    app.simulations.delete(&id).map(|()| StatusCode::NO_CONTENT)
+}
