@@ -4,6 +4,7 @@
 //! it shows is what any client would get.
 
 mod arm;
+mod energy;
 mod environment;
 pub mod recording;
 mod request;

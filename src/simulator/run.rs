@@ -4,9 +4,11 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
+use nalgebra::UnitQuaternion;
+
 use super::arm::Arm;
 use super::environment::Environment;
-use super::recording::{Recording, Sample};
+use super::recording::{AtLimit, Energy, Recording, Sample, Timing};
 use super::scenario::Scenario;
 use super::watchdog::{Obeyed, is_silence, pause};
 use crate::client::{Client, ClientError};
@@ -114,12 +116,16 @@ pub fn run_robot(
     let mut plant = Plant::new(scenario, &robot)?;
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();
-    let mut samples = Vec::new();
+    let joint_names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let (mut samples, mut timings) = (Vec::new(), Vec::new());
     let mut obeyed: Option<Obeyed> = None;
     for sequence in 0..scenario.cycles() {
         let time_s = sequence as f64 * scenario.period_s();
         let measured = plant.measure(time_s)?;
-        let now = match (caller.call(measured.state(sequence, time_s)), obeyed) {
+        let called = Instant::now();
+        let answer = caller.call(measured.state(sequence, time_s));
+        let round_trip_us = called.elapsed().as_secs_f64() * 1e6;
+        let now = match (answer, obeyed) {
             (Ok(answer), _) => Obeyed::new(answer, time_s),
             (Err(error), Some(before)) if is_silence(&error) => {
                 if pause(scenario.period_s(), || progress(sequence)).is_break() {
@@ -134,7 +140,8 @@ pub fn run_robot(
             return Err(RunError::AnswerSize { time_s, expected, given });
         }
         plant.arm.advance(&now.answer.joint_velocity, scenario.period_s());
-        samples.push(measured.sample(time_s, &plant, scenario, &now));
+        samples.push(measured.sample(time_s, &plant, scenario, &now, &joint_names));
+        timings.push(Timing { round_trip_us, elapsed_us: now.answer.elapsed_us });
         obeyed = Some(now);
         if progress(sequence + 1).is_break() {
             return Err(RunError::Stopped { time_s });
@@ -147,8 +154,10 @@ pub fn run_robot(
         solver: scenario.controller.solver,
         period_s: scenario.period_s(),
         wall_time_s,
-        joint_names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        joint_names,
+        energy: Energy::default(),
         samples,
+        timings,
     })
 }
 
@@ -196,6 +205,7 @@ impl Plant {
             joint_position: self.arm.position().to_vec(),
             joint_velocity: self.arm.velocity().to_vec(),
             position,
+            orientation: quaternion(&configuration),
             force,
             sensed_force: self.sensed(force, &configuration),
         })
@@ -220,11 +230,17 @@ fn tool_position(configuration: &Configuration) -> [f64; 3] {
     configuration.tool_pose().translation.vector.into()
 }
 
+fn quaternion(configuration: &Configuration) -> [f64; 4] {
+    let quaternion = UnitQuaternion::from_rotation_matrix(&configuration.tool_pose().rotation);
+    [quaternion.w, quaternion.i, quaternion.j, quaternion.k]
+}
+
 /// What a real arm would measure.
 struct Measured {
     joint_position: Vec<f64>,
     joint_velocity: Vec<f64>,
     position: [f64; 3],
+    orientation: [f64; 4],
     /// On the environment, base axes.
     force: [f64; 3],
     sensed_force: [f64; 3],
@@ -241,14 +257,25 @@ impl Measured {
         }
     }
 
-    fn sample(self, time_s: f64, plant: &Plant, scenario: &Scenario, obeyed: &Obeyed) -> Sample {
+    fn sample(
+        self,
+        time_s: f64,
+        plant: &Plant,
+        scenario: &Scenario,
+        obeyed: &Obeyed,
+        joint_names: &[String],
+    ) -> Sample {
         let answer = &obeyed.answer;
         Sample {
             time_s,
             joint_position: self.joint_position,
             position: self.position,
+            orientation: self.orientation,
             position_error: [0, 1, 2].map(|i| self.position[i] - plant.start[i]),
             force: self.force,
+            torque: [0.0; 3],
+            external_force: [0.0; 3],
+            sensed: None,
             target_force: target_force(scenario, answer),
             wall_distance: plant.environment.wall_distance(self.position),
             path: answer.solver.path,
@@ -256,8 +283,13 @@ impl Measured {
             kkt_residual: answer.solver.kkt_residual,
             smallest_singular_value: answer.singularity.smallest_singular_value,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+            manipulability: answer.singularity.manipulability,
+            limits: AtLimit::of(answer, joint_names),
+            energy: Energy::default(),
             joint_velocity: answer.joint_velocity.clone(),
+            actual_velocity: self.joint_velocity,
             answered: obeyed.is_new,
+            answer_age: 0,
         }
     }
 }
