@@ -197,13 +197,17 @@ pub fn text(em: f64, weight: FontStyle) -> TextStyle<'static> {
     TextStyle::from((typeface::FAMILY, size, weight)).color(&INK)
 }
 
-/// Line widths are in units, quarters of a pixel.
 fn line(curve: &Curve) -> ShapeStyle {
-    let width = match curve.stroke {
+    rgb(curve.colour).stroke_width(stroke_width(curve.stroke))
+}
+
+/// Width of a line in units, quarters of a pixel.
+#[must_use]
+pub const fn stroke_width(stroke: Stroke) -> u32 {
+    match stroke {
         Stroke::Wide => 17,
         Stroke::Thin | Stroke::Dashed => 5,
-    };
-    rgb(curve.colour).stroke_width(width)
+    }
 }
 
 /// Red, green, blue of a colour.

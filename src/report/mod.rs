@@ -22,6 +22,7 @@ pub mod experiment;
 pub mod figure;
 mod index;
 mod legend;
+pub mod markdown;
 mod markup;
 pub mod metrics;
 pub mod notes;
@@ -37,6 +38,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use claims::Claim;
+use document::Drawn;
 use experiment::Program;
 use figure::Figure;
 use table::Row;
@@ -100,19 +102,26 @@ pub enum Output {
 /// drawn.
 pub fn write(directory: &Path, report: &Report, wanted: &[Output]) -> Result<Vec<PathBuf>, Error> {
     fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })?;
+    let (svg, png) = (wanted.contains(&Output::Svg), wanted.contains(&Output::Png));
     let mut written = Vec::new();
-    for figure in report.sections.iter().flat_map(|section| &section.figures) {
-        let svg = drawing::svg(figure)?;
-        if wanted.contains(&Output::Svg) {
-            written.push(write_file(directory, &format!("{}.svg", figure.name), svg.as_bytes())?);
+    let mut drawn = Vec::with_capacity(report.sections.len());
+    for section in &report.sections {
+        let drawings = section.figures.iter().map(|figure| {
+            Ok(Drawn { figure, drawing: drawing::drawing(figure)?, files: svg && png })
+        });
+        drawn.push(drawings.collect::<Result<Vec<_>, Error>>()?);
+    }
+    for Drawn { figure, drawing, .. } in drawn.iter().flatten() {
+        if svg {
+            written.push(write_file(directory, &format!("{}.svg", figure.name), drawing.svg.as_bytes())?);
         }
-        if wanted.contains(&Output::Png) {
-            let png = png::render(&figure.name, &svg)?;
-            written.push(write_file(directory, &format!("{}.png", figure.name), &png)?);
+        if png {
+            let image = png::render(&figure.name, &drawing.svg)?;
+            written.push(write_file(directory, &format!("{}.png", figure.name), &image)?);
         }
     }
     if wanted.contains(&Output::Page) {
-        let page = document::html(report)?;
+        let page = document::html(report, &drawn);
         written.push(write_file(directory, "index.html", page.as_bytes())?);
     }
     Ok(written)

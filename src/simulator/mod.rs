@@ -15,5 +15,5 @@ mod watchdog;
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
-pub use run::{CallMode, RunError, run, run_robot};
+pub use run::{CallMode, RunError, built_in_robot, run, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

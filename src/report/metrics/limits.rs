@@ -1,19 +1,18 @@
-//! What a run made of the robot's limits, read off its trace and not off what the solver says of itself.
+//! What a run made of the robot's limits. Whether they were broken is read off the trace, not off what the solver says.
 
 use serde::Serialize;
 
-use crate::simulator::recording::{Recording, Sample};
+use crate::simulator::recording::{AtLimit, Recording, Sample};
 use crate::wire::{LimitKind, Limits, RobotJoint};
 
-/// A joint counts as at a limit when it is this near to it, relative to a bound on speed or acceleration, in rad or m to
-/// a bound on position; an excess below it is rounding.
+/// An excess below this, times 1 or the size of the value, is rounding.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// Time at limits, and by how much they were broken. Limits are those that the controller is told to keep; the solver
 /// `closed_form` ignores them all the same.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct LimitUse {
-    /// Time (s) in which at least one joint was at a limit or beyond.
+    /// Time (s) in which a limit held at least one joint back, or was broken, as the answers say.
     pub at_limits_s: f64,
     /// Largest excess of a position (rad or m); 0 when the limits held, as for the others.
     pub position_excess: f64,
@@ -33,10 +32,10 @@ impl LimitUse {
         let mut sum = Self::default();
         let mut before: Option<&Sample> = None;
         for sample in &recording.samples {
-            let mut at_limit = false;
             for (i, bounds) in bounds.iter().enumerate() {
-                at_limit |= sum.take(bounds, Joint::of(sample, before, i, recording.period_s));
+                sum.take(bounds, Joint::of(sample, before, i, recording.period_s));
             }
+            let at_limit = sample.limits.iter().any(|limit| *limit != AtLimit::Free);
             sum.at_limits_s += if at_limit { recording.period_s } else { 0.0 };
             before = Some(sample);
         }
@@ -49,14 +48,11 @@ impl LimitUse {
         [self.position_excess, self.velocity_excess, self.acceleration_excess].iter().all(|excess| *excess == 0.0)
     }
 
-    /// Counts one joint in one period; says whether it is at a limit.
-    fn take(&mut self, bounds: &Bounds, joint: Joint) -> bool {
-        let mut at_limit = false;
-        let mut meet = |excess: &mut f64, value: f64, (low, high): (f64, f64)| {
-            let near = TOLERANCE * (1.0 + value.abs());
+    /// Counts one joint in one period.
+    fn take(&mut self, bounds: &Bounds, joint: Joint) {
+        let meet = |excess: &mut f64, value: f64, (low, high): (f64, f64)| {
             let beyond = (value - high).max(low - value);
-            at_limit |= beyond >= -near;
-            if beyond > near {
+            if beyond > TOLERANCE * (1.0 + value.abs()) {
                 *excess = excess.max(beyond);
             }
         };
@@ -67,7 +63,6 @@ impl LimitUse {
         if limit.is_finite() && limit > 0.0 {
             self.speed_use = self.speed_use.max(joint.velocity.abs() / limit);
         }
-        at_limit
     }
 }
 

@@ -127,10 +127,9 @@ const FINAL: &str = "force of the last sample";
 const RESIDUAL_UNIT: &str = "m/s, rad/s";
 const RESIDUAL: &str = "‖J_k q̇ − ẋ_k‖, what the command lacks of each task's velocity, highest priority first";
 const SPEED_USE: &str = "largest |q̇_i| as a part of that joint's limit";
-const AT_LIMITS: &str = "simulated time in which at least one joint is at a limit of position, speed or acceleration, of those \
-     that the controller is told to keep";
-const BROKEN: &str = "largest excess over those limits, read off the trace: position, commanded speed, commanded acceleration; \
-     the solver `closed_form` does not know of limits";
+const AT_LIMITS: &str = "simulated time in which a limit holds at least one joint back, or is broken, as the answers say";
+const BROKEN: &str = "largest excess over the limits that the controller is told to keep, read off the trace: position, \
+     commanded speed, commanded acceleration; – if all held; the solver `closed_form` does not know of limits";
 const DIFFERENCE: &str = "largest difference of any joint's commanded velocity, over all samples, from the closed form of \
      the same scenario and method";
 const PATHS: &str = "how many control periods each path served: the closed form inside the limits, a known set of active \

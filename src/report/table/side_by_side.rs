@@ -69,14 +69,9 @@ fn aligned(runs: &[Row]) -> String {
     (0..lines.len() + 2).map(|i| line(i).trim_end().to_owned() + "\n").collect()
 }
 
-/// One table per scenario in markdown, without times of the machine.
+/// The table of one scenario in markdown, without times of the machine.
 #[must_use]
-pub fn markdown(rows: &[Row]) -> String {
-    let scenarios = rows.chunk_by(|a, b| a.scenario == b.scenario);
-    scenarios.map(|runs| format!("### {}\n\n{}", runs[0].scenario, markdown_table(runs))).collect::<Vec<_>>().join("\n")
-}
-
-fn markdown_table(runs: &[Row]) -> String {
+pub fn markdown(runs: &[Row]) -> String {
     let names = runs.iter().map(|run| format!("{}, {}", run.method_name(), run.solver_name()));
     let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut table = row([String::new()].into_iter().chain(names).collect());
