@@ -128,7 +128,9 @@ fn tracking(pair: &Pair) -> Vec<Claim> {
 fn wall(pair: &Pair) -> Vec<Claim> {
     let [reverse, classical] = pair.metrics();
     let ends = |metrics: &Metrics| match (metrics.first_contact_s, metrics.final_force) {
-        (Some(time), Some(force)) => format!("touches after {} s, ends at {} N", significant(time, 3), significant(force, 5)),
+        (Some(time), Some(force)) => {
+            format!("touches after {} s, ends at {} N", significant(time, 3), significant(force, 5))
+        }
         _ => "does not reach the wall".to_owned(),
     };
     let holds = |metrics: &Metrics| {
@@ -144,7 +146,12 @@ fn wall(pair: &Pair) -> Vec<Claim> {
         pair.claim(
             "5.2, Figure 7",
             "the tool approaches an aluminium wall, touches it and stays at a steady 30 N",
-            format!("{}, after a peak of {} N in {} contacts", ends(&reverse), significant(reverse.peak_force, 3), reverse.contacts),
+            format!(
+                "{}, after a peak of {} N in {} contacts",
+                ends(&reverse),
+                significant(reverse.peak_force, 3),
+                reverse.contacts
+            ),
             seen(holds(&reverse)),
         ),
         pair.claim(

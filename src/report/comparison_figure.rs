@@ -119,11 +119,11 @@ fn curves(groups: &[Vec<&Recording>], quantity: &Quantity) -> Vec<Curve> {
     curves
 }
 
-/// A broad line first, so that it shows on both sides of one that covers it; dashes once the colours are used up.
+/// A broad line, a fine one over it, then dashes: all of them show where they coincide.
 const fn stroke(group: usize) -> Stroke {
     match group {
         0 => Stroke::Wide,
-        _ if group < COLOURS.len() => Stroke::Thin,
+        1 => Stroke::Thin,
         _ => Stroke::Dashed,
     }
 }

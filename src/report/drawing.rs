@@ -99,13 +99,10 @@ pub fn units(pixels: u32) -> i32 {
     (pixels * UNITS_PER_PIXEL).cast_signed()
 }
 
-/// Each panel, and whether it shows its legend: not when the panel above has the same one.
+/// Each panel, and whether it shows its legend: not when the one above has all of its curves.
 fn shown(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
-    let same = |a: &Panel, b: &Panel| {
-        let labels = a.curves.iter().map(|c| &c.label);
-        labels.eq(b.curves.iter().map(|c| &c.label))
-    };
-    let repeats = move |i: usize| i > 0 && same(&panels[i], &panels[i - 1]);
+    let has = |panel: &Panel, curve: &Curve| panel.curves.iter().any(|other| other.label == curve.label);
+    let repeats = move |i: usize| i > 0 && panels[i].curves.iter().all(|curve| has(&panels[i - 1], curve));
     panels.iter().enumerate().map(move |(i, panel)| (panel, !repeats(i)))
 }
 

@@ -106,9 +106,10 @@ pub fn write(directory: &Path, report: &Report, wanted: &[Output]) -> Result<Vec
     let mut written = Vec::new();
     let mut drawn = Vec::with_capacity(report.sections.len());
     for section in &report.sections {
-        let drawings = section.figures.iter().map(|figure| {
-            Ok(Drawn { figure, drawing: drawing::drawing(figure)?, files: svg && png })
-        });
+        let drawings = section
+            .figures
+            .iter()
+            .map(|figure| Ok(Drawn { figure, drawing: drawing::drawing(figure)?, files: svg && png }));
         drawn.push(drawings.collect::<Result<Vec<_>, Error>>()?);
     }
     for Drawn { figure, drawing, .. } in drawn.iter().flatten() {

@@ -17,7 +17,8 @@ pub fn of_scenario(runs: &[Run]) -> Vec<String> {
     };
     let mut notes = vec![comparison(reverse, classical)];
     notes.extend(at_the_wall(&reverse.recording, &classical.recording));
-    let with = |solver| runs.iter().find(|run| run.recording.method == REVERSE_PRIORITY && run.recording.solver == solver);
+    let with =
+        |solver| runs.iter().find(|run| run.recording.method == REVERSE_PRIORITY && run.recording.solver == solver);
     if let (Some(qp), Some(closed_form)) = (with(Solver::Qp), with(Solver::ClosedForm)) {
         notes.push(certificate(&qp.recording, &closed_form.recording));
     }

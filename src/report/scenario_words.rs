@@ -17,6 +17,7 @@ pub fn of_scenario(scenario: &Scenario, robot: &wire::Robot) -> Vec<String> {
     sentences.extend(controller(&scenario.controller));
     let told = ["name", "description", "duration_s", "start_joint_position", "velocity_loop", "contacts", "controller"];
     sentences.extend(rest(&object(scenario), &told).map(|rest| format!("Further: {rest}.")));
+    sentences.push("All in m, rad, s, N, N·m, kg and their products.".to_owned());
     sentences
 }
 
@@ -59,7 +60,9 @@ fn task(k: usize, task: &wire::ControllerTask) -> String {
     let kind = law.get("kind").and_then(Value::as_str).unwrap_or_default();
     let axes = fields.get("axes").map(|axes| format!(" on {}", value(axes))).unwrap_or_default();
     let priority = if k == 0 { ", the highest priority" } else { "" };
-    let parameters = rest(&law, &["kind"]).map(|rest| format!(": {rest}")).unwrap_or_default();
+    let parameters = in_order(&law, &["inertia", "damping", "stiffness", "gain", "position_controlled"])
+        .map(|rest| format!(": {rest}"))
+        .unwrap_or_default();
     let more = rest(&fields, &["name", "axes", "law"]).map(|rest| format!("; {rest}")).unwrap_or_default();
     format!("Task {}{priority}, {}: {kind} law{axes}{parameters}{more}.", k + 1, task.name)
 }
@@ -67,6 +70,14 @@ fn task(k: usize, task: &wire::ControllerTask) -> String {
 fn controller(controller: &wire::Controller) -> Option<String> {
     let told = ["robot", "period_s", "method", "solver", "tasks"];
     rest(&object(controller), &told).map(|rest| format!("Controller: {rest}."))
+}
+
+/// The fields of a law: these first, as far as it has them.
+fn in_order(law: &Map<String, Value>, first: &[&str]) -> Option<String> {
+    let leading = first.iter().filter_map(|key| Some(named(key, law.get(*key)?)));
+    let told: Vec<&str> = first.iter().copied().chain(["kind"]).collect();
+    let texts: Vec<String> = leading.chain(rest(law, &told)).collect();
+    (!texts.is_empty()).then(|| texts.join(", "))
 }
 
 fn object(of: &impl Serialize) -> Map<String, Value> {
@@ -136,11 +147,12 @@ fn value(field: &Value) -> String {
 /// At most six significant digits, without trailing zeros.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    match rounded.abs() {
+    let text = match rounded.abs() {
         0.0 => "0".to_owned(),
-        size if (1e-4..1e6).contains(&size) => format!("{rounded}"),
+        size if (1e-4..1e5).contains(&size) => format!("{rounded}"),
         _ => format!("{rounded:e}"),
-    }
+    };
+    text.replace('-', "−")
 }
 
 #[cfg(test)]
@@ -163,8 +175,8 @@ mod tests {
     fn arm_wall_tasks_and_limits_are_told_with_their_numbers() {
         let words = sentences(|_| ());
         for part in [
-            "starts at rest from q = (2.9, -0.4, 3, 2.1, 3, -0.6, 0.2) and is commanded every 1 ms for 5 s.",
-            "The tool meets a wall along x, 50 mm from where the tool starts: stiffness 100000.",
+            "starts at rest from q = (2.9, −0.4, 3, 2.1, 3, −0.6, 0.2) and is commanded every 1 ms for 5 s.",
+            "The tool meets a wall along x, 50 mm from where the tool starts: stiffness 1e5.",
             "The joints move exactly as commanded.",
             "Task 1, the highest priority, push x: hybrid law on x: ",
             "target force 30",

@@ -351,7 +351,9 @@
         swatch.style.background = colour;
         const number = document.createElement("span");
         number.textContent = value;
-        line.append(swatch, ...indexed(label), number);
+        const name = document.createElement("span");
+        name.append(...indexed(label));
+        line.append(swatch, name, number);
         return line;
       });
       this.tip.replaceChildren(head, ...lines);

@@ -85,8 +85,7 @@ mod tests {
             y_covers: Vec::new(),
             curves: vec![curve],
         };
-        let figure =
-            Figure { name: "a".to_owned(), title: String::new(), caption: String::new(), panels: vec![panel] };
+        let figure = Figure { name: "a".to_owned(), title: String::new(), caption: String::new(), panels: vec![panel] };
         let frame = Frame { x: (0, 100), y: (0, 100), y_range: (0.0, 250.0) };
         let json = json(&figure, &[frame]);
         assert!(!json.contains("</script>"));

@@ -12,7 +12,7 @@ use super::claims::{Claim, Verdict};
 use super::drawing::Drawing;
 use super::figure::Figure;
 use super::index::{Piece, pieces};
-use super::table::{Quantity, QUANTITIES, Row, columns, side_by_side};
+use super::table::{QUANTITIES, Quantity, Row, columns, side_by_side};
 use super::{Report, Section};
 
 const STYLE: &str = include_str!("style.css");
@@ -119,7 +119,7 @@ fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
         ul.words { @for sentence in &section.words { li { (indexed(sentence)) } } }
         @for note in &section.notes { p { (indexed(note)) } }
         @if section.rows.len() > 1 { (beside(&section.rows)) }
-        @for drawn in figures { (figure(drawn)) }
+        div.figures { @for drawn in figures { (figure(drawn)) } }
     }
 }
 
@@ -130,15 +130,14 @@ fn beside(rows: &[Row]) -> Markup {
             table.beside {
                 thead { tr {
                     th.name scope="col" { "side by side" }
+                    td {}
                     @for row in rows { th.number scope="col" { (row.method_name()) span.unit { (row.solver_name()) } } }
                 } }
                 tbody {
                     @for line in side_by_side::lines(rows) {
                         tr {
-                            th.name scope="row" {
-                                (indexed(&line.heading))
-                                @if !line.unit.is_empty() { span.inline-unit { " " (line.unit) } }
-                            }
+                            th.name scope="row" { (indexed(&line.heading)) }
+                            td.unit-cell { (line.unit) }
                             @for cell in &line.cells { td.number { (cell) } }
                         }
                     }

@@ -106,3 +106,24 @@ pub fn coinciding<'a>(runs: &[&'a Recording]) -> Vec<Vec<&'a Recording>> {
     }
     groups
 }
+
+#[cfg(test)]
+impl Run {
+    /// A run of `stiff_wall` with an arm without joints, for tests to fill in.
+    pub fn of(recording: Recording) -> Self {
+        let robot = wire::Robot {
+            name: "none".to_owned(),
+            description: String::new(),
+            source: wire::RobotSource::Urdf,
+            joints: Vec::new(),
+        };
+        Self {
+            scenario: Scenario::parse(crate::simulator::BUILT_IN_SCENARIOS[2].1, "stiff_wall").unwrap(),
+            robot,
+            recording,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

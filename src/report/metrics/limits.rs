@@ -124,3 +124,69 @@ impl Joint {
         Self { position: entry(&sample.joint_position), velocity, acceleration: (velocity - last) / period_s }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::JointKind;
+
+    fn joint() -> RobotJoint {
+        RobotJoint {
+            name: "a".to_owned(),
+            kind: JointKind::Revolute,
+            unit: "rad".to_owned(),
+            position_limit: Some([-1.0, 2.0]),
+            velocity_limit: Some(0.5),
+            acceleration_limit: Some(10.0),
+            published_range: None,
+            denavit_hartenberg: None,
+        }
+    }
+
+    /// One sample per period of 0.1 s: position and commanded velocity of one joint.
+    fn measured(samples: &[(f64, f64)], limits: &Limits) -> LimitUse {
+        let sample = |&(position, velocity): &(f64, f64)| Sample {
+            joint_position: vec![position],
+            joint_velocity: vec![velocity],
+            ..Sample::at_rest()
+        };
+        let samples = samples.iter().map(sample).collect();
+        LimitUse::of(&Recording { period_s: 0.1, samples, ..Recording::empty() }, &[joint()], limits)
+    }
+
+    fn near(value: f64, expected: f64) -> bool {
+        (value - expected).abs() < 1e-12
+    }
+
+    #[test]
+    fn a_run_inside_its_limits_breaks_none_even_on_them() {
+        let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+        let run = measured(&[(2.0, 0.5), (-1.0, -0.5)], &limits);
+        assert!(run.kept(), "{run:?}");
+        assert!(near(run.speed_use, 1.0));
+    }
+
+    #[test]
+    fn the_largest_excess_of_each_kind_is_told_where_it_counts() {
+        let trace = [(-1.25, -0.75), (2.5, 1.0)];
+        let all = measured(&trace, &Limits::Robot(LimitKind::PositionVelocityAcceleration));
+        assert!(near(all.position_excess, 0.5) && near(all.velocity_excess, 0.5) && near(all.acceleration_excess, 7.5));
+        let velocity = measured(&trace, &Limits::Robot(LimitKind::Velocity));
+        assert!(velocity.position_excess == 0.0 && near(velocity.velocity_excess, 0.5) && !velocity.kept());
+        assert!(measured(&trace, &Limits::Robot(LimitKind::None)).kept());
+    }
+
+    #[test]
+    fn a_box_of_the_controllers_own_counts_instead_of_the_robots() {
+        let limits = Limits::Box { lower: vec![-0.1], upper: vec![2.0] };
+        assert!(near(measured(&[(9.0, -0.3), (9.0, 1.9)], &limits).velocity_excess, 0.2));
+    }
+
+    #[test]
+    fn time_at_limits_is_what_the_answers_say() {
+        let sample = |limit| Sample { limits: vec![AtLimit::Free, limit], ..Sample::at_rest() };
+        let samples = [AtLimit::Free, AtLimit::Upper, AtLimit::Below].map(sample).to_vec();
+        let run = Recording { period_s: 0.1, samples, ..Recording::empty() };
+        assert!(near(LimitUse::of(&run, &[], &Limits::Robot(LimitKind::Velocity)).at_limits_s, 0.2));
+    }
+}

@@ -222,10 +222,8 @@ fn steady_error(samples: &[Sample], axis: usize) -> Option<f64> {
 fn residuals(samples: &[Sample]) -> Vec<Residual> {
     let tasks = samples.first().map_or(0, |s| s.residual_norms.len());
     let of_task = |k: usize| samples.iter().filter_map(move |s| s.residual_norms.get(k).copied());
-    let residual = |k| Residual {
-        rms: mean_square(of_task(k)).map_or(0.0, f64::sqrt),
-        largest: of_task(k).fold(0.0, larger),
-    };
+    let residual =
+        |k| Residual { rms: mean_square(of_task(k)).map_or(0.0, f64::sqrt), largest: of_task(k).fold(0.0, larger) };
     (0..tasks).map(residual).collect()
 }
 

@@ -127,7 +127,8 @@ const FINAL: &str = "force of the last sample";
 const RESIDUAL_UNIT: &str = "m/s, rad/s";
 const RESIDUAL: &str = "‖J_k q̇ − ẋ_k‖, what the command lacks of each task's velocity, highest priority first";
 const SPEED_USE: &str = "largest |q̇_i| as a part of that joint's limit";
-const AT_LIMITS: &str = "simulated time in which a limit holds at least one joint back, or is broken, as the answers say";
+const AT_LIMITS: &str =
+    "simulated time in which a limit holds at least one joint back, or is broken, as the answers say";
 const BROKEN: &str = "largest excess over the limits that the controller is told to keep, read off the trace: position, \
      commanded speed, commanded acceleration; – if all held; the solver `closed_form` does not know of limits";
 const DIFFERENCE: &str = "largest difference of any joint's commanded velocity, over all samples, from the closed form of \
@@ -237,11 +238,8 @@ fn residuals(row: &Row, of: fn(&Residual) -> f64) -> String {
 }
 
 fn broken(limits: &LimitUse) -> String {
-    let excesses = [
-        (limits.position_excess, "rad"),
-        (limits.velocity_excess, "rad/s"),
-        (limits.acceleration_excess, "rad/s²"),
-    ];
+    let excesses =
+        [(limits.position_excess, "rad"), (limits.velocity_excess, "rad/s"), (limits.acceleration_excess, "rad/s²")];
     let excess = |(value, unit): &(f64, &str)| format!("{} {unit}", significant(*value, 3));
     let broken: Vec<_> = excesses.iter().filter(|(value, _)| *value > 0.0).map(excess).collect();
     if broken.is_empty() { NOTHING.to_owned() } else { broken.join(", ") }

@@ -7,7 +7,8 @@ const ABREAST: usize = 5;
 
 /// Rows of quantities that at least one run of a scenario has; `document`s leave out times of the machine.
 fn quantities<'a>(runs: &'a [Row], document: bool) -> impl Iterator<Item = Line> + 'a {
-    let wanted = move |quantity: &&Quantity| quantity.place != Place::Head && !(document && quantity.place == Place::Machine);
+    let wanted =
+        move |quantity: &&Quantity| quantity.place != Place::Head && !(document && quantity.place == Place::Machine);
     let lines = QUANTITIES.iter().filter(wanted).map(|quantity| Line::new(quantity, runs));
     lines.filter(|line| line.always || line.cells.iter().any(|cell| cell != super::NOTHING))
 }
@@ -48,7 +49,8 @@ pub fn lines(runs: &[Row]) -> Vec<Line> {
 #[must_use]
 pub fn text(rows: &[Row]) -> String {
     let scenarios = rows.chunk_by(|a, b| a.scenario == b.scenario);
-    let tables = scenarios.flat_map(|runs| runs.chunks(ABREAST)).map(|runs| format!("{}\n{}", runs[0].scenario, aligned(runs)));
+    let tables =
+        scenarios.flat_map(|runs| runs.chunks(ABREAST)).map(|runs| format!("{}\n{}", runs[0].scenario, aligned(runs)));
     tables.collect::<Vec<_>>().join("\n")
 }
 
