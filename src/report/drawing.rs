@@ -170,7 +170,9 @@ fn line(curve: &Curve) -> ShapeStyle {
     rgb(curve.colour).stroke_width(width)
 }
 
-const fn rgb(colour: Colour) -> RGBColor {
+/// The colour as the drawing library knows it.
+#[must_use]
+pub const fn rgb(colour: Colour) -> RGBColor {
     match colour {
         Colour::Black => RGBColor(0, 0, 0),
         Colour::Orange => RGBColor(0xe6, 0x9f, 0x00),

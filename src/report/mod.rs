@@ -16,6 +16,7 @@ mod error;
 pub mod figure;
 mod index;
 mod legend;
+pub mod logarithmic;
 mod markup;
 pub mod metrics;
 pub mod notes;
