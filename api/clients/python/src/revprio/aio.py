@@ -7,6 +7,7 @@ import math
 import ssl
 from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
 from types import TracebackType
 from typing import Self, TypeVar
 
@@ -17,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from revprio import routes
 from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.drive import Drive, Hearing, Measurement, ramp_to_rest, ticks
-from revprio.errors import LateAnswerError, NoAnswerError, RevprioError
+from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     BatchItem,
     BatchRequest,
@@ -88,9 +89,9 @@ class AsyncClient:
         except httpx.TransportError as error:
             raise no_answer(self.url, error) from error
 
-    async def connect(self, path: str) -> ClientConnection:
-        """A WebSocket to a path of the service."""
-        return await connect(
+    def connect(self, path: str) -> AbstractAsyncContextManager[ClientConnection]:
+        """As `Client.connect`."""
+        return connect(
             websocket_url(self.url, path),
             additional_headers=self._headers,
             subprotocols=[SUBPROTOCOL],  # type: ignore[list-item]
@@ -259,8 +260,9 @@ class AsyncSession(AsyncController):
         return AsyncStream(self._client, self.id, self._numbering)
 
     async def close(self) -> None:
-        """Ends the session."""
-        await self._client.call(routes.DELETE_CONTROLLER(self.id))
+        """As `Session.close`."""
+        with suppress(NotFoundError):
+            await self._client.call(routes.DELETE_CONTROLLER(self.id))
 
 
 class AsyncStateless(AsyncController):
@@ -294,12 +296,14 @@ class AsyncStream(AsyncController):
         super().__init__(numbering)
         self._client, self._session_id = client, session_id
         self._replies = Replies(client.url)
+        self._exit = AsyncExitStack()
 
     async def open(self) -> None:
         """Connects."""
         url = self._client.url
         try:
-            self._socket = await self._client.connect(routes.STREAM_CONTROLLER.format(self._session_id))
+            socket = self._client.connect(routes.STREAM_CONTROLLER.format(self._session_id))
+            self._socket = await self._exit.enter_async_context(socket)
         except InvalidHandshake as error:
             raise refused_handshake(url, error) from error
         except OSError as error:
@@ -321,7 +325,7 @@ class AsyncStream(AsyncController):
 
     async def close(self) -> None:
         """Ends the connection, not the session."""
-        await self._socket.close()
+        await self._exit.aclose()
 
 
 class AsyncSimulationRun:

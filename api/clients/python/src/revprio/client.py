@@ -5,6 +5,7 @@ from __future__ import annotations
 import ssl
 import time
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Self, TypeVar
 
@@ -86,8 +87,8 @@ class Client:
         except httpx.TransportError as error:
             raise no_answer(self.url, error) from error
 
-    def connect(self, path: str) -> ClientConnection:
-        """A WebSocket to a path of the service."""
+    def connect(self, path: str) -> AbstractContextManager[ClientConnection]:
+        """A WebSocket to a path of the service, for a `with` block."""
         return connect(
             websocket_url(self.url, path),
             additional_headers=self._headers,

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
-from websockets.sync.client import ClientConnection
 
 from revprio import routes
 from revprio.bodies import ArrayLike, JointVector
-from revprio.errors import LateAnswerError, NoAnswerError
+from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError
 from revprio.models import (
     ControllerConfig,
     CreatedController,
@@ -105,8 +105,9 @@ class Session(Controller):
         return Stream(self._client, self)
 
     def close(self) -> None:
-        """Ends the session."""
-        self._client.call(routes.DELETE_CONTROLLER(self.id))
+        """Ends the session, if it has not ended by itself."""
+        with suppress(NotFoundError):
+            self._client.call(routes.DELETE_CONTROLLER(self.id))
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -149,8 +150,9 @@ class Stream(Controller):
         self._numbering = session._numbering
         self._url, self._timeout_s = client.url, client.step_timeout_s
         self._replies = Replies(client.url)
+        self._exit = ExitStack()
         try:
-            self._socket: ClientConnection = client.connect(routes.STREAM_CONTROLLER.format(session.id))
+            self._socket = self._exit.enter_context(client.connect(routes.STREAM_CONTROLLER.format(session.id)))
         except InvalidHandshake as error:
             raise refused_handshake(client.url, error) from error
         except OSError as error:
@@ -171,4 +173,4 @@ class Stream(Controller):
 
     def close(self) -> None:
         """Ends the connection, not the session."""
-        self._socket.close()
+        self._exit.close()

@@ -127,16 +127,16 @@ class Hearing:
         return {**vars(now), "time_s": tick.time_s}
 
     def hear(self, call: Outcome) -> bool:
-        """Takes the outcome of a call that is over; whether it is an answer. Raises what is worse than silence."""
+        """Takes the outcome of a call that is over; whether it is an answer that counts. Raises refusals."""
         try:
-            self._watchdog.obey(call.result(), self._asked_at_s)
+            answer = call.result()
         except RevprioError as failure:
             if not failure.is_silence:
                 raise
             self._failure = failure
             return False
         self._failure = None
-        return True
+        return self._watchdog.obey(answer, self._asked_at_s, time.monotonic())
 
     def command(self) -> FloatArray:
         """What to command now; raises the failure that has led to rest."""

@@ -40,7 +40,7 @@ class Route(Generic[A]):
 
     def __init__(self, method: str, path: str, answer: type[A], *, repeatable: bool = True) -> None:
         """`repeatable`: whether it may be sent again when nobody knows if the service has seen it."""
-        self.method, self.path, self.repeatable = method, path, repeatable
+        self.method, self.path, self.answer, self.repeatable = method, path, answer, repeatable
         self._adapter: TypeAdapter[A] = TypeAdapter(answer)
 
     def __call__(self, *names: str, body: Body | None = None) -> Call[A]:

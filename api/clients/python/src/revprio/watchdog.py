@@ -19,7 +19,7 @@ class Watchdog:
     def __init__(self, acceleration_limit: ArrayLike) -> None:
         """`acceleration_limit`: n, rad/s² or m/s²."""
         self._acceleration = np.asarray(acceleration_limit, dtype=np.float64)
-        if self._acceleration.ndim != 1 or not (self._acceleration > 0).all():
+        if self._acceleration.ndim != 1 or self._acceleration.size == 0 or not (self._acceleration > 0).all():
             message = f"acceleration_limit: give one positive number per joint, not {acceleration_limit!r}"
             raise ValueError(message)
         self._velocity = np.zeros_like(self._acceleration)
@@ -34,16 +34,19 @@ class Watchdog:
             raise ValueError(message)
         return cls(limits)
 
-    def obey(self, answer: StepAnswer, measured_at_s: float) -> None:
-        """Takes an answer to a state that was measured at a time, s; one to an older state than before is ignored."""
-        if measured_at_s < self._measured_at_s:
-            return
+    def obey(self, answer: StepAnswer, measured_at_s: float, now_s: float) -> bool:
+        """Takes an answer that comes now (s) to a state that was measured before (s).
+
+        `False` if it does not count: it has expired, or a state that was measured later was answered before.
+        """
         if answer.joint_velocity.shape != self._acceleration.shape:
             message = f"{answer.joint_velocity.size} joint velocities for {self._acceleration.size} joints"
             raise ValueError(message)
-        self._velocity = answer.joint_velocity
-        self._measured_at_s = measured_at_s
-        self._expires_at_s = measured_at_s + answer.valid_for_ms / 1e3
+        expires_at_s = measured_at_s + answer.valid_for_ms / 1e3
+        if now_s > expires_at_s or measured_at_s < self._measured_at_s:
+            return False
+        self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
+        return True
 
     def command(self, now_s: float) -> FloatArray:
         """Joint velocities to command at a time (s): n, rad/s or m/s."""
