@@ -3,7 +3,7 @@
 Nothing here needs ROS: whatever has the fields of the message will do, which is how the tests call it.
 """
 
-from math import copysign, isfinite
+from math import copysign, inf, isfinite
 
 AXES = ("x", "y", "z")
 
@@ -104,10 +104,13 @@ def trajectory_point(position, velocity, period_s):
 
 
 class Watchdog:
-    """What the arm is told each period: the last answer while it is valid, then the way to rest at `acceleration`."""
+    """What the arm is told each period: the last answer while it is valid, then the way to rest at `acceleration`.
+
+    A joint whose acceleration is None, as the service says where the robot's description has no limit, rests at once.
+    """
 
     def __init__(self, acceleration, period_s):
-        self.most = [a * period_s for a in acceleration]
+        self.most = [inf if a is None else a * period_s for a in acceleration]
         self.velocity = [0.0] * len(acceleration)
         self.valid_until_s = float("-inf")
 

@@ -129,6 +129,13 @@ class Watchdogs(unittest.TestCase):
             for a, b in zip(got, wanted):
                 self.assertAlmostEqual(a, b, places=12)
 
+    def test_a_joint_without_an_acceleration_limit_rests_at_once(self):
+        watchdog = conversion.Watchdog([None, 5.0], 0.01)
+        watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        velocity = watchdog.command(1.2)
+        self.assertEqual(velocity[0], 0.0)
+        self.assertAlmostEqual(velocity[1], -0.07, places=12)
+
     def test_a_new_answer_counts_again(self):
         self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
         self.watchdog.command(2.0)
