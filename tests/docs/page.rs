@@ -70,9 +70,11 @@ pub fn pages() -> Vec<Page> {
     while let Some(directory) = directories.pop() {
         for entry in std::fs::read_dir(root().join(&directory)).unwrap().map(Result::unwrap) {
             let path = directory.join(entry.file_name());
-            // What package managers leave beside a client is not ours.
-            if entry.path().is_dir() && entry.file_name() != "node_modules" {
-                directories.push(path);
+            let name = entry.file_name();
+            if entry.path().is_dir() {
+                // What package managers leave beside a client is not ours.
+                let is_foreign = name == "node_modules" || name.to_string_lossy().starts_with('.');
+                directories.extend((!is_foreign).then_some(path));
             } else if path.extension().is_some_and(|ending| ending == "md") {
                 paths.push(path);
             }
