@@ -1,7 +1,6 @@
 //! Each metric on runs whose answer is known by hand.
 
 use super::*;
-use crate::wire::{Method, Solver, Status};
 
 /// A free sample at `time_s`, 10 cm before the wall, with a target of 30 N in x.
 fn sample(time_s: f64) -> Sample {
@@ -9,17 +8,9 @@ fn sample(time_s: f64) -> Sample {
         time_s,
         joint_position: vec![0.0; 2],
         joint_velocity: vec![0.0; 2],
-        position: [0.0; 3],
-        position_error: [0.0; 3],
-        force: [0.0; 3],
         target_force: [Some(30.0), None, None],
         wall_distance: Some(0.1),
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     }
 }
 
@@ -28,15 +19,7 @@ fn pressing(time_s: f64, force_x: f64) -> Sample {
 }
 
 fn recording(samples: Vec<Sample>) -> Recording {
-    Recording {
-        scenario: "stiff_wall".to_owned(),
-        method: Method::ReversePriority,
-        solver: Solver::ClosedForm,
-        period_s: 0.1,
-        wall_time_s: 0.5,
-        joint_names: vec!["a".to_owned(), "b".to_owned()],
-        samples,
-    }
+    Recording { period_s: 0.1, joint_names: vec!["a".to_owned(), "b".to_owned()], samples, ..Recording::empty() }
 }
 
 /// A run in contact, one sample every 0.1 s, with these values of `F_x`.

@@ -3,37 +3,21 @@
 use super::*;
 use crate::report::drawing::{self, MARGIN, WIDTH};
 use crate::report::typeface;
-use crate::wire::{Path, Status};
 
 /// A run of 2 s that presses with `peak` N for one sample in the middle.
 fn run(scenario: &str, method: Method, solver: Solver, peak: f64) -> Recording {
-    Recording {
-        scenario: scenario.to_owned(),
-        method,
-        solver,
-        period_s: 1e-3,
-        wall_time_s: 1.0,
-        joint_names: vec![],
-        samples: (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect(),
-    }
+    let samples = (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect();
+    Recording { scenario: scenario.to_owned(), method, solver, samples, ..Recording::empty() }
 }
 
 fn sample(index: i32, force: f64) -> Sample {
     Sample {
         time_s: 1e-3 * f64::from(index),
-        joint_position: vec![],
-        joint_velocity: vec![],
-        position: [0.0; 3],
         position_error: [0.0, 0.002, 0.0],
         force: [force, 0.0, 0.0],
         target_force: [Some(30.0), Some(30.0), None],
         wall_distance: Some(if force > 0.0 { -1e-3 } else { 0.05 }),
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     }
 }
 

@@ -2,34 +2,16 @@
 
 use super::*;
 use crate::simulator::recording::Sample;
-use crate::wire::{Path, Status};
 
 fn run(method: Method, solver: Solver, velocity: f64) -> Recording {
     let sample = Sample {
-        time_s: 0.0,
         joint_position: vec![0.0],
         joint_velocity: vec![velocity],
-        position: [0.0; 3],
-        position_error: [0.0; 3],
         force: [33.0, 0.0, 0.0],
         target_force: [Some(30.0), None, None],
-        wall_distance: None,
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     };
-    Recording {
-        scenario: "stiff_wall".to_owned(),
-        method,
-        solver,
-        period_s: 1e-3,
-        wall_time_s: 0.5,
-        joint_names: vec!["a".to_owned()],
-        samples: vec![sample],
-    }
+    Recording { method, solver, joint_names: vec!["a".to_owned()], samples: vec![sample], ..Recording::empty() }
 }
 
 #[test]
