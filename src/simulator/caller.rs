@@ -1,13 +1,14 @@
 //! The service as one run sees it.
 
 use super::run::CallMode;
+use super::stateless::Stateless;
 use crate::client::{Client, ClientError};
 use crate::wire;
 
 /// The service, in a session or not.
 pub enum Caller<'a> {
     Session { client: &'a Client, id: String },
-    Stateless { client: &'a Client, request: Box<wire::StepRequest> },
+    Stateless(Box<Stateless<'a>>),
 }
 
 impl<'a> Caller<'a> {
@@ -15,35 +16,29 @@ impl<'a> Caller<'a> {
     pub fn open(controller: &wire::Controller, client: &'a Client, mode: CallMode) -> Result<Self, ClientError> {
         match mode {
             CallMode::Session => Ok(Self::Session { client, id: client.create_controller(controller)?.id }),
-            CallMode::Stateless => {
-                let nothing = wire::State {
-                    sequence: 0,
-                    time_s: 0.0,
-                    joint_position: Vec::new().into(),
-                    joint_velocity: None,
-                    wrench: None,
-                };
-                let request = wire::StepRequest { controller: controller.clone(), state: nothing, memory: None };
-                Ok(Self::Stateless { client, request: Box::new(request) })
-            }
+            CallMode::Stateless => Ok(Self::Stateless(Box::new(Stateless::new(client, controller.clone())))),
         }
     }
 
-    /// Asks for one step.
+    /// The controller from the next period on; a session keeps the one that it was opened with.
+    pub fn change(&mut self, controller: wire::Controller) {
+        if let Self::Stateless(caller) = self {
+            caller.change(controller);
+        }
+    }
+
+    /// Asks for the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
         match self {
             Self::Session { client, id } => client.step_controller(id, &state),
-            Self::Stateless { client, request } => {
-                request.state = state;
-                client.step(request)
-            }
+            Self::Stateless(caller) => caller.call(state),
         }
     }
 
-    /// Keeps the memory of an answer that arrived, for the next call.
-    pub fn keep_memory(&mut self, answer: &mut wire::StepAnswer) {
-        if let Self::Stateless { request, .. } = self {
-            request.memory = answer.memory.take();
+    /// The last answer did not arrive when it should; a session does not know.
+    pub fn lose(&mut self) {
+        if let Self::Stateless(caller) = self {
+            caller.lose();
         }
     }
 }

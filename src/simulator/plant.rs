@@ -103,12 +103,14 @@ impl Plant {
         *contact_force = self.environment.step(tool_position(configuration), [x, y, z], time_s, dt);
     }
 
-    /// What is the case and what the sensors tell of it.
-    pub fn measure(&mut self, time_s: f64) -> Measured {
+    /// What is the case while a force (N, base axes) pushes the tool besides what the scenario says, and what the sensors
+    /// tell of it.
+    pub fn measure(&mut self, time_s: f64, pushed: [f64; 3]) -> Measured {
         let external = self.external_wrench.as_ref().map(|wrench| wrench.at(time_s).value);
         let external = |row: usize| external.as_ref().map_or(0.0, |wrench| wrench[row]);
         let contact = self.now.contact_force;
-        let external_force = [0, 1, 2].map(external);
+        // The tool pushes back on whoever pushes it: one more part of its environment.
+        let external_force = [0, 1, 2].map(|i| external(i) + pushed[i]);
         let (force, torque) = ([0, 1, 2].map(|i| contact[i] - external_force[i]), [3, 4, 5].map(|i| 0.0 - external(i)));
         let mut sensed = Sensed {
             joint_position: self.arm.position().to_vec(),

@@ -2,11 +2,12 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::caller::Caller;
 use super::flaw::Flaw;
 use super::line::Line;
+use super::operator::{Ending, Influence, Observed, Onlooker, Operator};
 use super::plant::Plant;
 use super::recording::{Recording, Timing};
 use super::scenario::Scenario;
@@ -119,49 +120,55 @@ pub fn run_robot(
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
-    mut progress: impl FnMut(u64) -> ControlFlow<()>,
+    progress: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<Recording, RunError> {
+    drive(robot, scenario, client, mode, &mut Onlooker::new(progress))
+}
+
+/// Runs the scenario as an operator wants it.
+///
+/// The controller's memory travels with every request, so that a changed controller continues where the one before stood.
+pub fn run_operated(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    client: &Client,
+    operator: &mut impl Operator,
+) -> Result<Recording, RunError> {
+    drive(robot, scenario, client, CallMode::Stateless, operator)
+}
+
+fn drive(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    client: &Client,
+    mode: CallMode,
+    operator: &mut impl Operator,
 ) -> Result<Recording, RunError> {
     let robot = with_tool(robot, &scenario.controller)?;
     let mut plant = Plant::new(scenario, &robot)?;
-    let mut line = Line::new(scenario.faults.clone(), scenario.seed);
-    let mut caller =
-        Caller::open(&scenario.controller, client, mode).map_err(|source| RunError::Service { time_s: 0.0, source })?;
+    let caller = Caller::open(&scenario.controller, client, mode);
+    let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
+    let line = Line::new(scenario.faults.clone(), scenario.seed);
+    let mut conversation = Conversation { caller, line, robot, period_s: scenario.period_s(), obeyed: None };
     let start = Instant::now();
     let (mut samples, mut timings) = (Vec::new(), Vec::new());
-    let mut obeyed: Option<Obeyed> = None;
     for period in 0..scenario.cycles() {
         let time_s = period as f64 * scenario.period_s();
-        let measured = plant.measure(time_s);
-        let called = Instant::now();
-        let answer = (!line.is_dead(time_s)).then(|| caller.call(measured.state(period, time_s)));
-        let round_trip_us = answer.as_ref().map_or(0.0, |_| called.elapsed().as_secs_f64() * 1e6);
-        let answer = match answer.transpose() {
-            Err(error) if is_silence(&error) && obeyed.is_some() => {
-                if pause(scenario.period_s(), || progress(period)).is_break() {
-                    return Err(RunError::Stopped { time_s });
-                }
-                None
-            }
-            answer => answer.map_err(|source| RunError::Service { time_s, source })?,
-        };
-        let now = match (line.pass(period, answer), obeyed) {
-            (Some(mut answer), _) => {
-                caller.keep_memory(&mut answer);
-                Obeyed::new(answer, scenario.period_s())
-            }
-            (None, Some(before)) => before.still(time_s, &robot, scenario.period_s()),
-            (None, None) => return Err(Flaw::new("/faults", "leave the first state without an answer").into()),
-        };
-        let (expected, given) = (robot.joint_count(), now.answer.joint_velocity.len());
-        if given != expected {
-            return Err(RunError::AnswerSize { time_s, expected, given });
+        let Influence { external_force, controller } = operator.influence(period);
+        if let Some(controller) = controller {
+            conversation.caller.change(controller);
         }
-        timings.push(Timing { round_trip_us, elapsed_us: now.answer.elapsed_us });
-        samples.push(plant.sample(period, time_s, measured, &now, &scenario.controller.tasks));
+        let measured = plant.measure(time_s, external_force);
+        let (now, round_trip) = conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
+        let sample = plant.sample(period, time_s, measured, now, &scenario.controller.tasks);
         plant.advance(&now.answer.joint_velocity, time_s)?;
-        obeyed = Some(now);
-        if progress(period + 1).is_break() {
-            return Err(RunError::Stopped { time_s });
+        operator.see(period + 1, &Observed { sample: &sample, answer: &now.answer, round_trip });
+        samples.push(sample);
+        timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: now.answer.elapsed_us });
+        match operator.goes_on() {
+            ControlFlow::Continue(()) => (),
+            ControlFlow::Break(Ending::Finish) => break,
+            ControlFlow::Break(Ending::Stop) => return Err(RunError::Stopped { time_s }),
         }
     }
     Ok(Recording {
@@ -175,6 +182,58 @@ pub fn run_robot(
         samples,
         timings,
     })
+}
+
+fn unit(goes_on: ControlFlow<Ending>) -> ControlFlow<()> {
+    goes_on.map_break(|_| ())
+}
+
+/// Caller and line, and the answer that the arm obeys.
+struct Conversation<'a> {
+    caller: Caller<'a>,
+    line: Line,
+    robot: Arc<RobotModel>,
+    period_s: f64,
+    obeyed: Option<Obeyed>,
+}
+
+impl Conversation<'_> {
+    /// What the arm obeys in the period of a state, and how long the service took to answer, if it was asked.
+    fn next(
+        &mut self,
+        state: wire::State,
+        goes_on: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<(&Obeyed, Duration), RunError> {
+        let (period, time_s) = (state.sequence, state.time_s);
+        let is_dead = self.line.is_dead(time_s);
+        let called = Instant::now();
+        let answer = if is_dead { Ok(None) } else { self.caller.call(state).map(Some) };
+        let round_trip = if is_dead { Duration::ZERO } else { called.elapsed() };
+        let answer = match answer {
+            Err(error) if is_silence(&error) && self.obeyed.is_some() => {
+                if pause(self.period_s, goes_on).is_break() {
+                    return Err(RunError::Stopped { time_s });
+                }
+                None
+            }
+            answer => answer.map_err(|source| RunError::Service { time_s, source })?,
+        };
+        let was_answered = answer.is_some();
+        let arrived = self.line.pass(period, answer);
+        if was_answered && arrived.as_ref().is_none_or(|answer| answer.sequence < period) {
+            self.caller.lose();
+        }
+        let now = match (arrived, self.obeyed.take()) {
+            (Some(answer), _) => Obeyed::new(answer, self.period_s),
+            (None, Some(before)) => before.still(time_s, &self.robot, self.period_s),
+            (None, None) => return Err(Flaw::new("/faults", "leaves the first state without an answer").into()),
+        };
+        let (expected, given) = (self.robot.joint_count(), now.answer.joint_velocity.len());
+        if given != expected {
+            return Err(RunError::AnswerSize { time_s, expected, given });
+        }
+        Ok((self.obeyed.insert(now), round_trip))
+    }
 }
 
 /// The arm with its tool point where the controller says.
