@@ -8,7 +8,7 @@ use super::{CliError, Target};
 use crate::report::paper_figures::{Posture, of_posture};
 use crate::report::{self, Report, table};
 use crate::simulator::recording::Recording;
-use crate::simulator::{BUILT_IN_SCENARIOS, CallMode, Scenario};
+use crate::simulator::{CallMode, PAPER_SCENARIOS, Scenario};
 use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
@@ -30,7 +30,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
     let target = Target::open(None)?;
     let mut recordings = Vec::new();
-    for (name, _) in BUILT_IN_SCENARIOS {
+    for name in PAPER_SCENARIOS {
         let mut scenario = Scenario::find(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);

@@ -35,5 +35,5 @@ pub use flaw::Flaw;
 pub use operator::{Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
 pub use run::{CallMode, RunError, run, run_operated, run_robot};
-pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
+pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};
 pub use sensors::{Sensor, Sensors};

@@ -126,9 +126,31 @@ macro_rules! built_in {
     ($($name:literal),+) => { [$(($name, include_str!(concat!("../../fixtures/scenarios/", $name, ".toml")))),+] };
 }
 
-/// The scenarios that ship with the crate: name and TOML text.
-pub const BUILT_IN_SCENARIOS: [(&str, &str); 4] =
-    built_in!["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
+/// The scenarios that ship with the crate: name and TOML text, those of the paper first.
+pub const BUILT_IN_SCENARIOS: [(&str, &str); 18] = built_in![
+    "force_tracking",
+    "force_tracking_singular",
+    "stiff_wall",
+    "stiff_wall_singular",
+    "stiff_wall_limits",
+    "stiff_wall_limits_clamped",
+    "stiff_wall_lag",
+    "stiff_wall_lag_damped",
+    "stiff_wall_acceleration",
+    "stiff_wall_acceleration_slow",
+    "joint_limits",
+    "task_conflict",
+    "moving_wall",
+    "polishing",
+    "human_push",
+    "ur5e_wall",
+    "noisy_sensors",
+    "lossy_line"
+];
+
+/// Names of those with which the paper compares methods.
+pub const PAPER_SCENARIOS: [&str; 4] =
+    ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 impl Scenario {
     /// A scenario that ships with the crate; never a file.
@@ -260,8 +282,9 @@ mod tests {
             Scenario::parse(&text.replacen(from, to, 1), "mine.toml").unwrap_err().to_string()
         };
         assert!(refusal("duration_s", "durations").contains("line "));
-        assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("`duration_s`"));
-        assert!(refusal("stiffness = 1000.0", "stiffness = -1.0").contains("`contacts`"));
+        assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("mine.toml, line 5: `duration_s` must be"));
+        let stiffness = refusal("stiffness = 1000.0", "stiffness = -1.0");
+        assert!(stiffness.contains("line 11: `contacts.0.stiffness` must not be negative"), "{stiffness}");
         assert!(Scenario::find("force_trackin").unwrap_err().to_string().contains("known: force_tracking,"));
         assert!(Scenario::find("no_such.toml").unwrap_err().to_string().contains("cannot read no_such.toml"));
     }
