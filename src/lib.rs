@@ -146,6 +146,7 @@
 //! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
+pub mod bench;
 pub mod cli;
 pub mod client;
 pub mod controller;

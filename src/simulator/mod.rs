@@ -18,5 +18,5 @@ pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
 pub use operator::{Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
-pub use run::{CallMode, RunError, run, run_operated, run_robot};
+pub use run::{CallMode, RunError, built_in_robot, run, run_operated, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

@@ -95,7 +95,8 @@ pub fn run(
     run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
 }
 
-fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
+/// A robot that ships with the crate.
+pub fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
     let robot = built_in().iter().find(|robot| robot.name() == name).cloned();
     robot.ok_or_else(|| {
         let known: Vec<&str> = built_in().iter().map(|robot| robot.name()).collect();
