@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bench;
 mod compare;
 mod config;
 mod demo;
@@ -20,6 +21,7 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::settings::SettingsError;
+use crate::bench::BenchError;
 use crate::client::{Client, ClientError};
 use crate::robot::RobotFileError;
 use crate::service::{
@@ -45,6 +47,7 @@ const EXAMPLES: &str = "Examples:
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
+  revprio bench --only core,http                     measure times beside those of others
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
 #[derive(Debug, Subcommand)]
@@ -70,6 +73,8 @@ enum Command {
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Measure how fast this machine is at all of it, beside other programs that do the same.
+    Bench(bench::Options),
     /// Print the OpenAPI document of the HTTP interface.
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
@@ -91,6 +96,9 @@ pub enum CliError {
     /// The server under load did something that it must not.
     #[error("under load: {0}")]
     Load(String),
+    /// Nothing was measured.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
     /// A robot file is refused.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -176,6 +184,7 @@ impl Cli {
             Command::Compare(options) => compare::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Bench(options) => bench::run(&options),
             Command::Openapi => openapi::run(openapi_document()),
             Command::Asyncapi => openapi::run(asyncapi_document()),
         }

@@ -22,6 +22,7 @@ pub mod experiment;
 pub mod figure;
 mod index;
 mod legend;
+pub mod logarithmic;
 pub mod markdown;
 mod markup;
 pub mod metrics;
