@@ -17,9 +17,6 @@ pub struct Options {
     out: PathBuf,
 }
 
-/// The paper's examples, each from two postures.
-const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
-
 /// What is compared in every scenario.
 const VARIANTS: [(Method, Solver); 4] = [
     (Method::ReversePriority, Solver::ClosedForm),
