@@ -3,8 +3,8 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
-use super::simulate::{make_directory, record, write_traces};
-use super::{CliError, Target};
+use super::simulate::{make_directory, record};
+use super::{CliError, Target, traces};
 use crate::report::paper_figures::{Posture, of_posture};
 use crate::report::{self, Report, table};
 use crate::simulator::recording::Recording;
@@ -16,6 +16,8 @@ pub struct Options {
     /// Directory for traces, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 /// What is compared in every scenario.
@@ -37,25 +39,25 @@ pub fn run(options: &Options) -> Result<(), CliError> {
             recordings.push(record(&scenario, None, &target, CallMode::Session)?);
         }
     }
-    let page = report(&recordings);
+    let page = report(&recordings, options.traces.names(&recordings));
     write!(stdout(), "{}", table::text(&page.rows))?;
     for note in &page.notes {
         writeln!(stdout(), "\n{}: {}", note.scenario, note.text)?;
     }
-    write_traces(&options.out, &recordings)?;
+    options.traces.write(&options.out, &recordings)?;
     report::write(&options.out, &page)?;
     writeln!(stdout(), "\nfigures, traces and one page with all of it: {}", options.out.join("index.html").display())?;
     Ok(())
 }
 
-fn report(recordings: &[Recording]) -> Report {
+fn report(recordings: &[Recording], traces: Vec<String>) -> Report {
     Report {
         title: "Force control with reverse task priority: the paper's experiments".to_owned(),
         introduction: INTRODUCTION.map(str::to_owned).to_vec(),
         rows: table::rows(recordings),
         notes: report::notes::of_recordings(recordings),
         figures: [Posture::Nominal, Posture::Singular].iter().flat_map(|&p| of_posture(p, recordings)).collect(),
-        traces: recordings.iter().map(Recording::trace_name).collect(),
+        traces,
         command: "cargo run --release -- demo".to_owned(),
     }
 }

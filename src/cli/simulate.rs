@@ -8,7 +8,7 @@ use std::sync::Arc;
 use clap::ValueEnum;
 
 use super::robot::{Registration, RobotArgument};
-use super::{CliError, Target, progress_bar};
+use super::{CliError, Target, progress_bar, traces};
 use crate::client::ClientError;
 use crate::report::{self, Report, table};
 use crate::robot::RobotModel;
@@ -39,6 +39,8 @@ pub struct Options {
     /// Directory for trace, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
@@ -56,14 +58,14 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let recordings = [record(&scenario, robot.as_ref(), &target, mode)?];
     let rows = table::rows(&recordings);
     write!(stdout(), "{}", table::text(&rows))?;
-    write_traces(&options.out, &recordings)?;
+    options.traces.write(&options.out, &recordings)?;
     let page = Report {
         title: format!("{}: {}", scenario.name, scenario.description),
         introduction: Vec::new(),
         rows,
         notes: Vec::new(),
         figures: recordings.iter().map(report::run_figure::of_run).collect(),
-        traces: recordings.iter().map(Recording::trace_name).collect(),
+        traces: options.traces.names(&recordings),
         command: command(options, &scenario),
     };
     report::write(&options.out, &page)?;
@@ -147,15 +149,6 @@ pub fn record(
 /// Makes the output directory, before the work that would be in vain without it.
 pub fn make_directory(out: &Path) -> Result<(), CliError> {
     std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })
-}
-
-/// Writes every recording as CSV into the directory.
-pub fn write_traces(out: &Path, recordings: &[Recording]) -> Result<(), CliError> {
-    for recording in recordings {
-        let path = out.join(recording.trace_name());
-        recording.write_csv(&path).map_err(|source| CliError::Trace { path, source })?;
-    }
-    Ok(())
 }
 
 /// The words of the interface as values of options.

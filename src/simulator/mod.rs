@@ -7,6 +7,7 @@ mod arm;
 mod energy;
 mod environment;
 pub mod recording;
+pub mod replay;
 mod request;
 mod run;
 mod scenario;

@@ -156,6 +156,7 @@ pub fn run_robot(
         wall_time_s,
         joint_names,
         energy: Energy::default(),
+        setup: Some(Box::new(scenario.clone())),
         samples,
         timings,
     })
@@ -295,7 +296,7 @@ impl Measured {
 }
 
 /// F_d on x, y and z, from the answers of the tasks that the axes belong to.
-fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>; 3] {
+pub(super) fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>; 3] {
     let mut target = [None; 3];
     for (task, outcome) in scenario.controller.tasks.iter().zip(&answer.tasks) {
         // Along other axes there is no force on x, y or z to tell.
@@ -312,13 +313,13 @@ fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>;
 }
 
 /// The service as one run sees it.
-enum Caller<'a> {
+pub(super) enum Caller<'a> {
     Session { client: &'a Client, id: String },
     Stateless { client: &'a Client, request: Box<wire::StepRequest> },
 }
 
 impl<'a> Caller<'a> {
-    fn open(scenario: &Scenario, client: &'a Client, mode: CallMode) -> Result<Self, RunError> {
+    pub(super) fn open(scenario: &Scenario, client: &'a Client, mode: CallMode) -> Result<Self, RunError> {
         let controller = &scenario.controller;
         match mode {
             CallMode::Session => {
@@ -340,7 +341,7 @@ impl<'a> Caller<'a> {
         }
     }
 
-    fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
+    pub(super) fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
         match self {
             Self::Session { client, id } => client.step_controller(id, &state),
             Self::Stateless { client, request } => {

@@ -1,0 +1,50 @@
+//! Recordings as files beside figures and page.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
+use super::CliError;
+use crate::simulator::recording::{Format, Recording};
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Formats of the traces, such as `csv,mcap`
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "csv")]
+    format: Vec<Format>,
+    /// Also record how long each call took, which differs from run to run
+    #[arg(long)]
+    timings: bool,
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.ending()))
+    }
+}
+
+impl Options {
+    /// Writes every recording in every format into the directory.
+    pub fn write(&self, out: &Path, recordings: &[Recording]) -> Result<(), CliError> {
+        for (recording, &format) in self.files(recordings) {
+            let path = out.join(recording.trace_name(format));
+            let written = format.write_file(recording, self.timings, &path);
+            written.map_err(|source| CliError::Trace { path, source })?;
+        }
+        Ok(())
+    }
+
+    /// Names of these files.
+    pub fn names(&self, recordings: &[Recording]) -> Vec<String> {
+        self.files(recordings).map(|(recording, &format)| recording.trace_name(format)).collect()
+    }
+
+    fn files<'a>(&'a self, recordings: &'a [Recording]) -> impl Iterator<Item = (&'a Recording, &'a Format)> {
+        recordings.iter().flat_map(|recording| self.format.iter().map(move |format| (recording, format)))
+    }
+}
