@@ -4,17 +4,34 @@
 //! it shows is what any client would get.
 
 mod arm;
+mod caller;
+mod chance;
+mod contact;
+mod drive_limits;
 mod energy;
 mod environment;
+mod faults;
+mod flaw;
+mod line;
+mod plant;
+mod profile;
 pub mod recording;
 pub mod replay;
 mod request;
 mod run;
 mod scenario;
+mod sensors;
+mod surface;
+mod toml_lines;
 mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
-pub use environment::{Contact, ContactKind, Environment};
+pub use contact::{Contact, ContactKind, Friction};
+pub use drive_limits::DriveLimits;
+pub use environment::Environment;
+pub use faults::{Faults, Outage};
+pub use flaw::Flaw;
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
 pub use run::{CallMode, RunError, run, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
+pub use sensors::{Sensor, Sensors};

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use super::caller::Caller;
+use super::plant::target_force;
 use super::recording::{AtLimit, Extent, Recording, Sample, Sensed, Value};
-use super::run::{CallMode, Caller, RunError, target_force};
-use super::scenario::Scenario;
+use super::run::{CallMode, RunError};
 use crate::client::Client;
 use crate::wire;
 
@@ -52,7 +53,8 @@ pub struct Difference {
 /// Sends every recorded state to a service, in order, and compares each answer with the recorded one: commands, residuals,
 /// limits, path and status. Numbers may differ by `tolerance`; with 0 they must be the same bits.
 ///
-/// Where the recording obeys an older answer, as after a fault of the line, that one is compared.
+/// Where the recording obeys an older answer, as after a fault of the line, that one is compared. With faults, answers can
+/// only be the same in the mode in which they were recorded.
 pub fn replay(
     recording: &Recording,
     client: &Client,
@@ -61,15 +63,22 @@ pub fn replay(
     mut progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Replay, ReplayError> {
     let scenario = recording.setup.as_deref().ok_or(ReplayError::NoController)?;
-    let mut caller = Caller::open(scenario, client, mode)?;
+    let controller = &scenario.controller;
+    let refused = |time_s| move |source| RunError::Service { time_s, source };
+    let mut caller = Caller::open(controller, client, mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
     let columns = Extent::of(recording, false).columns();
     for (period, sample) in recording.samples.iter().enumerate() {
-        let answer = caller.call(state(period, sample));
         let time_s = sample.time_s;
-        let answer = answer.map_err(|source| RunError::Service { time_s, source })?;
-        again.samples.push(answered(sample, scenario, &answer, &recording.joint_names));
+        // A service that was dead was not asked.
+        if scenario.faults.is_dead(time_s) {
+            again.samples.push(sample.clone());
+        } else {
+            let mut answer = caller.call(state(period, sample)).map_err(refused(time_s))?;
+            caller.keep_memory(&mut answer);
+            again.samples.push(answered(sample, &controller.tasks, &answer, &recording.joint_names));
+        }
         let age = usize::try_from(sample.answer_age).ok().and_then(|age| period.checked_sub(age));
         if let (true, Some(asked)) = (sample.answered, age) {
             result.compared += 1;
@@ -136,10 +145,15 @@ fn state(period: usize, sample: &Sample) -> wire::State {
 }
 
 /// The sample with what another answer says.
-fn answered(sample: &Sample, scenario: &Scenario, answer: &wire::StepAnswer, joint_names: &[String]) -> Sample {
+fn answered(
+    sample: &Sample,
+    tasks: &[wire::ControllerTask],
+    answer: &wire::StepAnswer,
+    joint_names: &[String],
+) -> Sample {
     Sample {
         joint_velocity: answer.joint_velocity.clone(),
-        target_force: target_force(scenario, answer),
+        target_force: target_force(tasks, answer),
         path: answer.solver.path,
         status: answer.solver.status,
         kkt_residual: answer.solver.kkt_residual,

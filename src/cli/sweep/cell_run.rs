@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::plan::{Cell, Plan};
 use super::table::{self, Outcome};
-use crate::client::Client;
+use crate::client::{Client, ClientError};
 use crate::simulator::recording::Value;
 use crate::simulator::{CallMode, RunError, Scenario, run};
 
@@ -21,7 +21,7 @@ pub fn row(plan: &Plan, index: usize, client: &Client) -> Result<Vec<Value>, Run
 
 fn sound(scenario: Scenario) -> Result<Scenario, String> {
     match scenario.flaw() {
-        Some((field, problem)) => Err(format!("`{field}` {problem}")),
+        Some(flaw) => Err(flaw.to_string()),
         None => Ok(scenario),
     }
 }
@@ -39,18 +39,17 @@ fn outcome(scenario: &Scenario, client: &Client) -> Result<Outcome, RunError> {
 
 /// How the run ended, in a word; `None` where the service is not there.
 fn kind(error: &RunError) -> Option<&'static str> {
-    use crate::client::ClientError;
     match error {
         RunError::Service { source: ClientError::Refused { .. }, .. } => Some("refused"),
         RunError::Service { .. } => None,
         RunError::Diverged { .. } => Some("diverged"),
-        _ => Some("failed"),
+        RunError::AnswerSize { .. } | RunError::Stopped { .. } => Some("failed"),
+        _ => Some("refused"),
     }
 }
 
 /// The message without the address of the service, which differs from run to run.
 fn without_address(error: &RunError) -> String {
-    use crate::client::ClientError;
     match error {
         RunError::Service { time_s, source: ClientError::Refused { problem, .. } } => {
             let pointer = problem.pointer.as_ref().map(|pointer| format!(" at {pointer}")).unwrap_or_default();
