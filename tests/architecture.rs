@@ -43,13 +43,17 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 15] = [
+const MAY_NAME: [(&str, &[&str]); 19] = [
     ("clarabel", &["resolution/qp_cascade/clarabel_level.rs"]),
     ("axum", &["service/"]),
     ("flate2", &["service/body.rs", "service/simulations/trace.rs"]),
+    ("foxglove", &["simulator/recording/mcap_log/"]),
     ("futures_util", &["service/"]),
     ("hyper", &["service/"]),
     ("hyper_util", &["service/"]),
+    ("mcap", &["simulator/recording/"]),
+    ("parquet", &["simulator/recording/", "cli/sweep/file.rs"]),
+    ("rayon", &["cli/sweep/"]),
     ("rmp_serde", &["service/format/message_pack.rs"]),
     ("tower_http", &["service/"]),
     ("tokio", &["service/", "cli/serve.rs", "cli/load/"]),

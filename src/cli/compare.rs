@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::CliError;
-use super::experiment::{Laboratory, make_directory, program, store};
+use super::experiment::{Laboratory, make_directory, program, report as report_beside, store};
 use super::robot::RobotArgument;
+use super::{CliError, traces};
 use crate::report::experiment::{Experiment, Run};
 use crate::report::table::{Row, side_by_side};
 use crate::report::{self, Output, Report};
@@ -40,6 +40,8 @@ pub struct Options {
     /// What is written there, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Kind::ALL)]
     write: Vec<Kind>,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 const DEFAULT_METHODS: [Method; 2] = [Method::DampedLeastSquares, Method::ReversePriority];
@@ -102,10 +104,10 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         return Err(CliError::NothingToCompare(failures.join("; ")));
     }
     let experiment = experiment(options, &scenarios, runs, failures);
-    let report = experiment.report();
+    let report = report_beside(&experiment, &options.traces);
     print(options.format, &report)?;
     if options.write.contains(&Kind::Traces) {
-        store(&options.out, &experiment)?;
+        store(&options.out, &experiment, &options.traces)?;
     }
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
     let written = report::write(&options.out, &report, &outputs)?;

@@ -3,8 +3,8 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
-use super::CliError;
 use super::experiment::{Laboratory, leave, make_directory, program};
+use super::{CliError, traces};
 use crate::report::experiment::Experiment;
 use crate::report::table;
 use crate::simulator::{CallMode, PAPER_SCENARIOS};
@@ -15,6 +15,8 @@ pub struct Options {
     /// Directory for traces, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 /// What is compared in every scenario.
@@ -49,7 +51,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     for section in &report.sections {
         writeln!(stdout(), "\n{}: {}", section.name, section.notes.join(" "))?;
     }
-    let page = leave(&options.out, &experiment)?;
+    let page = leave(&options.out, &experiment, &options.traces)?;
     writeln!(stdout(), "\nfigures, traces and one page with all of it: {}", page.display())?;
     Ok(())
 }

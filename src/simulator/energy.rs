@@ -2,13 +2,13 @@
 
 use std::iter::Sum;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Energy of all contacts together since the start, J.
 ///
 /// Work and dissipation are summed up independently of each other, the one over ways, the other over time, so that their
 /// balance tells how well the periods resolve the contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Energy {
     /// Work done on the contacts, by the tool and by surfaces that move: ∫ F_e d(X − X_0).
     pub work_j: f64,

@@ -17,6 +17,7 @@ mod operator;
 mod plant;
 mod profile;
 pub mod recording;
+pub mod replay;
 mod request;
 mod run;
 mod scenario;

@@ -216,7 +216,7 @@ impl Measured {
 }
 
 /// F_d on x, y and z, from the answers of the tasks that the axes belong to.
-fn target_force(tasks: &[wire::ControllerTask], answer: &wire::StepAnswer) -> [Option<f64>; 3] {
+pub fn target_force(tasks: &[wire::ControllerTask], answer: &wire::StepAnswer) -> [Option<f64>; 3] {
     let mut target = [None; 3];
     for (task, outcome) in tasks.iter().zip(&answer.tasks) {
         // Along other axes there is no force on x, y or z to tell.

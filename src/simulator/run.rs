@@ -180,6 +180,7 @@ fn drive(
         wall_time_s: start.elapsed().as_secs_f64(),
         joint_names: plant.joint_names().to_vec(),
         energy: plant.energy(),
+        setup: Some(Box::new(scenario.clone())),
         samples,
         timings,
     })

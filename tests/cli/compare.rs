@@ -20,11 +20,14 @@ fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
     let file = scratch.write("mine.toml", &short("stiff_wall_singular", 0.2));
     let out = scratch.argument("out");
     let methods = ["--methods", "reverse_priority,damped_least_squares,reverse_priority"];
-    let table =
-        success(&[&["compare", &file, "--solvers", "closed_form,auto", "--out", &out][..], &methods].concat());
+    let table = success(&[&["compare", &file, "--solvers", "closed_form,auto", "--out", &out][..], &methods].concat());
     let line = |start: &str| -> Vec<&str> {
         let line = table.lines().find(|line| line.trim_start().starts_with(start));
-        line.unwrap_or_else(|| panic!("no `{start}` in {table}")).split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()
+        line.unwrap_or_else(|| panic!("no `{start}` in {table}"))
+            .split("  ")
+            .map(str::trim)
+            .filter(|cell| !cell.is_empty())
+            .collect()
     };
     let [reverse, classical] = ["reverse priority", "damped least squares"];
     assert_eq!(line("method"), ["method", reverse, reverse, classical, classical]);
@@ -113,9 +116,9 @@ fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
     let (claims, measures) = tables.split_last().unwrap();
     assert_eq!(measures.len(), 2);
     for table in measures {
-        let stands = quoted.iter().any(|other| {
-            other.len() == table.len() && other.iter().zip(table).all(|(a, b)| same_line(a, b))
-        });
+        let stands = quoted
+            .iter()
+            .any(|other| other.len() == table.len() && other.iter().zip(table).all(|(a, b)| same_line(a, b)));
         assert!(stands, "docs/paper.md does not have\n{}", table.join("\n"));
     }
     for claim in claims {

@@ -68,7 +68,7 @@ impl Experiment {
             claims: claims::of_runs(&self.runs),
             sections: scenarios.map(|runs| section(runs, &rows)).collect(),
             rows,
-            traces: self.runs.iter().map(|run| run.recording.trace_name()).collect(),
+            traces: Vec::new(),
             command: self.command.clone(),
             program: self.program.clone(),
         }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Experiment, Program, Run};
 use crate::report::Error;
 use crate::simulator::Scenario;
+use crate::simulator::recording::Recording;
 use crate::wire;
 
 /// Name of the file that says what the traces beside it are.
@@ -39,9 +40,13 @@ struct StoredRun {
 /// # Errors
 ///
 /// [`Error::Write`] when it cannot be written.
-pub fn write(directory: &Path, experiment: &Experiment) -> Result<(), Error> {
+pub fn write(
+    directory: &Path,
+    experiment: &Experiment,
+    trace_name: impl Fn(&Recording) -> String,
+) -> Result<(), Error> {
     let run = |run: &Run| StoredRun {
-        trace: run.recording.trace_name(),
+        trace: trace_name(&run.recording),
         wall_time_s: run.recording.wall_time_s,
         scenario: run.scenario.clone(),
         robot: run.robot.clone(),

@@ -179,7 +179,8 @@ pub async fn simulation_live(
 
 /// Gets the trace of a simulation.
 ///
-/// Every control period of a finished run: a table (CSV), one object per line, or one object. `Accept` chooses.
+/// Every control period of a finished run: a table (CSV, Parquet), one object per line, one object, or a log for Foxglove,
+/// Rerun and PlotJuggler (MCAP). `Accept` chooses.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/trace",
@@ -187,7 +188,13 @@ pub async fn simulation_live(
     responses(
         (
             status = 200,
-            content((String = "text/csv"), (String = "application/x-ndjson"), (Object = "application/json")),
+            content(
+                (String = "text/csv"),
+                (String = "application/x-ndjson"),
+                (Object = "application/json"),
+                (Vec<u8> = "application/vnd.apache.parquet"),
+                (Vec<u8> = "application/vnd.mcap")
+            ),
             description = "The trace."
         ),
         (status = 406, description = "The trace cannot be had in any type that `Accept` names: `not-acceptable`."),
