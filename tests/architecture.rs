@@ -37,7 +37,8 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
         ],
     ),
     ("simulator", &["client", "wire", "robot", "kinematics"]),
-    ("report", &["simulator::recording", "wire"]),
+    // The page tells scenarios in words.
+    ("report", &["simulator::recording", "simulator::Scenario", "wire"]),
     ("cli", &["robot", "service", "simulator", "client", "report", "wire"]),
 ];
 

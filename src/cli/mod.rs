@@ -7,6 +7,7 @@ mod demo;
 mod experiment;
 mod load;
 mod openapi;
+mod report;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -45,6 +46,7 @@ const EXAMPLES: &str = "Examples:
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
+  revprio report revprio-out                         make the page again from what a command left there
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio bench --only core,http                     measure times beside those of others
@@ -69,6 +71,8 @@ enum Command {
     Simulate(simulate::Options),
     /// Run scenarios with several methods and solvers and compare them side by side.
     Compare(compare::Options),
+    /// Make the page again from what `simulate`, `demo` or `compare` left in a directory.
+    Report(report::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
@@ -182,6 +186,7 @@ impl Cli {
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Compare(options) => compare::run(&options),
+            Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Bench(options) => bench::run(&options),

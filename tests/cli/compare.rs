@@ -20,11 +20,14 @@ fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
     let file = scratch.write("mine.toml", &short("stiff_wall_singular", 0.2));
     let out = scratch.argument("out");
     let methods = ["--methods", "reverse_priority,damped_least_squares,reverse_priority"];
-    let table =
-        success(&[&["compare", &file, "--solvers", "closed_form,auto", "--out", &out][..], &methods].concat());
+    let table = success(&[&["compare", &file, "--solvers", "closed_form,auto", "--out", &out][..], &methods].concat());
     let line = |start: &str| -> Vec<&str> {
         let line = table.lines().find(|line| line.trim_start().starts_with(start));
-        line.unwrap_or_else(|| panic!("no `{start}` in {table}")).split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()
+        line.unwrap_or_else(|| panic!("no `{start}` in {table}"))
+            .split("  ")
+            .map(str::trim)
+            .filter(|cell| !cell.is_empty())
+            .collect()
     };
     let [reverse, classical] = ["reverse priority", "damped least squares"];
     assert_eq!(line("method"), ["method", reverse, reverse, classical, classical]);
@@ -113,12 +116,45 @@ fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
     let (claims, measures) = tables.split_last().unwrap();
     assert_eq!(measures.len(), 2);
     for table in measures {
-        let stands = quoted.iter().any(|other| {
-            other.len() == table.len() && other.iter().zip(table).all(|(a, b)| same_line(a, b))
-        });
+        let stands = quoted
+            .iter()
+            .any(|other| other.len() == table.len() && other.iter().zip(table).all(|(a, b)| same_line(a, b)));
         assert!(stands, "docs/paper.md does not have\n{}", table.join("\n"));
     }
     for claim in claims {
         assert!(quoted.iter().flatten().any(|line| same_line(line, claim)), "docs/paper.md does not have\n{claim}");
     }
+}
+
+#[test]
+fn a_page_is_made_again_from_what_a_command_left() {
+    let scratch = Scratch::new("report");
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.1));
+    let out = scratch.argument("out");
+    let compared = success(&["compare", &file, "--format", "markdown", "--out", &out]);
+    let page = scratch.path().join("out/index.html");
+    let first = std::fs::read_to_string(&page).unwrap();
+    std::fs::remove_file(&page).unwrap();
+    assert_eq!(success(&["report", &out, "--format", "markdown"]), compared);
+    // Neither time nor chance is in the page but the speed of this machine, which the directory keeps.
+    assert!(std::fs::read_to_string(&page).unwrap() == first, "the second page differs from the first");
+}
+
+#[test]
+fn a_directory_that_no_command_left_is_refused_with_what_is_missing() {
+    let scratch = Scratch::new("report_nothing");
+    let directory = scratch.argument(".");
+    let message = failure(&["report", &directory]);
+    assert!(message.contains("experiment.json") && message.contains("--out"), "{message}");
+    scratch.write("experiment.json", "{}");
+    assert!(failure(&["report", &directory]).contains("missing field `title`"));
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.01));
+    let out = scratch.argument("out");
+    success(&["compare", &file, "--methods", "reverse_priority", "--write", "traces", "--out", &out]);
+    let trace = scratch.path().join("out/stiff_wall-reverse_priority-auto.csv");
+    let text = std::fs::read_to_string(&trace).unwrap();
+    std::fs::write(&trace, text.replacen("optimal", "perfect", 1)).unwrap();
+    assert!(failure(&["report", &out]).contains("line 2: column `status`"));
+    std::fs::remove_file(&trace).unwrap();
+    assert!(failure(&["report", &out]).contains("stiff_wall-reverse_priority-auto.csv"));
 }
