@@ -7,7 +7,7 @@ use super::CliError;
 use super::experiment::{Laboratory, leave, make_directory, program};
 use crate::report::experiment::Experiment;
 use crate::report::table;
-use crate::simulator::CallMode;
+use crate::simulator::{CallMode, PAPER_SCENARIOS};
 use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
@@ -16,9 +16,6 @@ pub struct Options {
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
 }
-
-/// The paper's examples, each from two postures.
-const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 /// What is compared in every scenario.
 const VARIANTS: [(Method, Solver); 4] = [
@@ -32,7 +29,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
     let laboratory = Laboratory::open(None, None, CallMode::Session)?;
     let mut runs = Vec::new();
-    for name in SCENARIOS {
+    for name in PAPER_SCENARIOS {
         let mut scenario = laboratory.scenario(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);

@@ -1,5 +1,7 @@
 //! What contacts take from the tool, keep and turn into heat.
 
+use std::iter::Sum;
+
 use serde::Serialize;
 
 /// Energy of all contacts together since the start, J.
@@ -20,5 +22,15 @@ impl Energy {
     /// Work that is neither stored nor dissipated, J: 0 but for the length of the steps.
     pub fn imbalance_j(&self) -> f64 {
         self.work_j - self.stored_j - self.dissipated_j
+    }
+}
+
+impl Sum for Energy {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| Self {
+            work_j: sum.work_j + part.work_j,
+            stored_j: sum.stored_j + part.stored_j,
+            dissipated_j: sum.dissipated_j + part.dissipated_j,
+        })
     }
 }

@@ -10,6 +10,8 @@ const FADING_S: f64 = 0.1;
 pub struct Stateless<'a> {
     client: &'a Client,
     request: wire::StepRequest,
+    /// Memory before the last call.
+    before: Option<wire::Memory>,
     /// J_k q̇ of each task in the last answer.
     achieved: Vec<Vec<f64>>,
     fading: Option<Fading>,
@@ -35,11 +37,12 @@ impl<'a> Stateless<'a> {
             wrench: None,
         };
         let request = wire::StepRequest { controller, state: nothing, memory: None };
-        Self { client, request, achieved: Vec::new(), fading: None, waiting: None }
+        Self { client, request, before: None, achieved: Vec::new(), fading: None, waiting: None }
     }
 
     /// Asks for the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
+        self.before.clone_from(&self.request.memory);
         let mut answer = ask(self.client, &mut self.request, state.clone())?;
         self.achieved.clear();
         self.achieved.extend(answer.tasks.iter().map(|task| task.achieved.clone()));
@@ -59,6 +62,11 @@ impl<'a> Stateless<'a> {
             }
         }
         Ok(answer)
+    }
+
+    /// The last answer did not arrive, and so neither did its memory.
+    pub fn lose(&mut self) {
+        self.request.memory = self.before.take();
     }
 
     /// The controller from the next period on, with the same rows as the one before.
