@@ -38,7 +38,8 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ),
     // Never control or resolution: it cannot cheat. Set-points over time move walls and people as they move targets.
     ("simulator", &["client", "wire", "robot", "kinematics", "law::Profile", "law::Point", "law::ProfileError"]),
-    ("report", &["simulator::recording", "wire"]),
+    // The page tells scenarios in words.
+    ("report", &["simulator::recording", "simulator::Scenario", "wire"]),
     ("cli", &["robot", "service", "simulator", "client", "report", "wire"]),
 ];
 

@@ -48,7 +48,7 @@ const DEFAULT_METHODS: [Method; 2] = [Method::DampedLeastSquares, Method::Revers
 
 /// How the comparison is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
+pub enum Format {
     /// A table per scenario, a column per run
     Table,
     /// The measures of every run
@@ -164,7 +164,8 @@ fn command(options: &Options) -> String {
     format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}", options.scenarios.join(" "))
 }
 
-fn print(format: Format, report: &Report) -> Result<(), CliError> {
+/// Prints all runs side by side.
+pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
     match format {
         Format::Table => write!(stdout(), "{}", side_by_side::text(&report.rows))?,
         Format::Json => writeln!(stdout(), "{}", json(&report.rows))?,

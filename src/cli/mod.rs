@@ -8,6 +8,7 @@ mod experiment;
 mod load;
 mod openapi;
 mod replay;
+mod report;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -53,6 +54,7 @@ const EXAMPLES: &str = "Examples:
   revprio simulate stiff_wall --format csv,mcap      … and leave its trace as CSV and for Foxglove
   revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
+  revprio report revprio-out                         make the page again from what a command left there
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio bench --only core,http                     measure times beside those of others
@@ -81,6 +83,8 @@ enum Command {
     Replay(replay::Options),
     /// Run one scenario with many values of some quantities, on all cores.
     Sweep(sweep::Options),
+    /// Make the page again from what `simulate`, `demo` or `compare` left in a directory.
+    Report(report::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
@@ -216,6 +220,7 @@ impl Cli {
             Command::Compare(options) => compare::run(&options),
             Command::Replay(options) => replay::run(&options),
             Command::Sweep(options) => sweep::run(&options),
+            Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Bench(options) => bench::run(&options),

@@ -74,7 +74,7 @@ fn what_cannot_be_compared_is_said() {
     let scratch = Scratch::new("compare_broken");
     let far = scratch.write("far.toml", &short("stiff_wall", 0.1).replacen("2.9, ", "1e300, ", 1));
     let message = failure(&["compare", &far, "--out", &scratch.argument("out")]);
-    assert!(message.contains("/state/joint_position") || message.contains("nothing to compare"), "{message}");
+    assert!(message.contains("start_joint_position"), "{message}");
 }
 
 /// Numbers and words of a line of a table.
@@ -124,4 +124,37 @@ fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
     for claim in claims {
         assert!(quoted.iter().flatten().any(|line| same_line(line, claim)), "docs/paper.md does not have\n{claim}");
     }
+}
+
+#[test]
+fn a_page_is_made_again_from_what_a_command_left() {
+    let scratch = Scratch::new("report");
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.1));
+    let out = scratch.argument("out");
+    let compared = success(&["compare", &file, "--format", "markdown", "--out", &out]);
+    let page = scratch.path().join("out/index.html");
+    let first = std::fs::read_to_string(&page).unwrap();
+    std::fs::remove_file(&page).unwrap();
+    assert_eq!(success(&["report", &out, "--format", "markdown"]), compared);
+    // Neither time nor chance is in the page but the speed of this machine, which the directory keeps.
+    assert!(std::fs::read_to_string(&page).unwrap() == first, "the second page differs from the first");
+}
+
+#[test]
+fn a_directory_that_no_command_left_is_refused_with_what_is_missing() {
+    let scratch = Scratch::new("report_nothing");
+    let directory = scratch.argument(".");
+    let message = failure(&["report", &directory]);
+    assert!(message.contains("experiment.json") && message.contains("--out"), "{message}");
+    scratch.write("experiment.json", "{}");
+    assert!(failure(&["report", &directory]).contains("missing field `title`"));
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.01));
+    let out = scratch.argument("out");
+    success(&["compare", &file, "--methods", "reverse_priority", "--write", "traces", "--out", &out]);
+    let trace = scratch.path().join("out/stiff_wall-reverse_priority-auto.csv");
+    let text = std::fs::read_to_string(&trace).unwrap();
+    std::fs::write(&trace, text.replacen("optimal", "perfect", 1)).unwrap();
+    assert!(failure(&["report", &out]).contains("line 2: column `status`"));
+    std::fs::remove_file(&trace).unwrap();
+    assert!(failure(&["report", &out]).contains("stiff_wall-reverse_priority-auto.csv"));
 }

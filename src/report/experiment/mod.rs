@@ -4,6 +4,7 @@
 //! `revprio report` reads it again, and [`Experiment::report`] makes the page.
 
 pub mod store;
+mod trace;
 
 use serde::{Deserialize, Serialize};
 
@@ -117,11 +118,7 @@ impl Run {
             source: wire::RobotSource::Urdf,
             joints: Vec::new(),
         };
-        Self {
-            scenario: Scenario::parse(crate::simulator::BUILT_IN_SCENARIOS[2].1, "stiff_wall").unwrap(),
-            robot,
-            recording,
-        }
+        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording }
     }
 }
 
