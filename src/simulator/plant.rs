@@ -179,7 +179,7 @@ impl Plant {
             limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: obeyed.is_new,
-            answer_age: period - answer.sequence,
+            answer_age: period.saturating_sub(answer.sequence),
         }
     }
 }
