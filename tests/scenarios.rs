@@ -82,7 +82,7 @@ fn without_limits_in_mind_the_closed_form_breaks_them_and_drives_that_cut_it_los
     let cut = served(&scenario("stiff_wall_limits_clamped"));
     let fastest = largest(&cut.samples, |s| s.actual_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max));
     assert!(fastest <= 0.35, "{fastest}");
-    assert!(force_error(&cut) > 10.0, "{}", force_error(&cut));
+    assert!(force_error(&cut) > 5.0 * force_error(&closed), "{} {}", force_error(&cut), force_error(&closed));
 }
 
 #[test]

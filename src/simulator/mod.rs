@@ -2,6 +2,10 @@
 //!
 //! The simulator knows the robot's kinematics and the interface of the service, nothing of control or resolution: what
 //! it shows is what any client would get.
+//!
+//! A [`Scenario`] says all of a run: the controller, the start, contacts (springs, walls and planes that may move and drag),
+//! pushes, the velocity loop, sensors with errors, a line with faults. Noise and faults come from its seed, so that a run
+//! can be had again to the last bit.
 
 mod arm;
 mod caller;

@@ -61,7 +61,7 @@ impl Plant {
             ),
             environment: Environment::new(&scenario.contacts, start)?,
             sensing: Sensing::new(&scenario.sensors, position.len(), period_s, scenario.seed)?,
-            external_wrench: external.map(|wrench| external_profile(wrench)).transpose()?,
+            external_wrench: external.map(external_profile).transpose()?,
             start,
             now: Now { configuration, contact_force: [0.0; 3] },
             period_s,
@@ -179,7 +179,7 @@ impl Plant {
             limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: obeyed.is_new,
-            answer_age: period - answer.sequence,
+            answer_age: period.saturating_sub(answer.sequence),
         }
     }
 }

@@ -16,7 +16,7 @@ use super::toml_lines;
 use crate::wire::{self, object};
 
 /// Most steps of a period.
-const MOST_SUBSTEPS: usize = 10_000;
+const MOST_SUBSTEPS: usize = 1000;
 
 /// Largest seed: what every client can write exactly.
 const LARGEST_SEED: u64 = (1 << 53) - 1;

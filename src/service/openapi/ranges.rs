@@ -120,7 +120,7 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("duration_s", Positive),
             ("start_joint_position", Items(1, MOST_JOINTS)),
             ("contacts", Items(0, 100)),
-            ("substeps", Between(1.0, 10_000.0)),
+            ("substeps", Between(1.0, 1000.0)),
         ],
     ),
     ("VelocityLoop", &[("lag_s", NotNegative), ("delay_periods", UpTo(10_000))]),
