@@ -117,7 +117,9 @@ class Sawyer:
 def controller(client: Client) -> ControllerConfig:
     """Force along x, the rest held; as much damping as the margin of the contact with this lag asks for, and half more."""
     wall = EnvironmentAxis(stiffness=WALL_N_PER_M)
-    margin = client.stability(inertia=15, damping=150, environment=wall, period_s=PERIOD_S, lag_s=LAG_S, delay_periods=1)
+    margin = client.stability(
+        inertia=15, damping=150, environment=wall, period_s=PERIOD_S, lag_s=LAG_S, delay_periods=1
+    )
     assert margin.smallest_damping is not None
     law = ForceLaw(inertia=15, damping=1.5 * margin.smallest_damping, target_force=ConstantProfile(value=TARGET_N))
     hold = ImpedanceLaw(
@@ -179,7 +181,7 @@ def main() -> dict[str, Run]:
     """Runs both, prints a table, draws a figure."""
     parser = argparse.ArgumentParser(description="Sawyer of MuJoCo at a wall, driven by revprio")
     parser.add_argument("--url", default="http://127.0.0.1:8080")
-    parser.add_argument("--duration", type=float, default=2.0, help="s")
+    parser.add_argument("--duration", type=float, default=1.2, help="s")
     parser.add_argument("--figure", help="where to draw, .svg or .png")
     options = parser.parse_args()
     with Client(options.url, step_timeout_s=30) as client:

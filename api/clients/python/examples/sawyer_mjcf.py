@@ -14,8 +14,10 @@ INERTIAL: dict[str, tuple[float, str, str]] = {
     "right_l2": (1.745, "-0.00016044 -0.014967 0.13582", "0.025506 0.0253 0.0034179 4.4101e-6 1.4955e-5 -3.3204e-3"),
     "right_l3": (2.5097, "-0.0048135 -0.0281 -0.084154", "0.01016 0.0065685 0.0069078 -9.7452e-6 2.6624e-4 3.0316e-3"),
     "right_l4": (1.1136, "-0.0018844 0.0069001 0.1341", "0.013557 0.013555 0.0013658 1.8109e-5 1.3523e-4 1.0561e-3"),
-    "right_l5": (1.5625, "0.0061133 -0.023697 0.076416", "0.0047328 0.0029676 0.0031762 1.1526e-4 4.6269e-5 -1.1557e-3"),
-    "right_l6": (0.3292, "-8.0726e-6 0.0085838 -0.0049566", "3.1105e-4 2.1549e-4 3.5976e-4 1.4771e-6 -3.7074e-7 -8.4533e-6"),
+    "right_l5": (1.5625, "0.0061133 -0.023697 0.076416",
+                 "0.0047328 0.0029676 0.0031762 1.1526e-4 4.6269e-5 -1.1557e-3"),
+    "right_l6": (0.3292, "-8.0726e-6 0.0085838 -0.0049566",
+                 "3.1105e-4 2.1549e-4 3.5976e-4 1.4771e-6 -3.7074e-7 -8.4533e-6"),
 }  # fmt: skip
 TOOL_RADIUS_M = 0.02
 
@@ -62,7 +64,7 @@ def add_joint(body: ET.Element, joint: ET.Element, actuators: ET.Element, fricti
 
 def draw_link(body: ET.Element, end: str) -> None:
     """A capsule to the next joint, to look at: it touches nothing and weighs nothing."""
-    if np.linalg.norm(np.array(end.split(), dtype=float)) > 1e-3:
+    if np.any(np.array(end.split(), dtype=float)):
         looks = {"contype": "0", "conaffinity": "0", "mass": "0", "rgba": "0.6 0.1 0.1 1"}
         ET.SubElement(body, "geom", type="capsule", fromto=f"0 0 0 {end}", size="0.045", **looks)
 
