@@ -115,7 +115,7 @@ class Sawyer:
 
 
 def controller(client: Client) -> ControllerConfig:
-    """Force along x, the rest held; as much damping as the margin of the contact with this lag asks for, and half more."""
+    """Force along x, the rest held; 1.5 times the damping that the margin of this contact and lag asks for."""
     wall = EnvironmentAxis(stiffness=WALL_N_PER_M)
     margin = client.stability(
         inertia=15, damping=150, environment=wall, period_s=PERIOD_S, lag_s=LAG_S, delay_periods=1
