@@ -1,7 +1,7 @@
 """A torque-controlled Sawyer in MuJoCo goes to a wall and presses on it with 30 N; revprio gives its joint velocities.
 
     pip install 'revprio[examples]'
-    python mujoco_wall.py --url http://127.0.0.1:8080 --figure mujoco.svg
+    python mujoco_wall.py --url http://127.0.0.1:8080 --figure mujoco.png
 
 What differs from the simulator that ships with the service, and what that does to the gains: README.md beside this.
 """
@@ -174,7 +174,7 @@ def draw(runs: dict[str, Run], path: str) -> None:
     axes.axhline(TARGET_N, color="0.5", linewidth=0.8, linestyle="--")
     axes.set(xlabel="time (s)", ylabel="force on the wall (N)")
     axes.legend(frameon=False)
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path)
 
 
 def main() -> dict[str, Run]:
