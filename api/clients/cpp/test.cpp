@@ -141,16 +141,18 @@ void loop_ends_at_rest(revprio::Client& client) {
         told = loop.command();
     }
     revprio::Client(client.url()).call("DELETE", "/v1/controllers/" + session.id());
+    auto before = Clock::now(); // not after the moment of which `told` is
     fails<revprio::Problem>(
         [&] {
             for (;;) {
                 loop.ask(now);
                 loop.wait_until(Clock::now() + std::chrono::milliseconds(10));
+                const auto moment = Clock::now();
                 told = loop.command();
+                before = moment;
             }
         },
         "a session that is gone is a refusal");
-    auto before = Clock::now();
     for (loop.stop(); !loop.is_at_rest();) {
         const auto earlier = before;
         before = Clock::now();

@@ -160,7 +160,7 @@ suite("a loop in real time", () => {
 
   test("the arm comes to rest within its limits when answers stop", async (t) => {
     const line = await lineTo(t, (await serve(t)).url);
-    const client = patient(line.url, { stepTimeoutMs: 300, retries: 0 });
+    const client = patient(line.url, { stepTimeoutMs: 1000, retries: 0 });
     const arm = new Arm(() => line.stall());
     const session = await client.session(SLOW);
     await assert.rejects(drive(session, arm, new Watchdog(LIMITS), new AbortController().signal), LateAnswerError);
