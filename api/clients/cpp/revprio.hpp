@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -94,6 +95,7 @@ public:
         : url_(std::move(url)), options_(std::move(options)), http_(url_) {
         http_.set_keep_alive(true);
         http_.set_tcp_nodelay(true);
+        http_.set_default_headers({{"Accept", "application/json"}});
         if (!options_.token.empty()) http_.set_bearer_token_auth(options_.token);
     }
 

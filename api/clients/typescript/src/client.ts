@@ -60,7 +60,7 @@ export class Client {
   readonly stepTimeoutMs: number;
   readonly #timeoutMs: number;
   readonly #retries: number;
-  readonly #headers: Record<string, string>;
+  readonly #token: Record<string, string>;
   readonly #fetch: typeof fetch;
   readonly #webSocket: WebSocketFactory;
 
@@ -70,7 +70,7 @@ export class Client {
     this.stepTimeoutMs = options.stepTimeoutMs ?? 1000;
     this.#timeoutMs = options.timeoutMs ?? 10_000;
     this.#retries = options.retries ?? 2;
-    this.#headers = options.token === undefined ? {} : { authorization: `Bearer ${options.token}` };
+    this.#token = options.token === undefined ? {} : { authorization: `Bearer ${options.token}` };
     this.#fetch = options.fetch ?? globalThis.fetch.bind(globalThis);
     this.#webSocket = options.webSocket ?? ownWebSocket;
   }
@@ -169,7 +169,7 @@ export class Client {
 
   /** A WebSocket to a path of the service. */
   webSocket(path: string): WebSocketLike {
-    return this.#webSocket(this.url.replace(/^http/, "ws") + path, "revprio.json", this.#headers);
+    return this.#webSocket(this.url.replace(/^http/, "ws") + path, "revprio.json", this.#token);
   }
 
   async #send<A>(method: Method, path: string, body: unknown, signal: AbortSignal | undefined, timeoutMs: number): Promise<A> {
@@ -180,7 +180,7 @@ export class Client {
     const stop = () => timer.abort();
     signal?.addEventListener("abort", stop, { once: true });
     try {
-      const headers = body === undefined ? this.#headers : { ...this.#headers, "content-type": "application/json" };
+      const headers = { ...this.#token, accept: "application/json", "content-type": "application/json" };
       const content = body === undefined ? null : JSON.stringify(body, finite);
       const response = await this.#fetch(url, { method, headers, body: content, signal: timer.signal });
       return read<A>(url, response, await response.text());
