@@ -5,6 +5,15 @@
 //! control period revprio turns the measured state into joint velocities, and says why they are what they are: which
 //! task gave way, which limit is active, how sure the solver is.
 //!
+//! | to | see |
+//! |---|---|
+//! | resolve tasks at a posture, without a server | the example below, [`resolution::resolve`] |
+//! | control an arm period by period, without a server | [`controller::Controller`] |
+//! | call a service | [`client::Client`]; from other languages [`wire`] and `revprio openapi` |
+//! | run the service inside a program | [`service::RunningServer`] |
+//! | describe an arm | [`robot`] |
+//! | understand the method | [what reverse priority is](#what-reverse-priority-is), [`resolution::Method`] |
+//!
 //! # A control period
 //!
 //! ```text

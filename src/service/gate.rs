@@ -16,6 +16,7 @@ use futures_util::FutureExt;
 use super::access;
 use super::app::App;
 use super::body;
+use super::dashboard;
 use super::problem::Problem;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -99,7 +100,10 @@ fn admitted(app: &App, request: &Request, arrived: Instant) -> Result<(), Proble
     if matches!(path, "/healthz" | "/readyz") {
         return Ok(());
     }
-    access::check(&app.config, request.headers())?;
+    access::check_origin(&app.config, request.headers())?;
+    if !dashboard::is_page(path) {
+        access::check_token(&app.config, request.headers())?;
+    }
     if path == "/metrics" || app.line.admits(arrived, app.config.max_lag) { Ok(()) } else { Err(Problem::overloaded()) }
 }
 

@@ -87,6 +87,7 @@ mod body;
 mod config;
 mod connection;
 mod convert;
+mod dashboard;
 mod drain;
 mod events;
 mod format;

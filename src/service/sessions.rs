@@ -11,10 +11,21 @@ use super::convert;
 use super::metrics::Metrics;
 use super::problem::Problem;
 use crate::controller::{Controller, Memory};
+use crate::linalg::Vector;
 use crate::wire;
 
 /// A step that comes more than so many periods after the one before missed one.
 const LATE_PERIODS: f64 = 1.5;
+
+/// One control period of a session.
+pub struct Step {
+    /// What was measured.
+    pub state: wire::State,
+    /// What was answered.
+    pub answer: wire::StepAnswer,
+    /// q̇ of the period before, n; `None` at the first or if nobody watched.
+    pub last_command: Option<Vector>,
+}
 
 /// One controller with its memory.
 pub struct Session {
@@ -23,7 +34,7 @@ pub struct Session {
     /// Ready to step.
     pub controller: Controller,
     memory: Option<Memory>,
-    last: watch::Sender<Option<Arc<wire::WatchedStep>>>,
+    last: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
     retries: u64,
     stepped: Option<Instant>,
@@ -44,6 +55,9 @@ impl Session {
             }
             grows(last.state.sequence, state.sequence)?;
         }
+        // Only watchers want it.
+        let last_command = self.memory.as_ref().filter(|_| self.last.receiver_count() > 0);
+        let last_command = last_command.map(|memory| memory.last_command.clone());
         let command =
             self.controller.step(&mut self.memory, &measurement).map_err(|error| convert::step_problem(&error, ""))?;
         let answer = convert::step_answer(&self.controller, state.sequence, &command, now);
@@ -54,13 +68,27 @@ impl Session {
             self.missed_periods += 1;
             metrics.missed_periods.inc();
         }
-        self.last.send_replace(Some(Arc::new(wire::WatchedStep { state: state.clone(), answer: answer.clone() })));
+        let step = Step { state: state.clone(), answer: answer.clone(), last_command };
+        self.last.send_replace(Some(Arc::new(step)));
         Ok(answer)
     }
 
     /// Hears of every step, without holding it up.
-    pub fn watch(&self) -> watch::Receiver<Option<Arc<wire::WatchedStep>>> {
+    pub fn watch(&self) -> watch::Receiver<Option<Arc<Step>>> {
         self.last.subscribe()
+    }
+
+    /// What the list shows.
+    fn entry(&self, id: Uuid) -> wire::SessionEntry {
+        wire::SessionEntry {
+            id: id.to_string(),
+            robot: self.request.robot.clone(),
+            method: self.request.method,
+            solver: self.request.solver,
+            period_s: self.request.period_s,
+            steps: self.steps,
+            idle_s: self.called.elapsed().as_secs_f64(),
+        }
     }
 
     /// What `GET` shows.
@@ -103,6 +131,14 @@ impl Sessions {
     /// How many have not ended.
     pub fn count(&self) -> usize {
         self.end_idle().len()
+    }
+
+    /// Those that have not ended, the one that was called last first.
+    pub fn list(&self) -> wire::SessionList {
+        let open = self.end_idle();
+        let mut controllers: Vec<_> = open.iter().map(|(id, session)| lock(session).entry(*id)).collect();
+        controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
+        wire::SessionList { controllers }
     }
 
     /// Opens a session and returns its name.

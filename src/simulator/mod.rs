@@ -4,15 +4,19 @@
 //! it shows is what any client would get.
 
 mod arm;
+mod energy;
 mod environment;
+mod operator;
 pub mod recording;
 mod request;
 mod run;
 mod scenario;
+mod stateless;
 mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
+pub use operator::{Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
-pub use run::{CallMode, RunError, run, run_robot};
+pub use run::{CallMode, RunError, built_in_robot, run, run_operated, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

@@ -2,12 +2,16 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+use nalgebra::UnitQuaternion;
 
 use super::arm::Arm;
 use super::environment::Environment;
-use super::recording::{Recording, Sample};
+use super::operator::{Ending, Influence, Observed, Onlooker, Operator};
+use super::recording::{AtLimit, Energy, Recording, Sample, Timing};
 use super::scenario::Scenario;
+use super::stateless::Stateless;
 use super::watchdog::{Obeyed, is_silence, pause};
 use crate::client::{Client, ClientError};
 use crate::kinematics::{Configuration, ConfigurationError, NotUnitLength, pose};
@@ -91,7 +95,8 @@ pub fn run(
     run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
 }
 
-fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
+/// A robot that ships with the crate.
+pub fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
     let robot = built_in().iter().find(|robot| robot.name() == name).cloned();
     robot.ok_or_else(|| {
         let known: Vec<&str> = built_in().iter().map(|robot| robot.name()).collect();
@@ -108,21 +113,49 @@ pub fn run_robot(
     scenario: &Scenario,
     client: &Client,
     mode: CallMode,
-    mut progress: impl FnMut(u64) -> ControlFlow<()>,
+    progress: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<Recording, RunError> {
+    drive(robot, scenario, client, mode, &mut Onlooker::new(progress))
+}
+
+/// Runs the scenario as an operator wants it.
+///
+/// The controller's memory travels with every request, so that a changed controller continues where the one before stood.
+pub fn run_operated(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    client: &Client,
+    operator: &mut impl Operator,
+) -> Result<Recording, RunError> {
+    drive(robot, scenario, client, CallMode::Stateless, operator)
+}
+
+fn drive(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    client: &Client,
+    mode: CallMode,
+    operator: &mut impl Operator,
 ) -> Result<Recording, RunError> {
     let robot = with_tool(robot, &scenario.controller)?;
     let mut plant = Plant::new(scenario, &robot)?;
     let mut caller = Caller::open(scenario, client, mode)?;
     let start = Instant::now();
-    let mut samples = Vec::new();
+    let joint_names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let (mut samples, mut timings) = (Vec::new(), Vec::new());
     let mut obeyed: Option<Obeyed> = None;
     for sequence in 0..scenario.cycles() {
         let time_s = sequence as f64 * scenario.period_s();
-        let measured = plant.measure(time_s)?;
-        let now = match (caller.call(measured.state(sequence, time_s)), obeyed) {
+        let Influence { external_force, controller } = operator.influence(sequence);
+        if let Some(controller) = controller {
+            caller.change(controller);
+        }
+        let measured = plant.measure(time_s, external_force)?;
+        let (answer, round_trip) = timed(|| caller.call(measured.state(sequence, time_s)));
+        let now = match (answer, obeyed) {
             (Ok(answer), _) => Obeyed::new(answer, time_s),
             (Err(error), Some(before)) if is_silence(&error) => {
-                if pause(scenario.period_s(), || progress(sequence)).is_break() {
+                if pause(scenario.period_s(), || unit(operator.goes_on())).is_break() {
                     return Err(RunError::Stopped { time_s });
                 }
                 before.still(time_s, &robot, scenario.period_s())
@@ -134,10 +167,15 @@ pub fn run_robot(
             return Err(RunError::AnswerSize { time_s, expected, given });
         }
         plant.arm.advance(&now.answer.joint_velocity, scenario.period_s());
-        samples.push(measured.sample(time_s, &plant, scenario, &now));
+        let sample = measured.sample(time_s, &plant, scenario, &now, &joint_names);
+        operator.see(sequence + 1, &Observed { sample: &sample, answer: &now.answer, round_trip });
+        samples.push(sample);
+        timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: now.answer.elapsed_us });
         obeyed = Some(now);
-        if progress(sequence + 1).is_break() {
-            return Err(RunError::Stopped { time_s });
+        match operator.goes_on() {
+            ControlFlow::Continue(()) => (),
+            ControlFlow::Break(Ending::Finish) => break,
+            ControlFlow::Break(Ending::Stop) => return Err(RunError::Stopped { time_s }),
         }
     }
     let wall_time_s = start.elapsed().as_secs_f64();
@@ -147,9 +185,20 @@ pub fn run_robot(
         solver: scenario.controller.solver,
         period_s: scenario.period_s(),
         wall_time_s,
-        joint_names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        joint_names,
+        energy: Energy::default(),
         samples,
+        timings,
     })
+}
+
+fn timed<T>(act: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    (act(), start.elapsed())
+}
+
+fn unit(goes_on: ControlFlow<Ending>) -> ControlFlow<()> {
+    goes_on.map_break(|_| ())
 }
 
 /// The arm with its tool point where the controller says.
@@ -186,17 +235,22 @@ impl Plant {
         })
     }
 
-    fn measure(&mut self, time_s: f64) -> Result<Measured, RunError> {
+    /// The state under a force that pushes the tool, N, base axes.
+    fn measure(&mut self, time_s: f64, external_force: [f64; 3]) -> Result<Measured, RunError> {
         let configuration = Configuration::new(&self.robot, self.arm.position())
             .map_err(|source| RunError::Diverged { time_s, source })?;
         let position = tool_position(&configuration);
         let [x, y, z, ..] = configuration.twist(self.arm.velocity());
-        let force = self.environment.force(position, [x, y, z], self.period_s);
+        let contact = self.environment.force(position, [x, y, z], self.period_s);
+        // The tool pushes back on whatever pushes it: one more part of its environment.
+        let force = [0, 1, 2].map(|i| contact[i] - external_force[i]);
         Ok(Measured {
             joint_position: self.arm.position().to_vec(),
             joint_velocity: self.arm.velocity().to_vec(),
             position,
+            orientation: quaternion(&configuration),
             force,
+            external_force,
             sensed_force: self.sensed(force, &configuration),
         })
     }
@@ -220,13 +274,20 @@ fn tool_position(configuration: &Configuration) -> [f64; 3] {
     configuration.tool_pose().translation.vector.into()
 }
 
+fn quaternion(configuration: &Configuration) -> [f64; 4] {
+    let quaternion = UnitQuaternion::from_rotation_matrix(&configuration.tool_pose().rotation);
+    [quaternion.w, quaternion.i, quaternion.j, quaternion.k]
+}
+
 /// What a real arm would measure.
 struct Measured {
     joint_position: Vec<f64>,
     joint_velocity: Vec<f64>,
     position: [f64; 3],
+    orientation: [f64; 4],
     /// On the environment, base axes.
     force: [f64; 3],
+    external_force: [f64; 3],
     sensed_force: [f64; 3],
 }
 
@@ -241,14 +302,25 @@ impl Measured {
         }
     }
 
-    fn sample(self, time_s: f64, plant: &Plant, scenario: &Scenario, obeyed: &Obeyed) -> Sample {
+    fn sample(
+        self,
+        time_s: f64,
+        plant: &Plant,
+        scenario: &Scenario,
+        obeyed: &Obeyed,
+        joint_names: &[String],
+    ) -> Sample {
         let answer = &obeyed.answer;
         Sample {
             time_s,
             joint_position: self.joint_position,
             position: self.position,
+            orientation: self.orientation,
             position_error: [0, 1, 2].map(|i| self.position[i] - plant.start[i]),
             force: self.force,
+            torque: [0.0; 3],
+            external_force: self.external_force,
+            sensed: None,
             target_force: target_force(scenario, answer),
             wall_distance: plant.environment.wall_distance(self.position),
             path: answer.solver.path,
@@ -256,8 +328,13 @@ impl Measured {
             kkt_residual: answer.solver.kkt_residual,
             smallest_singular_value: answer.singularity.smallest_singular_value,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+            manipulability: answer.singularity.manipulability,
+            limits: AtLimit::of(answer, joint_names),
+            energy: Energy::default(),
             joint_velocity: answer.joint_velocity.clone(),
+            actual_velocity: self.joint_velocity,
             answered: obeyed.is_new,
+            answer_age: 0,
         }
     }
 }
@@ -282,7 +359,7 @@ fn target_force(scenario: &Scenario, answer: &wire::StepAnswer) -> [Option<f64>;
 /// The service as one run sees it.
 enum Caller<'a> {
     Session { client: &'a Client, id: String },
-    Stateless { client: &'a Client, request: Box<wire::StepRequest> },
+    Stateless(Box<Stateless<'a>>),
 }
 
 impl<'a> Caller<'a> {
@@ -294,29 +371,21 @@ impl<'a> Caller<'a> {
                 let created = created.map_err(|source| RunError::Service { time_s: 0.0, source })?;
                 Ok(Self::Session { client, id: created.id })
             }
-            CallMode::Stateless => {
-                let nothing = wire::State {
-                    sequence: 0,
-                    time_s: 0.0,
-                    joint_position: Vec::new().into(),
-                    joint_velocity: None,
-                    wrench: None,
-                };
-                let request = wire::StepRequest { controller: controller.clone(), state: nothing, memory: None };
-                Ok(Self::Stateless { client, request: Box::new(request) })
-            }
+            CallMode::Stateless => Ok(Self::Stateless(Box::new(Stateless::new(client, controller.clone())))),
+        }
+    }
+
+    /// The controller from the next period on; a session keeps the one that it was opened with.
+    fn change(&mut self, controller: wire::Controller) {
+        if let Self::Stateless(caller) = self {
+            caller.change(controller);
         }
     }
 
     fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
         match self {
             Self::Session { client, id } => client.step_controller(id, &state),
-            Self::Stateless { client, request } => {
-                request.state = state;
-                let mut answer = client.step(request)?;
-                request.memory = answer.memory.take();
-                Ok(answer)
-            }
+            Self::Stateless(caller) => caller.call(state),
         }
     }
 }

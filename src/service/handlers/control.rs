@@ -52,6 +52,19 @@ pub async fn step(
     Ok(Answer(answer))
 }
 
+/// Lists the sessions.
+///
+/// Those that are open, the one that stepped last first.
+#[utoipa::path(
+    get,
+    path = "/v1/controllers",
+    tag = "control",
+    responses((status = 200, body = wire::SessionList, description = "The sessions."))
+)]
+pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
+    Answer(app.sessions.list())
+}
+
 /// Opens a session.
 ///
 /// A controller that keeps its memory on the service until it is deleted or idle for too long.
@@ -147,9 +160,9 @@ pub async fn watch_controller(
     Segment(id): Segment,
     draining: Draining,
 ) -> Result<impl IntoResponse, Problem> {
-    let steps = app.sessions.with(&id, |_, session| Ok(session.watch()))?;
-    Ok(latest(steps, draining, WATCH_PAUSE, |step| match step {
-        Some(step) => Shown::Event("step", (**step).clone()),
+    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller.clone())))?;
+    Ok(latest(steps, draining, WATCH_PAUSE, move |step| match step {
+        Some(step) => Shown::Event("step", convert::watched_step(&controller, step)),
         None => Shown::Nothing,
     }))
 }

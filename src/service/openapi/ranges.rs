@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::schemas::{variants, visit};
 use crate::controller::LONGEST_DELAY;
 use crate::service::convert::{
-    LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS, MOST_POINTS,
-    MOST_ROWS, MOST_TASKS, SHORTEST_PERIOD_S,
+    FASTEST, LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS,
+    MOST_POINTS, MOST_ROWS, MOST_STEPS, MOST_TASKS, SHORTEST_PERIOD_S, SLOWEST,
 };
 use crate::service::resolve::MOST_ITEMS;
 use crate::service::robots::LONGEST_NAME;
@@ -144,6 +144,15 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
         ],
     ),
     ("Simulation", &[("progress", Between(0.0, 1.0))]),
+    ("Interactive", &[("speed", Between(SLOWEST, FASTEST))]),
+    (
+        "SimulationControl",
+        &[
+            ("step", Between(1.0, MOST_STEPS as f64)),
+            ("speed", Between(SLOWEST, FASTEST)),
+            ("external_force", Items(3, 3)),
+        ],
+    ),
     ("Problem", &[("status", Between(400.0, 599.0))]),
 ];
 
