@@ -13,6 +13,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
+use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 
 use super::app::Service;
@@ -57,8 +58,17 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 ///
 /// One thread serves all: a step takes microseconds, less than handing it to another thread.
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
+    serve_on(Builder::new_current_thread(), listener, service, stop)
+}
+
+fn serve_on(
+    mut runtime: Builder,
+    listener: TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let runtime = runtime.enable_all().build()?;
     let drain_timeout = service.app.config.drain_timeout;
     let served = runtime.block_on(async {
         listener.set_nonblocking(true)?;
@@ -184,6 +194,16 @@ pub struct RunningServer {
 impl RunningServer {
     /// Starts on a free loopback port.
     pub fn start(service: Service) -> Result<Self, ServeError> {
+        Self::start_on(Builder::new_current_thread(), service)
+    }
+
+    /// The same with connections spread over as many threads as there are cores: for measurements, as the line of waiting
+    /// requests is measured for one thread.
+    pub(crate) fn start_on_all_cores(service: Service) -> Result<Self, ServeError> {
+        Self::start_on(Builder::new_multi_thread(), service)
+    }
+
+    fn start_on(runtime: Builder, service: Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
         let (stop, stopped) = oneshot::channel::<()>();
@@ -191,7 +211,7 @@ impl RunningServer {
             let stopped = async {
                 let _ = stopped.await;
             };
-            if let Err(error) = serve(listener, service, stopped) {
+            if let Err(error) = serve_on(runtime, listener, service, stopped) {
                 tracing::error!(%error, "the service ended");
             }
         };
