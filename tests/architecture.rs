@@ -61,7 +61,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
 
 /// Crates of others that only some files may name, and the paths (from `src`) that may.
 const MAY_NAME: [(&str, &[&str]); 16] = [
-    ("clarabel", &["resolution/qp_cascade/clarabel_level.rs", "bench/core/clarabel.rs"]),
+    ("clarabel", &["resolution/qp_cascade/clarabel_level.rs", "bench/core/level.rs"]),
     ("axum", &["service/", "bench/http/peers.rs"]),
     ("flate2", &["service/body.rs", "service/simulations/trace.rs"]),
     ("futures_util", &["service/"]),

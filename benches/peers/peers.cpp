@@ -1,4 +1,4 @@
-// The problems through Pinocchio with Eigen, eiquadprog and DAQP: peers FILE ROBOT.urdf. A line per peer:
+// The problems through Pinocchio with Eigen, eiquadprog and DAQP: peers PROBLEMS ARM. A line per peer:
 // name,median_s,p99_s,error,task_1_error. Each call does kinematics and resolution.
 #include <algorithm>
 #include <chrono>
@@ -12,7 +12,8 @@
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
-#include <pinocchio/parsers/urdf.hpp>
+#include <pinocchio/multibody/joint/joint-revolute.hpp>
+#include <pinocchio/multibody/model.hpp>
 
 #include <eiquadprog/eiquadprog-fast.hpp>
 
@@ -52,10 +53,22 @@ struct Arm {
   pinocchio::FrameIndex tool;
   pinocchio::Data::Matrix6x J6;
 
-  explicit Arm(const char* urdf) {
-    pinocchio::urdf::buildModel(urdf, model);
+  // A row per joint about z, the last one the tool: rotation row by row, position, in the frame before.
+  explicit Arm(const char* path) {
+    std::ifstream file(path);
+    std::vector<pinocchio::SE3> placements;
+    for (std::string line; std::getline(file, line);) {
+      std::istringstream cells(line);
+      Eigen::Matrix<double, 12, 1> v;
+      for (int i = 0; i < 12; ++i) { std::string cell; std::getline(cells, cell, ','); v[i] = std::stod(cell); }
+      Eigen::Matrix3d R = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v.data());
+      placements.emplace_back(R, v.tail<3>());
+    }
+    pinocchio::JointIndex joint = 0;
+    for (std::size_t i = 0; i + 1 < placements.size(); ++i)
+      joint = model.addJoint(joint, pinocchio::JointModelRZ(), placements[i], "j" + std::to_string(i));
+    tool = model.addFrame(pinocchio::Frame("tool", joint, placements.back(), pinocchio::OP_FRAME));
     data = pinocchio::Data(model);
-    tool = model.getFrameId("tool");
     J6 = pinocchio::Data::Matrix6x::Zero(6, model.nv);
   }
 

@@ -1,4 +1,4 @@
-"""Writes 200 resolution problems with exact answers: python problems.py FILE.
+"""Writes 200 resolution problems with exact answers, and the arm: python problems.py PROBLEMS ARM.
 
 A row: q (7), xdot (6: x, y, z, rx, ry, rz at the tool, base axes), limit (7, of -limit <= qdot <= limit), the closed form
 (7), the answer inside the limits (7). Arm: fixtures/robots/sawyer.urdf. Task 1 is x, task 2 the other five rows. In half of
@@ -32,4 +32,10 @@ while len(rows) < 200:
     exact, _ = oracle.rp_box(tasks, velocities, -limit, limit)
     rows.append(','.join(repr(float(value)) for value in (*q, *xdot, *limit, *closed, *exact)))
 Path(sys.argv[1]).write_text('\n'.join(rows) + '\n')
+
+# The arm for programs without a URDF reader: a row per joint, all about z, and one for the tool; rotation row by row,
+# position, in the frame before.
+placements = [model.jointPlacements[joint] for joint in range(1, model.njoints)] + [model.frames[frame].placement]
+numbers = [[*placement.rotation.ravel(), *placement.translation] for placement in placements]
+Path(sys.argv[2]).write_text('\n'.join(','.join(repr(float(value)) for value in row) for row in numbers) + '\n')
 print(f'{len(rows)} problems')

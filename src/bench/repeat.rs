@@ -137,6 +137,6 @@ fn bare(call: Call) -> Result<Action, BenchError> {
 fn bounced() -> Result<Action, BenchError> {
     let service = UnderTest::start()?;
     let (request, answer) = (service.request(Call::Session), service.answer_length(Call::Session)?);
-    let mut connection = Connection::open(ping_pong(request.len(), answer)?, request)?;
+    let mut connection = Connection::open(ping_pong(request.length(), answer)?, request)?;
     Ok(Box::new(move || Ok(connection.ask_bytes(answer)?)))
 }

@@ -13,7 +13,6 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
-use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 
 use super::app::Service;
@@ -58,17 +57,8 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 ///
 /// One thread serves all: a step takes microseconds, less than handing it to another thread.
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
-    serve_on(Builder::new_current_thread(), listener, service, stop)
-}
-
-fn serve_on(
-    mut runtime: Builder,
-    listener: TcpListener,
-    service: Service,
-    stop: impl Future<Output = ()>,
-) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
-    let runtime = runtime.enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let drain_timeout = service.app.config.drain_timeout;
     let served = runtime.block_on(async {
         listener.set_nonblocking(true)?;
@@ -187,6 +177,11 @@ fn cause(error: &hyper::Error) -> &'static str {
 pub struct RunningServer {
     address: SocketAddr,
     encrypted: bool,
+    workers: Vec<Worker>,
+}
+
+/// A thread that serves until it is told to stop.
+struct Worker {
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -194,29 +189,16 @@ pub struct RunningServer {
 impl RunningServer {
     /// Starts on a free loopback port.
     pub fn start(service: Service) -> Result<Self, ServeError> {
-        Self::start_on(Builder::new_current_thread(), service)
+        Self::start_on(1, service)
     }
 
-    /// The same with connections spread over as many threads as there are cores: for measurements, as the line of waiting
-    /// requests is measured for one thread.
-    pub(crate) fn start_on_all_cores(service: Service) -> Result<Self, ServeError> {
-        Self::start_on(Builder::new_multi_thread(), service)
-    }
-
-    fn start_on(runtime: Builder, service: Service) -> Result<Self, ServeError> {
+    /// The same with so many threads, each with connections of its own: for measurements, as the line of waiting requests
+    /// is measured for one.
+    pub(crate) fn start_on(threads: usize, service: Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
-        let (stop, stopped) = oneshot::channel::<()>();
-        let run = move || {
-            let stopped = async {
-                let _ = stopped.await;
-            };
-            if let Err(error) = serve_on(runtime, listener, service, stopped) {
-                tracing::error!(%error, "the service ended");
-            }
-        };
-        let thread = std::thread::Builder::new().name("service".to_owned()).spawn(run)?;
-        Ok(Self { address, encrypted, stop: Some(stop), thread: Some(thread) })
+        let worker = |_| Worker::start(listener.try_clone()?, service.clone());
+        Ok(Self { address, encrypted, workers: (0..threads).map(worker).collect::<io::Result<_>>()? })
     }
 
     /// Base of all addresses, such as `http://127.0.0.1:40123`.
@@ -226,10 +208,26 @@ impl RunningServer {
     }
 }
 
+impl Worker {
+    fn start(listener: TcpListener, service: Service) -> io::Result<Self> {
+        let (stop, stopped) = oneshot::channel::<()>();
+        let run = move || {
+            let stopped = async {
+                let _ = stopped.await;
+            };
+            if let Err(error) = serve(listener, service, stopped) {
+                tracing::error!(%error, "the service ended");
+            }
+        };
+        let thread = std::thread::Builder::new().name("service".to_owned()).spawn(run)?;
+        Ok(Self { stop: Some(stop), thread: Some(thread) })
+    }
+}
+
 impl Drop for RunningServer {
     fn drop(&mut self) {
-        drop(self.stop.take());
-        if let Some(thread) = self.thread.take() {
+        self.workers.iter_mut().for_each(|worker| drop(worker.stop.take()));
+        for thread in self.workers.iter_mut().filter_map(|worker| worker.thread.take()) {
             let _ = thread.join();
         }
     }

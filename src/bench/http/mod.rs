@@ -37,7 +37,7 @@ fn round_trips(budget: Budget, call: Call, cores: &str, client: usize) -> Result
     let service = UnderTest::start()?;
     let (request, answer) = (service.request(call), service.answer_length(call)?);
     let echo = Echo::start(service.parsed_answer(Call::Stateless)?, service.parsed_answer(Call::Session)?)?;
-    let bare = ping_pong(request.len(), answer)?;
+    let bare = ping_pong(request.length(), answer)?;
     drop(pinned);
     let _pinned = Pinned::to(client);
     let mut ours = Connection::open(service.address, request.clone())?;
