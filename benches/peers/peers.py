@@ -1,4 +1,5 @@
-"""The problems through Python: NumPy on Pinocchio, placo, pink. Lines as those of peers.cpp: python peers.py FILE URDF.
+"""The problems through Python: NumPy on Pinocchio, placo, pink. Lines as those of peers.cpp: python peers.py FILE URDF
+PROGRAM, where PROGRAM is placo or pink; placo needs another Pinocchio than the others.
 
 Each call does kinematics and resolution. placo and pink weigh the tasks (x a thousand times the rest) instead of ordering
 them, as is their way; what that costs in accuracy stands in the columns of the errors.
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 
-FILE, URDF = sys.argv[1:3]
+FILE, URDF, PROGRAM = sys.argv[1:]
 ROWS = np.loadtxt(FILE, delimiter=',')
 Q, XDOT, LIMIT, CLOSED, EXACT = np.split(ROWS, [7, 13, 20, 27], axis=1)
 WEIGHT = 1e3
@@ -90,6 +91,9 @@ def with_pink():
             super().__init__(cost=cost)
             self.rows, self.xdot = rows, None
 
+        def __repr__(self):
+            return f'Rows({self.rows})'
+
         def compute_error(self, configuration):
             return -DT * self.xdot[self.rows]
 
@@ -116,6 +120,8 @@ def attempt(name, make):
         print(f'{name}: {type(error).__name__}: {error}'.replace(',', ';').replace('\n', ' '), flush=True)
 
 
-report('closed form: Pinocchio + NumPy pinv (Python)', with_numpy, CLOSED)
-attempt('limits: placo, weighted (Python)', with_placo)
-attempt('limits: pink with DAQP, weighted (Python)', with_pink)
+if PROGRAM == 'placo':
+    attempt('limits: placo, weighted (Python)', with_placo)
+else:
+    report('closed form: Pinocchio + NumPy pinv (Python)', with_numpy, CLOSED)
+    attempt('limits: pink with DAQP, weighted (Python)', with_pink)
