@@ -16,12 +16,16 @@ mod http;
 mod pacing;
 mod plan;
 mod plot;
+mod problems;
+mod repeat;
 mod report;
 mod row;
 mod series;
 mod timing;
 
 pub use plan::{Group, Plan};
+pub use problems::lines as problem_lines;
+pub use repeat::{Repeated, repeat};
 pub use report::Report;
 
 use std::path::PathBuf;

@@ -47,8 +47,8 @@ pub fn run(seconds: f64) -> Result<Vec<Paced>, BenchError> {
 
 fn paced(connection: &mut Connection, rate_hz: u32, seconds: f64) -> Result<Paced, BenchError> {
     let period = Duration::from_secs(1) / rate_hz;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
-    let periods = (seconds * f64::from(rate_hz)).ceil().max(1.0) as u64;
+    let periods = Duration::from_secs_f64(seconds).as_nanos() / period.as_nanos();
+    let periods = u64::try_from(periods).unwrap_or(u64::MAX).max(1);
     let (mut round_trips, mut wake_ups, mut missed) = (Vec::new(), Vec::new(), 0);
     let mut due = Instant::now() + period;
     for _ in 0..periods {

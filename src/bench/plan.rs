@@ -37,7 +37,7 @@ pub struct Plan {
 
 impl Plan {
     /// For one row and its peers.
-    pub(super) fn rows(&self) -> Budget {
+    pub fn rows(&self) -> Budget {
         let (turns, milliseconds) = if self.quick { (2, 1) } else { (15, 20) };
         Budget { turns, turn: Duration::from_millis(milliseconds) }
     }

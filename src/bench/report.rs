@@ -12,6 +12,16 @@ use super::series::Growth;
 use super::{BenchError, core, document, growth, http, plot};
 use crate::report::logarithmic::svg;
 
+/// How the names of the rows begin that a README shows.
+const SUMMARY: [&str; 6] = [
+    "kinematics",
+    "pseudo-inverse",
+    "cycle, closed form",
+    "cycle, auto",
+    "POST /v1/controllers/{id}/step, one core",
+    "session steps, 64",
+];
+
 /// What a plan measured.
 #[derive(Debug, Default, Serialize)]
 pub struct Report {
@@ -89,10 +99,20 @@ impl Report {
         for (name, rows) in self.tables() {
             text = document::filled(&text, name, &row::markdown(&rows));
         }
+        if !self.core.is_empty() && !self.http.is_empty() {
+            text = document::filled(&text, "summary", &row::markdown(&self.summary()));
+        }
         if !self.growth.is_empty() {
             text = document::filled(&text, "growth", &self.slopes());
         }
         document::write(document, &text)
+    }
+
+    /// The rows that a first look is for, each beside its first peer.
+    fn summary(&self) -> Vec<Row> {
+        let rows = || self.core.iter().chain(&self.http);
+        let first = |begin: &&str| rows().find(|row| row.ours.name.starts_with(begin)).cloned();
+        SUMMARY.iter().filter_map(first).collect()
     }
 
     /// Slopes as a table in Markdown.

@@ -4,7 +4,7 @@ use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 
 use super::CliError;
-use crate::bench::{Group, Plan, Report};
+use crate::bench::{Group, Plan, Repeated, Report, problem_lines, repeat};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -17,6 +17,14 @@ pub struct Options {
     /// Length of each paced control loop, s
     #[arg(long, default_value_t = 60.0, value_parser = seconds)]
     seconds: f64,
+    /// Do one thing so many times, for a profiler that counts instructions
+    #[arg(long, hide = true, value_enum, requires = "times")]
+    repeat: Option<Repeated>,
+    #[arg(long, hide = true)]
+    times: Option<u64>,
+    /// Resolve the problems of `benches/peers`
+    #[arg(long, hide = true, value_name = "FILE")]
+    problems: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -38,6 +46,13 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let groups = if options.only.is_empty() { Group::ALL.to_vec() } else { options.only.clone() };
     let pacing_s = if options.quick { options.seconds.min(0.05) } else { options.seconds };
     let plan = Plan { groups, quick: options.quick, pacing_s };
+    if let Some(what) = options.repeat {
+        return Ok(repeat(what, options.times.unwrap_or(1))?);
+    }
+    if let Some(problems) = &options.problems {
+        let lines = problem_lines(problems, plan.rows())?.join("\n");
+        return Ok(writeln!(stdout(), "{lines}")?);
+    }
     let report = Report::measured(&plan, |group| drop(writeln!(stderr(), "measuring: {group:?}")))?;
     if let Some(directory) = &options.figures {
         report.write_figures(directory)?;

@@ -48,7 +48,7 @@ impl RequestIds {
         };
         headers.get(REQUEST_ID).filter(sane).cloned().unwrap_or_else(|| {
             let number = self.next.fetch_add(1, Ordering::Relaxed);
-            HeaderValue::from_str(&format!("{}-{number}", self.prefix)).unwrap_or(HeaderValue::from_static("none"))
+            HeaderValue::try_from(format!("{}-{number}", self.prefix)).unwrap_or(HeaderValue::from_static("none"))
         })
     }
 }

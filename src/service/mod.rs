@@ -54,7 +54,7 @@
 //!
 //! One thread serves all steps. Batches and simulations run in others, and end when nobody waits for them any more:
 //!
-//! - batches one after the other on all cores but one, up to 4 at a time, others get 503;
+//! - batches one after the other on all cores, at a lower priority than steps, up to 4 at a time, others get 503;
 //! - stability margins, which take seconds for long delays, one after the other, up to 8 at a time;
 //! - simulations two at a time, the others queued; up to 100 000 control periods each and 250 000 all together, which
 //!   bounds the memory of their traces to some 125 MB. Ended ones are forgotten after an hour, or, oldest first, when a

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use serde::{Serialize, Serializer};
 use tokio::sync::watch;
 use uuid::Uuid;
 
@@ -18,6 +19,7 @@ use crate::wire;
 const LATE_PERIODS: f64 = 1.5;
 
 /// One control period of a session.
+#[derive(Debug)]
 pub struct Step {
     /// What was measured.
     pub state: wire::State,
@@ -25,6 +27,16 @@ pub struct Step {
     pub answer: wire::StepAnswer,
     /// q̇ of the period before, n; `None` at the first or if nobody watched.
     pub last_command: Option<Vector>,
+}
+
+/// What a session answered, shared with those who watch it and with a retry rather than copied.
+#[derive(Debug)]
+pub struct Answered(Arc<Step>);
+
+impl Serialize for Answered {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.answer.serialize(serializer)
+    }
 }
 
 /// One controller with its memory.
@@ -45,13 +57,13 @@ pub struct Session {
 
 impl Session {
     /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
-    fn answer(&mut self, state: &wire::State, now: Instant, metrics: &Metrics) -> Result<wire::StepAnswer, Problem> {
-        let measurement = convert::measurement(state, &self.controller)?;
+    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<Answered, Problem> {
+        let measurement = convert::measurement(&state, &self.controller)?;
         self.called = now;
         if let Some(last) = &*self.last.borrow() {
-            if last.state == *state {
+            if last.state == state {
                 self.retries += 1;
-                return Ok(last.answer.clone());
+                return Ok(Answered(Arc::clone(last)));
             }
             grows(last.state.sequence, state.sequence)?;
         }
@@ -68,9 +80,9 @@ impl Session {
             self.missed_periods += 1;
             metrics.missed_periods.inc();
         }
-        let step = Step { state: state.clone(), answer: answer.clone(), last_command };
-        self.last.send_replace(Some(Arc::new(step)));
-        Ok(answer)
+        let step = Arc::new(Step { state, answer, last_command });
+        self.last.send_replace(Some(Arc::clone(&step)));
+        Ok(Answered(step))
     }
 
     /// Hears of every step, without holding it up.
@@ -176,7 +188,7 @@ impl Sessions {
     }
 
     /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, Problem> {
+    pub fn step(&self, id: &str, state: wire::State) -> Result<Answered, Problem> {
         let now = Instant::now();
         self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
@@ -246,8 +258,8 @@ mod tests {
         let (idle, busy) = (open(&sessions), open(&sessions));
         let_time_pass(&sessions);
         lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).called = Instant::now();
-        assert!(sessions.step(&idle, &state()).unwrap_err().is_not_found());
-        assert!(sessions.step(&busy, &state()).is_ok());
+        assert!(sessions.step(&idle, state()).unwrap_err().is_not_found());
+        assert!(sessions.step(&busy, state()).is_ok());
         open(&sessions);
         assert_eq!(lock(&sessions.open).len(), 2);
     }
@@ -260,7 +272,7 @@ mod tests {
         let first = called();
         sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
         assert_eq!(called(), first);
-        sessions.step(&id, &state()).unwrap();
+        sessions.step(&id, state()).unwrap();
         assert!(called() > first);
     }
 }

@@ -128,7 +128,7 @@ fn with_limits(budget: Budget) -> Result<Vec<Row>, BenchError> {
 /// The tool swings along x once a second, 0.4 m/s at most; the rest is held.
 ///
 /// `limit`: of every joint, rad/s.
-fn swing(solver: wire::Solver, limit: Option<f64>) -> Result<wire::Controller, BenchError> {
+pub fn swing(solver: wire::Solver, limit: Option<f64>) -> Result<wire::Controller, BenchError> {
     let limits = limit.map_or(json!("none"), |limit| json!({"lower": vec![-limit; 7], "upper": vec![limit; 7]}));
     let sine = json!({"kind": "sine", "offset": 0, "amplitude": 0.4, "angular_frequency_rad_s": TAU});
     let hold = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": 0}});

@@ -1,8 +1,8 @@
 //! The mathematics, in process.
 
-mod clarabel;
 pub mod cycle;
 mod kinematics;
+mod level;
 mod plain;
 mod pseudo_inverse;
 
@@ -15,7 +15,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let mut rows = kinematics::rows(budget)?;
     rows.extend(pseudo_inverse::rows(budget)?);
     rows.extend(cycle::rows(budget)?);
-    rows.extend(clarabel::rows(budget)?);
+    rows.extend(level::rows(budget)?);
     Ok(rows)
 }
 

@@ -1,5 +1,7 @@
 //! Pseudo-inverses of 6 × 7, with their accuracy beside their time.
 
+use std::f64::consts::FRAC_PI_6;
+
 use nalgebra::{DMatrix, SMatrix};
 
 use super::{plain, postures};
@@ -16,8 +18,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let named = |name: &str, invert: fn(&DMatrix<f64>) -> DMatrix<f64>| {
         format!("{name}, error {:.0e}", largest_error(&matrices, invert))
     };
-    let mut turns = [(); 4].map(|()| matrices.iter().cycle());
-    let [ours, nalgebra, faer, _] = &mut turns;
+    let [mut ours, mut nalgebra, mut faer] = [(); 3].map(|()| matrices.iter().cycle());
     let mut fixed = fixed.iter().cycle();
     let times = side_by_side(
         budget,
@@ -40,10 +41,10 @@ fn pseudo_inverse(a: &Matrix) -> Matrix {
     Svd::new(a).map_or_else(|_| Matrix::zeros(a.ncols(), a.nrows()), |svd| svd.pseudo_inverse())
 }
 
-/// Sawyer's Jacobians, among them those at multiples of a right angle, whose singular values coincide.
+/// Sawyer's Jacobians, a quarter of them at multiples of 30°, where singular values coincide.
 fn jacobians(count: usize) -> Result<Vec<Matrix>, BenchError> {
-    let quarter = |i: usize| [0, 1, 2, 3, 4, 5, 6].map(|j: usize| std::f64::consts::FRAC_PI_6 * ((i >> j) % 12) as f64);
-    let special = (1..=count / 4).map(|i| quarter(i * 37));
+    let round = |i: usize| [0, 1, 2, 3, 4, 5, 6].map(|j: usize| FRAC_PI_6 * ((i >> j) % 12) as f64);
+    let special = (1..=count / 4).map(|i| round(i * 37));
     let jacobian = |q: [f64; 7]| {
         let configuration = Configuration::new(&built_in()[0], &q).map_err(BenchError::defect)?;
         Ok(Matrix::from_column_slice(6, 7, configuration.jacobian().as_slice()))

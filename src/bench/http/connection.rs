@@ -33,7 +33,7 @@ impl Request {
     }
 
     /// The bytes of the next sending.
-    pub fn next(&mut self) -> &[u8] {
+    pub fn next_bytes(&mut self) -> &[u8] {
         if let Some(at) = self.number {
             let mut rest = self.next;
             for digit in self.bytes[at..at + NUMBER.len()].iter_mut().rev() {
@@ -46,7 +46,7 @@ impl Request {
     }
 
     /// Length, bytes.
-    pub fn len(&self) -> usize {
+    pub fn length(&self) -> usize {
         self.bytes.len()
     }
 }
@@ -68,7 +68,7 @@ impl Connection {
 
     /// Sends the next request.
     pub fn send(&mut self) -> io::Result<()> {
-        self.stream.write_all(self.request.next())
+        self.stream.write_all(self.request.next_bytes())
     }
 
     /// Reads a whole answer, which must be a 200, and returns its length with head and body.
@@ -142,7 +142,7 @@ mod tests {
     fn a_number_counts_up_in_place() {
         let mut request = Request::of(format!("a{NUMBER}b"));
         assert_eq!(
-            (request.next().to_vec(), request.next().to_vec()),
+            (request.next_bytes().to_vec(), request.next_bytes().to_vec()),
             (b"a1000000000b".into(), b"a1000000001b".into())
         );
     }

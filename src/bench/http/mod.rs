@@ -3,6 +3,7 @@
 mod affinity;
 pub mod connection;
 mod peers;
+mod service_threads;
 pub mod subject;
 mod throughput;
 mod websocket;
@@ -10,12 +11,11 @@ mod websocket;
 use super::BenchError;
 use super::row::Row;
 use super::timing::{Budget, Subject, side_by_side};
-use affinity::Pinned;
 use connection::Connection;
-use peers::{Echo, ping_pong};
 use subject::{Call, UnderTest};
 
-pub use throughput::rates;
+pub use affinity::Pinned;
+pub use peers::{Echo, ping_pong};
 
 /// A row per measurement and peer.
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
@@ -26,7 +26,8 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
         }
     }
     rows.extend(websocket::rows(budget)?);
-    rows.extend(rates(budget)?);
+    rows.extend(throughput::rows(budget)?);
+    rows.extend(service_threads::rows(budget)?);
     Ok(rows)
 }
 
@@ -36,7 +37,7 @@ fn round_trips(budget: Budget, call: Call, cores: &str, client: usize) -> Result
     let service = UnderTest::start()?;
     let (request, answer) = (service.request(call), service.answer_length(call)?);
     let echo = Echo::start(service.parsed_answer(Call::Stateless)?, service.parsed_answer(Call::Session)?)?;
-    let bare = ping_pong(request.len(), answer)?;
+    let bare = ping_pong(request.length(), answer)?;
     drop(pinned);
     let _pinned = Pinned::to(client);
     let mut ours = Connection::open(service.address, request.clone())?;

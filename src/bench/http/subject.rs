@@ -61,7 +61,7 @@ impl UnderTest {
     /// Requests of which each is a new control period.
     pub fn request(&self, call: Call) -> Request {
         match call {
-            Call::Stateless => Request::post("/v1/step", &text(&self.step)),
+            Call::Stateless => Request::post("/v1/step", &self.step_body()),
             Call::Session => self.request_of(&self.session),
         }
     }
@@ -69,6 +69,11 @@ impl UnderTest {
     /// The same for another session.
     pub fn request_of(&self, session: &str) -> Request {
         Request::post(&format!("/v1/controllers/{session}/step"), &self.state())
+    }
+
+    /// The body of a stateless step as JSON.
+    pub fn step_body(&self) -> String {
+        text(&self.step)
     }
 
     /// A state as JSON, with a number that counts up.
@@ -79,6 +84,12 @@ impl UnderTest {
     /// Opens another session and returns its name.
     pub fn another_session(&self) -> Result<String, BenchError> {
         Ok(self.client.create_controller(&self.step.controller)?.id)
+    }
+
+    /// So many connections to an address, each with a session of its own here.
+    pub fn connections(&self, count: usize, address: SocketAddr) -> Result<Vec<Connection>, BenchError> {
+        let open = |_| Ok(Connection::open(address, self.request_of(&self.another_session()?))?);
+        (0..count).map(open).collect()
     }
 
     /// Length of an answer, head included, bytes.

@@ -42,7 +42,7 @@ impl Stream {
     }
 
     fn ask(&mut self) -> Result<Message, BenchError> {
-        let state = String::from_utf8_lossy(self.states.next()).into_owned();
+        let state = String::from_utf8_lossy(self.states.next_bytes()).into_owned();
         self.socket.send(Message::text(state)).map_err(BenchError::defect)?;
         match self.socket.read().map_err(BenchError::defect)? {
             Message::Text(text) if text.contains("joint_velocity") => Ok(Message::Text(text)),

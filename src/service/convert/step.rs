@@ -60,7 +60,7 @@ pub fn step_problem(error: &StepError, state: &str) -> Problem {
 /// The answer's body, without memory.
 pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
     let config = controller.config();
-    let joints = config.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     let outcome = Outcome { resolution: &command.resolution, joints };
     let task = |k: usize| {
         let target = &command.targets[k];

@@ -14,6 +14,7 @@ use crate::service::drain::Draining;
 use crate::service::events::{Shown, latest};
 use crate::service::problem::Problem;
 use crate::service::segment::Segment;
+use crate::service::sessions::Answered;
 use crate::service::{convert, stream};
 use crate::wire;
 
@@ -112,8 +113,8 @@ pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
     Body(state): Body<wire::State>,
-) -> Result<Answer<wire::StepAnswer>, Problem> {
-    app.sessions.step(&id, &state).map(Answer)
+) -> Result<Answer<Answered>, Problem> {
+    app.sessions.step(&id, state).map(Answer)
 }
 
 /// Streams a session.
