@@ -15,7 +15,7 @@ mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
 pub use environment::{Contact, ContactKind, Environment};
-pub use operator::{Ending, Influence, Observed, Operator};
+pub use operator::{Cycle, Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
 pub use run::{CallMode, RunError, run, run_operated, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};

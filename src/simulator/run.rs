@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::arm::Arm;
 use super::environment::Environment;
-use super::operator::{Ending, Influence, Observed, Onlooker, Operator};
+use super::operator::{Cycle, Ending, Influence, Observed, Onlooker, Operator};
 use super::recording::{Recording, Sample};
 use super::scenario::Scenario;
 use super::stateless::Stateless;
@@ -164,7 +164,8 @@ fn drive(
         }
         plant.arm.advance(&now.answer.joint_velocity, scenario.period_s());
         let sample = measured.sample(time_s, &plant, scenario, &now);
-        operator.see(sequence + 1, &Observed { sample: &sample, answer: &now.answer, round_trip });
+        operator
+            .see(sequence + 1, &Observed { sample: &sample, answer: &now.answer, round_trip, cycle: caller.cycle() });
         samples.push(sample);
         obeyed = Some(now);
         match operator.goes_on() {
@@ -347,6 +348,13 @@ impl<'a> Caller<'a> {
     fn change(&mut self, controller: wire::Controller) {
         if let Self::Stateless(caller) = self {
             caller.change(controller);
+        }
+    }
+
+    fn cycle(&self) -> Option<Cycle<'_>> {
+        match self {
+            Self::Session { .. } => None,
+            Self::Stateless(caller) => Some(caller.cycle()),
         }
     }
 
