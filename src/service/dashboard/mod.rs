@@ -34,6 +34,7 @@ const FILES: &[(&str, &str)] = &files![
     "figures.js",
     "geometry.js",
     "history.js",
+    "link.js",
     "main.js",
     "notices.js",
     "plot.js",

@@ -135,7 +135,7 @@ export function drawNumbers(desk, view) {
     ['Status', sample ? STATUS[sample.status] : '–', sample !== undefined && sample.status !== 'optimal'],
     watch
       ? ['Compute time', sample ? microseconds(sample.solve_us) : '–']
-      : ['Round trip, median', hasTrips ? microseconds(quantile(trips.counts, 0.5)) : '–'],
+      : ['Round trip', hasTrips ? microseconds(quantile(trips.counts, 0.5)) : '–'],
     watch
       ? ['Missed periods', String(watch.session.missed_periods ?? 0)]
       : ['Speed reached', state.value.phase === 'running' ? `${fixed(frame?.reached_speed, 2)}×` : '–'],

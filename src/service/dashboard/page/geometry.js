@@ -52,6 +52,15 @@ export class Camera {
     this.distance = 2.6;
     this.width = 1;
     this.height = 1;
+    /** @type {Vec3} towards the eye */
+    this.back = [1, 0, 0];
+    /** @type {Vec3} */
+    this.eye = [0, 0, 0];
+    /** @type {Vec3} */
+    this.right = [0, 1, 0];
+    /** @type {Vec3} */
+    this.up = [0, 0, 1];
+    this.focal = 1;
     this.update();
   }
 
@@ -61,7 +70,6 @@ export class Camera {
     this.elevation = Math.max(-0.2, Math.min(limit, this.elevation));
     this.distance = Math.max(0.3, Math.min(12, this.distance));
     const level = Math.cos(this.elevation);
-    /** @type {Vec3} towards the eye */
     this.back = [level * Math.cos(this.azimuth), level * Math.sin(this.azimuth), Math.sin(this.elevation)];
     this.eye = add(this.target, scale(this.back, this.distance));
     this.right = unit(cross(scale(this.back, -1), [0, 0, 1]));

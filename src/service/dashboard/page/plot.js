@@ -68,9 +68,9 @@ export function tickLabel(value, log) {
  * @param {Surface} surface
  * @param {Frame} frame
  * @param {Palette} colours
- * @param {{x?: boolean, xLabel?: string, yTicks?: number}} [options] whether times stand below
+ * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number}} [options] whether there are labels below and beside
  */
-export function axes(surface, frame, colours, { x = true, xLabel = '', yTicks } = {}) {
+export function axes(surface, frame, colours, { x = true, y = true, xLabel = '', yTicks } = {}) {
   const { left, top, width, height } = frame;
   surface.font = FONT;
   surface.lineWidth = 1;
@@ -79,17 +79,18 @@ export function axes(surface, frame, colours, { x = true, xLabel = '', yTicks } 
   surface.fillStyle = colours.muted;
   surface.textBaseline = 'middle';
   surface.textAlign = 'right';
-  for (const tick of ticks(frame.y, yTicks ?? Math.max(2, height / 34))) {
-    const y = Math.round(atY(frame, tick)) + 0.5;
-    line(surface, left, y, left + width, y);
-    surface.fillText(tickLabel(tick, Boolean(frame.y.log)), left - 6, y);
+  for (const tick of y ? ticks(frame.y, yTicks ?? Math.max(2, height / 34)) : []) {
+    const at = Math.round(atY(frame, tick)) + 0.5;
+    line(surface, left, at, left + width, at);
+    surface.fillText(tickLabel(tick, Boolean(frame.y.log)), left - 6, at);
   }
   surface.textAlign = 'center';
   surface.textBaseline = 'top';
+  const room = xLabel ? left + width - 14 : Infinity;
   for (const tick of ticks(frame.x, Math.max(2, width / 70))) {
     const at = Math.round(atX(frame, tick)) + 0.5;
     line(surface, at, top, at, top + height);
-    if (x) surface.fillText(tickLabel(tick, Boolean(frame.x.log)), at, top + height + 5);
+    if (x && at < room) surface.fillText(tickLabel(tick, Boolean(frame.x.log)), at, top + height + 5);
   }
   if (x && xLabel) {
     surface.textAlign = 'right';

@@ -232,7 +232,7 @@ export function activeLimits(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
   const { time, lower, upper } = view.history.columns;
   const frame = timeFrame(width, height, view, { low: 0, high: Math.max(1, joints.length) });
-  axes(surface, { ...frame, y: { low: 2, high: 3 } }, colours, { xLabel: 's', yTicks: 0.1 });
+  axes(surface, frame, colours, { y: false, xLabel: 's' });
   const row = frame.height / Math.max(1, joints.length);
   surface.font = FONT;
   joints.forEach((joint, i) => {

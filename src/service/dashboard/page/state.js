@@ -41,11 +41,7 @@ export class Store {
   }
 }
 
-/** @type {Store<State>} */
-export const state = new Store({
-  link: /** @type {Link} */ ('connecting'),
-  phase: /** @type {Phase} */ ('none'),
-  source: /** @type {'simulation' | 'session'} */ ('simulation'),
-  session: '',
-  pending: false,
-});
+/** @type {State} */
+const initial = { link: 'connecting', phase: 'none', source: 'simulation', session: '', pending: false };
+
+export const state = new Store(initial);

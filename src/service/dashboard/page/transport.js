@@ -1,6 +1,6 @@
 // Requests to the service: JSON, server-sent events, problems, the token.
 
-/** @typedef {import('./types.js').Problem} Problem */
+/** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer'>} Problem */
 
 const TOKEN = 'revprio-token';
 
@@ -48,7 +48,7 @@ async function send(path, init = {}) {
   } catch (error) {
     if (init.signal?.aborted) throw error;
     const detail = 'the service does not answer; is it still running?';
-    throw new ApiError(0, { type: '', title: 'No answer', status: 0, detail });
+    throw new ApiError(0, { title: 'No answer', status: 0, detail });
   }
   if (response.ok) return response;
   throw new ApiError(response.status, await problemOf(response), Number(response.headers.get('retry-after')) || undefined);
@@ -62,7 +62,7 @@ async function problemOf(response) {
   const isProblem = response.headers.get('content-type')?.startsWith('application/problem+json');
   if (isProblem) return response.json();
   const detail = `answered with status ${response.status}, but not as a revprio service does`;
-  return { type: '', title: 'A foreign answer', status: response.status, detail };
+  return { title: 'A foreign answer', status: response.status, detail };
 }
 
 /**
