@@ -50,8 +50,9 @@ function draw(now) {
   isNew = false;
   sceneDrawn = now;
   const { arm } = desk;
-  if (arm) scene.fit(arm, desk.watch?.session.id ?? desk.scenario?.name ?? '');
-  scene.draw(desk.world());
+  const world = desk.world();
+  if (arm) scene.fit(arm, world.contacts, desk.watch?.session.id ?? desk.scenario?.name ?? '');
+  scene.draw(world);
   if (now - plotsDrawn < PLOTS_PAUSE) {
     isNew = true;
     return;

@@ -86,7 +86,7 @@ export function axes(surface, frame, colours, { x = true, y = true, xLabel = '',
   }
   surface.textAlign = 'center';
   surface.textBaseline = 'top';
-  const room = xLabel ? left + width - 14 : Infinity;
+  const room = xLabel ? left + width - 24 : Infinity;
   for (const tick of ticks(frame.x, Math.max(2, width / 70))) {
     const at = Math.round(atX(frame, tick)) + 0.5;
     line(surface, at, top, at, top + height);

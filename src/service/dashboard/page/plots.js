@@ -112,7 +112,7 @@ function forceRange({ history, ghost, closeUp }, shown) {
 /** @type {(value: number) => number} the next round number */
 function niceReach(value) {
   const power = 10 ** Math.floor(Math.log10(value));
-  return ([1, 2, 5, 10].find((factor) => factor * power >= value) ?? 10) * power;
+  return ([1, 2, 3, 5, 10].find((factor) => factor * power >= value) ?? 10) * power;
 }
 
 /** Residuals below this are rounding. */

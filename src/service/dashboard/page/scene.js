@@ -51,16 +51,20 @@ export class Scene {
   /**
    * Turns the eye to an arm, once for each set-up.
    * @param {ArmView} arm
+   * @param {Contact[]} contacts
    * @param {string} name of the set-up
    */
-  fit(arm, name) {
+  fit(arm, contacts, name) {
     if (this.fitted === name) return;
     this.fitted = name;
     const { center, size } = extent(arm);
     const tool = vec(arm.tool.position);
     this.camera.target = mix(center, tool, 0.15);
     this.camera.distance = 2.15 * size;
-    this.camera.azimuth = Math.atan2(tool[1], tool[0]) - 1.05;
+    // From the side, so that neither the arm nor what it touches is seen edge-on.
+    const upright = contacts.find(({ axis }) => axis < 2);
+    const ahead = upright ? unit(scale(axisOf(upright.axis), upright.side)) : tool;
+    this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - 2.05;
     this.camera.elevation = 0.32;
     this.camera.update();
   }
