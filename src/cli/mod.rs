@@ -1,7 +1,10 @@
 //! The command line.
 
+mod bench;
+mod compare;
 mod config;
 mod demo;
+mod experiment;
 mod load;
 mod openapi;
 mod resolve;
@@ -18,8 +21,8 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::settings::SettingsError;
+use crate::bench::BenchError;
 use crate::client::{Client, ClientError};
-use crate::report;
 use crate::robot::RobotFileError;
 use crate::service::{
     App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
@@ -41,8 +44,10 @@ const EXAMPLES: &str = "Examples:
   revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
+  revprio bench --only core,http                     measure times beside those of others
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
 #[derive(Debug, Subcommand)]
@@ -62,10 +67,14 @@ enum Command {
     Scenarios,
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
+    /// Run scenarios with several methods and solvers and compare them side by side.
+    Compare(compare::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Measure how fast this machine is at all of it, beside other programs that do the same.
+    Bench(bench::Options),
     /// Print the OpenAPI document of the HTTP interface.
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
@@ -87,6 +96,9 @@ pub enum CliError {
     /// The server under load did something that it must not.
     #[error("under load: {0}")]
     Load(String),
+    /// Nothing was measured.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
     /// A robot file is refused.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -117,7 +129,10 @@ pub enum CliError {
     Client(#[from] ClientError),
     /// The report cannot be written.
     #[error(transparent)]
-    Report(#[from] report::Error),
+    Report(#[from] crate::report::Error),
+    /// No run got to its end.
+    #[error("there is nothing to compare: {0}")]
+    NothingToCompare(String),
     /// A trace cannot be written.
     #[error("cannot write {path}: {source}")]
     Trace {
@@ -166,8 +181,10 @@ impl Cli {
             Command::Load(options) => load::run(&options),
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
+            Command::Compare(options) => compare::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Bench(options) => bench::run(&options),
             Command::Openapi => openapi::run(openapi_document()),
             Command::Asyncapi => openapi::run(asyncapi_document()),
         }

@@ -109,6 +109,7 @@ mod tls;
 pub use access::{Token, TokenError};
 pub use app::{App, Service, router};
 pub use config::ServiceConfig;
+pub(crate) use convert::controller as controller_of;
 pub use convert::robot_answer;
 pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};

@@ -4,18 +4,36 @@
 //! it shows is what any client would get.
 
 mod arm;
+mod caller;
+mod chance;
+mod contact;
+mod drive_limits;
+mod energy;
 mod environment;
+mod faults;
+mod flaw;
+mod line;
 mod operator;
+mod plant;
+mod profile;
 pub mod recording;
 mod request;
 mod run;
 mod scenario;
+mod sensors;
 mod stateless;
+mod surface;
+mod toml_lines;
 mod watchdog;
 
 pub use arm::{Arm, VelocityLoop};
-pub use environment::{Contact, ContactKind, Environment};
+pub use contact::{Contact, ContactKind, Friction};
+pub use drive_limits::DriveLimits;
+pub use environment::Environment;
+pub use faults::{Faults, Outage};
+pub use flaw::Flaw;
 pub use operator::{Cycle, Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
-pub use run::{CallMode, RunError, run, run_operated, run_robot};
-pub use scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
+pub use run::{CallMode, RunError, built_in_robot, run, run_operated, run_robot};
+pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};
+pub use sensors::{Sensor, Sensors};

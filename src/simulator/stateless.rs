@@ -72,6 +72,11 @@ impl<'a> Stateless<'a> {
         Cycle { controller, state, memory: self.sent_memory.as_ref() }
     }
 
+    /// The last answer did not arrive, and so neither did its memory.
+    pub fn lose(&mut self) {
+        self.request.memory = self.sent_memory.clone();
+    }
+
     /// The controller from the next period on, with the same rows as the one before.
     ///
     /// Its integrators go on from the velocities that were achieved, not from those that were asked for in vain. Laws

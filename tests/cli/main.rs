@@ -1,5 +1,6 @@
 //! The program as its users run it.
 
+mod compare;
 mod demo;
 mod load;
 mod openapi;

@@ -122,7 +122,7 @@ function contactFields(desk, change) {
   const contacts = desk.scenario?.contacts ?? [];
   return contacts.map((contact, i) => {
     const values = [desk.setup?.stiffness[i] ?? contact.stiffness];
-    const name = `Stiffness of the ${contact.kind}, ${contact.axis}`;
+    const name = `Stiffness of the ${contact.kind}${contact.axis ? `, ${contact.axis}` : ''}`;
     return numberField(name, 'N/m', values, ([stiffness]) =>
       change({ stiffness: { ...desk.setup?.stiffness, [i]: stiffness } }));
   });

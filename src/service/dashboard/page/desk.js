@@ -1,6 +1,7 @@
 // What the page does: starts runs, orders them about, looks on at sessions. What it shows is asked from here.
 
-import { vec } from './arm.js';
+import { axisOf, vec } from './arm.js';
+import { add, dot, scale, sub, unit } from './geometry.js';
 import { History } from './history.js';
 import { Run } from './run.js';
 import * as setups from './setup.js';
@@ -304,11 +305,8 @@ export class Desk {
     const { sample, arm } = this;
     const scenario = this.watch ? null : (this.running ?? this.scenario);
     const start = vec(this.history.start ?? this.preview?.tool.position ?? [0, 0, 0]);
-    const contacts = (scenario?.contacts ?? []).map(({ axis, kind, offset_m }) => {
-      const place = 'xyz'.indexOf(axis);
-      const offset = offset_m ?? 0;
-      return { axis: place, isWall: kind === 'wall', at: start[place] + offset, side: offset < 0 ? -1 : 1 };
-    });
+    const tool = vec(arm?.tool.position ?? [0, 0, 0]);
+    const contacts = (scenario?.contacts ?? []).map((contact) => placed(contact, start, tool, sample?.wall_distance_m ?? null));
     const held = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
     const ghost = this.ghost?.frame ? { arm: this.ghost.frame.arm, history: this.ghost.history } : null;
     return {
@@ -352,4 +350,24 @@ export class Desk {
  */
 function zOf({ w, x, y, z }) {
   return [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+}
+
+/**
+ * A contact where it is now.
+ * @param {NonNullable<Scenario['contacts']>[number]} contact
+ * @param {Vec3} start of the tool
+ * @param {Vec3} tool
+ * @param {number | null} distance of the tool to the wall
+ * @returns {import('./scene.js').Contact}
+ */
+function placed(contact, start, tool, distance) {
+  const offset = contact.offset_m ?? 0;
+  const isWall = contact.kind !== 'spring';
+  const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
+  const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
+  const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
+  if (!contact.motion || distance === null) return { isWall, inwards, at };
+  // It moves: where it is can be told from the tool.
+  const way = dot(sub(tool, at), inwards) + distance;
+  return { isWall, inwards, at: add(at, scale(inwards, way)) };
 }

@@ -11,11 +11,10 @@ import { palette } from './theme.js';
  * @typedef {import('./history.js').History} History
  * @typedef {import('./theme.js').Palette} Palette
  *
- * @typedef {object} Contact what the tool touches along an axis of the base
- * @property {number} axis 0 to 2
- * @property {boolean} isWall
- * @property {number} at where along the axis its surface is, m
- * @property {number} side +1 or −1: where the material is
+ * @typedef {object} Contact what the tool touches
+ * @property {boolean} isWall whether it is a surface, and no spring
+ * @property {Vec3} inwards direction into its material, of unit length
+ * @property {Vec3} at a point of its surface, m
  *
  * @typedef {object} Ghost
  * @property {ArmView} arm
@@ -62,8 +61,8 @@ export class Scene {
     this.camera.target = mix(center, tool, 0.15);
     this.camera.distance = 2.15 * size;
     // From the side, so that neither the arm nor what it touches is seen edge-on.
-    const upright = contacts.find(({ axis }) => axis < 2);
-    const ahead = upright ? unit(scale(axisOf(upright.axis), upright.side)) : tool;
+    const upright = contacts.find(({ inwards }) => Math.abs(inwards[2]) < 0.7);
+    const ahead = upright ? upright.inwards : tool;
     this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - 2.05;
     this.camera.elevation = 0.32;
     this.camera.update();
@@ -137,7 +136,7 @@ function rgbOf(hex) {
 
 /** @type {(camera: Camera, contact: Contact) => boolean} */
 function isBehind(camera, contact) {
-  return (camera.eye[contact.axis] - contact.at) * contact.side < 0;
+  return dot(sub(camera.eye, contact.at), contact.inwards) < 0;
 }
 
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, colours: Palette) => void} */
@@ -210,13 +209,12 @@ function shadow(context, camera, parts, colours) {
 
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, contact: Contact, world: World, colours: Palette) => void} */
 function wall(context, camera, contact, world, colours) {
-  const normal = axisOf(contact.axis);
-  const [u, v] = across(normal);
-  const center = /** @type {Vec3} */ (world.start.map((value, axis) => (axis === contact.axis ? contact.at : value)));
+  const [u, v] = across(contact.inwards);
+  const center = contact.at;
   /** @type {(s: number, t: number) => Vec3} */
   const place = (s, t) => add(center, add(scale(u, s * WALL), scale(v, t * WALL)));
   const corners = [place(-1, -1), place(1, -1), place(1, 1), place(-1, 1)].map((corner) => camera.project(corner));
-  const touched = Math.abs(world.force[contact.axis]) > 0.5;
+  const touched = Math.abs(dot(world.force, contact.inwards)) > 0.5;
   const rgb = colours.dark ? '120,170,205' : '70,120,160';
   context.fillStyle = `rgba(${rgb},${touched ? 0.3 : 0.18})`;
   polygon(context, corners);
@@ -226,7 +224,7 @@ function wall(context, camera, contact, world, colours) {
     segment(context, camera, place(i / 4, -1), place(i / 4, 1));
     segment(context, camera, place(-1, i / 4), place(1, i / 4));
   }
-  context.strokeStyle = touched ? colours.axes[contact.axis] : `rgba(${rgb},0.9)`;
+  context.strokeStyle = touched ? colours.accent : `rgba(${rgb},0.9)`;
   context.lineWidth = touched ? 2.5 : 1.5;
   context.beginPath();
   corners.forEach(({ x, y }, i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
@@ -237,10 +235,10 @@ function wall(context, camera, contact, world, colours) {
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, contact: Contact, world: World, colours: Palette) => void} */
 function spring(context, camera, contact, world, colours) {
   if (!world.arm) return;
-  const axis = axisOf(contact.axis);
+  const axis = contact.inwards;
   const tool = vec(world.arm.tool.position);
   const rest = 0.26;
-  const anchor = /** @type {Vec3} */ (tool.map((value, i) => (i === contact.axis ? contact.at + rest : value)));
+  const anchor = add(tool, scale(axis, rest + dot(sub(contact.at, tool), axis)));
   const [side] = across(axis);
   const turns = 9;
   context.strokeStyle = colours.muted;
