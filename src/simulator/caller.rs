@@ -1,5 +1,6 @@
 //! The service as one run sees it.
 
+use super::operator::Cycle;
 use super::run::CallMode;
 use super::stateless::Stateless;
 use crate::client::{Client, ClientError};
@@ -24,6 +25,14 @@ impl<'a> Caller<'a> {
     pub fn change(&mut self, controller: wire::Controller) {
         if let Self::Stateless(caller) = self {
             caller.change(controller);
+        }
+    }
+
+    /// What the last call asked, where no session keeps the memory.
+    pub fn cycle(&self) -> Option<Cycle<'_>> {
+        match self {
+            Self::Session { .. } => None,
+            Self::Stateless(caller) => Some(caller.cycle()),
         }
     }
 

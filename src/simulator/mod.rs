@@ -37,7 +37,7 @@ pub use drive_limits::DriveLimits;
 pub use environment::Environment;
 pub use faults::{Faults, Outage};
 pub use flaw::Flaw;
-pub use operator::{Ending, Influence, Observed, Operator};
+pub use operator::{Cycle, Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
 pub use run::{CallMode, RunError, built_in_robot, run, run_operated, run_robot};
 pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};

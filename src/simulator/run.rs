@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::caller::Caller;
 use super::flaw::Flaw;
 use super::line::Line;
-use super::operator::{Ending, Influence, Observed, Onlooker, Operator};
+use super::operator::{Cycle, Ending, Influence, Observed, Onlooker, Operator};
 use super::plant::Plant;
 use super::recording::{Recording, Timing};
 use super::scenario::Scenario;
@@ -160,10 +160,10 @@ fn drive(
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let (now, round_trip) = conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
+        let (now, cycle, round_trip) = conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
         let sample = plant.sample(period, time_s, measured, now, &scenario.controller.tasks);
         plant.advance(&now.answer.joint_velocity, time_s)?;
-        operator.see(period + 1, &Observed { sample: &sample, answer: &now.answer, round_trip });
+        operator.see(period + 1, &Observed { sample: &sample, answer: &now.answer, round_trip, cycle });
         samples.push(sample);
         timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: now.answer.elapsed_us });
         match operator.goes_on() {
@@ -200,12 +200,12 @@ struct Conversation<'a> {
 }
 
 impl Conversation<'_> {
-    /// What the arm obeys in the period of a state, and how long the service took to answer, if it was asked.
+    /// What the arm obeys in the period of a state, what the service was asked, and how long it took to answer.
     fn next(
         &mut self,
         state: wire::State,
         goes_on: impl FnMut() -> ControlFlow<()>,
-    ) -> Result<(&Obeyed, Duration), RunError> {
+    ) -> Result<(&Obeyed, Option<Cycle<'_>>, Duration), RunError> {
         let (period, time_s) = (state.sequence, state.time_s);
         let is_dead = self.line.is_dead(time_s);
         let called = Instant::now();
@@ -234,7 +234,7 @@ impl Conversation<'_> {
         if given != expected {
             return Err(RunError::AnswerSize { time_s, expected, given });
         }
-        Ok((self.obeyed.insert(now), round_trip))
+        Ok((self.obeyed.insert(now), self.caller.cycle(), round_trip))
     }
 }
 

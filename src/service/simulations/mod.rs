@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use tokio::sync::Semaphore;
 
-pub use desk::{Desk, desk};
+pub use desk::{Desk, desk, open_desk};
 pub use job::Job;
 pub use trace::trace;
 
