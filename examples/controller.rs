@@ -9,6 +9,7 @@ use revprio::kinematics::{Axis, AxisSelection, Configuration};
 use revprio::law::{ForceLaw, Gains, Law, Profile};
 use revprio::robot::built_in;
 
+/// Three seconds of pressing, with an arm that follows at once.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (sawyer, period) = (Arc::clone(&built_in()[0]), 0.001);
     let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m

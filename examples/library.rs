@@ -8,6 +8,7 @@ use revprio::resolution::{Problem, resolve};
 use revprio::robot::built_in;
 use revprio::task::{Task, TaskStack};
 
+/// Moves along x at 0.05 m/s and holds the rest.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sawyer = &built_in()[0];
     let configuration = Configuration::new(sawyer, &[2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])?;

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::CliError;
-use super::experiment::{Laboratory, make_directory, program, store};
+use super::experiment::{Laboratory, make_directory, program, report as report_beside, store};
 use super::robot::RobotArgument;
+use super::{CliError, traces};
 use crate::report::experiment::{Experiment, Run};
 use crate::report::table::{Row, side_by_side};
 use crate::report::{self, Output, Report};
@@ -40,13 +40,15 @@ pub struct Options {
     /// What is written there, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Kind::ALL)]
     write: Vec<Kind>,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 const DEFAULT_METHODS: [Method; 2] = [Method::DampedLeastSquares, Method::ReversePriority];
 
 /// How the comparison is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
+pub enum Format {
     /// A table per scenario, a column per run
     Table,
     /// The measures of every run
@@ -102,10 +104,10 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         return Err(CliError::NothingToCompare(failures.join("; ")));
     }
     let experiment = experiment(options, &scenarios, runs, failures);
-    let report = experiment.report();
+    let report = report_beside(&experiment, &options.traces);
     print(options.format, &report)?;
     if options.write.contains(&Kind::Traces) {
-        store(&options.out, &experiment)?;
+        store(&options.out, &experiment, &options.traces)?;
     }
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
     let written = report::write(&options.out, &report, &outputs)?;
@@ -162,7 +164,8 @@ fn command(options: &Options) -> String {
     format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}", options.scenarios.join(" "))
 }
 
-fn print(format: Format, report: &Report) -> Result<(), CliError> {
+/// Prints all runs side by side.
+pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
     match format {
         Format::Table => write!(stdout(), "{}", side_by_side::text(&report.rows))?,
         Format::Json => writeln!(stdout(), "{}", json(&report.rows))?,

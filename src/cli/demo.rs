@@ -3,11 +3,11 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
-use super::CliError;
 use super::experiment::{Laboratory, leave, make_directory, program};
+use super::{CliError, traces};
 use crate::report::experiment::Experiment;
 use crate::report::table;
-use crate::simulator::CallMode;
+use crate::simulator::{CallMode, PAPER_SCENARIOS};
 use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
@@ -15,10 +15,9 @@ pub struct Options {
     /// Directory for traces, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    #[command(flatten)]
+    traces: traces::Options,
 }
-
-/// The paper's examples, each from two postures.
-const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 /// What is compared in every scenario.
 const VARIANTS: [(Method, Solver); 4] = [
@@ -32,7 +31,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
     let laboratory = Laboratory::open(None, None, CallMode::Session)?;
     let mut runs = Vec::new();
-    for name in SCENARIOS {
+    for name in PAPER_SCENARIOS {
         let mut scenario = laboratory.scenario(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);
@@ -52,7 +51,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     for section in &report.sections {
         writeln!(stdout(), "\n{}: {}", section.name, section.notes.join(" "))?;
     }
-    let page = leave(&options.out, &experiment)?;
+    let page = leave(&options.out, &experiment, &options.traces)?;
     writeln!(stdout(), "\nfigures, traces and one page with all of it: {}", page.display())?;
     Ok(())
 }

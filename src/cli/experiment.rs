@@ -7,10 +7,10 @@ use std::process::Command;
 use std::sync::Arc;
 
 use super::robot::{Registration, RobotArgument};
-use super::{CliError, Target, progress_bar};
+use super::{CliError, Target, progress_bar, traces};
 use crate::client::ClientError;
 use crate::report::experiment::{Experiment, Program, Run, store};
-use crate::report::{self, Output};
+use crate::report::{self, Output, Report};
 use crate::robot::RobotModel;
 use crate::service::{Robots, robot_answer};
 use crate::simulator::recording::Recording;
@@ -111,18 +111,23 @@ pub fn make_directory(out: &Path) -> Result<(), CliError> {
 }
 
 /// Leaves the traces and what they are.
-pub fn store(out: &Path, experiment: &Experiment) -> Result<(), CliError> {
+pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<(), CliError> {
     for run in &experiment.runs {
-        let path = out.join(run.recording.trace_name());
-        run.recording.write_csv(&path).map_err(|source| CliError::Trace { path, source })?;
+        traces.write(out, &run.recording)?;
     }
-    Ok(store::write(out, experiment)?)
+    Ok(store::write(out, experiment, |recording| traces.first_name(recording))?)
+}
+
+/// The page, with the traces that lie beside it.
+pub fn report(experiment: &Experiment, traces: &traces::Options) -> Report {
+    let names = experiment.runs.iter().flat_map(|run| traces.names(&run.recording)).collect();
+    Report { traces: names, ..experiment.report() }
 }
 
 /// Leaves traces, figures and page; the path of the page.
-pub fn leave(out: &Path, experiment: &Experiment) -> Result<PathBuf, CliError> {
-    store(out, experiment)?;
-    report::write(out, &experiment.report(), &[Output::Page, Output::Svg, Output::Png])?;
+pub fn leave(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<PathBuf, CliError> {
+    store(out, experiment, traces)?;
+    report::write(out, &report(experiment, traces), &[Output::Page, Output::Svg, Output::Png])?;
     Ok(out.join("index.html"))
 }
 

@@ -7,6 +7,8 @@ mod demo;
 mod experiment;
 mod load;
 mod openapi;
+mod replay;
+mod report;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -14,6 +16,8 @@ mod serve;
 mod settings;
 mod simulate;
 mod stability;
+mod sweep;
+mod traces;
 
 use std::path::{Path, PathBuf};
 
@@ -27,6 +31,8 @@ use crate::robot::RobotFileError;
 use crate::service::{
     App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
 };
+use crate::simulator::recording::{ReadError, WriteError};
+use crate::simulator::replay::ReplayError;
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -45,6 +51,10 @@ const EXAMPLES: &str = "Examples:
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
+  revprio simulate stiff_wall --format csv,mcap      … and leave its trace as CSV and for Foxglove
+  revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
+  revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
+  revprio report revprio-out                         make the page again from what a command left there
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio bench --only core,http                     measure times beside those of others
@@ -69,6 +79,12 @@ enum Command {
     Simulate(simulate::Options),
     /// Run scenarios with several methods and solvers and compare them side by side.
     Compare(compare::Options),
+    /// Send a recording's states to a service again and compare the answers.
+    Replay(replay::Options),
+    /// Run one scenario with many values of some quantities, on all cores.
+    Sweep(sweep::Options),
+    /// Make the page again from what `simulate`, `demo` or `compare` left in a directory.
+    Report(report::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
@@ -139,7 +155,27 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
         /// What went wrong.
-        source: csv::Error,
+        source: WriteError,
+    },
+    /// The file is no recording.
+    #[error("cannot read {path}: {source}")]
+    ReadRecording {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<ReadError>,
+    },
+    /// The sweep cannot be made, or its files cannot be used.
+    #[error("{0}")]
+    Sweep(String),
+    /// The recording cannot be replayed.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// The replayed answers are not the recorded ones.
+    #[error("{answers} answers differ from the recording")]
+    Differs {
+        /// How many.
+        answers: usize,
     },
     /// The output directory cannot be made.
     #[error("cannot make {path}: {source}")]
@@ -182,6 +218,9 @@ impl Cli {
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Compare(options) => compare::run(&options),
+            Command::Replay(options) => replay::run(&options),
+            Command::Sweep(options) => sweep::run(&options),
+            Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Bench(options) => bench::run(&options),

@@ -1,9 +1,10 @@
 //! `revprio report`
 
-use std::io::{Write as _, stdout};
+use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
 use super::CliError;
+use super::compare::{Format, print};
 use crate::report::experiment::store;
 use crate::report::{self, Output};
 
@@ -11,11 +12,15 @@ use crate::report::{self, Output};
 pub struct Options {
     /// Directory that `simulate`, `demo` or `compare` left; page and figures are written there
     directory: PathBuf,
+    /// What is printed
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
-    let experiment = store::read(&options.directory)?;
-    report::write(&options.directory, &experiment.report(), &[Output::Page, Output::Svg, Output::Png])?;
-    writeln!(stdout(), "{}", options.directory.join("index.html").display())?;
+    let report = store::read(&options.directory)?.report();
+    print(options.format, &report)?;
+    report::write(&options.directory, &report, &[Output::Page, Output::Svg, Output::Png])?;
+    writeln!(stderr(), "\nwritten: {}", options.directory.join("index.html").display())?;
     Ok(())
 }

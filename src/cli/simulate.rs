@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::CliError;
 use super::experiment::{Laboratory, leave, make_directory, program};
 use super::robot::RobotArgument;
+use super::{CliError, traces};
 use crate::report::experiment::Experiment;
 use crate::report::table;
 use crate::simulator::{CallMode, Scenario};
@@ -35,6 +35,8 @@ pub struct Options {
     /// Directory for trace, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    #[command(flatten)]
+    traces: traces::Options,
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
@@ -56,7 +58,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         failures: Vec::new(),
     };
     write!(stdout(), "{}", table::text(&table::rows(&experiment.runs)))?;
-    let page = leave(&options.out, &experiment)?;
+    let page = leave(&options.out, &experiment, &options.traces)?;
     writeln!(stdout(), "\nfigure, trace and one page with both: {}", page.display())?;
     Ok(())
 }

@@ -137,12 +137,18 @@ impl ValueFormatter<f64> for Decades {
 
 #[cfg(test)]
 mod tests {
+    use plotters::coord::ranged1d::KeyPointWeight;
+
     use super::*;
 
     struct Bold;
     impl KeyPointHint for Bold {
         fn max_num_points(&self) -> usize {
             100
+        }
+
+        fn weight(&self) -> KeyPointWeight {
+            KeyPointWeight::Bold
         }
     }
 

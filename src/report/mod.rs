@@ -20,6 +20,7 @@ mod drawing;
 mod error;
 pub mod experiment;
 pub mod figure;
+pub mod heat_map;
 mod index;
 mod legend;
 pub mod logarithmic;
@@ -42,6 +43,7 @@ use claims::Claim;
 use document::Drawn;
 use experiment::Program;
 use figure::Figure;
+use heat_map::HeatMap;
 use table::Row;
 
 pub use drawing::svg;
@@ -127,6 +129,31 @@ pub fn write(directory: &Path, report: &Report, wanted: &[Output]) -> Result<Vec
         written.push(write_file(directory, "index.html", page.as_bytes())?);
     }
     Ok(written)
+}
+
+/// Writes figures as `.svg` and `.png` into a directory that exists; returns what was written.
+///
+/// # Errors
+///
+/// As [`write`].
+pub fn write_figures(directory: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Error> {
+    let files = figures.iter().map(|figure| write_picture(directory, &figure.name, &drawing::svg(figure)?));
+    files.collect::<Result<Vec<_>, _>>().map(|files| files.concat())
+}
+
+/// Writes a heat map as `.svg` and `.png` into a directory that exists; returns what was written.
+///
+/// # Errors
+///
+/// As [`write`].
+pub fn write_heat_map(directory: &Path, map: &HeatMap) -> Result<Vec<PathBuf>, Error> {
+    write_picture(directory, &map.name, &heat_map::svg(map)?)
+}
+
+fn write_picture(directory: &Path, name: &str, svg: &str) -> Result<Vec<PathBuf>, Error> {
+    let png = png::render(name, svg)?;
+    let files = [("svg", svg.as_bytes()), ("png", &png)];
+    files.into_iter().map(|(ending, bytes)| write_file(directory, &format!("{name}.{ending}"), bytes)).collect()
 }
 
 fn write_file(directory: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, Error> {

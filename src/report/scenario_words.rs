@@ -15,8 +15,20 @@ pub fn of_scenario(scenario: &Scenario, robot: &wire::Robot) -> Vec<String> {
     let tasks = scenario.controller.tasks.iter().enumerate();
     sentences.extend(tasks.map(|(k, of_task)| task(k, of_task)));
     sentences.extend(controller(&scenario.controller));
-    let told = ["name", "description", "duration_s", "start_joint_position", "velocity_loop", "contacts", "controller"];
-    sentences.extend(rest(&object(scenario), &told).map(|rest| format!("Further: {rest}.")));
+    let told = [
+        "name",
+        "description",
+        "expectation",
+        "duration_s",
+        "start_joint_position",
+        "velocity_loop",
+        "contacts",
+        "controller",
+    ];
+    let fields = object(scenario);
+    sentences.extend(rest(&fields, &told).map(|rest| format!("Further: {rest}.")));
+    let expectation = fields.get("expectation").and_then(Value::as_str).filter(|text| !text.is_empty());
+    sentences.extend(expectation.map(|text| format!("Expected: {}.", text.trim_end_matches('.'))));
     sentences.push("All in m, rad, s, N, N·m, kg and their products.".to_owned());
     sentences
 }
@@ -43,7 +55,8 @@ fn contact(contact: &impl Serialize) -> String {
         format!("{} mm from where the tool starts", number(1e3 * offset))
     };
     let more = rest(&fields, &["axis", "kind", "offset_m"]).map(|rest| format!(": {rest}")).unwrap_or_default();
-    format!("The tool meets a {} along {}, {place}{more}.", text("kind"), text("axis"))
+    let along = fields.get("axis").and_then(Value::as_str).map(|axis| format!(" along {axis}")).unwrap_or_default();
+    format!("The tool meets a {}{along}, {place}{more}.", text("kind"))
 }
 
 fn velocity_loop(scenario: &Scenario) -> String {

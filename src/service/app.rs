@@ -118,6 +118,7 @@ pub(super) fn described() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(handlers::simulation::simulation_events))
         .routes(routes!(handlers::simulation::simulation_live))
         .routes(routes!(handlers::simulation::control_simulation))
+        .routes(routes!(handlers::simulation::simulation_cycle))
         .routes(routes!(handlers::simulation::simulation_trace))
         .routes(routes!(handlers::operation::alive))
         .routes(routes!(handlers::operation::ready))

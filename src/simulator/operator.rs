@@ -33,6 +33,30 @@ pub struct Observed<'a> {
     pub answer: &'a wire::StepAnswer,
     /// Time between state and answer.
     pub round_trip: Duration,
+    /// What was asked, where no session keeps the memory.
+    pub cycle: Option<Cycle<'a>>,
+}
+
+/// The parts of a stateless step.
+#[derive(Debug, Clone, Copy)]
+pub struct Cycle<'a> {
+    /// The controller.
+    pub controller: &'a wire::Controller,
+    /// The measured state.
+    pub state: &'a wire::State,
+    /// The memory of the period before.
+    pub memory: Option<&'a wire::Memory>,
+}
+
+impl Cycle<'_> {
+    /// The step as a request of its own.
+    pub fn request(&self) -> wire::StepRequest {
+        wire::StepRequest {
+            controller: self.controller.clone(),
+            state: self.state.clone(),
+            memory: self.memory.cloned(),
+        }
+    }
 }
 
 /// The run's view of who stands beside it.

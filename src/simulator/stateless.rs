@@ -1,5 +1,6 @@
 //! A caller that keeps the controller's memory itself, and so can change the controller while the arm moves.
 
+use super::operator::Cycle;
 use crate::client::{Client, ClientError};
 use crate::wire;
 
@@ -9,7 +10,10 @@ const FADING_S: f64 = 0.1;
 /// Calls `POST /v1/step`.
 pub struct Stateless<'a> {
     client: &'a Client,
+    /// The last one, with the memory for the next.
     request: wire::StepRequest,
+    /// The memory that the last one was sent with.
+    sent_memory: Option<wire::Memory>,
     /// J_k q̇ of each task in the last answer.
     achieved: Vec<Vec<f64>>,
     fading: Option<Fading>,
@@ -35,12 +39,19 @@ impl<'a> Stateless<'a> {
             wrench: None,
         };
         let request = wire::StepRequest { controller, state: nothing, memory: None };
-        Self { client, request, achieved: Vec::new(), fading: None, waiting: None }
+        Self { client, request, sent_memory: None, achieved: Vec::new(), fading: None, waiting: None }
     }
 
     /// Asks for the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
-        let mut answer = ask(self.client, &mut self.request, state.clone())?;
+        if self.fading.as_ref().is_some_and(|fading| fading.done >= fading.periods) {
+            self.fading = None;
+            if let Some(waiting) = self.waiting.take() {
+                self.change(waiting);
+            }
+        }
+        let (mut answer, sent_memory) = ask(self.client, &mut self.request, state.clone())?;
+        self.sent_memory = sent_memory;
         self.achieved.clear();
         self.achieved.extend(answer.tasks.iter().map(|task| task.achieved.clone()));
         if let Some(fading) = &mut self.fading {
@@ -51,14 +62,19 @@ impl<'a> Stateless<'a> {
                     memory.last_command.clone_from(&answer.joint_velocity);
                 }
             }
-            if fading.done >= fading.periods {
-                self.fading = None;
-                if let Some(waiting) = self.waiting.take() {
-                    self.change(waiting);
-                }
-            }
         }
         Ok(answer)
+    }
+
+    /// What the last call asked.
+    pub fn cycle(&self) -> Cycle<'_> {
+        let wire::StepRequest { controller, state, .. } = &self.request;
+        Cycle { controller, state, memory: self.sent_memory.as_ref() }
+    }
+
+    /// The last answer did not arrive, and so neither did its memory.
+    pub fn lose(&mut self) {
+        self.request.memory = self.sent_memory.clone();
     }
 
     /// The controller from the next period on, with the same rows as the one before.
@@ -93,7 +109,7 @@ impl Fading {
         client: &Client,
         state: wire::State,
     ) -> Result<(), ClientError> {
-        let before = ask(client, &mut self.request, state)?;
+        let (before, _) = ask(client, &mut self.request, state)?;
         self.done += 1.0;
         let share = self.done / self.periods;
         for (velocity, before) in answer.joint_velocity.iter_mut().zip(before.joint_velocity) {
@@ -103,9 +119,14 @@ impl Fading {
     }
 }
 
-fn ask(client: &Client, request: &mut wire::StepRequest, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
+/// The answer, and the memory that the question was sent with.
+fn ask(
+    client: &Client,
+    request: &mut wire::StepRequest,
+    state: wire::State,
+) -> Result<(wire::StepAnswer, Option<wire::Memory>), ClientError> {
     request.state = state;
     let mut answer = client.step(request)?;
-    request.memory = answer.memory.take();
-    Ok(answer)
+    let sent = std::mem::replace(&mut request.memory, answer.memory.take());
+    Ok((answer, sent))
 }

@@ -7,18 +7,18 @@ use super::{Controller, Method, Path, Pose, Simulation, Solver, Status, object};
 
 /// How a run is paced.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct Interactive {
     /// Simulated seconds per second of real time, as far as the machine keeps up.
+    #[serde(default = "real_time")]
     pub speed: f64,
     /// Whether simulated time stands still.
+    #[serde(default)]
     pub paused: bool,
 }
 
-impl Default for Interactive {
-    fn default() -> Self {
-        Self { speed: 1.0, paused: false }
-    }
+fn real_time() -> f64 {
+    1.0
 }
 
 /// `POST /v1/simulations/{id}/control`: what is to change; everything else stays.
@@ -48,7 +48,7 @@ pub struct SimulationControl {
     #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
     /// Whether the run is finished here: what there is of it becomes its trace.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub end: bool,
 }
 

@@ -30,7 +30,7 @@ impl Page {
         for (i, line) in text.lines().enumerate() {
             match (&mut open, line.strip_prefix("```")) {
                 (Some(_), Some("")) => blocks.extend(open.take()),
-                (Some(block), _) => block.text += &format!("{line}\n"),
+                (Some(block), _) => block.text.extend([line, "\n"]),
                 (None, Some(kind)) => open = Some(opened(i + 1, kind, before)),
                 (None, None) => links.extend(links_in(line).map(|link| (i + 1, link))),
             }

@@ -50,7 +50,7 @@ impl Shell {
         }
         let commands = commands.replace(PRINTED_ADDRESS, &self.address);
         let output =
-            self.command("timeout").args(["60", "bash", "-euo", "pipefail", "-c", &commands]).output().unwrap();
+            self.command("timeout").args(["300", "bash", "-euo", "pipefail", "-c", &commands]).output().unwrap();
         let text = String::from_utf8_lossy(&output.stdout).replace(&self.address, PRINTED_ADDRESS);
         if output.status.success() { Ok(text) } else { Err(text + &String::from_utf8_lossy(&output.stderr)) }
     }

@@ -70,6 +70,7 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
     let run = start(&service, "stiff_wall", |_| (), true);
     let mut viewer = Viewer::open(&service, &run);
     let (name, first) = viewer.next().unwrap();
+    service.get(&format!("{run}/cycle")).assert_refused(409, None);
     assert_eq!((name.as_str(), &first["done"], &first["samples"]), ("frame", &json!(0), &json!([])));
     let joints = first["arm"]["joints"].as_array().unwrap();
     assert_eq!(joints.len(), 7);
@@ -85,6 +86,11 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
     assert_eq!(last["paths"]["closed_form"], 5);
     assert_eq!(last["run"]["interactive"], json!({"speed": 1000.0, "paused": true}));
 
+    // The cycle that is shown is the one that was asked.
+    let cycle = service.get(&format!("{run}/cycle")).accepted();
+    assert_eq!((&cycle["state"]["sequence"], &cycle["memory"]["sequence"]), (&json!(4), &json!(3)));
+    let velocity = service.ask("/v1/step", &cycle)["joint_velocity"].clone();
+
     // Nothing more happens before the next order.
     std::thread::sleep(Duration::from_millis(100));
     let status = order(&service, &run, &json!({"end": true}));
@@ -93,7 +99,10 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
     assert!(viewer.next().is_none());
     // The period in which it learnt of the end.
     assert_eq!(frames.last().unwrap()["done"], 6);
-    assert_eq!(service.get(&format!("{run}/trace")).text.lines().count(), 1 + 6);
+    let trace = service.exchange("GET", &format!("{run}/trace"), &[("accept", "application/json")], &[]);
+    let trace: Value = serde_json::from_slice(trace.body()).unwrap();
+    assert_eq!(trace["samples"].as_array().unwrap().len(), 6);
+    assert_eq!(trace["samples"][4]["joint_velocity"], velocity);
 }
 
 #[test]

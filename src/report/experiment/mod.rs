@@ -4,6 +4,7 @@
 //! `revprio report` reads it again, and [`Experiment::report`] makes the page.
 
 pub mod store;
+mod trace;
 
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +69,7 @@ impl Experiment {
             claims: claims::of_runs(&self.runs),
             sections: scenarios.map(|runs| section(runs, &rows)).collect(),
             rows,
-            traces: self.runs.iter().map(|run| run.recording.trace_name()).collect(),
+            traces: Vec::new(),
             command: self.command.clone(),
             program: self.program.clone(),
         }
@@ -117,11 +118,7 @@ impl Run {
             source: wire::RobotSource::Urdf,
             joints: Vec::new(),
         };
-        Self {
-            scenario: Scenario::parse(crate::simulator::BUILT_IN_SCENARIOS[2].1, "stiff_wall").unwrap(),
-            robot,
-            recording,
-        }
+        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording }
     }
 }
 

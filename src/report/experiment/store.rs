@@ -5,9 +5,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Experiment, Program, Run};
+use super::{Experiment, Program, Run, trace};
 use crate::report::Error;
 use crate::simulator::Scenario;
+use crate::simulator::recording::Recording;
 use crate::wire;
 
 /// Name of the file that says what the traces beside it are.
@@ -39,9 +40,13 @@ struct StoredRun {
 /// # Errors
 ///
 /// [`Error::Write`] when it cannot be written.
-pub fn write(directory: &Path, experiment: &Experiment) -> Result<(), Error> {
+pub fn write(
+    directory: &Path,
+    experiment: &Experiment,
+    trace_name: impl Fn(&Recording) -> String,
+) -> Result<(), Error> {
     let run = |run: &Run| StoredRun {
-        trace: run.recording.trace_name(),
+        trace: trace_name(&run.recording),
         wall_time_s: run.recording.wall_time_s,
         scenario: run.scenario.clone(),
         robot: run.robot.clone(),
@@ -57,4 +62,23 @@ pub fn write(directory: &Path, experiment: &Experiment) -> Result<(), Error> {
     let path = directory.join(FILE);
     let write = serde_json::to_string_pretty(&stored).map_err(Into::into).and_then(|text| fs::write(&path, text));
     write.map_err(|source| Error::Write { path, source })
+}
+
+/// Reads what [`write`] and the recordings left in a directory.
+///
+/// # Errors
+///
+/// [`Error::Read`] when `experiment.json` is not there, [`Error::Parse`] when it is something else, [`Error::Trace`] for
+/// a trace that cannot be used.
+pub fn read(directory: &Path) -> Result<Experiment, Error> {
+    let path = directory.join(FILE);
+    let text = fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+    let stored: Stored = serde_json::from_str(&text).map_err(|source| Error::Parse { path, source })?;
+    let run = |StoredRun { trace, wall_time_s, scenario, robot }: StoredRun| {
+        let recording = trace::read(&directory.join(trace), &scenario, &robot, wall_time_s)?;
+        Ok(Run { scenario, robot, recording })
+    };
+    let Stored { title, question, command, program, runs, failures } = stored;
+    let runs = runs.into_iter().map(run).collect::<Result<Vec<_>, Error>>()?;
+    Ok(Experiment { title, question, command, program, runs, failures })
 }

@@ -31,7 +31,7 @@ pub struct Overshoot {
     pub percent: f64,
 }
 
-/// The numbers on a task's `‖J_k q̇ − ẋ_k‖` (m/s and rad/s) over a run.
+/// What the commands of a run lacked of one task's velocity, `‖J_k q̇ − ẋ_k‖` (m/s and rad/s).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Residual {
     /// Root mean square over all samples.

@@ -23,7 +23,34 @@ macro_rules! files {
 }
 
 /// All files with their texts.
-const FILES: &[(&str, &str)] = &files!["index.html", "style.css", "main.js",];
+const FILES: &[(&str, &str)] = &files![
+    "index.html",
+    "style.css",
+    "arm.js",
+    "bars.js",
+    "controls.js",
+    "desk.js",
+    "exporting.js",
+    "figures.js",
+    "geometry.js",
+    "history.js",
+    "link.js",
+    "main.js",
+    "notices.js",
+    "plot.js",
+    "plots.js",
+    "pointer.js",
+    "run.js",
+    "scene.js",
+    "setup.js",
+    "snippets.js",
+    "solids.js",
+    "state.js",
+    "svg.js",
+    "theme.js",
+    "transport.js",
+    "watch.js",
+];
 
 /// A name for the whole page as it is in this build.
 static VERSION: LazyLock<String> = LazyLock::new(|| {

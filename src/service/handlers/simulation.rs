@@ -144,7 +144,7 @@ pub async fn control_simulation(
     Body(order): Body<wire::SimulationControl>,
 ) -> Result<Answer<wire::Simulation>, Problem> {
     let job = app.simulations.get(&id)?;
-    simulations::desk(&job)?.order(&order, &app.robots)?;
+    simulations::open_desk(&job)?.order(&order, &app.robots)?;
     Ok(Answer(job.status()))
 }
 
@@ -167,7 +167,7 @@ pub async fn simulation_live(
     draining: Draining,
 ) -> Result<impl IntoResponse, Problem> {
     let job = app.simulations.get(&id)?;
-    let desk = Arc::clone(simulations::desk(&job)?);
+    let desk = Arc::clone(simulations::open_desk(&job)?);
     let pictures = desk.watch();
     let mut seen = 0;
     Ok(latest(pictures, draining, LIVE_PAUSE, move |picture| {
@@ -177,9 +177,27 @@ pub async fn simulation_live(
     }))
 }
 
+/// Gets the latest cycle of a simulation.
+///
+/// The latest control period of an interactive run as `POST /v1/step` takes it, to be asked again elsewhere. While a changed
+/// method takes over, the arm obeys a mixture of this command and that of the method before.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}/cycle",
+    tag = "simulation",
+    responses(
+        (status = 200, body = wire::StepRequest, description = "Controller, state and memory."),
+        (status = 409, description = "The run is not interactive, or has not begun: `not-live`.")
+    )
+)]
+pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, Problem> {
+    simulations::desk(&*app.simulations.get(&id)?)?.cycle().map(Answer)
+}
+
 /// Gets the trace of a simulation.
 ///
-/// Every control period of a finished run: a table (CSV), one object per line, or one object. `Accept` chooses.
+/// Every control period of a finished run: a table (CSV, Parquet), one object per line, one object, or a log for Foxglove,
+/// Rerun and PlotJuggler (MCAP). `Accept` chooses.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/trace",
@@ -187,7 +205,13 @@ pub async fn simulation_live(
     responses(
         (
             status = 200,
-            content((String = "text/csv"), (String = "application/x-ndjson"), (Object = "application/json")),
+            content(
+                (String = "text/csv"),
+                (String = "application/x-ndjson"),
+                (Object = "application/json"),
+                (Vec<u8> = "application/vnd.apache.parquet"),
+                (Vec<u8> = "application/vnd.mcap")
+            ),
             description = "The trace."
         ),
         (status = 406, description = "The trace cannot be had in any type that `Accept` names: `not-acceptable`."),

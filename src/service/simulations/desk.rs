@@ -120,6 +120,11 @@ impl Desk {
         self.live.frame(picture, run, seen)
     }
 
+    /// The latest period, as a request.
+    pub fn cycle(&self) -> Result<wire::StepRequest, Problem> {
+        self.live.cycle().ok_or_else(|| Problem::not_live("no control period is done yet"))
+    }
+
     /// How the run is paced.
     pub fn pace(&self) -> wire::Interactive {
         self.lock().pace
@@ -229,7 +234,12 @@ impl Drop for DeskOperator<'_> {
 }
 
 /// The desk of a run that has one and goes on.
-pub fn desk(job: &Job) -> Result<&Arc<Desk>, Problem> {
-    let desk = job.desk().ok_or_else(|| Problem::not_live("the simulation was not started as `interactive`"))?;
+pub fn open_desk(job: &Job) -> Result<&Arc<Desk>, Problem> {
+    let desk = desk(job)?;
     if job.has_ended() { Err(Problem::not_live("the simulation has ended; start another one")) } else { Ok(desk) }
+}
+
+/// The desk of a run that has one.
+pub fn desk(job: &Job) -> Result<&Arc<Desk>, Problem> {
+    job.desk().ok_or_else(|| Problem::not_live("the simulation was not started as `interactive`"))
 }

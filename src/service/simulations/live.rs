@@ -40,6 +40,7 @@ pub struct Picture {
     paths: wire::PathCounts,
     solve_time: wire::TimeHistogram,
     round_trip: wire::TimeHistogram,
+    cycle: Option<Arc<wire::StepRequest>>,
 }
 
 #[derive(Default)]
@@ -62,6 +63,7 @@ impl Live {
             paths: wire::PathCounts::default(),
             solve_time: nothing(),
             round_trip: nothing(),
+            cycle: None,
         };
         Self { picture: watch::Sender::new(Arc::new(picture)), recent: Mutex::default() }
     }
@@ -69,6 +71,11 @@ impl Live {
     /// Hears of every picture.
     pub fn watch(&self) -> watch::Receiver<Arc<Picture>> {
         self.picture.subscribe()
+    }
+
+    /// The last period that was shown, as a request.
+    pub fn cycle(&self) -> Option<wire::StepRequest> {
+        self.picture.borrow().cycle.as_deref().cloned()
     }
 
     /// How many look.
@@ -149,7 +156,8 @@ impl<'a> Camera<'a> {
 
     /// Takes in a period, in which `external_force` (N) pushed.
     pub fn see(&mut self, done: u64, period: &Observed, external_force: [f64; 3]) {
-        let Observed { sample, answer, round_trip } = period;
+        let Observed { sample, answer, round_trip, cycle } = period;
+        self.now.cycle = cycle.map(|cycle| Arc::new(cycle.request()));
         count_path(&mut self.now.paths, sample.path);
         count_time(&mut self.now.solve_time, answer.elapsed_us);
         count_time(&mut self.now.round_trip, round_trip.as_secs_f64() * 1e6);
@@ -211,7 +219,7 @@ fn count_time(histogram: &mut wire::TimeHistogram, micros: f64) {
 
 /// A period for display; limits that were active since the sample before it count too.
 fn live_sample(period: &Observed, config: &ControllerConfig, before: Option<&wire::LiveSample>) -> wire::LiveSample {
-    let Observed { sample, answer, round_trip } = period;
+    let Observed { sample, answer, round_trip, .. } = period;
     let list = |values: &[f64]| values.iter().map(|&value| single([value])[0]).collect();
     let at = |side: wire::Side, earlier: Option<&Vec<usize>>| {
         let place = |name: &String| config.robot.joints().iter().position(|joint| joint.name == *name);

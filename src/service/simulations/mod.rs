@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use tokio::sync::Semaphore;
 
-pub use desk::{Desk, desk};
+pub use desk::{Desk, desk, open_desk};
 pub use job::Job;
 pub use trace::trace;
 
@@ -33,7 +33,11 @@ const MOST_KEPT: usize = 64;
 /// Longest run in control periods.
 const MOST_PERIODS: u64 = 100_000;
 
-/// Control periods of all known runs together; a trace takes about half a kilobyte per period, so all take some 125 MB.
+/// Most steps of arm and contacts in a run, substeps counted.
+const MOST_STEPS: u64 = 1_000_000;
+
+/// Control periods of all known runs together; a trace takes some 0.7 kilobytes per period, with sensors that err one, so
+/// all take at most some 250 MB.
 const MOST_PERIODS_KEPT: u64 = 250_000;
 
 /// An ended run is forgotten after this time.
@@ -58,6 +62,10 @@ impl Simulations {
         if periods > MOST_PERIODS {
             let detail = format!("{periods} control periods; a simulation here has at most {MOST_PERIODS}");
             return Err(Problem::invalid("/scenario/duration_s", detail));
+        }
+        if periods * scenario.substeps as u64 > MOST_STEPS {
+            let detail = format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
+            return Err(Problem::invalid("/scenario/substeps", detail));
         }
         let job = Arc::new(Job::new(scenario, desk));
         self.keep(&job)?;

@@ -134,7 +134,7 @@ def test_an_arm_comes_to_rest_when_answers_stop(line: Line) -> None:
         return Measurement(Q, wrench=np.zeros(6))
 
     async def run() -> None:
-        async with AsyncClient(line.url, step_timeout_s=0.3, retries=0) as client:
+        async with AsyncClient(line.url, step_timeout_s=1.0, retries=0) as client:
             session = aio.AsyncSession(client, config)
             await session.open()
             with pytest.raises(LateAnswerError):

@@ -205,7 +205,7 @@ def test_a_drive_lasts_as_long_as_it_shall(url: str) -> None:
 @pytest.mark.parametrize("how", ["session", "stream"])
 def test_an_arm_comes_to_rest_within_its_limits_when_answers_stop(url: str, line: Line, how: str) -> None:
     arm = Arm(once_it_moves=line.stall)
-    with Client(url) as direct, Client(line.url, step_timeout_s=0.3, retries=0) as client:
+    with Client(url) as direct, Client(line.url, step_timeout_s=1.0, retries=0) as client:
         limits = limits_of(direct)
         session = Session(client, SLOW)
         with session if how == "session" else session.stream() as controller:

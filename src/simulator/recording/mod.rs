@@ -1,15 +1,40 @@
-//! What a run leaves behind.
+//! What a run leaves behind, and the files that keep it.
+//!
+//! ```text
+//! Recording ─→ columns (one line per quantity) ─→ CSV, Parquet ─┐
+//!           └→ samples as JSON ────────────→ JSON lines, MCAP ──┴→ read: the same Recording, to the last bit
+//! ```
 
-use std::path::Path;
-use std::{fmt, io};
+mod cell;
+mod columns;
+mod csv_table;
+mod error;
+mod format;
+mod head;
+mod json_lines;
+mod mcap_log;
+pub mod parquet_file;
+mod parquet_table;
+mod quantity;
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
 
 pub use super::energy::Energy;
+use super::scenario::Scenario;
 use crate::wire;
 
+pub use cell::Value;
+pub use columns::{Column, Extent};
+pub use csv_table::{cell_text, cell_value};
+pub use error::{ReadError, WriteError};
+pub use format::{Format, Writer, read};
+pub use json_lines::write_object;
+pub use quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
+
 /// One run of a scenario.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scenario, as in `force_tracking`.
     pub scenario: String,
@@ -19,22 +44,27 @@ pub struct Recording {
     pub solver: wire::Solver,
     /// T, s.
     pub period_s: f64,
-    /// Real time that the run took, s.
+    /// Real time that the run took, s; 0 where a file does not tell.
+    #[serde(default)]
     pub wall_time_s: f64,
     /// Joint names, n.
     pub joint_names: Vec<String>,
     /// What the contacts took and kept, from the start to the last sample.
     pub energy: Energy,
+    /// All of the scenario, controller included, as it was run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setup: Option<Box<Scenario>>,
     /// One sample per control period.
     #[serde(skip)]
     pub samples: Vec<Sample>,
-    /// How long each period's call took: apart from the samples, which are the same in every run.
+    /// How long each period's call took: apart from the samples, which are the same in every run. Empty where a file does
+    /// not tell.
     #[serde(skip)]
     pub timings: Vec<Timing>,
 }
 
 /// How long one call took.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Timing {
     /// From the state to its answer or failure, µs; 0 where no call was made.
     pub round_trip_us: f64,
@@ -43,7 +73,7 @@ pub struct Timing {
 }
 
 /// One control period, as measured before the command.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Simulated time, s.
     pub time_s: f64,
@@ -95,7 +125,7 @@ pub struct Sample {
 }
 
 /// A state as the controller was told it, to the bit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sensed {
     /// q, n, rad or m.
     pub joint_position: Vec<f64>,
@@ -108,7 +138,7 @@ pub struct Sensed {
 }
 
 /// How a commanded joint velocity stands to its bounds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AtLimit {
     /// Between them, or not held back by them.
@@ -151,95 +181,17 @@ impl Recording {
         format!("{}-{}-{}", self.scenario, self.method, self.solver)
     }
 
-    /// File name of the trace.
-    pub fn trace_name(&self) -> String {
-        self.label() + ".csv"
+    /// File name of the trace in a format.
+    pub fn trace_name(&self, format: Format) -> String {
+        format!("{}.{}", self.label(), format.ending())
     }
 
-    /// Writes one row per control period; units stand in the column names.
-    pub fn write_csv(&self, path: &Path) -> Result<(), csv::Error> {
-        let mut file = io::BufWriter::new(std::fs::File::create(path)?);
-        self.write_csv_header(&mut file)?;
-        write_csv_rows(&self.samples, &mut file)?;
-        Ok(io::Write::flush(&mut file)?)
-    }
-
-    /// Writes the names of the columns.
-    pub fn write_csv_header(&self, out: impl io::Write) -> Result<(), csv::Error> {
-        let mut table = csv::Writer::from_writer(out);
-        table.write_record(self.columns())?;
-        Ok(table.flush()?)
-    }
-
-    fn columns(&self) -> Vec<String> {
-        let joints = |quantity: &str, unit: &str| {
-            self.joint_names.iter().map(|name| format!("{quantity}_{name}_{unit}")).collect::<Vec<_>>()
-        };
-        let axes = |quantity: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{quantity}_{axis}_{unit}"));
-        let tasks = self.samples.first().map_or(0, |sample| sample.residual_norms.len());
-        let mut columns = vec!["time_s".to_owned()];
-        columns.extend(joints("position", "rad"));
-        columns.extend(joints("velocity", "rad_s"));
-        columns.extend(axes("tool", "m"));
-        columns.extend(axes("displacement", "m"));
-        columns.extend(axes("force", "n"));
-        columns.extend(axes("target_force", "n"));
-        columns.extend(
-            ["wall_distance_m", "path", "status", "kkt_residual", "smallest_singular_value"].map(str::to_owned),
-        );
-        columns.extend((1..=tasks).map(|k| format!("residual_task_{k}")));
-        columns.push("answered".to_owned());
-        columns.extend(joints("actual_velocity", "rad_s"));
-        columns.extend(["w", "x", "y", "z"].map(|part| format!("orientation_{part}")));
-        columns.extend(axes("torque", "n_m"));
-        columns.extend(axes("external_force", "n"));
-        columns.push("manipulability".to_owned());
-        columns.extend(self.joint_names.iter().map(|name| format!("limit_{name}")));
-        columns.extend(["work_j", "stored_j", "dissipated_j", "answer_age"].map(str::to_owned));
-        if self.samples.first().is_some_and(|sample| sample.sensed.is_some()) {
-            columns.extend(joints("sensed_position", "rad"));
-            columns.extend(joints("sensed_velocity", "rad_s"));
-            columns.extend(axes("sensed_force", "n"));
-            columns.extend(axes("sensed_torque", "n_m"));
+    fn push(&mut self, sample: Sample, timing: Timing, timed: bool) {
+        self.samples.push(sample);
+        if timed {
+            self.timings.push(timing);
         }
-        columns
     }
-}
-
-/// Writes one row per sample.
-pub fn write_csv_rows(samples: &[Sample], out: impl io::Write) -> Result<(), csv::Error> {
-    let mut table = csv::Writer::from_writer(out);
-    samples.iter().try_for_each(|sample| table.write_record(cells(sample)))?;
-    Ok(table.flush()?)
-}
-
-/// Numbers in the shortest form that reads back to the same bits.
-fn cells(sample: &Sample) -> Vec<String> {
-    let number = |value: &f64| value.to_string();
-    let optional = |value: &Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-    let mut cells = vec![number(&sample.time_s)];
-    cells.extend(sample.joint_position.iter().map(number));
-    cells.extend(sample.joint_velocity.iter().map(number));
-    cells.extend(sample.position.iter().chain(&sample.position_error).chain(&sample.force).map(number));
-    cells.extend(sample.target_force.iter().map(optional));
-    cells.push(optional(&sample.wall_distance));
-    cells.push(sample.path.to_string());
-    cells.push(sample.status.to_string());
-    cells.push(optional(&sample.kkt_residual));
-    cells.push(number(&sample.smallest_singular_value));
-    cells.extend(sample.residual_norms.iter().map(number));
-    cells.push(sample.answered.to_string());
-    cells.extend(sample.actual_velocity.iter().map(number));
-    cells.extend(sample.orientation.iter().chain(&sample.torque).chain(&sample.external_force).map(number));
-    cells.push(number(&sample.manipulability));
-    cells.extend(sample.limits.iter().map(AtLimit::to_string));
-    cells.extend([sample.energy.work_j, sample.energy.stored_j, sample.energy.dissipated_j].iter().map(number));
-    cells.push(sample.answer_age.to_string());
-    if let Some(sensed) = &sample.sensed {
-        let joints = sensed.joint_position.iter().chain(&sensed.joint_velocity);
-        cells.extend(joints.chain(&sensed.force).chain(&sensed.torque).map(number));
-    }
-    cells
 }
 
 #[cfg(test)]
@@ -254,15 +206,31 @@ impl Recording {
             wall_time_s: 0.5,
             joint_names: Vec::new(),
             energy: Energy::default(),
+            setup: None,
             samples: Vec::new(),
             timings: Vec::new(),
         }
     }
 }
 
-#[cfg(test)]
 impl Sample {
-    /// An arm without joints that touches nothing, for tests to fill in.
+    /// A sample of that many joints and tasks, to be filled in.
+    fn blank(joints: usize, tasks: usize, sensed: bool) -> Self {
+        let row = vec![0.0; joints];
+        let nothing =
+            || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
+        Self {
+            sensed: sensed.then(|| Box::new(nothing())),
+            joint_position: row.clone(),
+            joint_velocity: row.clone(),
+            actual_velocity: row.clone(),
+            residual_norms: vec![0.0; tasks],
+            limits: vec![AtLimit::Free; joints],
+            ..Self::at_rest()
+        }
+    }
+
+    /// An arm without joints that touches nothing, to be filled in.
     pub fn at_rest() -> Self {
         Self {
             time_s: 0.0,
