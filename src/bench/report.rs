@@ -105,7 +105,16 @@ impl Report {
         if !self.growth.is_empty() {
             text = document::filled(&text, "growth", &self.slopes());
         }
+        for (name, title) in self.figures() {
+            text = document::filled(&text, name, &format!("![{title}](performance/{name}.svg)\n"));
+        }
         document::write(document, &text)
+    }
+
+    /// Names and titles of the figures that there are.
+    fn figures(&self) -> Vec<(&'static str, &'static str)> {
+        let latency = (!self.pacing.is_empty()).then_some(("latency", "Round trips of a control loop"));
+        self.growth.iter().map(|growth| (growth.name, growth.title)).chain(latency).collect()
     }
 
     /// The rows that a first look is for, each beside its first peer.
