@@ -38,7 +38,7 @@ def url() -> Iterator[str]:
 
 @pytest.fixture
 def client(url: str) -> Iterator[Client]:
-    with Client(url, step_timeout_s=30) as client:
+    with Client(url, timeout_s=60, step_timeout_s=60) as client:
         yield client
 
 

@@ -45,7 +45,7 @@ export function tokenFile(token: string): string {
 /** A client that is patient with a busy machine, with the WebSocket of `ws`. */
 export function patient(url: string, options: ClientOptions = {}): Client {
   const webSocket: ClientOptions["webSocket"] = (to, protocol, headers) => new WebSocket(to, protocol, { headers });
-  return new Client(url, { stepTimeoutMs: 30_000, webSocket, ...options });
+  return new Client(url, { timeoutMs: 60_000, stepTimeoutMs: 60_000, webSocket, ...options });
 }
 
 export interface Line {
