@@ -50,7 +50,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 fn print(result: &Replay) -> Result<(), CliError> {
     let Replay { periods, compared, differing, first, worst } = result;
     writeln!(stdout(), "{periods} states sent, {compared} answers compared, {differing} differ")?;
-    let mut tell = |what: &str, difference: &Option<Difference>| match difference {
+    let tell = |what: &str, difference: &Option<Difference>| match difference {
         None => Ok(()),
         Some(Difference { period, time_s, column, recorded, answered }) => writeln!(
             stdout(),

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use plotters::drawing::DrawingAreaErrorKind;
 
+use crate::simulator::recording::ReadError;
+
 /// A report that could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -33,12 +35,12 @@ pub enum Error {
         source: serde_json::Error,
     },
     /// A trace cannot be used.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {source}", path.display())]
     Trace {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        problem: String,
+        source: Box<ReadError>,
     },
     /// The embedded font could not be read.
     #[error("the embedded font is unusable")]

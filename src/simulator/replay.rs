@@ -75,8 +75,7 @@ pub fn replay(
         if scenario.faults.is_dead(time_s) {
             again.samples.push(sample.clone());
         } else {
-            let mut answer = caller.call(state(period, sample)).map_err(refused(time_s))?;
-            caller.keep_memory(&mut answer);
+            let answer = caller.call(state(period, sample)).map_err(refused(time_s))?;
             again.samples.push(answered(sample, &controller.tasks, &answer, &recording.joint_names));
         }
         let age = usize::try_from(sample.answer_age).ok().and_then(|age| period.checked_sub(age));

@@ -160,7 +160,8 @@ fn drive(
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let (now, cycle, round_trip) = conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
+        let (now, cycle, round_trip) =
+            conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
         let sample = plant.sample(period, time_s, measured, now, &scenario.controller.tasks);
         plant.advance(&now.answer.joint_velocity, time_s)?;
         operator.see(period + 1, &Observed { sample: &sample, answer: &now.answer, round_trip, cycle });

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::plan::{Cell, Plan};
+use super::plan::Plan;
 use super::table::{self, Outcome};
 use crate::client::{Client, ClientError};
 use crate::simulator::recording::Value;

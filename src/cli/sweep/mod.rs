@@ -29,7 +29,7 @@ use self::file::Written;
 use self::partial::{Partial, Rows};
 use self::plan::Plan;
 use self::values::{Seeds, Variation};
-use super::simulate::make_directory;
+use super::experiment::make_directory;
 use super::{CliError, Target, progress_bar};
 use crate::simulator::Scenario;
 use crate::simulator::recording::{Kind, Value};

@@ -4,7 +4,6 @@
 //! `revprio report` reads it again, and [`Experiment::report`] makes the page.
 
 pub mod store;
-mod trace;
 
 use serde::{Deserialize, Serialize};
 

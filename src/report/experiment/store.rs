@@ -5,10 +5,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Experiment, Program, Run, trace};
+use super::{Experiment, Program, Run};
 use crate::report::Error;
 use crate::simulator::Scenario;
-use crate::simulator::recording::Recording;
+use crate::simulator::recording::{self, Recording};
 use crate::wire;
 
 /// Name of the file that says what the traces beside it are.
@@ -75,7 +75,9 @@ pub fn read(directory: &Path) -> Result<Experiment, Error> {
     let text = fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
     let stored: Stored = serde_json::from_str(&text).map_err(|source| Error::Parse { path, source })?;
     let run = |StoredRun { trace, wall_time_s, scenario, robot }: StoredRun| {
-        let recording = trace::read(&directory.join(trace), &scenario, &robot, wall_time_s)?;
+        let path = directory.join(trace);
+        let recording = recording::read(&path).map_err(|source| Error::Trace { path, source: Box::new(source) })?;
+        let recording = Recording { wall_time_s, ..recording };
         Ok(Run { scenario, robot, recording })
     };
     let Stored { title, question, command, program, runs, failures } = stored;

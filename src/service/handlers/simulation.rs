@@ -191,7 +191,7 @@ pub async fn simulation_live(
     )
 )]
 pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, Problem> {
-    simulations::desk(&app.simulations.get(&id)?)?.cycle().map(Answer)
+    simulations::desk(&*app.simulations.get(&id)?)?.cycle().map(Answer)
 }
 
 /// Gets the trace of a simulation.

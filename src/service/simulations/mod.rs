@@ -64,7 +64,8 @@ impl Simulations {
             return Err(Problem::invalid("/scenario/duration_s", detail));
         }
         if periods * scenario.substeps as u64 > MOST_STEPS {
-            let detail = format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
+            let detail =
+                format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
             return Err(Problem::invalid("/scenario/substeps", detail));
         }
         let job = Arc::new(Job::new(scenario, desk));

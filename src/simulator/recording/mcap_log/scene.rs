@@ -46,7 +46,9 @@ impl Stage {
     /// The walls as plates. One that moves is where the sample says, if it is the only one.
     fn walls(&self, sample: &Sample) -> Vec<CubePrimitive> {
         let seen = |(inward, way): &(Direction<f64>, f64)| match (self.surfaces.len(), sample.wall_distance) {
-            (1, Some(distance)) => plate(self.start, *inward, inward.dot(&sample.position_error.into()) + distance),
+            (1, Some(distance)) => {
+                plate(self.start, *inward, inward.dot(&Direction::from(sample.position_error)) + distance)
+            }
             _ => plate(self.start, *inward, *way),
         };
         self.surfaces.iter().map(seen).collect()
