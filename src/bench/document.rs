@@ -12,7 +12,7 @@ pub fn filled(text: &str, name: &str, content: &str) -> String {
     let mut whole = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let after = part.find(end).map_or("", |at| &part[at..]);
-        whole += &format!("{begin}\n{content}\n{after}");
+        whole.extend([begin.as_str(), "\n", content, "\n", after]);
     }
     whole
 }

@@ -20,19 +20,12 @@ pub fn latency(paced: &[Paced]) -> Figure {
     figure("latency", "Round trips of a control loop", "round trip (s)", "share of the answers", curves)
 }
 
-fn figure(
-    name: &str,
-    title: &str,
-    x_label: &str,
-    y_label: &str,
-    curves: impl Iterator<Item = (String, Vec<(f64, f64)>)>,
-) -> Figure {
-    let curve = |((label, points), colour): ((String, Vec<(f64, f64)>), &Colour)| Curve {
-        label,
-        colour: *colour,
-        stroke: Stroke::Thin,
-        points,
-    };
+/// A curve's label and points.
+type Labelled = (String, Vec<(f64, f64)>);
+
+fn figure(name: &str, title: &str, x_label: &str, y_label: &str, curves: impl Iterator<Item = Labelled>) -> Figure {
+    let curve =
+        |((label, points), colour): (Labelled, &Colour)| Curve { label, colour: *colour, stroke: Stroke::Thin, points };
     let panel = Panel {
         heading: String::new(),
         x_label: x_label.to_owned(),

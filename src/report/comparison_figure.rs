@@ -11,11 +11,14 @@ const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Blue, Colour::Green, Colou
 /// Tasks whose residuals are drawn.
 const TASKS: usize = 3;
 
+/// What a sample says, if it says it.
+type Measure = Box<dyn Fn(&Sample) -> Option<f64>>;
+
 /// What a panel shows: heading, vertical axis, and its value in a sample.
 struct Quantity {
     heading: String,
     y_label: String,
-    of: Box<dyn Fn(&Sample) -> Option<f64>>,
+    of: Measure,
     with_target: Option<usize>,
 }
 
@@ -52,7 +55,7 @@ pub fn of_scenario(runs: &[&Recording]) -> Option<Figure> {
 }
 
 fn quantities(run: &Recording) -> Vec<Quantity> {
-    let quantity = |heading: String, y_label: &str, of: Box<dyn Fn(&Sample) -> Option<f64>>| Quantity {
+    let quantity = |heading: String, y_label: &str, of: Measure| Quantity {
         heading,
         y_label: y_label.to_owned(),
         of,

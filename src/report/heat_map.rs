@@ -84,7 +84,10 @@ fn draw(page: &Page, map: &HeatMap) -> Drawn {
     page.fill(&WHITE)?;
     page.draw_text(&map.title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
     let colours = Colours::of(map);
-    let edge = |i: usize, count: usize, length: u32| units(length) * i.cast_signed() as i32 / count.max(1) as i32;
+    #[expect(clippy::cast_possible_truncation, reason = "within the picture")]
+    let edge = |i: usize, count: usize, length: u32| {
+        (f64::from(units(length)) * i as f64 / count.max(1) as f64).round() as i32
+    };
     let (nx, ny) = (map.x.values.len(), map.y.values.len());
     let (left, bottom) = (units(LEFT), units(TOP + FIELD_HEIGHT));
     for (j, row) in map.cells.iter().enumerate() {
@@ -97,12 +100,12 @@ fn draw(page: &Page, map: &HeatMap) -> Drawn {
     }
     let below = anchored(HPos::Center, VPos::Top);
     for i in labelled(nx) {
-        let middle = left + (edge(i, nx, FIELD_WIDTH) + edge(i + 1, nx, FIELD_WIDTH)) / 2;
+        let middle = left + i32::midpoint(edge(i, nx, FIELD_WIDTH), edge(i + 1, nx, FIELD_WIDTH));
         page.draw_text(&number::significant(map.x.values[i], 3), &below, (middle, bottom + units(6)))?;
     }
     let beside = anchored(HPos::Right, VPos::Center);
     for j in labelled(ny) {
-        let middle = bottom - (edge(j, ny, FIELD_HEIGHT) + edge(j + 1, ny, FIELD_HEIGHT)) / 2;
+        let middle = bottom - i32::midpoint(edge(j, ny, FIELD_HEIGHT), edge(j + 1, ny, FIELD_HEIGHT));
         page.draw_text(&number::significant(map.y.values[j], 3), &beside, (left - units(6), middle))?;
     }
     page.draw_text(&map.x.label, &below, (left + units(FIELD_WIDTH / 2), bottom + units(28)))?;

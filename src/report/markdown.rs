@@ -7,7 +7,7 @@ use super::table::side_by_side;
 #[must_use]
 pub fn document(report: &Report) -> String {
     let scenarios = report.sections.iter().map(|section| {
-        let notes = section.notes.iter().map(|note| format!("\n{note}\n")).collect::<String>();
+        let notes: String = section.notes.iter().flat_map(|note| ["\n", note, "\n"]).collect();
         format!("## {}\n\n{}{notes}", section.name, side_by_side::markdown(&section.rows))
     });
     let mut parts: Vec<String> = scenarios.collect();
@@ -22,7 +22,7 @@ fn claims(report: &Report) -> String {
     let mut table = "| paper | claim, in our words | scenario | measured | |\n|---|---|---|---|---|\n".to_owned();
     for claim in &report.claims {
         let cells = [claim.place, claim.claim, &claim.scenario, &claim.measured, claim.verdict.words()];
-        table.push_str(&format!("| {} |\n", cells.join(" | ")));
+        table.extend(["| ", &cells.join(" | "), " |\n"]);
     }
     table
 }

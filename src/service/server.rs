@@ -188,13 +188,14 @@ struct Worker {
 
 impl RunningServer {
     /// Starts on a free loopback port.
+    #[expect(clippy::needless_pass_by_value, reason = "a server takes what it runs")]
     pub fn start(service: Service) -> Result<Self, ServeError> {
-        Self::start_on(1, service)
+        Self::start_on(1, &service)
     }
 
     /// The same with so many threads, each with connections of its own: for measurements, as the line of waiting requests
     /// is measured for one.
-    pub(crate) fn start_on(threads: usize, service: Service) -> Result<Self, ServeError> {
+    pub(crate) fn start_on(threads: usize, service: &Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
         let worker = |_| Worker::start(listener.try_clone()?, service.clone());

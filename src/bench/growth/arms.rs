@@ -1,5 +1,6 @@
 //! Arms of any number of joints.
 
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ pub fn with_joints(joints: usize) -> Result<Robots, BenchError> {
     let length = 1.2 / joints as f64;
     let mut text = format!("name = \"{NAME}\"\n");
     for joint in 0..joints {
-        let alpha = if joint % 2 == 0 { 1.570_796_326_794_896_6 } else { -1.570_796_326_794_896_6 };
+        let alpha = if joint % 2 == 0 { FRAC_PI_2 } else { -FRAC_PI_2 };
         // Writing into a string cannot fail.
         let _ = write!(
             text,

@@ -14,7 +14,7 @@ const MANY: usize = 64;
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let one = UnderTest::start()?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let all = UnderTest::on(RunningServer::start_on(cores, router(App::new(Robots::built_in())))?)?;
+    let all = UnderTest::on(RunningServer::start_on(cores, &router(App::new(Robots::built_in())))?)?;
     let mut single = Connection::open(one.address, one.request(Call::Session))?;
     let mut spread = Connection::open(all.address, all.request(Call::Session))?;
     let times = side_by_side(

@@ -36,8 +36,6 @@ pub fn write(path: &Path, identity: &Identity, columns: &[(String, Kind)], rows:
 pub struct Written {
     /// The sweep.
     pub identity: Identity,
-    /// Its columns.
-    pub columns: Vec<String>,
     /// The rows that are in this file.
     pub rows: Rows,
 }
@@ -47,7 +45,6 @@ pub fn read(path: &Path) -> Result<Written> {
     let foreign = || ParquetError::General("it is no table of a sweep".to_owned());
     let file = ParquetReader::open(File::open(path)?)?;
     let identity = file.text(KEY).and_then(|text| serde_json::from_str(text).ok()).ok_or_else(foreign)?;
-    let columns = file.names().into_iter().map(str::to_owned).collect();
     let mut rows = Rows::new();
     file.read(|group| {
         for row in 0..group.first().map_or(0, Vec::len) {
@@ -56,7 +53,7 @@ pub fn read(path: &Path) -> Result<Written> {
         }
         Ok::<_, ParquetError>(())
     })?;
-    Ok(Written { identity, columns, rows })
+    Ok(Written { identity, rows })
 }
 
 /// Puts the parts of a sweep together.

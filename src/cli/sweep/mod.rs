@@ -122,7 +122,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     }
     rows.extend(run_cells(options, &plan, &cells, &partial, &label)?);
     let identity = plan.identity();
-    finish(options, &label, &Written { identity, columns: columns.into_iter().map(|(name, _)| name).collect(), rows })?;
+    finish(options, &label, &Written { identity, rows })?;
     partial.remove().map_err(|error| refused(format!("cannot remove {}: {error}", path.display())))
 }
 

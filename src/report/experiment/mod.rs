@@ -110,7 +110,7 @@ pub fn coinciding<'a>(runs: &[&'a Recording]) -> Vec<Vec<&'a Recording>> {
 #[cfg(test)]
 impl Run {
     /// A run of `stiff_wall` with an arm without joints, for tests to fill in.
-    pub fn of(recording: Recording) -> Self {
+    pub(crate) fn of(recording: Recording) -> Self {
         let robot = wire::Robot {
             name: "none".to_owned(),
             description: String::new(),

@@ -6,7 +6,7 @@ use super::{Place, QUANTITIES, Quantity, Row, padded};
 const ABREAST: usize = 5;
 
 /// Rows of quantities that at least one run of a scenario has; `document`s leave out times of the machine.
-fn quantities<'a>(runs: &'a [Row], document: bool) -> impl Iterator<Item = Line> + 'a {
+fn quantities(runs: &[Row], document: bool) -> impl Iterator<Item = Line> {
     let wanted =
         move |quantity: &&Quantity| quantity.place != Place::Head && !(document && quantity.place == Place::Machine);
     let lines = QUANTITIES.iter().filter(wanted).map(|quantity| Line::new(quantity, runs));

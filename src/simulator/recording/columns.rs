@@ -41,7 +41,7 @@ impl<'a> Extent<'a> {
     }
 
     /// That of a table, by the names of its columns.
-    pub fn of_names<'n>(joints: &'a [String], names: impl Iterator<Item = &'n str> + Clone) -> Self {
+    pub fn of_names<'n>(joints: &'a [String], names: &(impl Iterator<Item = &'n str> + Clone)) -> Self {
         let count = |start: &str| names.clone().filter(|name| name.starts_with(start)).count();
         Self { joints, tasks: count("residual_task_"), sensed: count("sensed_") > 0, timed: count("round_trip_us") > 0 }
     }

@@ -67,7 +67,7 @@ pub fn read(head: Recording, file: impl Read) -> Result<Recording, ReadError> {
     let names = table.headers()?.clone();
     let mut recording = head;
     let joints = std::mem::take(&mut recording.joint_names);
-    let extent = Extent::of_names(&joints, names.iter());
+    let extent = Extent::of_names(&joints, &names.iter());
     let columns = extent.columns();
     let places: Vec<usize> = columns.iter().map(|column| place(column, &names)).collect::<Result<_, _>>()?;
     for row in table.records() {

@@ -45,7 +45,7 @@ pub fn read(file: impl ChunkReader + 'static) -> Result<Recording, ReadError> {
     let mut recording = head::from_json(file.text(head::KEY).ok_or(ReadError::NoHead)?)?;
     let names = file.names();
     let joints = std::mem::take(&mut recording.joint_names);
-    let extent = Extent::of_names(&joints, names.iter().copied());
+    let extent = Extent::of_names(&joints, &names.iter().copied());
     let columns = extent.columns();
     let place = |column: &Column| {
         let place = names.iter().position(|name| *name == column.name);

@@ -55,20 +55,20 @@ pub fn joint_states(recording: &Recording, sample: &Sample) -> JointStates {
         velocity: sample.actual_velocity.get(i).copied(),
         ..JointState::default()
     });
-    JointStates { timestamp: timestamp(sample), joints: joints.collect() }
+    JointStates { timestamp: Some(timestamp(sample)), joints: joints.collect() }
 }
 
 /// The tool in the base frame.
 pub fn tool_pose(sample: &Sample) -> PoseInFrame {
     let [w, x, y, z] = sample.orientation;
     let pose = Pose { position: Some(vector(sample.position)), orientation: Some(Quaternion { x, y, z, w }) };
-    PoseInFrame { timestamp: timestamp(sample), frame_id: BASE.to_owned(), pose: Some(pose) }
+    PoseInFrame { timestamp: Some(timestamp(sample)), frame_id: BASE.to_owned(), pose: Some(pose) }
 }
 
 /// Frames of the links, named after their joints, and of the tool, all in the base frame.
 pub fn transforms(recording: &Recording, sample: &Sample, links: &[IsometryMatrix3<f64>]) -> FrameTransforms {
     let frame = |name: &str, place: Vector3, rotation: Quaternion| FrameTransform {
-        timestamp: timestamp(sample),
+        timestamp: Some(timestamp(sample)),
         parent_frame_id: BASE.to_owned(),
         child_frame_id: name.to_owned(),
         translation: Some(place),
@@ -84,10 +84,10 @@ pub fn transforms(recording: &Recording, sample: &Sample, links: &[IsometryMatri
 
 /// When a period begins.
 #[expect(clippy::cast_possible_truncation, reason = "below 10^9, and seconds of simulations")]
-pub fn timestamp(sample: &Sample) -> Option<Timestamp> {
+pub fn timestamp(sample: &Sample) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
     let time = nanoseconds(sample.time_s);
-    Some(Timestamp::new((time / SECOND) as u32, (time % SECOND) as u32))
+    Timestamp::new((time / SECOND) as u32, (time % SECOND) as u32)
 }
 
 /// m or N.

@@ -63,7 +63,7 @@ impl Stage {
     /// One picture.
     pub fn scene(&self, sample: &Sample, links: &[IsometryMatrix3<f64>]) -> SceneUpdate {
         let entity = |id: &str| SceneEntity {
-            timestamp: timestamp(sample),
+            timestamp: Some(timestamp(sample)),
             frame_id: BASE.to_owned(),
             id: id.to_owned(),
             ..SceneEntity::default()
