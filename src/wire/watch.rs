@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{ArmView, State, StepAnswer};
+use super::{State, StepAnswer};
 
 /// One control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -12,7 +12,4 @@ pub struct WatchedStep {
     pub state: State,
     /// What was answered.
     pub answer: StepAnswer,
-    /// The arm at that state.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub arm: Option<ArmView>,
 }

@@ -6,7 +6,6 @@ mod examples;
 mod hard_problems;
 mod harness;
 mod inequalities;
-mod interactive;
 mod kinematics;
 mod long_work;
 mod memory;
