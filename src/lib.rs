@@ -5,6 +5,15 @@
 //! control period revprio turns the measured state into joint velocities, and says why they are what they are: which
 //! task gave way, which limit is active, how sure the solver is.
 //!
+//! | to | see |
+//! |---|---|
+//! | resolve tasks at a posture, without a server | the example below, [`resolution::resolve`] |
+//! | control an arm period by period, without a server | [`controller::Controller`] |
+//! | call a service | [`client::Client`]; from other languages [`wire`] and `revprio openapi` |
+//! | run the service inside a program | [`service::RunningServer`] |
+//! | describe an arm | [`robot`] |
+//! | understand the method | [what reverse priority is](#what-reverse-priority-is), [`resolution::Method`] |
+//!
 //! # A control period
 //!
 //! ```text
@@ -137,6 +146,7 @@
 //! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
+pub mod bench;
 pub mod cli;
 pub mod client;
 pub mod controller;

@@ -1,9 +1,14 @@
 //! The command line.
 
+mod bench;
+mod compare;
 mod config;
 mod demo;
+mod experiment;
 mod load;
 mod openapi;
+mod replay;
+mod report;
 mod resolve;
 mod robot;
 mod scenarios;
@@ -11,6 +16,8 @@ mod serve;
 mod settings;
 mod simulate;
 mod stability;
+mod sweep;
+mod traces;
 
 use std::path::{Path, PathBuf};
 
@@ -18,12 +25,14 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::settings::SettingsError;
+use crate::bench::BenchError;
 use crate::client::{Client, ClientError};
-use crate::report;
 use crate::robot::RobotFileError;
 use crate::service::{
     App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
 };
+use crate::simulator::recording::{ReadError, WriteError};
+use crate::simulator::replay::ReplayError;
 use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -41,8 +50,14 @@ const EXAMPLES: &str = "Examples:
   revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
+  revprio simulate stiff_wall --format csv,mcap      … and leave its trace as CSV and for Foxglove
+  revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
+  revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
+  revprio report revprio-out                         make the page again from what a command left there
   revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
+  revprio bench --only core,http                     measure times beside those of others
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
 #[derive(Debug, Subcommand)]
@@ -62,10 +77,20 @@ enum Command {
     Scenarios,
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
+    /// Run scenarios with several methods and solvers and compare them side by side.
+    Compare(compare::Options),
+    /// Send a recording's states to a service again and compare the answers.
+    Replay(replay::Options),
+    /// Run one scenario with many values of some quantities, on all cores.
+    Sweep(sweep::Options),
+    /// Make the page again from what `simulate`, `demo` or `compare` left in a directory.
+    Report(report::Options),
     /// Tell how much lag, delay and how little damping one axis in contact bears.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Measure how fast this machine is at all of it, beside other programs that do the same.
+    Bench(bench::Options),
     /// Print the OpenAPI document of the HTTP interface.
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
@@ -87,6 +112,9 @@ pub enum CliError {
     /// The server under load did something that it must not.
     #[error("under load: {0}")]
     Load(String),
+    /// Nothing was measured.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
     /// A robot file is refused.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -117,14 +145,37 @@ pub enum CliError {
     Client(#[from] ClientError),
     /// The report cannot be written.
     #[error(transparent)]
-    Report(#[from] report::Error),
+    Report(#[from] crate::report::Error),
+    /// No run got to its end.
+    #[error("there is nothing to compare: {0}")]
+    NothingToCompare(String),
     /// A trace cannot be written.
     #[error("cannot write {path}: {source}")]
     Trace {
         /// The file.
         path: PathBuf,
         /// What went wrong.
-        source: csv::Error,
+        source: WriteError,
+    },
+    /// The file is no recording.
+    #[error("cannot read {path}: {source}")]
+    ReadRecording {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<ReadError>,
+    },
+    /// The sweep cannot be made, or its files cannot be used.
+    #[error("{0}")]
+    Sweep(String),
+    /// The recording cannot be replayed.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// The replayed answers are not the recorded ones.
+    #[error("{answers} answers differ from the recording")]
+    Differs {
+        /// How many.
+        answers: usize,
     },
     /// The output directory cannot be made.
     #[error("cannot make {path}: {source}")]
@@ -166,8 +217,13 @@ impl Cli {
             Command::Load(options) => load::run(&options),
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
+            Command::Compare(options) => compare::run(&options),
+            Command::Replay(options) => replay::run(&options),
+            Command::Sweep(options) => sweep::run(&options),
+            Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Bench(options) => bench::run(&options),
             Command::Openapi => openapi::run(openapi_document()),
             Command::Asyncapi => openapi::run(asyncapi_document()),
         }

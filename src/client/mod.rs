@@ -1,4 +1,27 @@
 //! A typed, blocking client of the service.
+//!
+//! ```
+//! use revprio::client::Client;
+//! use revprio::service::{App, Robots, RunningServer, router};
+//! use revprio::wire::{JointVector, ResolveRequest};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let server = RunningServer::start(router(App::new(Robots::built_in())))?; // or `revprio serve`
+//! let client = Client::new(&server.url());
+//! let request: ResolveRequest = serde_json::from_str(
+//!     r#"{"robot": "planar_3r", "joint_position": [0.3, 0.5, 0.4], "tasks": [{"axes": ["x", "y"], "velocity": [0.1, 0]}]}"#,
+//! )?;
+//! let answer = client.resolve(&request)?;
+//! assert_eq!(answer.joint_velocity.len(), 3); // rad/s
+//! assert!(answer.tasks[0].residual_norm < 1e-12);
+//!
+//! // What the service refuses comes back with the field and the remedy.
+//! let short = ResolveRequest { joint_position: Some(JointVector::Ordered(vec![0.3, 0.5])), ..request };
+//! let refused = client.resolve(&short).unwrap_err();
+//! assert!(refused.to_string().contains("/joint_position"), "{refused}");
+//! # Ok(())
+//! # }
+//! ```
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;

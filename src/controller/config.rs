@@ -84,6 +84,26 @@ pub struct ControllerConfig {
     pub tasks: Vec<TaskConfig>,
 }
 
+impl ControllerConfig {
+    /// Reverse priority by the shortest certified way, inside the position and velocity limits of the robot, damped near
+    /// singularities: the defaults of a controller that comes as JSON. `period_s`: T, s.
+    pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
+        Self {
+            robot,
+            period_s,
+            method: Method::ReversePriority,
+            solver: Solver::Auto,
+            damping: Some(Damping::STANDARD),
+            limits: Limits::Robot(LimitKind::PositionVelocity),
+            barriers: Vec::new(),
+            wrench_convention: WrenchConvention::default(),
+            wrench_frame: WrenchFrame::default(),
+            null_space: None,
+            tasks,
+        }
+    }
+}
+
 /// Why a controller is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ConfigError {

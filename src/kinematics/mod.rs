@@ -1,5 +1,20 @@
 //! Where the tool is and how it moves: forward kinematics, Jacobian, Cartesian axes and frames; how near the joints are
 //! to the ends of their ranges.
+//!
+//! ```
+//! use revprio::kinematics::Configuration;
+//! use revprio::robot::built_in;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let planar = built_in().iter().find(|robot| robot.name() == "planar_3r").ok_or("no such robot")?;
+//! let stretched = Configuration::new(planar, &[0.0, 0.0, 0.0])?;
+//! assert!((stretched.tool_pose().translation.x - 1.2).abs() < 1e-12); // 0.5 + 0.4 + 0.3 m
+//! // Turning the shoulder at 1 rad/s moves the tool along y at 1.2 m/s and turns it about z at 1 rad/s.
+//! let column = stretched.jacobian().column(0);
+//! assert!((column[1] - 1.2).abs() < 1e-12 && (column[5] - 1.0).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
 
 mod axes;
 mod configuration;

@@ -18,6 +18,50 @@ pub fn extremes_per_bucket(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f
     kept
 }
 
+/// Leaves out points that a straight line between their neighbours passes within `tolerance` (unit of the ordinate) of: no
+/// point of the result's polyline is farther from the given one, vertically. The abscissas must ascend.
+#[must_use]
+pub fn within(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let Some((&first, rest)) = points.split_first() else { return Vec::new() };
+    let mut kept = vec![first];
+    let mut cone = Cone::from(first);
+    for &point in rest {
+        if !cone.sees(point) {
+            kept.push(cone.end);
+            cone = Cone::from(cone.end);
+        }
+        cone.narrow(point, tolerance);
+    }
+    if rest.is_empty() { kept } else { [kept, vec![cone.end]].concat() }
+}
+
+/// The slopes from a point that pass every later one within the tolerance.
+struct Cone {
+    apex: (f64, f64),
+    slopes: (f64, f64),
+    end: (f64, f64),
+}
+
+impl Cone {
+    fn from(apex: (f64, f64)) -> Self {
+        Self { apex, slopes: (f64::NEG_INFINITY, f64::INFINITY), end: apex }
+    }
+
+    fn slope(&self, (x, y): (f64, f64)) -> f64 {
+        (y - self.apex.1) / (x - self.apex.0)
+    }
+
+    fn sees(&self, point: (f64, f64)) -> bool {
+        (self.slopes.0..=self.slopes.1).contains(&self.slope(point))
+    }
+
+    fn narrow(&mut self, (x, y): (f64, f64), tolerance: f64) {
+        self.slopes.0 = self.slopes.0.max(self.slope((x, y - tolerance)));
+        self.slopes.1 = self.slopes.1.min(self.slope((x, y + tolerance)));
+        self.end = (x, y);
+    }
+}
+
 /// Lowest and highest point of a non-empty chunk, the earlier one first.
 fn extremes(chunk: &[(f64, f64)]) -> [(f64, f64); 2] {
     let pick = |a: (f64, f64), b: (f64, f64), keep_a: bool| if keep_a { a } else { b };
@@ -52,6 +96,29 @@ mod tests {
         assert!(kept.len() <= 202);
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+    }
+
+    #[test]
+    fn a_polyline_of_few_points_stays_within_its_tolerance() {
+        let wave = |i: i32| (f64::from(i), (0.01 * f64::from(i)).sin() + if i == 700 { 5.0 } else { 0.0 });
+        let points: Vec<_> = (0..2000).map(wave).collect();
+        let kept = within(&points, 1e-3);
+        assert!(kept.len() < 200, "{}", kept.len());
+        assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+        for pair in kept.windows(2) {
+            let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+            let between = points.iter().filter(|(x, _)| (x0..=x1).contains(x));
+            let worst = between.map(|(x, y)| (y - (y0 + (y1 - y0) * (x - x0) / (x1 - x0))).abs()).fold(0.0, f64::max);
+            assert!(worst <= 1.001e-3, "{worst}");
+        }
+    }
+
+    #[test]
+    fn a_straight_line_is_its_two_ends() {
+        let points = [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)];
+        assert_eq!(within(&points, 1e-9), [points[0], points[3]]);
+        assert_eq!(within(&points[..1], 1e-9), points[..1]);
+        assert!(within(&[], 1.0).is_empty());
     }
 
     #[test]

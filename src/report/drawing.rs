@@ -4,13 +4,14 @@ use std::io;
 
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
+use plotters::coord::ranged1d::Ranged;
 use plotters::coord::{CoordTranslate, Shift};
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{DashedPathElement, PathElement};
 use plotters::style::{Color, FontStyle, RGBColor, ShapeStyle, TextStyle, WHITE};
 
 use super::axis::Axis;
-use super::decimation::extremes_per_bucket;
+use super::decimation::{extremes_per_bucket, within};
 use super::error::Error;
 use super::figure::{Colour, Curve, Figure, Panel, Stroke};
 use super::{legend, markup, typeface};
@@ -38,12 +39,33 @@ const Y_LABELS_WIDTH: u32 = 76;
 const TICK: u32 = 4;
 /// Two points per bucket: more than the quarter pixels that a curve is rounded to would not show.
 const BUCKETS: usize = 600;
+/// A curve may be off by this part of the height of its axes, half of what it is rounded to.
+const UNSEEN: f64 = 0.5 / (PLOT_HEIGHT * UNITS_PER_PIXEL) as f64;
 
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 
 type Area<'a, C = Shift> = DrawingArea<SVGBackend<'a>, C>;
-type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<io::Error>>;
+
+/// A figure as SVG, and where its axes are in it.
+pub struct Drawing {
+    /// The document, `WIDTH` pixels wide.
+    pub svg: String,
+    /// The axes of each panel.
+    pub frames: Vec<Frame>,
+}
+
+/// Where the axes of a panel are, in the units of the SVG, and what they span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Left and right end.
+    pub x: (i32, i32),
+    /// Upper and lower end.
+    pub y: (i32, i32),
+    /// Values at the lower and upper end, unit of the panel.
+    pub y_range: (f64, f64),
+}
 
 /// The SVG document of a figure, `WIDTH` pixels wide.
 ///
@@ -51,15 +73,24 @@ type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 ///
 /// [`Error::Font`] when the embedded font cannot be read, [`Error::Draw`] when the drawing fails.
 pub fn svg(figure: &Figure) -> Result<String, Error> {
+    drawing(figure).map(|drawing| drawing.svg)
+}
+
+/// The SVG document of a figure, and where its axes are in it.
+///
+/// # Errors
+///
+/// As [`svg`].
+pub fn drawing(figure: &Figure) -> Result<Drawing, Error> {
     typeface::register()?;
     let mut elements = String::new();
     let height = figure_height(figure);
-    {
+    let frames = {
         let size = (WIDTH * UNITS_PER_PIXEL, height * UNITS_PER_PIXEL);
         let page = SVGBackend::with_string(&mut elements, size).into_drawing_area();
-        draw(&page, figure).map_err(|source| Error::Draw { figure: figure.name.clone(), source })?;
-    }
-    Ok(markup::finished(&elements, figure, height))
+        draw(&page, figure).map_err(|source| Error::Draw { figure: figure.name.clone(), source })?
+    };
+    Ok(Drawing { svg: markup::finished(&elements, figure, height), frames })
 }
 
 /// Length in pixels as the units of the drawing library.
@@ -68,13 +99,10 @@ pub fn units(pixels: u32) -> i32 {
     (pixels * UNITS_PER_PIXEL).cast_signed()
 }
 
-/// Each panel, and whether it shows its legend: not when the panel above has the same one.
+/// Each panel, and whether it shows its legend: not when the one above has all of its curves.
 fn shown(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
-    let same = |a: &Panel, b: &Panel| {
-        let labels = a.curves.iter().map(|c| &c.label);
-        labels.eq(b.curves.iter().map(|c| &c.label))
-    };
-    let repeats = move |i: usize| i > 0 && same(&panels[i], &panels[i - 1]);
+    let has = |panel: &Panel, curve: &Curve| panel.curves.iter().any(|other| other.label == curve.label);
+    let repeats = move |i: usize| i > 0 && panels[i].curves.iter().all(|curve| has(&panels[i - 1], curve));
     panels.iter().enumerate().map(move |(i, panel)| (panel, !repeats(i)))
 }
 
@@ -88,19 +116,21 @@ fn panel_height(panel: &Panel, with_legend: bool) -> u32 {
     HEADING_HEIGHT + legend + PLOT_HEIGHT + X_LABELS_HEIGHT + GAP
 }
 
-fn draw(page: &Area, figure: &Figure) -> Drawn {
+fn draw(page: &Area, figure: &Figure) -> Drawn<Vec<Frame>> {
     page.fill(&WHITE)?;
     page.draw_text(&figure.title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
     let (_, mut rest) = page.split_vertically(units(TITLE_HEIGHT));
+    let mut frames = Vec::with_capacity(figure.panels.len());
     for (panel, with_legend) in shown(&figure.panels) {
         let (area, below) = rest.split_vertically(units(panel_height(panel, with_legend)));
-        draw_panel(&area, panel, with_legend)?;
+        frames.push(draw_panel(&area, panel, with_legend)?);
         rest = below;
     }
-    page.present()
+    page.present()?;
+    Ok(frames)
 }
 
-fn draw_panel(area: &Area, panel: &Panel, with_legend: bool) -> Drawn {
+fn draw_panel(area: &Area, panel: &Panel, with_legend: bool) -> Drawn<Frame> {
     area.draw_text(&panel.heading, &text(13.0, FontStyle::Normal), (units(MARGIN), units(4)))?;
     let (_, below) = area.split_vertically(units(HEADING_HEIGHT));
     if !with_legend {
@@ -111,14 +141,16 @@ fn draw_panel(area: &Area, panel: &Panel, with_legend: bool) -> Drawn {
     draw_axes(&below, panel)
 }
 
-fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
+fn draw_axes(area: &Area, panel: &Panel) -> Drawn<Frame> {
+    let y_axis = Axis::around(panel.y_extent());
+    let y_range = y_axis.range();
     let mut chart = ChartBuilder::on(area)
         .margin_left(units(MARGIN))
         .margin_right(units(RIGHT_MARGIN))
         .margin_bottom(units(GAP))
         .x_label_area_size(units(X_LABELS_HEIGHT))
         .y_label_area_size(units(Y_LABELS_WIDTH))
-        .build_cartesian_2d(Axis::exactly(panel.window), Axis::around(panel.y_extent()))?;
+        .build_cartesian_2d(Axis::exactly(panel.window), y_axis)?;
     chart
         .configure_mesh()
         .axis_style(INK.stroke_width(UNITS_PER_PIXEL))
@@ -133,9 +165,10 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
         .draw()?;
     for curve in &panel.curves {
         let points = extremes_per_bucket(&panel.visible(curve), BUCKETS);
-        trace(chart.plotting_area(), points, curve)?;
+        trace(chart.plotting_area(), within(&points, UNSEEN * (y_range.end - y_range.start)), curve)?;
     }
-    Ok(())
+    let (x, y) = chart.plotting_area().get_pixel_range();
+    Ok(Frame { x: (x.start, x.end), y: (y.start, y.end), y_range: (y_range.start, y_range.end) })
 }
 
 /// Draws a line through the points in the colour and stroke of a curve.
@@ -161,16 +194,22 @@ pub fn text(em: f64, weight: FontStyle) -> TextStyle<'static> {
     TextStyle::from((typeface::FAMILY, size, weight)).color(&INK)
 }
 
-/// Line widths are in units, quarters of a pixel.
 fn line(curve: &Curve) -> ShapeStyle {
-    let width = match curve.stroke {
-        Stroke::Wide => 17,
-        Stroke::Thin | Stroke::Dashed => 5,
-    };
-    rgb(curve.colour).stroke_width(width)
+    rgb(curve.colour).stroke_width(stroke_width(curve.stroke))
 }
 
-const fn rgb(colour: Colour) -> RGBColor {
+/// Width of a line in units, quarters of a pixel.
+#[must_use]
+pub const fn stroke_width(stroke: Stroke) -> u32 {
+    match stroke {
+        Stroke::Wide => 17,
+        Stroke::Thin | Stroke::Dashed => 5,
+    }
+}
+
+/// Red, green, blue of a colour.
+#[must_use]
+pub const fn rgb(colour: Colour) -> RGBColor {
     match colour {
         Colour::Black => RGBColor(0, 0, 0),
         Colour::Orange => RGBColor(0xe6, 0x9f, 0x00),

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use plotters::drawing::DrawingAreaErrorKind;
 
+use crate::simulator::recording::ReadError;
+
 /// A report that could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -15,6 +17,30 @@ pub enum Error {
         path: PathBuf,
         /// What the operating system said.
         source: io::Error,
+    },
+    /// A directory does not say what its traces are.
+    #[error("cannot read {}: {source}; `simulate`, `demo` and `compare` leave it in the directory of their --out", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The description of the traces is something else.
+    #[error("{}: {source}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// A trace cannot be used.
+    #[error("{}: {source}", path.display())]
+    Trace {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: Box<ReadError>,
     },
     /// The embedded font could not be read.
     #[error("the embedded font is unusable")]

@@ -1,50 +1,63 @@
 //! What the runs of a scenario show, in words that are derived from the runs.
 
-use super::Note;
+use super::experiment::{COINCIDE, Run};
 use super::metrics::{Metrics, largest_difference};
 use super::number::significant;
 use super::paper_figures::{CLASSICAL, REVERSE_PRIORITY};
 use crate::simulator::recording::{Recording, Sample};
 use crate::wire::{Method, Solver, Status};
 
-/// Commands that differ less (rad/s) count as the same.
-const COINCIDE: f64 = 1e-9;
-
 const MM: f64 = 1e3;
 
-/// Remarks on each scenario for which both methods were run, in the order of the recordings.
-pub fn of_recordings(recordings: &[Recording]) -> Vec<Note> {
-    let mut scenarios: Vec<&str> = recordings.iter().map(|run| run.scenario.as_str()).collect();
-    scenarios.dedup();
-    scenarios.into_iter().filter_map(|scenario| note(scenario, recordings)).collect()
-}
-
-fn note(scenario: &str, recordings: &[Recording]) -> Option<Note> {
-    let find = |method: Method, solver: Solver| {
-        recordings.iter().find(|run| run.scenario == scenario && run.method == method && run.solver == solver)
+/// Remarks on a scenario for which both methods of the paper were run; none otherwise.
+#[must_use]
+pub fn of_scenario(runs: &[Run]) -> Vec<String> {
+    let (Some(reverse), Some(classical)) = (of_method(runs, REVERSE_PRIORITY), of_method(runs, CLASSICAL)) else {
+        return Vec::new();
     };
-    let reverse = find(REVERSE_PRIORITY, Solver::ClosedForm)?;
-    let classical = find(CLASSICAL, Solver::ClosedForm)?;
-    let mut sentences = vec![comparison(reverse, classical)];
-    sentences.extend(at_the_wall(reverse, classical));
-    sentences.extend(find(REVERSE_PRIORITY, Solver::Qp).map(|qp| certificate(qp, reverse)));
-    Some(Note { scenario: scenario.to_owned(), text: sentences.join(" ") })
+    let mut notes = vec![comparison(reverse, classical)];
+    notes.extend(at_the_wall(&reverse.recording, &classical.recording));
+    let with =
+        |solver| runs.iter().find(|run| run.recording.method == REVERSE_PRIORITY && run.recording.solver == solver);
+    if let (Some(qp), Some(closed_form)) = (with(Solver::Qp), with(Solver::ClosedForm)) {
+        notes.push(certificate(&qp.recording, &closed_form.recording));
+    }
+    notes
 }
 
-fn comparison(reverse: &Recording, classical: &Recording) -> String {
-    let difference = largest_difference(reverse, classical);
-    let sigma = |run: &Recording| smallest(run.samples.iter().map(|sample| sample.smallest_singular_value));
+/// The run of a method; of several solvers the closed form.
+pub fn of_method(runs: &[Run], method: Method) -> Option<&Run> {
+    let runs = runs.iter().filter(|run| run.recording.method == method);
+    runs.min_by_key(|run| run.recording.solver != Solver::ClosedForm)
+}
+
+/// σ_min of all task rows, at its smallest.
+fn sigma(run: &Recording) -> f64 {
+    smallest(run.samples.iter().map(|sample| sample.smallest_singular_value))
+}
+
+fn comparison(reverse: &Run, classical: &Run) -> String {
+    let difference = largest_difference(&reverse.recording, &classical.recording);
+    let [lowest_reverse, lowest] = [reverse, classical].map(|run| sigma(&run.recording));
     if difference <= COINCIDE {
         return format!(
             "Reverse priority and the classical control command the same joint velocities (largest difference {} rad/s): \
              the smallest singular value of all task rows stays at {} or above, out of reach of the damping, and with \
              independent rows and nothing damped both are J⁺ẋ.",
             significant(difference, 2),
-            significant(sigma(classical), 3)
+            significant(lowest, 3)
         );
     }
-    let rmse = match (Metrics::of(reverse).rmse_fx, Metrics::of(classical).rmse_fx) {
-        (Some(reverse), Some(classical)) => format!(
+    let damped = classical.scenario.controller.damping.is_some_and(|damping| lowest < damping.threshold);
+    if !damped {
+        return format!(
+            "Reverse priority and the classical control differ by up to {} rad/s, though nothing is damped: limits or \
+             tasks in conflict part them.",
+            significant(difference, 2)
+        );
+    }
+    let rmse = match [reverse, classical].map(|run| Metrics::of(&run.recording).rmse_fx) {
+        [Some(reverse), Some(classical)] => format!(
             " The RMSE of F_x is {} N with reverse priority and {} N with the classical control, {} times as much.",
             significant(reverse, 3),
             significant(classical, 3),
@@ -57,8 +70,8 @@ fn comparison(reverse: &Recording, classical: &Recording) -> String {
          damping. The classical control damps all rows alike; reverse priority damps only how far the lower task is \
          spared, so that the primary one stays exact and \
          the lower one pays: its axes leave their set-points on the way.{rmse}",
-        significant(sigma(reverse), 2),
-        significant(sigma(classical), 2)
+        significant(lowest_reverse, 2),
+        significant(lowest, 2)
     )
 }
 

@@ -18,21 +18,20 @@ fn report() -> Report {
         y_covers: vec![],
         curves: vec![curve],
     };
+    let figure = Figure {
+        name: "figure5_nominal".to_owned(),
+        title: "Force".to_owned(),
+        caption: String::new(),
+        panels: vec![panel],
+    };
     Report {
         title: "Title".to_owned(),
-        introduction: vec![],
-        rows: vec![],
-        notes: vec![],
-        figures: vec![Figure {
-            name: "figure5_nominal".to_owned(),
-            title: "Force".to_owned(),
-            caption: String::new(),
-            panels: vec![panel],
-        }],
-        traces: vec![],
-        command: String::new(),
+        sections: vec![Section { name: "a".to_owned(), figures: vec![figure], ..Section::default() }],
+        ..Report::default()
     }
 }
+
+const ALL: [Output; 3] = [Output::Page, Output::Svg, Output::Png];
 
 fn directory(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("revprio-{name}-{}", std::process::id()))
@@ -47,7 +46,7 @@ fn png_size(bytes: &[u8]) -> [u32; 2] {
 #[test]
 fn a_figure_is_written_as_svg_as_png_three_times_its_size_and_into_the_page() {
     let directory = directory("figures");
-    let written = write(&directory, &report()).unwrap();
+    let written = write(&directory, &report(), &ALL).unwrap();
     let names = ["figure5_nominal.svg", "figure5_nominal.png", "index.html"];
     assert_eq!(written, names.map(|name| directory.join(name)));
 
@@ -59,8 +58,17 @@ fn a_figure_is_written_as_svg_as_png_three_times_its_size_and_into_the_page() {
 }
 
 #[test]
+fn only_what_is_wanted_is_written() {
+    let directory = directory("wanted");
+    let written = write(&directory, &report(), &[Output::Svg]).unwrap();
+    assert_eq!(written, [directory.join("figure5_nominal.svg")]);
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), 1);
+    fs::remove_dir_all(directory).unwrap();
+}
+
+#[test]
 fn the_same_report_is_the_same_picture() {
-    let figure = &report().figures[0];
+    let figure = &report().sections[0].figures[0];
     assert_eq!(drawing::svg(figure).unwrap(), drawing::svg(figure).unwrap());
 }
 
@@ -68,7 +76,7 @@ fn the_same_report_is_the_same_picture() {
 fn an_error_names_the_path_and_keeps_its_source() {
     let file = directory("file");
     fs::write(&file, "").unwrap();
-    let error = write(&file, &report()).unwrap_err();
+    let error = write(&file, &report(), &ALL).unwrap_err();
     assert!(error.to_string().contains(&file.display().to_string()));
     assert!(std::error::Error::source(&error).is_some());
     fs::remove_file(file).unwrap();

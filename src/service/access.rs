@@ -85,14 +85,19 @@ fn warn_if_others_can_read(path: &Path) {
 #[cfg(not(unix))]
 fn warn_if_others_can_read(_: &Path) {}
 
-/// Refuses requests without the token, and those that a foreign web page makes.
-pub fn check(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), Problem> {
+/// Refuses requests that a foreign web page makes.
+pub fn check_origin(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), Problem> {
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = origin.to_str().unwrap_or_default();
         if !(config.allowed_origins.iter().any(|allowed| allowed == origin) || is_own(config, origin, headers)) {
             return Err(Problem::foreign_origin(origin));
         }
     }
+    Ok(())
+}
+
+/// Refuses requests without the token, if there is one.
+pub fn check_token(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), Problem> {
     match &config.token {
         Some(token) if !token.is_shown(headers) => Err(Problem::unauthorized()),
         _ => Ok(()),

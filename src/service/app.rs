@@ -16,6 +16,7 @@ use utoipa_axum::routes;
 use super::background::Room;
 use super::config::ServiceConfig;
 use super::connection::Connections;
+use super::dashboard;
 use super::drain::Drain;
 use super::gate::{RequestIds, gate};
 use super::handlers;
@@ -87,6 +88,8 @@ pub struct Service {
 pub fn router(app: App) -> Service {
     let (routes, _) = described().split_for_parts();
     let routes = routes
+        .route("/", get(dashboard::home))
+        .route("/dashboard/{file}", get(dashboard::file))
         .route("/docs", get(openapi::docs_home))
         .route("/docs/", get(openapi::docs_page))
         .route("/docs/{file}", get(openapi::docs_file));
@@ -99,7 +102,7 @@ pub(super) fn described() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(handlers::resolve::resolve))
         .routes(routes!(handlers::resolve::resolve_batch))
         .routes(routes!(handlers::control::step))
-        .routes(routes!(handlers::control::create_controller))
+        .routes(routes!(handlers::control::controllers, handlers::control::create_controller))
         .routes(routes!(handlers::control::show_controller, handlers::control::delete_controller))
         .routes(routes!(handlers::control::step_controller))
         .routes(routes!(handlers::control::stream_controller))
@@ -113,6 +116,9 @@ pub(super) fn described() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(handlers::simulation::create_simulation))
         .routes(routes!(handlers::simulation::show_simulation, handlers::simulation::delete_simulation))
         .routes(routes!(handlers::simulation::simulation_events))
+        .routes(routes!(handlers::simulation::simulation_live))
+        .routes(routes!(handlers::simulation::control_simulation))
+        .routes(routes!(handlers::simulation::simulation_cycle))
         .routes(routes!(handlers::simulation::simulation_trace))
         .routes(routes!(handlers::operation::alive))
         .routes(routes!(handlers::operation::ready))

@@ -72,7 +72,43 @@ pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + 
     })
 }
 
-/// Threads that long work may keep busy: all cores but the one that serves steps.
-pub fn spare_cores() -> usize {
-    available_parallelism().map_or(1, NonZero::get).saturating_sub(1).max(1)
+/// Runs `work` in up to `most` threads at a time, as many as may be kept busy, and waits for them.
+pub fn on_all_cores(most: usize, work: impl Fn() + Sync) {
+    let threads = busy_threads().min(most);
+    if threads <= 1 {
+        return work();
+    }
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                step_back();
+                work();
+            });
+        }
+    });
 }
+
+/// All cores, as the thread that serves steps goes first.
+#[cfg(target_os = "linux")]
+fn busy_threads() -> usize {
+    available_parallelism().map_or(1, NonZero::get)
+}
+
+/// All cores but the one that serves steps.
+#[cfg(not(target_os = "linux"))]
+fn busy_threads() -> usize {
+    available_parallelism().map_or(1, NonZero::get).saturating_sub(1)
+}
+
+/// Lets all threads of ordinary priority go first. On Linux the number belongs to the calling thread alone, which cannot
+/// take it back: not for threads that do other work later.
+#[cfg(target_os = "linux")]
+fn step_back() {
+    const LAST: i32 = 19;
+    if let Err(error) = rustix::process::setpriority_process(None, LAST) {
+        tracing::warn!(%error, "long work competes with steps");
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn step_back() {}

@@ -29,7 +29,7 @@ pub fn latest<T: Clone + Send + Sync + 'static, V: Serialize + Send + 'static>(
     mut source: watch::Receiver<T>,
     draining: Draining,
     pause: Duration,
-    show: impl Fn(&T) -> Shown<V> + Send + 'static,
+    show: impl FnMut(&T) -> Shown<V> + Send + 'static,
 ) -> Sse<impl Stream<Item = Result<Event, Error>>> {
     source.mark_changed();
     let reader = Reader { source, draining, pause, show, is_first: true };
@@ -49,7 +49,7 @@ impl<T: Clone, F> Reader<T, F> {
     /// The next event and, unless it is the last one, the reader of those after it.
     async fn next<V: Serialize>(mut self) -> Option<(Result<Event, Error>, Option<Self>)>
     where
-        F: Fn(&T) -> Shown<V>,
+        F: FnMut(&T) -> Shown<V>,
     {
         loop {
             if !std::mem::take(&mut self.is_first) {

@@ -16,6 +16,7 @@ use futures_util::FutureExt;
 use super::access;
 use super::app::App;
 use super::body;
+use super::dashboard;
 use super::problem::Problem;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -47,7 +48,7 @@ impl RequestIds {
         };
         headers.get(REQUEST_ID).filter(sane).cloned().unwrap_or_else(|| {
             let number = self.next.fetch_add(1, Ordering::Relaxed);
-            HeaderValue::from_str(&format!("{}-{number}", self.prefix)).unwrap_or(HeaderValue::from_static("none"))
+            HeaderValue::try_from(format!("{}-{number}", self.prefix)).unwrap_or(HeaderValue::from_static("none"))
         })
     }
 }
@@ -99,7 +100,10 @@ fn admitted(app: &App, request: &Request, arrived: Instant) -> Result<(), Proble
     if matches!(path, "/healthz" | "/readyz") {
         return Ok(());
     }
-    access::check(&app.config, request.headers())?;
+    access::check_origin(&app.config, request.headers())?;
+    if !dashboard::is_page(path) {
+        access::check_token(&app.config, request.headers())?;
+    }
     if path == "/metrics" || app.line.admits(arrived, app.config.max_lag) { Ok(()) } else { Err(Problem::overloaded()) }
 }
 

@@ -54,7 +54,7 @@
 //!
 //! One thread serves all steps. Batches and simulations run in others, and end when nobody waits for them any more:
 //!
-//! - batches one after the other on all cores but one, up to 4 at a time, others get 503;
+//! - batches one after the other on all cores, at a lower priority than steps, up to 4 at a time, others get 503;
 //! - stability margins, which take seconds for long delays, one after the other, up to 8 at a time;
 //! - simulations two at a time, the others queued; up to 100 000 control periods each and 250 000 all together, which
 //!   bounds the memory of their traces to some 125 MB. Ended ones are forgotten after an hour, or, oldest first, when a
@@ -87,6 +87,7 @@ mod body;
 mod config;
 mod connection;
 mod convert;
+mod dashboard;
 mod drain;
 mod events;
 mod format;
@@ -108,6 +109,7 @@ mod tls;
 pub use access::{Token, TokenError};
 pub use app::{App, Service, router};
 pub use config::ServiceConfig;
+pub(crate) use convert::controller as controller_of;
 pub use convert::robot_answer;
 pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};

@@ -105,6 +105,11 @@ impl Problem {
         Self::new(StatusCode::CONFLICT, "no-trace", "There is no trace", detail)
     }
 
+    /// 409: a simulation that takes no orders.
+    pub fn not_live(detail: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, "not-live", "The simulation takes no orders", detail)
+    }
+
     /// 426: a stream is asked for by plain HTTP.
     pub fn upgrade_required() -> Self {
         let detail = "this route speaks WebSocket (RFC 6455, version 13); ask for it with a WebSocket client";

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::app::App;
-use super::background::{Abandoned, spare_cores};
+use super::background::{Abandoned, on_all_cores};
 use super::body::LargeBody;
 use super::convert;
 use super::problem::Problem;
@@ -17,6 +17,9 @@ pub const MOST_ITEMS: usize = 10_000;
 /// Batches at a time, one at work and the others waiting; each may hold a body and an answer of some 20 MB.
 pub const MOST_BATCHES: usize = 4;
 
+/// Starting a thread costs as much as some of them.
+const WORTH_A_THREAD: usize = 16;
+
 /// Resolves one problem.
 pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem> {
     let start = Instant::now();
@@ -27,7 +30,7 @@ pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem
     Ok(answer)
 }
 
-/// Resolves a batch on the spare cores when its turn comes.
+/// Resolves a batch on all cores when its turn comes; steps go first.
 pub async fn batch(body: LargeBody<BatchRequest>, app: &Arc<App>) -> Result<BatchAnswer, Problem> {
     let shared = Arc::clone(app);
     app.batches.run("batches", move |abandoned| many(&body.read()?, &shared, abandoned)).await?
@@ -49,11 +52,7 @@ fn many(request: &BatchRequest, app: &App, abandoned: &Abandoned) -> Result<Batc
             *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(item);
         }
     };
-    std::thread::scope(|scope| {
-        let helpers = spare_cores().min(problems.len()).saturating_sub(1);
-        (0..helpers).for_each(|_| drop(scope.spawn(work)));
-        work();
-    });
+    on_all_cores(problems.len() / WORTH_A_THREAD, work);
     let items = answers.into_iter().map(|answer| answer.into_inner().ok().flatten());
     Ok(BatchAnswer { items: items.collect::<Option<_>>().ok_or_else(Problem::internal)? })
 }

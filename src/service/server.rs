@@ -177,15 +177,40 @@ fn cause(error: &hyper::Error) -> &'static str {
 pub struct RunningServer {
     address: SocketAddr,
     encrypted: bool,
+    workers: Vec<Worker>,
+}
+
+/// A thread that serves until it is told to stop.
+struct Worker {
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl RunningServer {
     /// Starts on a free loopback port.
+    #[expect(clippy::needless_pass_by_value, reason = "a server takes what it runs")]
     pub fn start(service: Service) -> Result<Self, ServeError> {
+        Self::start_on(1, &service)
+    }
+
+    /// The same with so many threads, each with connections of its own: for measurements, as the line of waiting requests
+    /// is measured for one.
+    pub(crate) fn start_on(threads: usize, service: &Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
+        let worker = |_| Worker::start(listener.try_clone()?, service.clone());
+        Ok(Self { address, encrypted, workers: (0..threads).map(worker).collect::<io::Result<_>>()? })
+    }
+
+    /// Base of all addresses, such as `http://127.0.0.1:40123`.
+    pub fn url(&self) -> String {
+        let scheme = if self.encrypted { "https" } else { "http" };
+        format!("{scheme}://{}", self.address)
+    }
+}
+
+impl Worker {
+    fn start(listener: TcpListener, service: Service) -> io::Result<Self> {
         let (stop, stopped) = oneshot::channel::<()>();
         let run = move || {
             let stopped = async {
@@ -196,20 +221,14 @@ impl RunningServer {
             }
         };
         let thread = std::thread::Builder::new().name("service".to_owned()).spawn(run)?;
-        Ok(Self { address, encrypted, stop: Some(stop), thread: Some(thread) })
-    }
-
-    /// Base of all addresses, such as `http://127.0.0.1:40123`.
-    pub fn url(&self) -> String {
-        let scheme = if self.encrypted { "https" } else { "http" };
-        format!("{scheme}://{}", self.address)
+        Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }
 
 impl Drop for RunningServer {
     fn drop(&mut self) {
-        drop(self.stop.take());
-        if let Some(thread) = self.thread.take() {
+        self.workers.iter_mut().for_each(|worker| drop(worker.stop.take()));
+        for thread in self.workers.iter_mut().filter_map(|worker| worker.thread.take()) {
             let _ = thread.join();
         }
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use serde::{Serialize, Serializer};
 use tokio::sync::watch;
 use uuid::Uuid;
 
@@ -11,10 +12,32 @@ use super::convert;
 use super::metrics::Metrics;
 use super::problem::Problem;
 use crate::controller::{Controller, Memory};
+use crate::linalg::Vector;
 use crate::wire;
 
 /// A step that comes more than so many periods after the one before missed one.
 const LATE_PERIODS: f64 = 1.5;
+
+/// One control period of a session.
+#[derive(Debug)]
+pub struct Step {
+    /// What was measured.
+    pub state: wire::State,
+    /// What was answered.
+    pub answer: wire::StepAnswer,
+    /// q̇ of the period before, n; `None` at the first or if nobody watched.
+    pub last_command: Option<Vector>,
+}
+
+/// What a session answered, shared with those who watch it and with a retry rather than copied.
+#[derive(Debug)]
+pub struct Answered(Arc<Step>);
+
+impl Serialize for Answered {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.answer.serialize(serializer)
+    }
+}
 
 /// One controller with its memory.
 pub struct Session {
@@ -23,7 +46,7 @@ pub struct Session {
     /// Ready to step.
     pub controller: Controller,
     memory: Option<Memory>,
-    last: watch::Sender<Option<Arc<wire::WatchedStep>>>,
+    last: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
     retries: u64,
     stepped: Option<Instant>,
@@ -34,16 +57,19 @@ pub struct Session {
 
 impl Session {
     /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
-    fn answer(&mut self, state: &wire::State, now: Instant, metrics: &Metrics) -> Result<wire::StepAnswer, Problem> {
-        let measurement = convert::measurement(state, &self.controller)?;
+    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<Answered, Problem> {
+        let measurement = convert::measurement(&state, &self.controller)?;
         self.called = now;
         if let Some(last) = &*self.last.borrow() {
-            if last.state == *state {
+            if last.state == state {
                 self.retries += 1;
-                return Ok(last.answer.clone());
+                return Ok(Answered(Arc::clone(last)));
             }
             grows(last.state.sequence, state.sequence)?;
         }
+        // Only watchers want it.
+        let last_command = self.memory.as_ref().filter(|_| self.last.receiver_count() > 0);
+        let last_command = last_command.map(|memory| memory.last_command.clone());
         let command =
             self.controller.step(&mut self.memory, &measurement).map_err(|error| convert::step_problem(&error, ""))?;
         let answer = convert::step_answer(&self.controller, state.sequence, &command, now);
@@ -54,13 +80,27 @@ impl Session {
             self.missed_periods += 1;
             metrics.missed_periods.inc();
         }
-        self.last.send_replace(Some(Arc::new(wire::WatchedStep { state: state.clone(), answer: answer.clone() })));
-        Ok(answer)
+        let step = Arc::new(Step { state, answer, last_command });
+        self.last.send_replace(Some(Arc::clone(&step)));
+        Ok(Answered(step))
     }
 
     /// Hears of every step, without holding it up.
-    pub fn watch(&self) -> watch::Receiver<Option<Arc<wire::WatchedStep>>> {
+    pub fn watch(&self) -> watch::Receiver<Option<Arc<Step>>> {
         self.last.subscribe()
+    }
+
+    /// What the list shows.
+    fn entry(&self, id: Uuid) -> wire::SessionEntry {
+        wire::SessionEntry {
+            id: id.to_string(),
+            robot: self.request.robot.clone(),
+            method: self.request.method,
+            solver: self.request.solver,
+            period_s: self.request.period_s,
+            steps: self.steps,
+            idle_s: self.called.elapsed().as_secs_f64(),
+        }
     }
 
     /// What `GET` shows.
@@ -105,6 +145,14 @@ impl Sessions {
         self.end_idle().len()
     }
 
+    /// Those that have not ended, the one that was called last first.
+    pub fn list(&self) -> wire::SessionList {
+        let open = self.end_idle();
+        let mut controllers: Vec<_> = open.iter().map(|(id, session)| lock(session).entry(*id)).collect();
+        controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
+        wire::SessionList { controllers }
+    }
+
     /// Opens a session and returns its name.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
         let mut sessions = self.end_idle();
@@ -140,7 +188,7 @@ impl Sessions {
     }
 
     /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, Problem> {
+    pub fn step(&self, id: &str, state: wire::State) -> Result<Answered, Problem> {
         let now = Instant::now();
         self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
@@ -210,8 +258,8 @@ mod tests {
         let (idle, busy) = (open(&sessions), open(&sessions));
         let_time_pass(&sessions);
         lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).called = Instant::now();
-        assert!(sessions.step(&idle, &state()).unwrap_err().is_not_found());
-        assert!(sessions.step(&busy, &state()).is_ok());
+        assert!(sessions.step(&idle, state()).unwrap_err().is_not_found());
+        assert!(sessions.step(&busy, state()).is_ok());
         open(&sessions);
         assert_eq!(lock(&sessions.open).len(), 2);
     }
@@ -224,7 +272,7 @@ mod tests {
         let first = called();
         sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
         assert_eq!(called(), first);
-        sessions.step(&id, &state()).unwrap();
+        sessions.step(&id, state()).unwrap();
         assert!(called() > first);
     }
 }

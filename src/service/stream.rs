@@ -16,7 +16,7 @@ use super::app::App;
 use super::drain::Draining;
 use super::format::Format;
 use super::problem::Problem;
-use crate::wire;
+use super::sessions::Answered;
 
 /// Subprotocol of JSON.
 const JSON: &str = "revprio.json";
@@ -131,11 +131,11 @@ impl Stream {
         }
     }
 
-    fn step(&self, bytes: &[u8]) -> Result<wire::StepAnswer, Problem> {
+    fn step(&self, bytes: &[u8]) -> Result<Answered, Problem> {
         if bytes.len() > MESSAGE_LIMIT {
             return Err(Problem::too_large(MESSAGE_LIMIT));
         }
-        self.app.sessions.step(&self.id, &self.format.read(bytes)?)
+        self.app.sessions.step(&self.id, self.format.read(bytes)?)
     }
 
     fn message(&self, value: &impl serde::Serialize) -> Result<Message, Problem> {

@@ -5,7 +5,13 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// How the arm follows a commanded velocity; ideal if both are zero.
+use super::drive_limits::DriveLimits;
+use super::flaw::{Flaw, between, not_negative};
+
+/// Longest delay of a command, periods.
+const LONGEST_DELAY: usize = 10_000;
+
+/// How the arm follows a commanded velocity; ideal if nothing is set.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VelocityLoop {
@@ -13,6 +19,18 @@ pub struct VelocityLoop {
     pub lag_s: f64,
     /// Whole periods that a command waits before it acts.
     pub delay_periods: usize,
+    /// Whether the drives cut commands at the limits that the controller is given, each joint by itself.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub clamp: bool,
+}
+
+impl VelocityLoop {
+    /// Whether the numbers make sense; `pointer` says where they stand.
+    pub fn check(&self, pointer: &str) -> Result<(), Flaw> {
+        not_negative(self.lag_s, &format!("{pointer}/lag_s"))?;
+        between(self.delay_periods, 0, LONGEST_DELAY, &format!("{pointer}/delay_periods"))?;
+        Ok(())
+    }
 }
 
 /// Joint positions and velocities of the simulated arm.
@@ -20,16 +38,19 @@ pub struct VelocityLoop {
 pub struct Arm {
     position: Vec<f64>,
     velocity: Vec<f64>,
-    inner_loop: VelocityLoop,
+    lag_s: f64,
+    drive_limits: Option<DriveLimits>,
     waiting: VecDeque<Vec<f64>>,
+    acting: Vec<f64>,
 }
 
 impl Arm {
-    /// An arm at rest; `position`: n, rad or m.
-    pub fn at_rest(position: Vec<f64>, inner_loop: VelocityLoop) -> Self {
+    /// An arm at rest; `position`: n, rad or m; `drive_limits` cut its commands, if given.
+    pub fn at_rest(position: Vec<f64>, inner_loop: VelocityLoop, drive_limits: Option<DriveLimits>) -> Self {
         let velocity = vec![0.0; position.len()];
         let waiting = std::iter::repeat_n(velocity.clone(), inner_loop.delay_periods).collect();
-        Self { position, velocity, inner_loop, waiting }
+        let acting = velocity.clone();
+        Self { position, velocity, lag_s: inner_loop.lag_s, drive_limits, waiting, acting }
     }
 
     /// q, n, rad or m.
@@ -42,16 +63,24 @@ impl Arm {
         &self.velocity
     }
 
-    /// Moves for one period T (s) under a commanded velocity (n), exactly for a command held over the period:
-    /// q̇ → u + (q̇ − u) e^(−T/τ), and q its integral; for τ = 0: q → q + T u.
-    pub fn advance(&mut self, command: &[f64], period: f64) {
-        self.waiting.push_back(command.to_vec());
-        let Some(acting) = self.waiting.pop_front() else { return };
-        let tau = self.inner_loop.lag_s;
-        let remaining = if tau > 0.0 { (-period / tau).exp() } else { 0.0 };
-        for ((q, qdot), u) in self.position.iter_mut().zip(&mut self.velocity).zip(acting) {
+    /// Takes a commanded velocity (n) for the period that begins, in which the command of `delay_periods` before acts.
+    pub fn command(&mut self, velocity: &[f64]) {
+        self.waiting.push_back(velocity.to_vec());
+        let Some(mut acting) = self.waiting.pop_front() else { return };
+        if let Some(limits) = &self.drive_limits {
+            limits.cut(&mut acting, &self.position, &self.acting);
+        }
+        self.acting = acting;
+    }
+
+    /// Moves for a time (s) under the acting command u, exactly: q̇ → u + (q̇ − u) e^(−t/τ), and q its integral; for τ = 0:
+    /// q → q + t u.
+    pub fn advance(&mut self, time: f64) {
+        let tau = self.lag_s;
+        let remaining = if tau > 0.0 { (-time / tau).exp() } else { 0.0 };
+        for ((q, qdot), u) in self.position.iter_mut().zip(&mut self.velocity).zip(&self.acting) {
             let gap = *qdot - u;
-            *q += period * u + gap * tau * (1.0 - remaining);
+            *q += time * u + gap * tau * (1.0 - remaining);
             *qdot = u + gap * remaining;
         }
     }
@@ -61,28 +90,37 @@ impl Arm {
 mod tests {
     use super::*;
 
+    fn arm(position: f64, lag_s: f64, delay_periods: usize) -> Arm {
+        Arm::at_rest(vec![position], VelocityLoop { lag_s, delay_periods, clamp: false }, None)
+    }
+
     #[test]
     fn an_ideal_arm_does_what_it_is_told() {
-        let mut arm = Arm::at_rest(vec![1.0], VelocityLoop::default());
-        arm.advance(&[0.5], 0.01);
+        let mut arm = arm(1.0, 0.0, 0);
+        arm.command(&[0.5]);
+        arm.advance(0.01);
         assert_eq!((arm.position(), arm.velocity()), ([1.005].as_slice(), [0.5].as_slice()));
     }
 
     #[test]
-    fn a_lagging_arm_follows_the_exact_step_response() {
-        let mut arm = Arm::at_rest(vec![0.0], VelocityLoop { lag_s: 0.05, delay_periods: 0 });
-        (0..100).for_each(|_| arm.advance(&[2.0], 0.001));
-        let t: f64 = 0.1;
-        assert!((arm.velocity()[0] - 2.0 * (1.0 - (-t / 0.05).exp())).abs() < 1e-12);
-        assert!((arm.position()[0] - 2.0 * (t - 0.05 * (1.0 - (-t / 0.05).exp()))).abs() < 1e-12);
+    fn a_lagging_arm_follows_the_exact_step_response_in_steps_of_any_length() {
+        for steps in [100, 10] {
+            let mut arm = arm(0.0, 0.05, 0);
+            arm.command(&[2.0]);
+            (0..steps).for_each(|_| arm.advance(0.1 / f64::from(steps)));
+            let t: f64 = 0.1;
+            assert!((arm.velocity()[0] - 2.0 * (1.0 - (-t / 0.05).exp())).abs() < 1e-12);
+            assert!((arm.position()[0] - 2.0 * (t - 0.05 * (1.0 - (-t / 0.05).exp()))).abs() < 1e-12);
+        }
     }
 
     #[test]
     fn a_delayed_command_acts_later_by_whole_periods() {
-        let mut arm = Arm::at_rest(vec![0.0], VelocityLoop { lag_s: 0.0, delay_periods: 2 });
+        let mut arm = arm(0.0, 0.0, 2);
         let speeds: Vec<f64> = (1..=4)
             .map(|i| {
-                arm.advance(&[f64::from(i)], 0.1);
+                arm.command(&[f64::from(i)]);
+                arm.advance(0.1);
                 arm.velocity()[0]
             })
             .collect();

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
 use crate::wire::string_or_map::{self, StringOrMap};
-use crate::wire::{Method, Solver};
+use crate::wire::{Interactive, Method, Solver, object};
 
 /// A run to make.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -20,6 +20,9 @@ pub struct SimulationRequest {
     /// Solver, instead of the scenario's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
+    /// Paced by the clock, shown live and open to `POST /v1/simulations/{id}/control`; as fast as it goes if left out.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub interactive: Option<Interactive>,
 }
 
 /// A scenario by name or as it is.

@@ -6,8 +6,20 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::arm::VelocityLoop;
-use super::environment::Contact;
+use super::contact::Contact;
+use super::environment::Environment;
+use super::faults::Faults;
+use super::flaw::{Flaw, between, number, positive};
+use super::plant::external_profile;
+use super::sensors::{Sensing, Sensors};
+use super::toml_lines;
 use crate::wire::{self, object};
+
+/// Most steps of a period.
+const MOST_SUBSTEPS: usize = 1000;
+
+/// Largest seed: what every client can write exactly.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// An experiment: a controller, where the arm starts, what it touches, for how long.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -17,6 +29,9 @@ pub struct Scenario {
     pub name: String,
     /// What it is about, one line.
     pub description: String,
+    /// What is to be seen, in words.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub expectation: String,
     /// Simulated time, s.
     pub duration_s: f64,
     /// q at the start, n, rad or m.
@@ -27,9 +42,37 @@ pub struct Scenario {
     /// What the tool touches.
     #[serde(default, deserialize_with = "object::list")]
     pub contacts: Vec<Contact>,
+    /// Force and torque with which somebody pushes the tool, base axes, at the tool point, N and N·m: six values over time.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub external_wrench: Option<wire::Profile>,
+    /// What the arm's sensors make of the truth.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
+    pub sensors: Sensors,
+    /// What goes wrong between the arm and the service.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
+    pub faults: Faults,
+    /// Seed of noise and faults: the same seed, the same run.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub seed: u64,
+    /// Steps of arm and contacts in a period.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub substeps: usize,
     /// The controller, as in a request.
     #[serde(deserialize_with = "object::deserialize")]
     pub controller: wire::Controller,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+fn one() -> usize {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_one(value: &usize) -> bool {
+    *value == 1
 }
 
 /// Why a scenario is refused.
@@ -59,15 +102,15 @@ pub enum ScenarioError {
         /// What is wrong.
         source: serde_json::Error,
     },
-    /// A quantity makes no sense.
-    #[error("{path}: `{field}` {problem}")]
+    /// A quantity makes no sense; says the line of a TOML file.
+    #[error("{path}{}: {flaw}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Field {
         /// The file.
         path: String,
-        /// The field.
-        field: &'static str,
-        /// What is wrong with it.
-        problem: &'static str,
+        /// The line, from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        flaw: Flaw,
     },
     /// Neither a scenario that ships with the crate nor a file.
     #[error("there is no scenario `{name}`; known: {known}; or give a file (.toml or .json)")]
@@ -83,9 +126,31 @@ macro_rules! built_in {
     ($($name:literal),+) => { [$(($name, include_str!(concat!("../../fixtures/scenarios/", $name, ".toml")))),+] };
 }
 
-/// The scenarios that ship with the crate: name and TOML text.
-pub const BUILT_IN_SCENARIOS: [(&str, &str); 4] =
-    built_in!["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
+/// The scenarios that ship with the crate: name and TOML text, those of the paper first.
+pub const BUILT_IN_SCENARIOS: [(&str, &str); 18] = built_in![
+    "force_tracking",
+    "force_tracking_singular",
+    "stiff_wall",
+    "stiff_wall_singular",
+    "stiff_wall_limits",
+    "stiff_wall_limits_clamped",
+    "stiff_wall_lag",
+    "stiff_wall_lag_damped",
+    "stiff_wall_acceleration",
+    "stiff_wall_acceleration_slow",
+    "joint_limits",
+    "task_conflict",
+    "moving_wall",
+    "polishing",
+    "human_push",
+    "ur5e_wall",
+    "noisy_sensors",
+    "lossy_line"
+];
+
+/// Names of those with which the paper compares methods.
+pub const PAPER_SCENARIOS: [&str; 4] =
+    ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 impl Scenario {
     /// A scenario that ships with the crate; never a file.
@@ -123,23 +188,29 @@ impl Scenario {
         };
         match scenario.flaw() {
             None => Ok(scenario),
-            Some((field, problem)) => Err(ScenarioError::Field { path: path.to_owned(), field, problem }),
+            Some(flaw) => {
+                let line = toml_lines::line_of(text, &flaw.pointer);
+                Err(ScenarioError::Field { path: path.to_owned(), line, flaw })
+            }
         }
     }
 
     /// The controller with the scenario's own contacts and velocity loop as its environment, where it states none, so
-    /// that the service can warn. Several contacts on an axis add up.
+    /// that the service can warn. Several contacts on an axis add up; of an oblique plane each axis sees its part.
     pub fn controller_in_environment(&self) -> wire::Controller {
         let along = |axis: usize| {
-            let contacts = self.contacts.iter().filter(|contact| contact.axis == axis);
-            contacts.fold(None, |sum: Option<wire::EnvironmentAxis>, contact| {
-                let sum = sum.unwrap_or(wire::EnvironmentAxis { stiffness: 0.0, damping: 0.0, inertia: 0.0 });
-                Some(wire::EnvironmentAxis {
-                    stiffness: sum.stiffness + contact.stiffness,
-                    damping: sum.damping + contact.damping,
-                    inertia: sum.inertia + contact.inertia,
-                })
-            })
+            let shares = self.contacts.iter().map(|contact| (contact, contact.share_along(axis)));
+            shares.filter(|(_, share)| *share > 0.0).fold(
+                None,
+                |sum: Option<wire::EnvironmentAxis>, (contact, share)| {
+                    let sum = sum.unwrap_or(wire::EnvironmentAxis { stiffness: 0.0, damping: 0.0, inertia: 0.0 });
+                    Some(wire::EnvironmentAxis {
+                        stiffness: sum.stiffness + share * contact.stiffness,
+                        damping: sum.damping + share * contact.damping,
+                        inertia: sum.inertia + share * contact.inertia,
+                    })
+                },
+            )
         };
         let environment = wire::Environment {
             x: along(0),
@@ -167,31 +238,28 @@ impl Scenario {
         (self.duration_s / self.period_s()).round() as u64
     }
 
-    /// The first field that makes no sense, and why; numbers of the controller itself are the service's to judge.
-    pub fn flaw(&self) -> Option<(&'static str, &'static str)> {
-        let finite = |v: f64| v.is_finite();
-        let not_negative = |v: f64| v.is_finite() && v >= 0.0;
-        let sound = |c: &Contact| {
-            finite(c.offset_m) && not_negative(c.stiffness) && not_negative(c.damping) && not_negative(c.inertia)
-        };
-        let periods = self.duration_s / self.period_s();
-        if !(self.period_s() > 0.0 && self.period_s().is_finite()) {
-            return Some(("controller.period_s", "must be a positive number"));
+    /// The first quantity that makes no sense, and why; numbers of the controller itself are the service's to judge.
+    pub fn flaw(&self) -> Option<Flaw> {
+        self.check().err()
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        positive(self.period_s(), "/controller/period_s")?;
+        if !(0.5..=1e8).contains(&(self.duration_s / self.period_s())) {
+            return Err(Flaw::new("/duration_s", "must be positive and at most 10^8 periods"));
         }
-        if !(0.5..=1e8).contains(&periods) {
-            return Some(("duration_s", "must be positive and at most 10^8 periods"));
+        for (i, q) in self.start_joint_position.iter().enumerate() {
+            number(*q, &format!("/start_joint_position/{i}"))?;
         }
-        if !self.start_joint_position.iter().copied().all(finite) {
-            return Some(("start_joint_position", "must be finite numbers"));
+        self.velocity_loop.check("/velocity_loop")?;
+        Environment::new(&self.contacts, [0.0; 3])?;
+        self.external_wrench.as_ref().map(external_profile).transpose()?;
+        Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
+        self.faults.check("/faults")?;
+        if self.seed > LARGEST_SEED {
+            return Err(Flaw::new("/seed", "must be at most 2^53 - 1"));
         }
-        if !not_negative(self.velocity_loop.lag_s) {
-            return Some(("velocity_loop.lag_s", "must not be negative"));
-        }
-        if self.velocity_loop.delay_periods > 10_000 {
-            return Some(("velocity_loop.delay_periods", "is out of range; at most 10000"));
-        }
-        (!self.contacts.iter().all(sound))
-            .then_some(("contacts", "need a finite offset, and stiffness, damping and inertia that are not negative"))
+        between(self.substeps, 1, MOST_SUBSTEPS, "/substeps").map(drop)
     }
 }
 
@@ -214,8 +282,9 @@ mod tests {
             Scenario::parse(&text.replacen(from, to, 1), "mine.toml").unwrap_err().to_string()
         };
         assert!(refusal("duration_s", "durations").contains("line "));
-        assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("`duration_s`"));
-        assert!(refusal("stiffness = 1000.0", "stiffness = -1.0").contains("`contacts`"));
+        assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("mine.toml, line 5: `duration_s` must be"));
+        let stiffness = refusal("stiffness = 1000.0", "stiffness = -1.0");
+        assert!(stiffness.contains("line 11: `contacts.0.stiffness` must not be negative"), "{stiffness}");
         assert!(Scenario::find("force_trackin").unwrap_err().to_string().contains("known: force_tracking,"));
         assert!(Scenario::find("no_such.toml").unwrap_err().to_string().contains("cannot read no_such.toml"));
     }

@@ -21,9 +21,10 @@ pub struct Obeyed {
 }
 
 impl Obeyed {
-    /// An answer to the state of this period.
-    pub fn new(answer: wire::StepAnswer, time_s: f64) -> Self {
-        Self { answer, is_new: true, given_s: time_s }
+    /// An answer that came in this period, valid from the measurement of its state on; T in s.
+    pub fn new(answer: wire::StepAnswer, period: f64) -> Self {
+        let given_s = answer.sequence as f64 * period;
+        Self { answer, is_new: true, given_s }
     }
 
     /// For want of a new one, the same for one more period T (s): held while valid, then towards rest with the largest

@@ -115,3 +115,29 @@ pub struct SessionStatus {
     #[serde(default)]
     pub missed_periods: u64,
 }
+
+/// Answer to `GET /v1/controllers`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SessionList {
+    /// The sessions that are open, the one that stepped last first.
+    pub controllers: Vec<SessionEntry>,
+}
+
+/// One session of the list.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SessionEntry {
+    /// Name of the session.
+    pub id: String,
+    /// Its robot.
+    pub robot: String,
+    /// How priorities are understood.
+    pub method: Method,
+    /// How each period's problem is solved.
+    pub solver: Solver,
+    /// T, s.
+    pub period_s: f64,
+    /// States answered by a step.
+    pub steps: u64,
+    /// Time since its last state came, or since it was opened, s.
+    pub idle_s: f64,
+}

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Method, Solver};
+use super::{Interactive, Method, Solver};
 
 /// A run of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,6 +26,9 @@ pub struct Simulation {
     #[schema(example = "the service refused a state: a wrench is needed")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// How it is paced, if it is interactive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interactive: Option<Interactive>,
     /// Measures of the run, once it is finished.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metrics: Option<SimulationMetrics>,

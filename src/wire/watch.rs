@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{State, StepAnswer};
+use super::{ArmView, State, StepAnswer};
 
 /// One control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -12,4 +12,7 @@ pub struct WatchedStep {
     pub state: State,
     /// What was answered.
     pub answer: StepAnswer,
+    /// The arm at that state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arm: Option<ArmView>,
 }

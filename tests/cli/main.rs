@@ -1,9 +1,12 @@
 //! The program as its users run it.
 
+mod bench;
+mod compare;
 mod demo;
 mod load;
 mod openapi;
 mod program;
+mod replay;
 mod resolve;
 mod restart;
 mod robot;
@@ -11,4 +14,5 @@ mod scenarios;
 mod serve;
 mod settings;
 mod simulate;
+mod sweep;
 mod trace;

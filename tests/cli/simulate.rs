@@ -5,7 +5,7 @@ use crate::serve::Server;
 use crate::trace::Trace;
 
 /// A built-in scenario, cut to its first moments.
-fn short(name: &str, duration: &str) -> String {
+pub fn short(name: &str, duration: &str) -> String {
     let path = format!("{}/fixtures/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     let lines = text.lines().map(|line| if line.starts_with("duration_s") { duration } else { line });

@@ -6,6 +6,7 @@ mod examples;
 mod hard_problems;
 mod harness;
 mod inequalities;
+mod interactive;
 mod kinematics;
 mod long_work;
 mod memory;

@@ -130,7 +130,7 @@ fn every_operation_says_what_it_does_and_what_it_answers() {
 }
 
 /// What differs from call to call.
-const VOLATILE: [&str; 5] = ["elapsed_us", "id", "request_id", "calls_per_second", "progress"];
+const VOLATILE: [&str; 6] = ["elapsed_us", "id", "idle_s", "request_id", "calls_per_second", "progress"];
 
 fn stable(value: Value) -> Value {
     match value {
@@ -206,6 +206,11 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
     let session = ask("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
     ask(&format!("/v1/controllers/{session}/step"), "state");
     ask("/v1/simulations", "simulation");
+    let live = ask("/v1/simulations", "simulation_interactive")["id"].as_str().unwrap().to_owned();
+    while service.get(&format!("/v1/simulations/{live}")).accepted()["state"] == "queued" {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    ask(&format!("/v1/simulations/{live}/control"), "control");
     let run = ask("/v1/simulations", "simulation_own")["id"].as_str().unwrap().to_owned();
     let shown = |path: &str, name: &str| assert_committed(name, &service.get(path).accepted());
     shown("/v1/robots", "robots");
@@ -214,6 +219,9 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
     shown("/v1/scenarios", "scenarios");
     shown("/v1/scenarios/stiff_wall", "scenario");
     shown(&format!("/v1/controllers/{session}"), "session");
+    let mut sessions = service.get("/v1/controllers").accepted();
+    sessions["controllers"].as_array_mut().unwrap().truncate(1);
+    assert_committed("sessions", &sessions);
     let mut wrong = example("resolve.json");
     wrong["joint_position"] = json!([0.3, -0.6]);
     assert_committed("problem", &service.post("/v1/resolve", &wrong.to_string()).json());

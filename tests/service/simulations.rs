@@ -2,11 +2,12 @@
 
 use std::io::Read;
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use revprio::client::Client;
-use revprio::simulator::recording::write_csv_rows;
+use revprio::simulator::recording::Format;
 use revprio::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
 
@@ -14,6 +15,19 @@ use crate::harness::{Service, example};
 
 /// Far more than what is waited for.
 const PATIENCE: Duration = Duration::from_mins(1);
+
+/// Media types of traces that are also files.
+const FILES: [(&str, Format); 4] = [
+    ("text/csv", Format::Csv),
+    ("application/x-ndjson", Format::JsonLines),
+    ("application/vnd.apache.parquet", Format::Parquet),
+    ("application/vnd.mcap", Format::Mcap),
+];
+
+/// A path for files of a test.
+fn tempfile(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
 
 /// A scenario of a fifth of a second.
 fn short(service: &Service) -> Value {
@@ -65,12 +79,16 @@ fn a_run_here_is_the_run_of_any_client() {
     scenario.controller.solver = revprio::wire::Solver::Qp;
     let recording =
         run(&scenario, &Client::new(&service.url()), CallMode::Stateless, |_| ControlFlow::Continue(())).unwrap();
-    let mut expected = Vec::new();
-    recording.write_csv_header(&mut expected).unwrap();
-    write_csv_rows(&recording.samples, &mut expected).unwrap();
-    let trace = service.get(&format!("{address}/trace"));
-    assert_eq!(trace.media_type, "text/csv");
-    assert!(trace.text.as_bytes() == expected);
+    let scratch = tempfile(&format!("simulation-{}", std::process::id()));
+    for (media_type, format) in FILES {
+        let file = scratch.with_extension(format.ending());
+        format.write_file(&recording, false, &file).unwrap();
+        let expected = std::fs::read(&file).unwrap();
+        let trace = service.exchange("GET", &format!("{address}/trace"), &[("accept", media_type)], &[]);
+        assert_eq!(trace.headers()["content-type"], media_type);
+        assert!(*trace.body() == expected, "{media_type}");
+        std::fs::remove_file(file).unwrap();
+    }
 }
 
 #[test]
@@ -108,7 +126,7 @@ fn a_trace_comes_in_the_format_that_is_accepted() {
     assert!(unpacked == *plain.body() && small.body().len() < plain.body().len());
     assert_eq!(std::str::from_utf8(plain.body()).unwrap().lines().count(), 1201);
 
-    let refusal = trace(&[("accept", "application/x-mcap")]);
+    let refusal = trace(&[("accept", "application/x-hdf5")]);
     let problem: Value = serde_json::from_slice(refusal.body()).unwrap();
     assert_eq!(refusal.status(), 406);
     assert!(problem["detail"].as_str().unwrap().contains("`text/csv`"), "{problem}");

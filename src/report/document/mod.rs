@@ -1,25 +1,36 @@
-//! The page: one HTML file that carries its style and its figures and needs no script.
+//! The page: one HTML file that carries its style, its figures and their script, and loads nothing.
+//!
+//! The script adds zoom and values to figures that are complete without it. It is our own: some 300 lines weigh a
+//! hundredth of a plotting library, the figures stay the very SVG that is in the files and in print, and a page of twenty
+//! curves remains small.
+
+mod figure_data;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::Report;
+use super::claims::{Claim, Verdict};
+use super::drawing::Drawing;
 use super::figure::Figure;
 use super::index::{Piece, pieces};
-use super::table::{COLUMNS, Column, Row};
+use super::table::{QUANTITIES, Quantity, Row, columns, side_by_side};
+use super::{Report, Section};
 
 const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("figure.js");
 
-/// A figure and its SVG document.
+/// A figure and its drawing.
 pub struct Drawn<'a> {
     /// The figure.
     pub figure: &'a Figure,
-    /// Its SVG.
-    pub svg: String,
+    /// Its picture.
+    pub drawing: Drawing,
+    /// Whether `.svg` and `.png` files stand beside the page.
+    pub files: bool,
 }
 
-/// The page as HTML.
+/// The page as HTML; `figures` are those of each section.
 #[must_use]
-pub fn html(report: &Report, figures: &[Drawn<'_>]) -> String {
+pub fn html(report: &Report, figures: &[Vec<Drawn<'_>>]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -29,44 +40,117 @@ pub fn html(report: &Report, figures: &[Drawn<'_>]) -> String {
                 title { (report.title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { main { (content(report, figures)) } }
+            body {
+                main { (content(report, figures)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
         }
     };
     page.into_string()
 }
 
-fn content(report: &Report, figures: &[Drawn<'_>]) -> Markup {
+fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
     html! {
         h1 { (indexed(&report.title)) }
         @for paragraph in &report.introduction { p { (indexed(paragraph)) } }
-        h2 { "Results" }
+        @if report.sections.len() > 1 { (contents(&report.sections)) }
+        h2 id="results" { "Results" }
         (table(&report.rows))
         (meanings())
-        @if !report.notes.is_empty() {
-            h2 { "Notes" }
-            @for note in &report.notes {
-                h3 { code { (note.scenario) } }
-                p { (indexed(&note.text)) }
+        @if !report.claims.is_empty() { (claims(&report.claims)) }
+        @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures)) }
+        @if !report.traces.is_empty() {
+            h2 id="traces" { "Traces" }
+            p { "One row per control period; beside this page." }
+            ul.files { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
+        }
+        h2 id="made-by" { "Made by" }
+        pre { code { (report.command) } }
+        p { (program(report)) }
+    }
+}
+
+fn program(report: &Report) -> String {
+    let commit = report.program.commit.as_ref().map(|commit| format!(", commit {commit}")).unwrap_or_default();
+    format!("revprio {}{commit}.", report.program.version)
+}
+
+fn contents(sections: &[Section]) -> Markup {
+    html! {
+        nav aria-label="Contents" {
+            a href="#results" { "Results" }
+            @for section in sections { a href={ "#" (section.name) } { (section.name.replace('_', " ")) } }
+            a href="#made-by" { "Made by" }
+        }
+    }
+}
+
+fn claims(claims: &[Claim]) -> Markup {
+    html! {
+        h2 id="claims" { "What the paper claims, and what was measured" }
+        table.claims {
+            thead { tr { th { "Paper" } th { "Claim, in our words" } th { "Scenario" } th { "Measured" } th { "" } } }
+            tbody {
+                @for claim in claims {
+                    tr {
+                        td data-label="Paper" { (claim.place) }
+                        td data-label="Claim" { (indexed(claim.claim)) }
+                        td data-label="Scenario" { code { (claim.scenario) } }
+                        td data-label="Measured" { (indexed(&claim.measured)) }
+                        td.verdict data-label="Verdict" { (mark(claim.verdict)) " " (claim.verdict.words()) }
+                    }
+                }
             }
         }
-        @if !figures.is_empty() {
-            h2 { "Figures" }
-            @for drawn in figures { (figure(drawn)) }
+    }
+}
+
+const fn mark(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Seen => "✓",
+        Verdict::NoDifference => "=",
+        Verdict::NotSeen => "✗",
+    }
+}
+
+fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
+    html! {
+        h2 id=(section.name) { code { (section.name) } }
+        ul.words { @for sentence in &section.words { li { (indexed(sentence)) } } }
+        @for note in &section.notes { p { (indexed(note)) } }
+        @if section.rows.len() > 1 { (beside(&section.rows)) }
+        div.figures { @for drawn in figures { (figure(drawn)) } }
+    }
+}
+
+/// All quantities of a scenario, a column per run.
+fn beside(rows: &[Row]) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Side by side" {
+            table.beside {
+                thead { tr {
+                    th.name scope="col" { "side by side" }
+                    td {}
+                    @for row in rows { th.number scope="col" { (row.method_name()) span.unit { (row.solver_name()) } } }
+                } }
+                tbody {
+                    @for line in side_by_side::lines(rows) {
+                        tr {
+                            th.name scope="row" { (indexed(&line.heading)) }
+                            td.unit-cell { (line.unit) }
+                            @for cell in &line.cells { td.number { (cell) } }
+                        }
+                    }
+                }
+            }
         }
-        @if !report.traces.is_empty() {
-            h2 { "Traces" }
-            p { "One row per control period; beside this page." }
-            ul { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
-        }
-        h2 { "Made by" }
-        pre { code { (report.command) } }
     }
 }
 
 /// The table with the first column, the scenario, as a heading above its rows: on a phone the
 /// numbers are then nearer.
 fn table(rows: &[Row]) -> Markup {
-    let width = COLUMNS.len() - 1;
+    let width = shown_columns().count();
     html! {
         div.scroll tabindex="0" role="region" aria-label="Results" {
             table {
@@ -74,7 +158,7 @@ fn table(rows: &[Row]) -> Markup {
                 @for group in rows.chunk_by(|a, b| a.scenario == b.scenario) {
                     tbody {
                         tr.group { th colspan=(width) scope="rowgroup" {
-                            span.held { ((COLUMNS[0].cell)(&group[0])) }
+                            span.held { (group[0].scenario) }
                         } }
                         @for row in group {
                             tr { @for column in shown_columns() { (cell(column, row)) } }
@@ -86,11 +170,11 @@ fn table(rows: &[Row]) -> Markup {
     }
 }
 
-fn shown_columns() -> impl Iterator<Item = &'static Column> {
-    COLUMNS[1..].iter()
+fn shown_columns() -> impl Iterator<Item = &'static Quantity> {
+    columns().skip(1)
 }
 
-fn heading(column: &Column) -> Markup {
+fn heading(column: &Quantity) -> Markup {
     html! {
         th scope="col" class=(alignment(column.is_number)) {
             (indexed(column.heading)) span.unit { (column.unit) }
@@ -98,7 +182,7 @@ fn heading(column: &Column) -> Markup {
     }
 }
 
-fn cell(column: &Column, row: &Row) -> Markup {
+fn cell(column: &Quantity, row: &Row) -> Markup {
     html! { td class=(alignment(column.is_number)) { ((column.cell)(row)) } }
 }
 
@@ -108,9 +192,12 @@ const fn alignment(is_number: bool) -> &'static str {
 
 fn meanings() -> Markup {
     html! {
-        dl.meanings {
-            @for column in COLUMNS.iter().filter(|c| !c.meaning.is_empty()) {
-                div { dt { (indexed(column.heading)) ": " } dd { (column.meaning) "." } }
+        details {
+            summary { "What the quantities mean" }
+            dl.meanings {
+                @for quantity in QUANTITIES.iter().filter(|quantity| !quantity.meaning.is_empty()) {
+                    div { dt { (indexed(quantity.heading)) ": " } dd { (indexed(quantity.meaning)) "." } }
+                }
             }
         }
     }
@@ -120,13 +207,14 @@ fn figure(drawn: &Drawn<'_>) -> Markup {
     let name = &drawn.figure.name;
     html! {
         figure id=(name) {
-            div.card { (PreEscaped(&drawn.svg)) }
+            div.card { (PreEscaped(&drawn.drawing.svg)) }
             figcaption {
                 (indexed(&drawn.figure.caption)) " "
-                span.files {
-                    a href={ (name) ".svg" } { "SVG" } " · " a href={ (name) ".png" } { "PNG" }
+                @if drawn.files {
+                    span.files { a href={ (name) ".svg" } { "SVG" } " · " a href={ (name) ".png" } { "PNG" } }
                 }
             }
+            script type="application/json" { (PreEscaped(figure_data::json(drawn.figure, &drawn.drawing.frames))) }
         }
     }
 }

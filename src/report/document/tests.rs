@@ -1,54 +1,81 @@
 //! The page: complete, escaped, and on its own.
 
+use crate::report::claims::{Claim, Verdict};
+use crate::report::drawing;
+use crate::report::experiment::Program;
 use crate::report::figure::Figure;
-use crate::report::{Note, Report};
+use crate::report::{Report, Section};
 
 use super::*;
 
 fn report() -> Report {
+    let figure = Figure {
+        name: "figure5_nominal".to_owned(),
+        title: String::new(),
+        caption: "Force F_d.".to_owned(),
+        panels: vec![],
+    };
     Report {
         title: "Runs <of today>".to_owned(),
         introduction: vec!["F_x & friends".to_owned()],
-        rows: vec![],
-        notes: vec![Note { scenario: "force_tracking".to_owned(), text: "A note.".to_owned() }],
-        figures: vec![Figure {
-            name: "figure5_nominal".to_owned(),
-            title: String::new(),
-            caption: "Force F_d.".to_owned(),
-            panels: vec![],
+        claims: vec![Claim {
+            place: "5.1",
+            claim: "F_x is better",
+            scenario: "force_tracking".to_owned(),
+            measured: "3 < 4".to_owned(),
+            verdict: Verdict::NoDifference,
         }],
-        traces: vec![],
-        command: "revprio report --out <dir>".to_owned(),
+        sections: vec![Section {
+            name: "force_tracking".to_owned(),
+            words: vec!["A wall <of> stone.".to_owned()],
+            notes: vec!["A note.".to_owned()],
+            figures: vec![figure],
+            ..Section::default()
+        }],
+        command: "revprio compare --out <dir>".to_owned(),
+        program: Program { version: "1.2.3".to_owned(), commit: Some("abc-dirty".to_owned()) },
+        ..Report::default()
     }
 }
 
-fn page() -> String {
+fn page(files: bool) -> String {
     let report = report();
-    let figures: Vec<_> = report.figures.iter().map(|figure| Drawn { figure, svg: "<svg></svg>".to_owned() }).collect();
+    let drawn = |figure| Drawn { figure, drawing: drawing::drawing(figure).unwrap(), files };
+    let figures: Vec<Vec<_>> =
+        report.sections.iter().map(|section| section.figures.iter().map(drawn).collect()).collect();
     html(&report, &figures)
 }
 
 #[test]
 fn texts_are_escaped_and_indexed() {
-    let page = page();
-    assert!(page.contains("<h1>Runs &lt;of today&gt;</h1>"));
-    assert!(page.contains("F<sub>x</sub> &amp; friends"));
-    assert!(page.contains("--out &lt;dir&gt;"));
-    assert!(page.contains("<code>force_tracking</code>"));
+    let page = page(true);
+    for part in [
+        "<h1>Runs &lt;of today&gt;</h1>",
+        "F<sub>x</sub> &amp; friends",
+        "--out &lt;dir&gt;",
+        "<code>force_tracking</code>",
+        "A wall &lt;of&gt; stone.",
+        "3 &lt; 4",
+        "= no difference here",
+        "revprio 1.2.3, commit abc-dirty.",
+    ] {
+        assert!(page.contains(part), "`{part}` is not in the page");
+    }
 }
 
 #[test]
-fn a_figure_is_inline_with_its_caption_and_its_files() {
-    let page = page();
-    assert!(page.contains("<svg></svg>"));
-    assert!(page.contains("Force F<sub>d</sub>."));
-    assert!(page.contains(r#"href="figure5_nominal.png""#));
+fn a_figure_is_inline_with_its_caption_and_its_files_where_they_are() {
+    let page_with_files = page(true);
+    assert!(page_with_files.contains("<svg ") && page_with_files.contains("Force F<sub>d</sub>."));
+    assert!(page_with_files.contains(r#"href="figure5_nominal.png""#));
+    assert!(!page(false).contains("figure5_nominal.png"));
 }
 
 #[test]
-fn the_page_needs_neither_network_nor_script() {
-    let page = page();
-    for foreign in ["http://", "https://", "<script", "<link", "@import", "url("] {
+fn the_page_loads_nothing() {
+    // The names of SVG in the pictures and in the script are names, not addresses to load from.
+    let page = page(true).replace("http://www.w3.org/2000/svg", "");
+    for foreign in ["http://", "https://", "<link", "@import", "url(http", "src=", "fetch(", "import("] {
         assert!(!page.contains(foreign), "{foreign}");
     }
 }

@@ -1,9 +1,13 @@
 //! The numbers of the results table, each computed from one [`Recording`].
 
+pub mod limits;
+
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::simulator::recording::{Recording, Sample};
-use crate::wire::Path;
+use crate::wire::{Path, Status};
 
 /// A run longer than this (s) is judged on its steady part only.
 pub const LONG_RUN_S: f64 = 10.0;
@@ -15,9 +19,11 @@ pub const SETTLING_BAND: f64 = 0.05;
 /// some 80 rad/s; one whole period of that is 0.08 s, so a ringing force cannot pass by ending the
 /// run as it crosses the band.
 pub const SETTLED_FOR_S: f64 = 0.1;
+/// The last part of a run, as a fraction of its samples, on which the steady error is the mean.
+pub const STEADY_PART: f64 = 0.1;
 
 /// By how much a force exceeded its target, in the direction of the target.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Overshoot {
     /// Largest excess over the target of the same instant (N), at least 0.
     pub newton: f64,
@@ -25,23 +31,36 @@ pub struct Overshoot {
     pub percent: f64,
 }
 
-/// Measures of one run. The tool is *in contact* while its distance to the wall is not positive
-/// or, without a wall, while a force is measured.
-#[derive(Debug, Clone, PartialEq)]
+/// What the commands of a run lacked of one task's velocity, `‖J_k q̇ − ẋ_k‖` (m/s and rad/s).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Residual {
+    /// Root mean square over all samples.
+    pub rms: f64,
+    /// Largest.
+    pub largest: f64,
+}
+
+/// Measures of one run. `F` is the force along one axis, x unless said otherwise. The tool is *in contact* while its
+/// distance to the wall is not positive or, without a wall, while a force is measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Metrics {
     /// Root mean square of `F_x − F_d,x` (N) from [`evaluation_start`] on; `None` when x has no
     /// target or nothing was touched.
     pub rmse_fx: Option<f64>,
     /// The same for y (N).
     pub rmse_fy: Option<f64>,
-    /// Overshoot of `F_x` from the first contact on; `None` without target or contact.
+    /// The same for z (N).
+    pub rmse_fz: Option<f64>,
+    /// Overshoot of `F` from the first contact on; `None` without target or contact.
     pub overshoot: Option<Overshoot>,
-    /// Simulated time (s) from which `F_x` stays within [`SETTLING_BAND`] of its target until the
+    /// Simulated time (s) from which `F` stays within [`SETTLING_BAND`] of its target until the
     /// end, and for [`SETTLED_FOR_S`] at least; `None` when it does not settle.
     pub settling_time_s: Option<f64>,
-    /// `F_x` of the last sample (N); `None` for an empty run.
+    /// Mean of `F − F_d` (N) over the last [`STEADY_PART`] of the run; `None` without target or contact.
+    pub steady_error: Option<f64>,
+    /// `F` of the last sample (N); `None` for an empty run.
     pub final_force: Option<f64>,
-    /// Largest `F_x` (N), at least 0.
+    /// Largest `F` (N) in the direction of its target, at least 0.
     pub peak_force: f64,
     /// Simulated time of the first contact (s).
     pub first_contact_s: Option<f64>,
@@ -49,32 +68,59 @@ pub struct Metrics {
     pub contacts: usize,
     /// Largest `|q̇_i|` of any joint (rad/s).
     pub max_joint_speed: f64,
+    /// What each task lacked, highest priority first.
+    pub residuals: Vec<Residual>,
     /// Control periods per second of real time; `None` when the run took no measurable time.
     pub calls_per_second: Option<f64>,
     /// How many periods each solve path served.
     pub paths: BTreeMap<Path, usize>,
+    /// How many periods ended with each status.
+    pub statuses: BTreeMap<Status, usize>,
+    /// Largest KKT residual that an answer carried; `None` when none did.
+    pub largest_kkt_residual: Option<f64>,
+    /// Periods without an answer.
+    pub unanswered: usize,
 }
 
 impl Metrics {
-    /// Measures a run.
+    /// Measures a run, `F` along x.
     #[must_use]
     pub fn of(recording: &Recording) -> Self {
+        Self::along(recording, 0)
+    }
+
+    /// Measures a run, `F` along an axis of the base (0 = x).
+    #[must_use]
+    pub fn along(recording: &Recording, axis: usize) -> Self {
         let samples = &recording.samples;
         let touched = from_first_contact(samples);
         Self {
             rmse_fx: rmse(recording, 0),
             rmse_fy: rmse(recording, 1),
-            overshoot: overshoot(touched),
-            settling_time_s: settling_time(touched),
-            final_force: samples.last().map(|s| s.force[0]),
-            peak_force: samples.iter().map(|s| s.force[0]).fold(0.0, larger),
+            rmse_fz: rmse(recording, 2),
+            overshoot: overshoot(touched, axis),
+            settling_time_s: settling_time(touched, axis),
+            steady_error: steady_error(samples, axis).filter(|_| !touched.is_empty()),
+            final_force: samples.last().map(|s| s.force[axis]),
+            peak_force: samples.iter().map(|s| s.force[axis] * direction(s, axis)).fold(0.0, larger),
             first_contact_s: touched.first().map(|s| s.time_s),
             contacts: contacts(samples),
             max_joint_speed: max_joint_speed(samples),
+            residuals: residuals(samples),
             calls_per_second: calls_per_second(recording),
-            paths: paths(samples),
+            paths: counts(samples.iter().map(|s| s.path)),
+            statuses: counts(samples.iter().map(|s| s.status)),
+            largest_kkt_residual: samples.iter().filter_map(|s| s.kkt_residual).reduce(larger),
+            unanswered: samples.iter().filter(|s| !s.answered).count(),
         }
     }
+}
+
+/// The axis that a run is about: the first one whose force has a target, x without any.
+#[must_use]
+pub fn main_axis(recording: &Recording) -> usize {
+    let targets = recording.samples.first().map_or([None; 3], |sample| sample.target_force);
+    targets.iter().position(Option::is_some).unwrap_or(0)
 }
 
 /// Largest difference of two runs' commands, `max_i ‖q̇_a,i − q̇_b,i‖∞` (rad/s).
@@ -137,10 +183,15 @@ fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then_some(sum / count)
 }
 
-fn overshoot(samples: &[Sample]) -> Option<Overshoot> {
+/// The direction in which a force is asked for, ±1; + without a target.
+fn direction(sample: &Sample, axis: usize) -> f64 {
+    sample.target_force[axis].map_or(1.0, f64::signum)
+}
+
+fn overshoot(samples: &[Sample], axis: usize) -> Option<Overshoot> {
     let excess = |s: &Sample| {
-        let target = s.target_force[0]?;
-        Some(((s.force[0] - target) * target.signum(), target.abs()))
+        let target = s.target_force[axis]?;
+        Some(((s.force[axis] - target) * target.signum(), target.abs()))
     };
     let (newton, target) = samples.iter().filter_map(excess).max_by(|a, b| a.0.total_cmp(&b.0))?;
     if newton <= 0.0 {
@@ -149,14 +200,31 @@ fn overshoot(samples: &[Sample]) -> Option<Overshoot> {
     Some(Overshoot { newton, percent: 100.0 * newton / target })
 }
 
-fn settling_time(samples: &[Sample]) -> Option<f64> {
+fn settling_time(samples: &[Sample], axis: usize) -> Option<f64> {
     let end = samples.last()?.time_s;
-    let settled = samples.iter().rev().take_while(|s| in_band(s)).last()?.time_s;
+    let settled = samples.iter().rev().take_while(|s| in_band(s, axis)).last()?.time_s;
     (end - settled >= SETTLED_FOR_S).then_some(settled)
 }
 
-fn in_band(sample: &Sample) -> bool {
-    sample.target_force[0].is_some_and(|target| (sample.force[0] - target).abs() <= SETTLING_BAND * target.abs())
+fn in_band(sample: &Sample, axis: usize) -> bool {
+    let within = |target: f64| (sample.force[axis] - target).abs() <= SETTLING_BAND * target.abs();
+    sample.target_force[axis].is_some_and(within)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count below that of the samples")]
+fn steady_error(samples: &[Sample], axis: usize) -> Option<f64> {
+    let part = (STEADY_PART * samples.len() as f64).ceil() as usize;
+    let errors: Option<Vec<f64>> = samples.iter().rev().take(part).map(|s| force_error(s, axis)).collect();
+    let errors = errors.filter(|errors| !errors.is_empty())?;
+    Some(errors.iter().sum::<f64>() / errors.len() as f64)
+}
+
+fn residuals(samples: &[Sample]) -> Vec<Residual> {
+    let tasks = samples.first().map_or(0, |s| s.residual_norms.len());
+    let of_task = |k: usize| samples.iter().filter_map(move |s| s.residual_norms.get(k).copied());
+    let residual =
+        |k| Residual { rms: mean_square(of_task(k)).map_or(0.0, f64::sqrt), largest: of_task(k).fold(0.0, larger) };
+    (0..tasks).map(residual).collect()
 }
 
 fn max_joint_speed(samples: &[Sample]) -> f64 {
@@ -164,15 +232,14 @@ fn max_joint_speed(samples: &[Sample]) -> f64 {
 }
 
 fn calls_per_second(recording: &Recording) -> Option<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 samples")]
     let calls = recording.samples.len() as f64;
     (recording.wall_time_s > 0.0).then(|| calls / recording.wall_time_s)
 }
 
-fn paths(samples: &[Sample]) -> BTreeMap<Path, usize> {
+fn counts<T: Ord>(values: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
     let mut counts = BTreeMap::new();
-    for sample in samples {
-        *counts.entry(sample.path).or_default() += 1;
+    for value in values {
+        *counts.entry(value).or_default() += 1;
     }
     counts
 }

@@ -1,7 +1,6 @@
 //! Each metric on runs whose answer is known by hand.
 
 use super::*;
-use crate::wire::{Method, Solver, Status};
 
 /// A free sample at `time_s`, 10 cm before the wall, with a target of 30 N in x.
 fn sample(time_s: f64) -> Sample {
@@ -9,17 +8,9 @@ fn sample(time_s: f64) -> Sample {
         time_s,
         joint_position: vec![0.0; 2],
         joint_velocity: vec![0.0; 2],
-        position: [0.0; 3],
-        position_error: [0.0; 3],
-        force: [0.0; 3],
         target_force: [Some(30.0), None, None],
         wall_distance: Some(0.1),
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     }
 }
 
@@ -28,15 +19,7 @@ fn pressing(time_s: f64, force_x: f64) -> Sample {
 }
 
 fn recording(samples: Vec<Sample>) -> Recording {
-    Recording {
-        scenario: "stiff_wall".to_owned(),
-        method: Method::ReversePriority,
-        solver: Solver::ClosedForm,
-        period_s: 0.1,
-        wall_time_s: 0.5,
-        joint_names: vec!["a".to_owned(), "b".to_owned()],
-        samples,
-    }
+    Recording { period_s: 0.1, joint_names: vec!["a".to_owned(), "b".to_owned()], samples, ..Recording::empty() }
 }
 
 /// A run in contact, one sample every 0.1 s, with these values of `F_x`.
@@ -164,6 +147,44 @@ fn speed_rate_and_paths_are_counted_over_every_sample() {
     assert!(near(metrics.calls_per_second, 8.0));
     assert_eq!(metrics.paths[&Path::ClosedForm], 3);
     assert_eq!(metrics.paths[&Path::Qp], 1);
+}
+
+#[test]
+fn the_steady_error_is_the_mean_of_the_last_tenth() {
+    let mut forces = vec![90.0; 18];
+    forces.extend([31.0, 30.5]);
+    assert!(near(Metrics::of(&pressed(&forces)).steady_error, 0.75));
+    assert_eq!(Metrics::of(&recording(vec![sample(0.0)])).steady_error, None);
+}
+
+#[test]
+fn residuals_are_measured_task_by_task() {
+    let mut run = pressed(&[30.0; 2]);
+    run.samples[0].residual_norms = vec![0.0, 3.0];
+    run.samples[1].residual_norms = vec![0.0, 4.0];
+    let [first, second] = Metrics::of(&run).residuals[..] else { panic!("two tasks") };
+    assert_eq!(first, Residual { rms: 0.0, largest: 0.0 });
+    assert!(near(Some(second.rms), 12.5_f64.sqrt()) && second.largest == 4.0);
+}
+
+#[test]
+fn a_run_can_be_measured_along_the_axis_that_it_presses() {
+    let mut run = pressed(&[0.0; 3]);
+    run.samples.iter_mut().for_each(|s| (s.force, s.target_force) = ([0.0, 0.0, -33.0], [None, None, Some(-30.0)]));
+    assert_eq!(main_axis(&run), 2);
+    let metrics = Metrics::along(&run, 2);
+    assert!(near(metrics.final_force, -33.0) && near(Some(metrics.peak_force), 33.0) && near(metrics.rmse_fz, 3.0));
+}
+
+#[test]
+fn statuses_and_silence_are_counted_and_the_worst_kkt_residual_is_kept() {
+    let mut run = pressed(&[30.0; 3]);
+    run.samples[1].status = Status::NotCertified;
+    run.samples[1].kkt_residual = Some(1e-3);
+    run.samples[2].answered = false;
+    let metrics = Metrics::of(&run);
+    assert_eq!(metrics.statuses, BTreeMap::from([(Status::Optimal, 2), (Status::NotCertified, 1)]));
+    assert_eq!((metrics.largest_kkt_residual, metrics.unanswered), (Some(1e-3), 1));
 }
 
 #[test]

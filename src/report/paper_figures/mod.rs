@@ -46,7 +46,7 @@ impl Posture {
 /// The figures that the recordings of a posture suffice for, in the paper's order. Of several
 /// solvers of one method, the closed form is drawn.
 #[must_use]
-pub fn of_posture(posture: Posture, recordings: &[Recording]) -> Vec<Figure> {
+pub fn of_posture(posture: Posture, recordings: &[&Recording]) -> Vec<Figure> {
     let find = |scenario: &str, method| pick(recordings, &posture.scenario(scenario), method);
     let tracking = (find("force_tracking", CLASSICAL), find("force_tracking", REVERSE_PRIORITY));
     let wall = (find("stiff_wall", CLASSICAL), find("stiff_wall", REVERSE_PRIORITY));
@@ -58,8 +58,8 @@ pub fn of_posture(posture: Posture, recordings: &[Recording]) -> Vec<Figure> {
     figures
 }
 
-fn pick<'a>(recordings: &'a [Recording], scenario: &str, method: Method) -> Option<&'a Recording> {
-    let runs = recordings.iter().filter(|r| r.scenario == scenario && r.method == method);
+fn pick<'a>(recordings: &[&'a Recording], scenario: &str, method: Method) -> Option<&'a Recording> {
+    let runs = recordings.iter().copied().filter(|r| r.scenario == scenario && r.method == method);
     runs.min_by_key(|r| r.solver != Solver::ClosedForm)
 }
 

@@ -3,37 +3,21 @@
 use super::*;
 use crate::report::drawing::{self, MARGIN, WIDTH};
 use crate::report::typeface;
-use crate::wire::{Path, Status};
 
 /// A run of 2 s that presses with `peak` N for one sample in the middle.
 fn run(scenario: &str, method: Method, solver: Solver, peak: f64) -> Recording {
-    Recording {
-        scenario: scenario.to_owned(),
-        method,
-        solver,
-        period_s: 1e-3,
-        wall_time_s: 1.0,
-        joint_names: vec![],
-        samples: (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect(),
-    }
+    let samples = (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect();
+    Recording { scenario: scenario.to_owned(), method, solver, samples, ..Recording::empty() }
 }
 
 fn sample(index: i32, force: f64) -> Sample {
     Sample {
         time_s: 1e-3 * f64::from(index),
-        joint_position: vec![],
-        joint_velocity: vec![],
-        position: [0.0; 3],
         position_error: [0.0, 0.002, 0.0],
         force: [force, 0.0, 0.0],
         target_force: [Some(30.0), Some(30.0), None],
         wall_distance: Some(if force > 0.0 { -1e-3 } else { 0.05 }),
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     }
 }
 
@@ -43,8 +27,12 @@ fn every_run(suffix: &str) -> Vec<Recording> {
     pairs.map(|(scenario, method, peak)| run(scenario, method, Solver::ClosedForm, peak)).collect()
 }
 
+fn figures(posture: Posture, recordings: &[Recording]) -> Vec<Figure> {
+    of_posture(posture, &recordings.iter().collect::<Vec<_>>())
+}
+
 fn names(posture: Posture, recordings: &[Recording]) -> Vec<String> {
-    of_posture(posture, recordings).into_iter().map(|figure| figure.name).collect()
+    figures(posture, recordings).into_iter().map(|figure| figure.name).collect()
 }
 
 #[test]
@@ -66,14 +54,14 @@ fn a_figure_whose_recording_is_missing_is_left_out() {
 fn the_closed_form_is_drawn_where_it_was_run() {
     let qp = run("force_tracking", REVERSE_PRIORITY, Solver::Qp, 1.0);
     let closed_form = run("force_tracking", REVERSE_PRIORITY, Solver::ClosedForm, 2.0);
-    let figures = of_posture(Posture::Nominal, &[qp, closed_form]);
+    let figures = of_posture(Posture::Nominal, &[&qp, &closed_form]);
     assert_eq!(figures[0].panels[0].y_extent(), (0.0, 30.0));
     assert!(figures[0].panels[0].curves[0].points.contains(&(1.0, 2.0)));
 }
 
 #[test]
 fn figures_five_and_six_share_their_scales() {
-    let figures = of_posture(Posture::Nominal, &every_run(""));
+    let figures = figures(Posture::Nominal, &every_run(""));
     for (five, six) in figures[0].panels.iter().zip(&figures[1].panels) {
         assert_eq!(five.y_extent(), six.y_extent());
     }
@@ -82,7 +70,7 @@ fn figures_five_and_six_share_their_scales() {
 
 #[test]
 fn the_impact_panel_surrounds_the_first_contact() {
-    let figures = of_posture(Posture::Nominal, &every_run(""));
+    let figures = figures(Posture::Nominal, &every_run(""));
     let (from, to) = figures[2].panels[1].window;
     assert!((from - 0.95).abs() < 1e-12 && (to - 2.0).abs() < 1e-12);
 }
@@ -93,7 +81,7 @@ fn captions_tell_how_far_the_curves_are_apart_and_who_touches() {
     recordings.iter_mut().filter(|r| r.method == CLASSICAL).for_each(|r| {
         r.samples.iter_mut().for_each(|s| (s.force[0], s.wall_distance) = (0.0, Some(0.05)));
     });
-    let figures = of_posture(Posture::Nominal, &recordings);
+    let figures = figures(Posture::Nominal, &recordings);
     assert!(figures[2].caption.contains("Case 1 does not reach it"));
     assert!(figures[2].caption.contains("case 2 touches it after 1.00 s and peaks at 240 N"));
     assert!(figures[2].caption.contains("at most 240 N apart"));
@@ -104,7 +92,7 @@ fn captions_tell_how_far_the_curves_are_apart_and_who_touches() {
 fn every_title_and_heading_fits_into_the_picture() {
     typeface::register().unwrap();
     let room = i32::try_from(WIDTH).unwrap() - 2 * i32::try_from(MARGIN).unwrap();
-    for figure in of_posture(Posture::Singular, &every_run("_singular")) {
+    for figure in figures(Posture::Singular, &every_run("_singular")) {
         assert!(typeface::width(&figure.title, drawing::TITLE_EM) < room, "{}", figure.title);
         assert!(figure.panels.iter().all(|p| typeface::width(&p.heading, 13.0) < room));
     }
@@ -112,7 +100,7 @@ fn every_title_and_heading_fits_into_the_picture() {
 
 #[test]
 fn a_figure_is_drawn_small_with_its_indices_and_its_spike() {
-    let figures = of_posture(Posture::Nominal, &every_run(""));
+    let figures = figures(Posture::Nominal, &every_run(""));
     let svg = drawing::svg(&figures[2]).unwrap();
     assert!(svg.len() < 200_000);
     assert!(svg.contains(r#"F<tspan dy="0.3em" font-size="72%">x</tspan>"#));
@@ -126,7 +114,7 @@ fn a_run_without_samples_is_drawn_empty() {
     for run in &mut recordings {
         run.samples.clear();
     }
-    let figures = of_posture(Posture::Nominal, &recordings);
+    let figures = figures(Posture::Nominal, &recordings);
     assert_eq!(figures.len(), 3, "no figure 8 without a wall");
     assert!(figures.iter().all(|figure| drawing::svg(figure).is_ok()));
 }

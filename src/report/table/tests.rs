@@ -2,34 +2,22 @@
 
 use super::*;
 use crate::simulator::recording::Sample;
-use crate::wire::{Path, Status};
 
-fn run(method: Method, solver: Solver, velocity: f64) -> Recording {
+fn run(method: Method, solver: Solver, velocity: f64) -> Run {
     let sample = Sample {
-        time_s: 0.0,
         joint_position: vec![0.0],
         joint_velocity: vec![velocity],
-        position: [0.0; 3],
-        position_error: [0.0; 3],
         force: [33.0, 0.0, 0.0],
         target_force: [Some(30.0), None, None],
-        wall_distance: None,
-        path: Path::ClosedForm,
-        status: Status::Optimal,
-        kkt_residual: Some(0.0),
-        smallest_singular_value: 0.2,
-        residual_norms: vec![],
-        answered: true,
+        ..Sample::at_rest()
     };
-    Recording {
-        scenario: "stiff_wall".to_owned(),
+    Run::of(Recording {
         method,
         solver,
-        period_s: 1e-3,
-        wall_time_s: 0.5,
         joint_names: vec!["a".to_owned()],
         samples: vec![sample],
-    }
+        ..Recording::empty()
+    })
 }
 
 #[test]
@@ -47,10 +35,49 @@ fn a_run_is_compared_with_the_closed_form_of_its_own_method() {
 #[test]
 fn the_cells_of_a_row_are_its_metrics() {
     let row = &rows(&[run(Method::ReversePriority, Solver::ClosedForm, 0.0)])[0];
-    let cells = COLUMNS.each_ref().map(|column| (column.cell)(row));
-    let forces = ["stiff_wall", "reverse priority", "closed form", "3.00", "–", "3.00 (10.0)", "–", "33.000"];
-    assert_eq!(cells[..8], forces);
-    assert_eq!(cells[8..], ["–", "closed form 1", "2.00"]);
+    let cell = |heading: &str| {
+        let quantity = QUANTITIES.iter().find(|quantity| quantity.heading == heading).unwrap();
+        (quantity.cell)(row)
+    };
+    let cells =
+        ["scenario", "method", "solver", "RMSE F_x", "RMSE F_y", "overshoot F", "settling", "final F"].map(cell);
+    assert_eq!(cells, ["stiff_wall", "reverse priority", "closed form", "3.00", "–", "3.00 (10.0)", "–", "33.000"]);
+    assert_eq!(
+        ["vs closed form", "solved by", "status", "calls"].map(cell),
+        ["–", "closed form 1", "optimal 1", "2.00"]
+    );
+    assert_eq!(["steady error F", "peak F", "limits broken by"].map(cell), ["3.0", "33.00", "–"]);
+}
+
+#[test]
+fn side_by_side_a_row_is_a_quantity_and_only_of_runs_that_have_it() {
+    let runs = [Method::ReversePriority, Method::Pseudoinverse].map(|method| run(method, Solver::Qp, 0.0));
+    let rows = rows(&runs);
+    let headings: Vec<String> = side_by_side::lines(&rows).into_iter().map(|line| line.heading).collect();
+    for there in ["RMSE F_x", "final F_x", "limits broken by", "calls"] {
+        assert!(headings.contains(&there.to_owned()), "{headings:?}");
+    }
+    for missing in ["RMSE F_y", "settling", "vs closed form", "scenario"] {
+        assert!(!headings.contains(&missing.to_owned()), "{headings:?}");
+    }
+    let text = side_by_side::text(&rows);
+    assert!(text.starts_with("stiff_wall\n  method "), "{text}");
+    let line = text.lines().find(|line| line.contains("peak F_x")).unwrap();
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>(), ["peak", "F_x", "N", "33.00", "33.00"]);
+}
+
+#[test]
+fn markdown_has_a_column_per_run_and_no_time_of_the_machine() {
+    let markdown = side_by_side::markdown(&rows(&[run(Method::ReversePriority, Solver::Qp, 0.0)]));
+    assert!(markdown.starts_with("|  | reverse priority, qp |\n| :-- | --: |\n"), "{markdown}");
+    assert!(markdown.contains("| RMSE F_x (N) | 3.00 |"), "{markdown}");
+    assert!(!markdown.contains("calls"), "{markdown}");
+}
+
+#[test]
+fn more_runs_than_fit_beside_each_other_follow_below() {
+    let runs: Vec<Run> = (0..7).map(|_| run(Method::ReversePriority, Solver::Qp, 0.0)).collect();
+    assert_eq!(side_by_side::text(&rows(&runs)).matches("method").count(), 2);
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! `POST /v1/kinematics`.
 
-use nalgebra::{IsometryMatrix3, UnitQuaternion};
+use nalgebra::IsometryMatrix3;
 
 use super::numbers::joint_vector;
+use super::pose::pose_answer;
 use super::resolve::known_robot;
 use crate::kinematics::{Configuration, link_frames};
 use crate::linalg::{Matrix, Svd};
@@ -31,12 +32,4 @@ pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<
         manipulability: svd.manipulability(),
         links: robot.joints().iter().zip(&links).map(link).collect(),
     })
-}
-
-fn pose_answer(frame: &IsometryMatrix3<f64>) -> wire::Pose {
-    let quaternion = UnitQuaternion::from_rotation_matrix(&frame.rotation);
-    wire::Pose {
-        position: frame.translation.vector.into(),
-        orientation: wire::Orientation { w: quaternion.w, x: quaternion.i, y: quaternion.j, z: quaternion.k },
-    }
 }

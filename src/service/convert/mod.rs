@@ -1,5 +1,7 @@
 //! Bodies to the library's types and back; wrong fields are named by JSON pointer.
 
+mod arm;
+mod control;
 mod controller;
 mod environment;
 mod inequalities;
@@ -18,6 +20,8 @@ mod step;
 mod task;
 mod terms;
 
+pub use arm::{arm_view, finite, single};
+pub use control::{FASTEST, MOST_STEPS, SLOWEST, changed_controller, control, interactive};
 pub use controller::{MOST_TASKS, controller};
 pub use environment::{LONGEST_STATED_DELAY, warnings};
 pub use inequalities::MOST_INEQUALITIES;
@@ -31,4 +35,4 @@ pub use resolve::{
 pub use robot::{robot, robot_answer, robots_problem};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
-pub use step::{LARGEST_SEQUENCE, measurement, step_answer, step_problem};
+pub use step::{LARGEST_SEQUENCE, measurement, step_answer, step_problem, watched_step};

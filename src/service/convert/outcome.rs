@@ -9,7 +9,7 @@ pub struct Outcome<'a> {
     /// The answer.
     pub resolution: &'a Resolution,
     /// Names of the joints, in order.
-    pub joints: Vec<String>,
+    pub joints: Vec<&'a str>,
 }
 
 impl Outcome<'_> {
@@ -42,7 +42,7 @@ impl Outcome<'_> {
     /// Limits that hold the answer back.
     pub fn active_limits(&self) -> Vec<wire::ActiveLimit> {
         let limit = |limit: &crate::resolution::ActiveLimit| wire::ActiveLimit {
-            joint: self.joints[limit.joint].clone(),
+            joint: self.joints[limit.joint].to_owned(),
             side: terms::side_answer(limit.side),
             value: limit.value,
             multiplier: limit.multiplier,
@@ -53,7 +53,7 @@ impl Outcome<'_> {
     /// Limits that the answer breaks.
     pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
         let violation = |violation: &crate::resolution::LimitViolation| wire::ViolatedLimit {
-            joint: self.joints[violation.joint].clone(),
+            joint: self.joints[violation.joint].to_owned(),
             side: terms::side_answer(violation.side),
             limit: violation.limit,
             value: violation.value,
@@ -83,7 +83,7 @@ impl Outcome<'_> {
 
     /// Names of joints.
     pub fn names(&self, joints: &[usize]) -> Vec<String> {
-        joints.iter().map(|&joint| self.joints[joint].clone()).collect()
+        joints.iter().map(|&joint| self.joints[joint].to_owned()).collect()
     }
 
     /// How the answer was found.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{IsometryMatrix3, Vector3};
+use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
 
 use super::numbers::numbers;
 use crate::kinematics::{Frame, TaskFrame, pose as pose_of};
@@ -34,4 +34,13 @@ pub fn with_tool_offset(robot: &Arc<RobotModel>, offset: Option<&wire::Pose>) ->
     let Some(offset) = offset else { return Ok(Arc::clone(robot)) };
     let moved = robot.with_tool_offset(&pose(offset, "/tool_offset")?);
     moved.map(Arc::new).map_err(|error| Problem::invalid("/tool_offset", error))
+}
+
+/// A pose as a part of an answer.
+pub fn pose_answer(frame: &IsometryMatrix3<f64>) -> wire::Pose {
+    let quaternion = UnitQuaternion::from_rotation_matrix(&frame.rotation);
+    wire::Pose {
+        position: frame.translation.vector.into(),
+        orientation: wire::Orientation { w: quaternion.w, x: quaternion.i, y: quaternion.j, z: quaternion.k },
+    }
 }

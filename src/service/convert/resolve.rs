@@ -284,7 +284,7 @@ pub fn resolution_problem(error: ProblemError) -> Problem {
 
 /// The answer's body.
 pub fn resolve_answer(question: &ResolveQuestion, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
-    let outcome = Outcome { resolution, joints: question.joints.clone() };
+    let outcome = Outcome { resolution, joints: question.joints.iter().map(String::as_str).collect() };
     let tasks = question.problem.tasks.tasks();
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),

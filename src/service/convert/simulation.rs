@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::controller::controller;
-use super::numbers::{joint_list, number};
+use super::numbers::joint_list;
 use super::resolve::known_robot;
 use crate::report::metrics::Metrics;
 use crate::robot::RobotModel;
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::simulator::{Contact, NamedScenario, Scenario, SimulationRequest};
+use crate::simulator::{NamedScenario, Scenario, SimulationRequest};
 use crate::wire;
 
 /// Reads a request: a scenario that the service can run, and the arm that it is about.
@@ -33,16 +33,8 @@ fn built_in(name: &str) -> Result<Scenario, Problem> {
 }
 
 fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, Problem> {
-    if let Some((field, flaw)) = scenario.flaw() {
-        return Err(Problem::invalid(format!("/{}", field.replace('.', "/")), flaw));
-    }
-    number(scenario.velocity_loop.lag_s, "/velocity_loop/lag_s")?;
-    for (i, contact) in scenario.contacts.iter().enumerate() {
-        let Contact { offset_m, stiffness, damping, inertia, .. } = *contact;
-        let fields = [("offset_m", offset_m), ("stiffness", stiffness), ("damping", damping), ("inertia", inertia)];
-        for (field, value) in fields {
-            number(value, &format!("/contacts/{i}/{field}"))?;
-        }
+    if let Some(flaw) = scenario.flaw() {
+        return Err(Problem::invalid(flaw.pointer, flaw.problem));
     }
     let controller = controller(&scenario.controller, robots).map_err(|problem| problem.inside("/controller"))?;
     let joints = controller.config().robot.joint_count();

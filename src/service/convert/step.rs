@@ -2,11 +2,13 @@
 
 use std::time::Instant;
 
+use super::arm::arm_view;
 use super::numbers::{joint_vector, number, numbers};
 use super::outcome::{Outcome, elapsed_us};
 use crate::controller::{Command, Controller, Measurement, StepError};
 use crate::kinematics::ConfigurationError;
 use crate::service::problem::Problem;
+use crate::service::sessions::Step;
 use crate::wire;
 
 /// Without a newer answer, clients ramp to zero after this time: some periods of a slow loop.
@@ -58,7 +60,7 @@ pub fn step_problem(error: &StepError, state: &str) -> Problem {
 /// The answer's body, without memory.
 pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
     let config = controller.config();
-    let joints = config.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     let outcome = Outcome { resolution: &command.resolution, joints };
     let task = |k: usize| {
         let target = &command.targets[k];
@@ -80,4 +82,15 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
         joint_limit_index: command.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
+}
+
+/// A period of a session as its watchers see it.
+pub fn watched_step(controller: &Controller, step: &Step) -> wire::WatchedStep {
+    let config = controller.config();
+    let position = joint_vector(&step.state.joint_position, &config.robot, "").ok();
+    let measured = step.state.joint_velocity.as_ref().and_then(|v| joint_vector(v, &config.robot, "").ok());
+    let last = step.last_command.as_ref().map(|last| last.as_slice().to_vec()).or(measured);
+    let last = last.unwrap_or_else(|| vec![0.0; config.robot.joint_count()]);
+    let arm = position.and_then(|position| arm_view(config, &position, &last));
+    wire::WatchedStep { state: step.state.clone(), answer: step.answer.clone(), arm }
 }

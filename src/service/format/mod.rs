@@ -62,7 +62,7 @@ impl Format {
     /// Writes a value.
     pub fn write<T: Serialize + ?Sized>(self, value: &T) -> Result<Vec<u8>, Problem> {
         let written = match self {
-            Self::Json => serde_json::to_vec(value).map_err(|error| error.to_string()),
+            Self::Json => json::write(value).map_err(|error| error.to_string()),
             Self::MessagePack => message_pack::write(value).map_err(|error| error.to_string()),
         };
         written.map_err(|error| {

@@ -14,6 +14,7 @@ use crate::service::drain::Draining;
 use crate::service::events::{Shown, latest};
 use crate::service::problem::Problem;
 use crate::service::segment::Segment;
+use crate::service::sessions::Answered;
 use crate::service::{convert, stream};
 use crate::wire;
 
@@ -50,6 +51,19 @@ pub async fn step(
     app.metrics.solved(&answer.solver);
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
     Ok(Answer(answer))
+}
+
+/// Lists the sessions.
+///
+/// Those that are open, the one that stepped last first.
+#[utoipa::path(
+    get,
+    path = "/v1/controllers",
+    tag = "control",
+    responses((status = 200, body = wire::SessionList, description = "The sessions."))
+)]
+pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
+    Answer(app.sessions.list())
 }
 
 /// Opens a session.
@@ -99,8 +113,8 @@ pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
     Body(state): Body<wire::State>,
-) -> Result<Answer<wire::StepAnswer>, Problem> {
-    app.sessions.step(&id, &state).map(Answer)
+) -> Result<Answer<Answered>, Problem> {
+    app.sessions.step(&id, state).map(Answer)
 }
 
 /// Streams a session.
@@ -147,9 +161,9 @@ pub async fn watch_controller(
     Segment(id): Segment,
     draining: Draining,
 ) -> Result<impl IntoResponse, Problem> {
-    let steps = app.sessions.with(&id, |_, session| Ok(session.watch()))?;
-    Ok(latest(steps, draining, WATCH_PAUSE, |step| match step {
-        Some(step) => Shown::Event("step", (**step).clone()),
+    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller.clone())))?;
+    Ok(latest(steps, draining, WATCH_PAUSE, move |step| match step {
+        Some(step) => Shown::Event("step", convert::watched_step(&controller, step)),
         None => Shown::Nothing,
     }))
 }

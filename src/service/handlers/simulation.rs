@@ -1,5 +1,6 @@
 //! Scenarios and their runs.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
@@ -12,12 +13,16 @@ use crate::service::drain::Draining;
 use crate::service::events::{Shown, latest};
 use crate::service::problem::Problem;
 use crate::service::segment::Segment;
+use crate::service::simulations::Desk;
 use crate::service::{convert, simulations};
 use crate::simulator::{Scenario, ScenarioList, SimulationRequest};
 use crate::wire;
 
 /// Between two events of a simulation's progress.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(100);
+
+/// Between two frames of an interactive run.
+const LIVE_PAUSE: Duration = Duration::from_millis(50);
 
 /// Lists the scenarios.
 ///
@@ -69,8 +74,15 @@ pub async fn create_simulation(
     State(app): Shared,
     Body(request): Body<SimulationRequest>,
 ) -> Result<impl IntoResponse, Problem> {
+    let interactive = request.interactive;
+    convert::interactive(interactive.as_ref())?;
     let (scenario, robot) = convert::scenario(request, &app.robots)?;
-    let status = app.simulations.create(scenario, robot)?.status();
+    let desk = interactive.map(|pace| {
+        let request = scenario.controller.clone();
+        let controller = convert::controller(&request, &app.robots)?;
+        Desk::new(pace, request, controller, &scenario.start_joint_position)
+    });
+    let status = app.simulations.create(scenario, robot, desk.transpose()?)?.status();
     let location = [(header::LOCATION, format!("/v1/simulations/{}", status.id))];
     Ok((StatusCode::ACCEPTED, location, Answer(status)))
 }
@@ -112,9 +124,80 @@ pub async fn simulation_events(
     }))
 }
 
+/// Controls a simulation.
+///
+/// Pauses, steps, paces, pushes, changes or ends an interactive run; what is left out stays. Nothing jumps: a changed law
+/// goes on from the present velocity, and a changed method or solver takes over within a tenth of a simulated second.
+#[utoipa::path(
+    post,
+    path = "/v1/simulations/{id}/control",
+    tag = "simulation",
+    request_body = wire::SimulationControl,
+    responses(
+        (status = 200, body = wire::Simulation, description = "The run as it goes on."),
+        (status = 409, description = "The run is not interactive or has ended: `not-live`.")
+    )
+)]
+pub async fn control_simulation(
+    State(app): Shared,
+    Segment(id): Segment,
+    Body(order): Body<wire::SimulationControl>,
+) -> Result<Answer<wire::Simulation>, Problem> {
+    let job = app.simulations.get(&id)?;
+    simulations::open_desk(&job)?.order(&order, &app.robots)?;
+    Ok(Answer(job.status()))
+}
+
+/// Looks at a simulation.
+///
+/// An interactive run as server-sent events `frame`, 20 a second at most, and `end` as the last one; the data of each is a
+/// `LiveFrame`. The first one brings the latest seconds with it.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}/live",
+    tag = "simulation",
+    responses(
+        (status = 200, body = String, content_type = "text/event-stream", description = "Events until the run ends."),
+        (status = 409, description = "The run is not interactive or has ended: `not-live`.")
+    )
+)]
+pub async fn simulation_live(
+    State(app): Shared,
+    Segment(id): Segment,
+    draining: Draining,
+) -> Result<impl IntoResponse, Problem> {
+    let job = app.simulations.get(&id)?;
+    let desk = Arc::clone(simulations::open_desk(&job)?);
+    let pictures = desk.watch();
+    let mut seen = 0;
+    Ok(latest(pictures, draining, LIVE_PAUSE, move |picture| {
+        let has_ended = job.has_ended();
+        let frame = desk.frame(picture, job.status(), &mut seen);
+        if has_ended { Shown::Last("end", frame) } else { Shown::Event("frame", frame) }
+    }))
+}
+
+/// Gets the latest cycle of a simulation.
+///
+/// The latest control period of an interactive run as `POST /v1/step` takes it, to be asked again elsewhere. While a changed
+/// method takes over, the arm obeys a mixture of this command and that of the method before.
+#[utoipa::path(
+    get,
+    path = "/v1/simulations/{id}/cycle",
+    tag = "simulation",
+    responses(
+        (status = 200, body = wire::StepRequest, description = "Controller, state and memory."),
+        (status = 409, description = "The run is not interactive, or has not begun: `not-live`.")
+    )
+)]
+pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, Problem> {
+    simulations::desk(&*app.simulations.get(&id)?)?.cycle().map(Answer)
+}
+
 /// Gets the trace of a simulation.
 ///
-/// Every control period of a finished run: a table (CSV), one object per line, or one object. `Accept` chooses.
+/// Every control period of a finished run: a table (CSV, Parquet), one object per line, one object, or a log for Foxglove,
+/// Rerun and PlotJuggler (MCAP). `Accept` chooses.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/trace",
@@ -122,7 +205,13 @@ pub async fn simulation_events(
     responses(
         (
             status = 200,
-            content((String = "text/csv"), (String = "application/x-ndjson"), (Object = "application/json")),
+            content(
+                (String = "text/csv"),
+                (String = "application/x-ndjson"),
+                (Object = "application/json"),
+                (Vec<u8> = "application/vnd.apache.parquet"),
+                (Vec<u8> = "application/vnd.mcap")
+            ),
             description = "The trace."
         ),
         (status = 406, description = "The trace cannot be had in any type that `Accept` names: `not-acceptable`."),

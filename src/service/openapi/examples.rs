@@ -25,7 +25,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 23] = examples! {
+const EXAMPLES: [Example; 26] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -36,6 +36,7 @@ const EXAMPLES: [Example; 23] = examples! {
     post "/v1/step" "step_again" => "step_again";
     post "/v1/controllers" "controller" => "controller";
     post "/v1/controllers" "controller_laws" => "controller_laws";
+    get "/v1/controllers" => "sessions";
     get "/v1/controllers/{id}" => "session";
     post "/v1/controllers/{id}/step" "state" => "state";
     post "/v1/kinematics" "kinematics" => "kinematics";
@@ -48,6 +49,8 @@ const EXAMPLES: [Example; 23] = examples! {
     get "/v1/scenarios/{name}" => "scenario";
     post "/v1/simulations" "simulation" => "simulation";
     post "/v1/simulations" "simulation_own" => "simulation_own";
+    post "/v1/simulations" "simulation_interactive" => "simulation_interactive";
+    post "/v1/simulations/{id}/control" "control" => "control";
     get "/v1/simulations/{id}" => "simulation_finished";
 };
 
@@ -57,6 +60,9 @@ const PROBLEM: &str = include_str!("../../../api/examples/answers/problem.json")
 /// What passes through the session of the examples.
 const STATE: &str = include_str!("../../../api/examples/state.json");
 const STATE_ANSWER: &str = include_str!("../../../api/examples/answers/state.json");
+
+/// What an interactive run shows.
+const LIVE_FRAME: &str = include_str!("../../../api/examples/answers/live_frame.json");
 
 /// Adds the examples to their operations, and to each field the first value that it has in one of them.
 pub fn complete(document: &mut Value) {
@@ -81,6 +87,7 @@ pub fn complete(document: &mut Value) {
     let watched = json!({"state": parsed(STATE), "answer": parsed(STATE_ANSWER)});
     let schemas = &mut document["components"]["schemas"];
     illustrate(schemas, &json!({"$ref": "#/components/schemas/WatchedStep"}), "", &watched);
+    illustrate(schemas, &json!({"$ref": "#/components/schemas/LiveFrame"}), "", &parsed(LIVE_FRAME));
     borrow(schemas);
 }
 

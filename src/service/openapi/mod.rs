@@ -49,7 +49,7 @@ static ASYNCAPI: LazyLock<String> = LazyLock::new(|| text(&asyncapi()));
         (name = "simulation", description = "The built-in simulator against this service."),
         (name = "operation", description = "For those who run the service.")
     ),
-    components(schemas(wire::Problem, wire::WatchedStep))
+    components(schemas(wire::Problem, wire::WatchedStep, wire::LiveFrame))
 )]
 pub struct ApiDoc;
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 /// Every kind of problem: status, last part of its `type`, when it comes, what to do.
-pub const KINDS: [(u16, &str, &str, &str); 22] = [
+pub const KINDS: [(u16, &str, &str, &str); 23] = [
     (
         400,
         "malformed",
@@ -46,6 +46,12 @@ pub const KINDS: [(u16, &str, &str, &str); 22] = [
     ),
     (409, "name-taken", "The name belongs to another robot.", "Choose another."),
     (409, "no-trace", "The simulation is not finished, and may never be.", "Wait for its end; see its state."),
+    (
+        409,
+        "not-live",
+        "The simulation was not started as interactive, has not begun, or has ended.",
+        "Start one with `interactive`.",
+    ),
     (413, "too-large", "The body is too large.", "Send less; `detail` names the limit."),
     (
         415,

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::schemas::{variants, visit};
 use crate::controller::LONGEST_DELAY;
 use crate::service::convert::{
-    LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS, MOST_POINTS,
-    MOST_ROWS, MOST_TASKS, SHORTEST_PERIOD_S,
+    FASTEST, LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS,
+    MOST_POINTS, MOST_ROWS, MOST_STEPS, MOST_TASKS, SHORTEST_PERIOD_S, SLOWEST,
 };
 use crate::service::resolve::MOST_ITEMS;
 use crate::service::robots::LONGEST_NAME;
@@ -114,9 +114,35 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("active_set", Items(0, MOST_TASKS)),
         ],
     ),
-    ("Scenario", &[("duration_s", Positive), ("start_joint_position", Items(1, MOST_JOINTS))]),
+    (
+        "Scenario",
+        &[
+            ("duration_s", Positive),
+            ("start_joint_position", Items(1, MOST_JOINTS)),
+            ("contacts", Items(0, 100)),
+            ("substeps", Between(1.0, 1000.0)),
+        ],
+    ),
     ("VelocityLoop", &[("lag_s", NotNegative), ("delay_periods", UpTo(10_000))]),
-    ("Contact", &[("stiffness", NotNegative), ("damping", NotNegative), ("inertia", NotNegative)]),
+    (
+        "Contact",
+        &[("normal", Items(3, 3)), ("stiffness", NotNegative), ("damping", NotNegative), ("inertia", NotNegative)],
+    ),
+    ("Friction", &[("coulomb", NotNegative), ("viscous", NotNegative), ("sticking_speed_m_s", Positive)]),
+    ("Sensors", &[("wrench_filter_s", NotNegative)]),
+    ("Sensor", &[("noise", NotNegative), ("quantum", NotNegative)]),
+    (
+        "Faults",
+        &[
+            ("dropped", Between(0.0, 1.0)),
+            ("late", Between(0.0, 1.0)),
+            ("late_periods", UpTo(10_000)),
+            ("repeated", Between(0.0, 1.0)),
+            ("reordered", Between(0.0, 1.0)),
+            ("outages", Items(0, 100)),
+        ],
+    ),
+    ("Outage", &[("start_s", Positive), ("duration_s", NotNegative)]),
     ("TaskOutcome", &[("residual_norm", NotNegative), ("rank", UpTo(MOST_ROWS)), ("scale", Between(0.0, 1.0))]),
     ("SolverReport", &[("kkt_residual", NotNegative)]),
     ("Singularity", &[("smallest_singular_value", NotNegative), ("manipulability", NotNegative)]),
@@ -144,6 +170,15 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
         ],
     ),
     ("Simulation", &[("progress", Between(0.0, 1.0))]),
+    ("Interactive", &[("speed", Between(SLOWEST, FASTEST))]),
+    (
+        "SimulationControl",
+        &[
+            ("step", Between(1.0, MOST_STEPS as f64)),
+            ("speed", Between(SLOWEST, FASTEST)),
+            ("external_force", Items(3, 3)),
+        ],
+    ),
     ("Problem", &[("status", Between(400.0, 599.0))]),
 ];
 

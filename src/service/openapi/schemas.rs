@@ -27,6 +27,7 @@ pub fn complete(document: &mut Value) {
         if let Some(content) = item.pointer_mut(events) {
             content["schema"] = match path.rsplit('/').next() {
                 Some("watch") => event(&["step"], "WatchedStep"),
+                Some("live") => event(&["frame", "end"], "LiveFrame"),
                 _ => event(&["progress", "end"], "Simulation"),
             };
         }

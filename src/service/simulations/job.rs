@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::{Semaphore, watch};
 use uuid::Uuid;
 
+use super::desk::Desk;
 use crate::client::Client;
 use crate::report::metrics::Metrics;
 use crate::robot::RobotModel;
@@ -17,7 +18,7 @@ use crate::service::problem::Problem;
 use crate::service::robots::Robots;
 use crate::service::server::RunningServer;
 use crate::simulator::recording::Recording;
-use crate::simulator::{CallMode, Scenario, run_robot};
+use crate::simulator::{CallMode, Scenario, run_operated, run_robot};
 use crate::wire::{Simulation, SimulationMetrics, SimulationState};
 
 /// Steps in which watchers see the run go on.
@@ -28,6 +29,7 @@ pub struct Job {
     id: String,
     scenario: Scenario,
     progress: watch::Sender<Progress>,
+    desk: Option<Arc<Desk>>,
 }
 
 /// How far a run is.
@@ -60,10 +62,10 @@ impl Progress {
 }
 
 impl Job {
-    /// A run that waits for its turn.
-    pub fn new(scenario: Scenario) -> Self {
+    /// A run that waits for its turn; one with a desk is interactive.
+    pub fn new(scenario: Scenario, desk: Option<Desk>) -> Self {
         let waiting = Progress { state: SimulationState::Queued, done: 0, error: None, result: None, ended: None };
-        Self { id: Uuid::new_v4().to_string(), scenario, progress: watch::channel(waiting).0 }
+        Self { id: Uuid::new_v4().to_string(), scenario, progress: watch::channel(waiting).0, desk: desk.map(Arc::new) }
     }
 
     /// Name of the run.
@@ -81,6 +83,16 @@ impl Job {
         self.progress.borrow().ended.map(|ended| ended.elapsed())
     }
 
+    /// Whether nothing more will happen.
+    pub fn has_ended(&self) -> bool {
+        self.progress.borrow().has_ended()
+    }
+
+    /// Where it takes orders, if it is interactive.
+    pub fn desk(&self) -> Option<&Arc<Desk>> {
+        self.desk.as_ref()
+    }
+
     /// Hears of every visible step.
     pub fn watch(&self) -> watch::Receiver<Progress> {
         self.progress.subscribe()
@@ -93,11 +105,14 @@ impl Job {
 
     /// What `GET` shows at that point of the run.
     pub fn status_at(&self, progress: &Progress) -> Simulation {
+        let stated = (self.scenario.controller.method, self.scenario.controller.solver);
+        let (method, solver) = self.desk.as_ref().map_or(stated, |desk| desk.method_and_solver());
         Simulation {
             id: self.id.clone(),
             scenario: self.scenario.name.clone(),
-            method: self.scenario.controller.method,
-            solver: self.scenario.controller.solver,
+            method,
+            solver,
+            interactive: self.desk.as_ref().map(|desk| desk.pace()),
             periods: self.periods(),
             state: progress.state,
             progress: progress.done as f64 / self.periods() as f64,
@@ -127,20 +142,25 @@ impl Job {
 
     /// Changes a run that has not ended; false if it has.
     fn change(&self, change: impl FnOnce(&mut Progress)) -> bool {
-        self.progress.send_if_modified(|progress| {
+        let changed = self.progress.send_if_modified(|progress| {
             let goes_on = !progress.has_ended();
             if goes_on {
                 change(progress);
             }
             goes_on
-        })
+        });
+        if let Some(desk) = &self.desk {
+            desk.wake();
+        }
+        changed
     }
 
-    /// Waits for its turn and runs to the end.
+    /// Waits for its turn, unless it is interactive, and runs to the end.
     pub async fn run(self: Arc<Self>, robot: Arc<RobotModel>, turns: Arc<Semaphore>) {
         let mut progress = self.watch();
         let _turn = tokio::select! {
-            turn = turns.acquire() => turn,
+            turn = turns.acquire(), if self.desk.is_none() => Some(turn),
+            () = std::future::ready(()), if self.desk.is_some() => None,
             _ = progress.wait_for(Progress::has_ended) => return,
         };
         let job = Arc::clone(&self);
@@ -164,7 +184,11 @@ impl Job {
         let step = |done| {
             if !abandoned.is_set() && self.advance(done) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        let recording = run_robot(robot, &self.scenario, &Client::new(&server.url()), CallMode::Session, step);
+        let client = Client::new(&server.url());
+        let recording = match &self.desk {
+            None => run_robot(robot, &self.scenario, &client, CallMode::Session, step),
+            Some(desk) => run_operated(robot, &self.scenario, &client, &mut desk.operator(self, abandoned)),
+        };
         let recording = recording.map_err(|error| error.to_string())?;
         let metrics = convert::metrics_answer(&Metrics::of(&recording));
         self.change(|progress| {
@@ -175,7 +199,7 @@ impl Job {
     }
 
     /// Notes a period that is done; false if the run is to end.
-    fn advance(&self, done: u64) -> bool {
+    pub fn advance(&self, done: u64) -> bool {
         let mut goes_on = true;
         self.progress.send_if_modified(|progress| {
             goes_on = !progress.has_ended();

@@ -3,7 +3,9 @@
 //! Each run calls a service of its own over HTTP on a free loopback port: what it shows is what any client would get, and
 //! neither its calls nor a flood of clients here disturb the other.
 
+mod desk;
 mod job;
+mod live;
 mod trace;
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,6 +13,7 @@ use std::time::Duration;
 
 use tokio::sync::Semaphore;
 
+pub use desk::{Desk, desk, open_desk};
 pub use job::Job;
 pub use trace::trace;
 
@@ -21,13 +24,20 @@ use crate::simulator::Scenario;
 /// Runs at work at a time; each keeps about one core busy.
 const MOST_RUNNING: usize = 2;
 
+/// Interactive runs at a time, beside those: each waits for the clock most of the time.
+const MOST_INTERACTIVE: usize = 4;
+
 /// Runs that are known at a time: waiting, at work and ended.
 const MOST_KEPT: usize = 64;
 
 /// Longest run in control periods.
 const MOST_PERIODS: u64 = 100_000;
 
-/// Control periods of all known runs together; a trace takes about half a kilobyte per period, so all take some 125 MB.
+/// Most steps of arm and contacts in a run, substeps counted.
+const MOST_STEPS: u64 = 1_000_000;
+
+/// Control periods of all known runs together; a trace takes some 0.7 kilobytes per period, with sensors that err one, so
+/// all take at most some 250 MB.
 const MOST_PERIODS_KEPT: u64 = 250_000;
 
 /// An ended run is forgotten after this time.
@@ -46,14 +56,19 @@ impl Default for Simulations {
 }
 
 impl Simulations {
-    /// Takes in a run, which begins when its turn comes.
-    pub fn create(&self, scenario: Scenario, robot: Arc<RobotModel>) -> Result<Arc<Job>, Problem> {
+    /// Takes in a run, which begins when its turn comes; one with a desk at once.
+    pub fn create(&self, scenario: Scenario, robot: Arc<RobotModel>, desk: Option<Desk>) -> Result<Arc<Job>, Problem> {
         let periods = scenario.cycles();
         if periods > MOST_PERIODS {
             let detail = format!("{periods} control periods; a simulation here has at most {MOST_PERIODS}");
             return Err(Problem::invalid("/scenario/duration_s", detail));
         }
-        let job = Arc::new(Job::new(scenario));
+        if periods * scenario.substeps as u64 > MOST_STEPS {
+            let detail =
+                format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
+            return Err(Problem::invalid("/scenario/substeps", detail));
+        }
+        let job = Arc::new(Job::new(scenario, desk));
         self.keep(&job)?;
         tokio::spawn(Arc::clone(&job).run(robot, Arc::clone(&self.turns)));
         Ok(job)
@@ -63,6 +78,12 @@ impl Simulations {
     fn keep(&self, job: &Arc<Job>) -> Result<(), Problem> {
         let mut jobs = self.lock();
         jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEPT_FOR));
+        let interactive = jobs.iter().filter(|job| job.desk().is_some() && !job.has_ended()).count();
+        if job.desk().is_some() && interactive >= MOST_INTERACTIVE {
+            let detail =
+                format!("{MOST_INTERACTIVE} interactive simulations are going on; end one, or try again later");
+            return Err(Problem::busy(detail));
+        }
         let is_full = |jobs: &[Arc<Job>]| {
             let periods: u64 = jobs.iter().map(|job| job.periods()).sum();
             jobs.len() >= MOST_KEPT || periods + job.periods() > MOST_PERIODS_KEPT

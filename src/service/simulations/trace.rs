@@ -1,7 +1,8 @@
 //! Traces as answers, written piece by piece as the client reads them.
 
 use std::io::{self, Write};
-use std::sync::{Arc, Weak};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -13,27 +14,24 @@ use futures_util::stream;
 use crate::service::accept;
 use crate::service::background::background;
 use crate::service::problem::Problem;
-use crate::simulator::recording::{Recording, write_csv_rows};
-
-/// Samples of one piece: some 300 kB, written in about a millisecond.
-const PIECE: usize = 500;
+use crate::simulator::recording::{Format, Recording, WriteError, Writer, write_object};
 
 /// How a trace can be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TraceFormat {
-    /// A table, units in the names of the columns.
-    Csv,
-    /// One object per line and period.
-    JsonLines,
+    /// As in a file.
+    File(Format),
     /// One object with what is common to all periods and the list `samples`.
     Json,
 }
 
 /// Media types of traces, the preferred one first.
-pub const TRACE_FORMATS: [(&str, TraceFormat); 3] = [
-    ("text/csv", TraceFormat::Csv),
-    ("application/x-ndjson", TraceFormat::JsonLines),
+pub const TRACE_FORMATS: [(&str, TraceFormat); 5] = [
+    ("text/csv", TraceFormat::File(Format::Csv)),
+    ("application/x-ndjson", TraceFormat::File(Format::JsonLines)),
     ("application/json", TraceFormat::Json),
+    ("application/vnd.apache.parquet", TraceFormat::File(Format::Parquet)),
+    ("application/vnd.mcap", TraceFormat::File(Format::Mcap)),
 ];
 
 /// The trace in the format that the client prefers, compressed if it likes.
@@ -45,8 +43,10 @@ pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response
     let format = accept::preferred(headers, &TRACE_FORMATS).ok_or_else(|| Problem::not_acceptable(&offered()))?;
     let media_type = TRACE_FORMATS.iter().find(|(_, known)| *known == format).map_or("", |(media_type, _)| media_type);
     let gzip = accept::gzip(headers);
-    let out = if gzip { Out::Gzip(GzEncoder::new(Vec::new(), Compression::fast())) } else { Out::Plain(Vec::new()) };
-    let pieces = Pieces { recording: Arc::downgrade(recording), format, next: 0, out };
+    let pieces = Pieces::new(recording, format, gzip).map_err(|error| {
+        tracing::error!(%error, "a trace cannot be begun");
+        Problem::internal()
+    })?;
     let pieces = stream::unfold(Some(pieces), |pieces| async {
         let pieces = pieces?;
         let piece = background(move |_| pieces.advance()).await;
@@ -62,18 +62,19 @@ pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response
     Ok(response)
 }
 
-/// Where a trace is written to.
-enum Out {
-    Plain(Vec<u8>),
-    Gzip(GzEncoder<Vec<u8>>),
+/// What is written and not yet sent.
+#[derive(Clone, Default)]
+struct Written(Arc<Mutex<Vec<u8>>>);
+
+impl Written {
+    fn take(&self) -> Bytes {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner)).into()
+    }
 }
 
-impl Write for Out {
+impl Write for Written {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::Plain(out) => out.write(bytes),
-            Self::Gzip(out) => out.write(bytes),
-        }
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -81,82 +82,86 @@ impl Write for Out {
     }
 }
 
-impl Out {
-    /// What is written so far.
-    fn take(&mut self) -> Bytes {
-        match self {
-            Self::Plain(out) => std::mem::take(out),
-            Self::Gzip(out) => std::mem::take(out.get_mut()),
-        }
-        .into()
-    }
-
-    fn finish(self) -> io::Result<Bytes> {
-        match self {
-            Self::Plain(out) => Ok(out.into()),
-            Self::Gzip(out) => out.finish().map(Bytes::from),
-        }
-    }
-}
-
 /// A trace that is written as far as `next`.
 struct Pieces {
     recording: Weak<Recording>,
-    format: TraceFormat,
+    piece: usize,
     next: usize,
-    out: Out,
+    writer: Box<dyn Writer>,
+    written: Written,
 }
 
 /// A piece, or why the trace breaks off, and the rest, if there is one.
 type Piece = (io::Result<Bytes>, Option<Pieces>);
 
 impl Pieces {
+    fn new(recording: &Arc<Recording>, format: TraceFormat, gzip: bool) -> Result<Self, WriteError> {
+        let written = Written::default();
+        let writer = if gzip {
+            let out = GzEncoder::new(written.clone(), Compression::fast());
+            begin(recording, format, out)?
+        } else {
+            begin(recording, format, written.clone())?
+        };
+        let piece = match format {
+            TraceFormat::File(format) => format.piece(),
+            TraceFormat::Json => Format::JsonLines.piece(),
+        };
+        Ok(Self { recording: Arc::downgrade(recording), piece, next: 0, writer, written })
+    }
+
     fn advance(mut self) -> Piece {
         let Some(recording) = self.recording.upgrade() else {
             return (Err(io::Error::other("the simulation was forgotten")), None);
         };
-        let end = (self.next + PIECE).min(recording.samples.len());
-        if let Err(error) = self.write(&recording, end) {
-            return (Err(error), None);
+        let end = (self.next + self.piece).min(recording.samples.len());
+        if let Err(error) = self.writer.write(&recording, self.next..end) {
+            return (Err(error.into()), None);
         }
         self.next = end;
         if end == recording.samples.len() {
-            return (self.out.finish(), None);
+            let Self { writer, written, .. } = self;
+            let end = writer.finish().map(|()| written.take());
+            return (end.map_err(io::Error::from), None);
         }
-        (Ok(self.out.take()), Some(self))
+        (Ok(self.written.take()), Some(self))
     }
+}
 
-    fn write(&mut self, recording: &Recording, end: usize) -> io::Result<()> {
-        let (is_first, is_last) = (self.next == 0, end == recording.samples.len());
-        let samples = &recording.samples[self.next..end];
-        match self.format {
-            TraceFormat::Csv => {
-                if is_first {
-                    recording.write_csv_header(&mut self.out)?;
-                }
-                write_csv_rows(samples, &mut self.out)?;
-            }
-            TraceFormat::JsonLines => {
-                for sample in samples {
-                    serde_json::to_writer(&mut self.out, sample)?;
-                    self.out.write_all(b"\n")?;
-                }
-            }
-            TraceFormat::Json => {
-                if is_first {
-                    let head = serde_json::to_string(recording)?;
-                    write!(self.out, "{},\"samples\":[", head.strip_suffix('}').unwrap_or(&head))?;
-                }
-                for (i, sample) in samples.iter().enumerate() {
-                    let comma: &[u8] = if is_first && i == 0 { b"" } else { b"," };
-                    self.out.write_all(comma)?;
-                    serde_json::to_writer(&mut self.out, sample)?;
-                }
-                if is_last {
-                    self.out.write_all(b"]}")?;
-                }
-            }
+fn begin<W: Write + Send + 'static>(
+    recording: &Recording,
+    format: TraceFormat,
+    out: W,
+) -> Result<Box<dyn Writer>, WriteError> {
+    match format {
+        TraceFormat::File(format) => format.writer(recording, false, out),
+        TraceFormat::Json => Ok(Box::new(OneObject { is_first: true, out })),
+    }
+}
+
+/// What is common to all periods and the list of samples.
+struct OneObject<W> {
+    is_first: bool,
+    out: W,
+}
+
+impl<W: Write + Send> Writer for OneObject<W> {
+    fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
+        if self.is_first {
+            let head = serde_json::to_string(recording)?;
+            write!(self.out, "{},\"samples\":[", head.strip_suffix('}').unwrap_or(&head))?;
+        }
+        for row in rows {
+            let comma: &[u8] = if self.is_first { b"" } else { b"," };
+            self.is_first = false;
+            self.out.write_all(comma)?;
+            write_object(recording, row, false, &mut self.out)?;
         }
         Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
+        self.out.write_all(b"]}")?;
+        Ok(self.out.flush()?)
     }
 }

@@ -1,0 +1,133 @@
+"""The calls of the interface as data: what is sent, and how an answer is read. Nothing here touches a network."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+from urllib.parse import quote
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from revprio.bodies import Body
+from revprio.errors import ForeignAnswerError, problem_error
+from revprio.models import (
+    BatchAnswer,
+    CreatedController,
+    KinematicsAnswer,
+    Problem,
+    ResolveAnswer,
+    Robot,
+    RobotList,
+    Scenario,
+    ScenarioList,
+    SessionStatus,
+    Simulation,
+    StabilityAnswer,
+    StepAnswer,
+)
+
+A = TypeVar("A")
+
+
+class Route(Generic[A]):
+    """A method and a path, with a place `{}` for each name in it, and the type of its answer."""
+
+    accept = "application/json"
+
+    def __init__(self, method: str, path: str, answer: type[A], *, repeatable: bool = True) -> None:
+        """`repeatable`: whether it may be sent again when nobody knows if the service has seen it."""
+        self.method, self.path, self.answer, self.repeatable = method, path, answer, repeatable
+        self._adapter: TypeAdapter[A] = TypeAdapter(answer)
+
+    def __call__(self, *names: str, body: Body | None = None) -> Call[A]:
+        """The call with the names in the path."""
+        return Call(self, self.path.format(*(quote(name, safe="") for name in names)), body)
+
+    def read(self, response: httpx.Response) -> A:
+        """The answer; raises what was refused."""
+        try:
+            if response.is_success:
+                return self.parse(response.content)
+            problem = Problem.model_validate_json(response.content)
+        except ValueError as error:  # those of pydantic are
+            cause = str(error).partition("\n")[0]
+            raise ForeignAnswerError(str(response.url), response.status_code, cause) from error
+        raise problem_error(problem, _seconds(response.headers.get("retry-after")))
+
+    def parse(self, content: bytes) -> A:
+        """The body of an answer that went well."""
+        return self._adapter.validate_json(content or b"null")
+
+
+Trace = dict[str, NDArray[Any]]
+"""One array per column, a row per control period."""
+
+
+class TraceRoute(Route[Trace]):
+    """A route whose answer is a table."""
+
+    accept = "text/csv"
+
+    def parse(self, content: bytes) -> Trace:
+        """Columns of numbers, nan where there is none, and columns of words."""
+        header, *rows = csv.reader(content.decode().splitlines())
+        return {name: _column(list(entries)) for name, entries in zip(header, zip(*rows, strict=True), strict=True)}
+
+
+def _column(entries: list[str]) -> NDArray[Any]:
+    try:
+        return np.array([float(entry or "nan") for entry in entries])
+    except ValueError:
+        return np.array(entries)
+
+
+def _seconds(header: str | None) -> float | None:
+    return float(header) if header is not None and header.isdecimal() else None
+
+
+@dataclass(frozen=True)
+class Call(Generic[A]):
+    """One request."""
+
+    route: Route[A]
+    path: str
+    body: Body | None
+
+    def request(self, http: httpx.Client | httpx.AsyncClient, timeout_s: float) -> httpx.Request:
+        """As HTTP."""
+        content = None if self.body is None else self.body.json_bytes()
+        headers = {"accept": self.route.accept}
+        if content is not None:
+            headers["content-type"] = "application/json"
+        return http.build_request(self.route.method, self.path, content=content, headers=headers, timeout=timeout_s)
+
+
+RESOLVE = Route("POST", "/v1/resolve", ResolveAnswer)
+RESOLVE_BATCH = Route("POST", "/v1/resolve/batch", BatchAnswer)
+KINEMATICS = Route("POST", "/v1/kinematics", KinematicsAnswer)
+STABILITY = Route("POST", "/v1/stability", StabilityAnswer)
+STEP = Route("POST", "/v1/step", StepAnswer)
+
+CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, repeatable=False)
+SHOW_CONTROLLER = Route("GET", "/v1/controllers/{}", SessionStatus)
+DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))
+# The same state with the same sequence number is not stepped twice.
+STEP_CONTROLLER = Route("POST", "/v1/controllers/{}/step", StepAnswer)
+STREAM_CONTROLLER = "/v1/controllers/{}/stream"
+
+ROBOTS = Route("GET", "/v1/robots", RobotList)
+ROBOT = Route("GET", "/v1/robots/{}", Robot)
+REGISTER_ROBOT = Route("POST", "/v1/robots", Robot, repeatable=False)
+DELETE_ROBOT = Route("DELETE", "/v1/robots/{}", type(None))
+
+SCENARIOS = Route("GET", "/v1/scenarios", ScenarioList)
+SCENARIO = Route("GET", "/v1/scenarios/{}", Scenario)
+
+CREATE_SIMULATION = Route("POST", "/v1/simulations", Simulation, repeatable=False)
+SIMULATION = Route("GET", "/v1/simulations/{}", Simulation)
+DELETE_SIMULATION = Route("DELETE", "/v1/simulations/{}", type(None))
+TRACE = TraceRoute("GET", "/v1/simulations/{}/trace", dict)

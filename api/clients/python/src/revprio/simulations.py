@@ -1,0 +1,52 @@
+"""Experiments that the service runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from revprio import routes
+from revprio.errors import SimulationError
+from revprio.models import Simulation, SimulationRequest
+
+if TYPE_CHECKING:
+    from revprio.client import Client
+
+POLL_S = 0.1
+"""Between two looks at a running experiment, s."""
+
+
+class SimulationRun:
+    """An experiment, queued, running or ended."""
+
+    def __init__(self, client: Client, request: SimulationRequest) -> None:
+        """Starts it."""
+        self._client = client
+        self.id = client.call(routes.CREATE_SIMULATION(body=request)).id
+
+    def status(self) -> Simulation:
+        """State and progress (0 … 1); metrics once it is finished."""
+        return self._client.call(routes.SIMULATION(self.id))
+
+    def result(self, on_progress: Callable[[Simulation], object] = lambda _: None) -> Simulation:
+        """Waits for its end; raises `SimulationError` if it failed or was cancelled."""
+        while not has_ended(status := self.status()):
+            on_progress(status)
+            time.sleep(POLL_S)
+        return status
+
+    def trace(self) -> routes.Trace:
+        """Every control period of a finished run: an array per column of the table that the service documents."""
+        return self._client.call(routes.TRACE(self.id))
+
+    def cancel(self) -> None:
+        """Ends it, or forgets it once it has ended."""
+        self._client.call(routes.DELETE_SIMULATION(self.id))
+
+
+def has_ended(status: Simulation) -> bool:
+    """Whether it is finished; raises if it never will be."""
+    if status.state in ("failed", "cancelled"):
+        raise SimulationError(status)
+    return status.state == "finished"

@@ -1,0 +1,147 @@
+"""The conversion of messages, with stand-ins for them: python3 -m unittest discover -s api/clients/ros2"""
+
+import math
+import unittest
+from types import SimpleNamespace as Message
+
+import conversion
+
+JOINTS = ["shoulder", "elbow", "wrist"]
+
+
+def stamp(seconds):
+    sec = math.floor(seconds)
+    return Message(sec=sec, nanosec=round(1e9 * (seconds - sec)))
+
+
+def xyz(x, y, z):
+    return Message(x=x, y=y, z=z)
+
+
+def joint_state(seconds=100.0, **changed):
+    """Another order than the robot's, and a joint that is none of its."""
+    fields = {"name": ["wrist", "finger", "shoulder", "elbow"], "position": [0.3, 9.0, 0.1, 0.2],
+              "velocity": [3.0, 9.0, 1.0, 2.0], "effort": []}
+    return Message(header=Message(stamp=stamp(seconds), frame_id=""), **fields | changed)
+
+
+def wrench_stamped(seconds=100.0):
+    wrench = Message(force=xyz(1.0, 2.0, 3.0), torque=xyz(4.0, 5.0, 6.0))
+    return Message(header=Message(stamp=stamp(seconds), frame_id="tool0"), wrench=wrench)
+
+
+def state(joints=None, wrench=None, **changed):
+    options = {"sequence": 7, "start_s": 99.5, "now_s": 100.001, "max_age_s": 0.02} | changed
+    return conversion.state(joints or joint_state(), wrench or wrench_stamped(), JOINTS, **options)
+
+
+class States(unittest.TestCase):
+    def test_joints_go_by_name_and_those_of_others_are_left_out(self):
+        self.assertEqual(state()["joint_position"], {"shoulder": 0.1, "elbow": 0.2, "wrist": 0.3})
+        self.assertEqual(state()["joint_velocity"], {"shoulder": 1.0, "elbow": 2.0, "wrist": 3.0})
+
+    def test_time_counts_from_the_start_to_the_nanosecond(self):
+        epoch = 1_700_000_000
+        joints = joint_state()
+        joints.header.stamp = Message(sec=epoch, nanosec=250_000_000)
+        body = state(joints, wrench_stamped(epoch + 0.25), start_s=float(epoch), now_s=epoch + 0.25)
+        self.assertAlmostEqual(body["time_s"], 0.25, places=6)
+        self.assertEqual(body["sequence"], 7)
+
+    def test_a_velocity_that_is_not_measured_is_left_out(self):
+        for velocity in ([], [math.nan] * 4, [3.0, 9.0, math.nan, 2.0]):
+            self.assertNotIn("joint_velocity", state(joint_state(velocity=velocity)))
+
+    def test_a_missing_position_is_no_state(self):
+        for changed in ({"name": ["wrist", "finger", "shoulder", "knee"]}, {"position": [0.3, 9.0, math.inf, 0.2]}):
+            with self.assertRaisesRegex(conversion.NotFresh, "shoulder, elbow, wrist"):
+                state(joint_state(**changed))
+
+    def test_late_messages_are_no_state_nor_are_those_from_the_future(self):
+        self.assertIn("wrench", state(now_s=100.0199))
+        for late in ({"now_s": 100.021}, {"joints": joint_state(99.9)}, {"wrench": wrench_stamped(99.9)}, {"now_s": 99.9}):
+            with self.assertRaisesRegex(conversion.NotFresh, "0.02 s"):
+                state(**late)
+        with self.assertRaises(conversion.NotFresh):
+            conversion.state(None, None, JOINTS, sequence=1, start_s=0, now_s=0, max_age_s=1)
+
+
+class Wrenches(unittest.TestCase):
+    def test_a_wrench_passes_as_it_is(self):
+        self.assertEqual(state()["wrench"], {"force": [1.0, 2.0, 3.0], "torque": [4.0, 5.0, 6.0]})
+
+    def test_a_quarter_turn_about_z_takes_x_to_y(self):
+        half = math.sqrt(0.5)
+        turn = Message(rotation=Message(w=half, x=0.0, y=0.0, z=half), translation=xyz(0.0, 0.0, 0.0))
+        moved = state(transform=turn)["wrench"]
+        for got, wanted in zip(moved["force"] + moved["torque"], [-2.0, 1.0, 3.0, -5.0, 4.0, 6.0]):
+            self.assertAlmostEqual(got, wanted, places=12)
+
+    def test_a_lever_adds_its_torque(self):
+        lever = Message(rotation=Message(w=1.0, x=0.0, y=0.0, z=0.0), translation=xyz(0.0, 0.0, 0.1))
+        moved = state(transform=lever)["wrench"]
+        self.assertEqual(moved["force"], [1.0, 2.0, 3.0])
+        for got, wanted in zip(moved["torque"], [4.0 - 0.2, 5.0 + 0.1, 6.0]):
+            self.assertAlmostEqual(got, wanted, places=12)
+
+    def test_a_turn_and_its_inverse_cancel(self):
+        w, x, y, z = 0.5, -0.5, 0.5, 0.5
+        there = Message(w=w, x=x, y=y, z=z)
+        back = Message(w=w, x=-x, y=-y, z=-z)
+        for got, wanted in zip(conversion.rotated(back, conversion.rotated(there, [1.0, 2.0, 3.0])), [1.0, 2.0, 3.0]):
+            self.assertAlmostEqual(got, wanted, places=12)
+
+
+class Commands(unittest.TestCase):
+    def test_velocities_follow_the_order_of_their_taker(self):
+        self.assertEqual(conversion.in_order([1.0, 2.0, 3.0], JOINTS, ["wrist", "shoulder", "elbow"]), [3.0, 1.0, 2.0])
+        with self.assertRaises(ValueError):
+            conversion.in_order([1.0, 2.0], JOINTS, JOINTS)
+
+    def test_a_trajectory_point_lies_one_period_ahead(self):
+        positions, velocities, time = conversion.trajectory_point([0.1, 0.2], [1.0, -2.0], 0.01)
+        self.assertEqual((velocities, time), ([1.0, -2.0], (0, 10_000_000)))
+        for got, wanted in zip(positions, [0.11, 0.18]):
+            self.assertAlmostEqual(got, wanted, places=12)
+
+    def test_a_twist_is_two_tasks_translation_first(self):
+        twist = Message(linear=xyz(0.1, 0.2, 0.3), angular=xyz(0.4, 0.5, 0.6))
+        body = conversion.twist_problem("panda", {"a": 0.0}, twist, 0.01)
+        asked = [(task["axes"], task["velocity"]) for task in body["tasks"]]
+        self.assertEqual(asked, [(["x", "y", "z"], [0.1, 0.2, 0.3]), (["rx", "ry", "rz"], [0.4, 0.5, 0.6])])
+
+
+class Watchdogs(unittest.TestCase):
+    def setUp(self):
+        self.watchdog = conversion.Watchdog([10.0, 5.0], 0.01)
+
+    def test_nothing_moves_before_the_first_answer(self):
+        self.assertEqual(self.watchdog.command(0.0), [0.0, 0.0])
+
+    def test_an_answer_holds_while_valid_counted_from_the_measurement(self):
+        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        self.assertEqual(self.watchdog.command(1.1), [0.25, -0.12])
+
+    def test_then_every_joint_slows_down_at_its_own_limit_and_stays_at_rest(self):
+        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        ramp = [self.watchdog.command(1.11 + 0.01 * i) for i in range(5)]
+        for got, wanted in zip(ramp, [[0.15, -0.07], [0.05, -0.02], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]):
+            for a, b in zip(got, wanted):
+                self.assertAlmostEqual(a, b, places=12)
+
+    def test_a_joint_without_an_acceleration_limit_rests_at_once(self):
+        watchdog = conversion.Watchdog([None, 5.0], 0.01)
+        watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        velocity = watchdog.command(1.2)
+        self.assertEqual(velocity[0], 0.0)
+        self.assertAlmostEqual(velocity[1], -0.07, places=12)
+
+    def test_a_new_answer_counts_again(self):
+        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        self.watchdog.command(2.0)
+        self.watchdog.heard({"joint_velocity": [0.2, 0.1], "valid_for_ms": 100}, 2.0)
+        self.assertEqual(self.watchdog.command(2.05), [0.2, 0.1])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+/** A running service, and a line to it that can stall or lose an answer. */
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { connect, createServer, type AddressInfo, type Socket } from "node:net";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import type { TestContext } from "node:test";
+import { WebSocket } from "ws";
+import { Client, type ClientOptions, type Controller } from "../src/index.js";
+
+const ROOT = join(import.meta.dirname, "../../../../..");
+export const POSTURE = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+export const AT_REST = { joint_position: POSTURE, wrench: { force: [0, 0, 0], torque: [0, 0, 0] } };
+
+export function example(name: string): any {
+  return JSON.parse(readFileSync(join(ROOT, "api/examples", `${name}.json`), "utf8"));
+}
+
+export const CONTROLLER: Controller = example("controller");
+export const SLOW: Controller = { ...CONTROLLER, period_s: 0.01 };
+
+export interface Service {
+  url: string;
+  kill(): void;
+}
+
+/** A service until the end of the test. */
+export async function serve(test: TestContext, ...flags: string[]): Promise<Service> {
+  const program = process.env["REVPRIO"] ?? join(ROOT, "target/debug/revprio");
+  const child = spawn(program, ["serve", "--listen", "127.0.0.1:0", ...flags], { stdio: ["ignore", "pipe", "ignore"] });
+  const kill = () => void child.kill("SIGKILL");
+  test.after(kill);
+  for await (const line of createInterface(child.stdout)) return { url: line.split(" ").at(-1)!, kill };
+  throw new Error("the service does not start");
+}
+
+/** A file with a token. */
+export function tokenFile(token: string): string {
+  const path = join(mkdtempSync(join(tmpdir(), "revprio-")), "token");
+  writeFileSync(path, token, { mode: 0o600 });
+  return path;
+}
+
+/** A client that is patient with a busy machine, with the WebSocket of `ws`. */
+export function patient(url: string, options: ClientOptions = {}): Client {
+  const webSocket: ClientOptions["webSocket"] = (to, protocol, headers) => new WebSocket(to, protocol, { headers });
+  return new Client(url, { timeoutMs: 60_000, stepTimeoutMs: 60_000, webSocket, ...options });
+}
+
+export interface Line {
+  url: string;
+  stall(): void;
+  resume(): void;
+  loseNextAnswer(): void;
+}
+
+/** A TCP line to a service until the end of the test. */
+export async function lineTo(test: TestContext, url: string): Promise<Line> {
+  const port = Number(new URL(url).port);
+  const backwards = new Set<Socket>();
+  let isStalled = false;
+  let loses = false;
+  const server = createServer((near) => {
+    const far = connect(port, "127.0.0.1");
+    backwards.add(far);
+    near.on("data", (data) => far.write(data));
+    far.on("data", (data) => {
+      if (loses) near.destroy();
+      else near.write(data);
+      loses = false;
+    });
+    if (isStalled) far.pause();
+    for (const [from, to] of [[near, far], [far, near]] as const) {
+      from.on("error", () => to.destroy());
+      from.on("close", () => (backwards.delete(far), to.destroy()));
+    }
+  });
+  await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
+  test.after(() => (backwards.forEach((socket) => socket.destroy()), server.close()));
+  return {
+    url: `http://127.0.0.1:${(server.address() as AddressInfo).port}`,
+    stall: () => ((isStalled = true), backwards.forEach((socket) => socket.pause())),
+    resume: () => ((isStalled = false), backwards.forEach((socket) => socket.resume())),
+    loseNextAnswer: () => void (loses = true),
+  };
+}

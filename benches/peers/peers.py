@@ -1,0 +1,127 @@
+"""The problems through Python: NumPy on Pinocchio, placo, pink. Lines as those of peers.cpp: python peers.py FILE URDF
+PROGRAM, where PROGRAM is placo or pink; placo needs another Pinocchio than the others.
+
+Each call does kinematics and resolution. placo and pink weigh the tasks (x a thousand times the rest) instead of ordering
+them, as is their way; what that costs in accuracy stands in the columns of the errors.
+"""
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+
+FILE, URDF, PROGRAM = sys.argv[1:]
+ROWS = np.loadtxt(FILE, delimiter=',')
+Q, XDOT, LIMIT, CLOSED, EXACT = np.split(ROWS, [7, 13, 20, 27], axis=1)
+WEIGHT = 1e3
+DT = 1e-3
+model = pinocchio.buildModelFromUrdf(URDF)
+data, frame = model.createData(), model.getFrameId('tool')
+
+
+def jacobian(q):
+    pinocchio.computeJointJacobians(model, data, q)
+    return pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL_WORLD_ALIGNED)
+
+
+def report(name, solve, exact, rounds=5):
+    error = first = 0.0
+    for i, q in enumerate(Q):
+        difference = solve(i) - exact[i]
+        pinocchio.updateFramePlacements(model, data)
+        error, first = max(error, abs(difference).max()), max(first, abs(jacobian(q)[0] @ difference))
+    times = []
+    for _ in range(rounds):
+        for i in range(len(Q)):
+            start = time.perf_counter()
+            solve(i)
+            times.append(time.perf_counter() - start)
+    print(f'{name},{np.median(times):.4e},{np.quantile(times, 0.99):.4e},{error:.1e},{first:.1e}', flush=True)
+
+
+def with_numpy(i):
+    J = jacobian(Q[i])
+    q2 = np.linalg.pinv(J[1:]) @ XDOT[i, 1:]
+    T = np.linalg.pinv(J)[:, :1]
+    return q2 + T @ np.linalg.pinv(J[:1] @ T) @ (XDOT[i, :1] - J[:1] @ q2)
+
+
+def with_placo():
+    import placo
+    robot = placo.RobotWrapper(URDF, placo.Flags.ignore_collisions)
+    names = [name for name in model.names[1:]]
+    solver = placo.KinematicsSolver(robot)
+    solver.mask_fbase(True)
+    solver.enable_velocity_limits(True)
+    solver.enable_joint_limits(False)
+    solver.dt = DT
+    first, others = (solver.add_position_task('tool', np.zeros(3)) for _ in range(2))
+    first.mask.set_axises('x')
+    others.mask.set_axises('yz')
+    turn = solver.add_orientation_task('tool', np.eye(3))
+    first.configure('x', 'soft', WEIGHT)
+    others.configure('yz', 'soft', 1.0)
+    turn.configure('turn', 'soft', 1.0)
+    solver.add_regularization_task(1e-8)
+
+    def solve(i):
+        for name, q, limit in zip(names, Q[i], LIMIT[i]):
+            robot.set_joint(name, q)
+            robot.set_velocity_limit(name, limit)
+        robot.update_kinematics()
+        T = robot.get_T_world_frame('tool')
+        target = T[:3, 3] + DT * XDOT[i, :3]
+        first.target_world = others.target_world = target
+        turn.R_world_frame = pinocchio.exp3(DT * XDOT[i, 3:]) @ T[:3, :3]
+        return solver.solve(False)[-7:] / DT
+
+    return solve
+
+
+def with_pink():
+    import pink
+    from pink.limits import VelocityLimit
+    from pink.tasks import Task
+
+    class Rows(Task):
+        """Rows of the tool's twist in base axes."""
+
+        def __init__(self, rows, cost):
+            super().__init__(cost=cost)
+            self.rows, self.xdot = rows, None
+
+        def __repr__(self):
+            return f'Rows({self.rows})'
+
+        def compute_error(self, configuration):
+            return -DT * self.xdot[self.rows]
+
+        def compute_jacobian(self, configuration):
+            return pinocchio.getFrameJacobian(
+                configuration.model, configuration.data, frame, pinocchio.LOCAL_WORLD_ALIGNED)[self.rows]
+
+    tasks = [Rows(slice(0, 1), WEIGHT ** 0.5), Rows(slice(1, 6), 1.0)]
+
+    def solve(i):
+        configuration = pink.Configuration(model, data, Q[i])
+        for task in tasks:
+            task.xdot = XDOT[i]
+        limits = [VelocityLimit(model, LIMIT[i])]
+        return pink.solve_ik(configuration, tasks, DT, solver='daqp', damping=1e-8, limits=limits, safety_break=False)
+
+    return solve
+
+
+def attempt(name, make):
+    try:
+        report(name, make(), EXACT)
+    except Exception as error:  # a peer that cannot be had is said so, never faked
+        print(f'{name}: {type(error).__name__}: {error}'.replace(',', ';').replace('\n', ' '), flush=True)
+
+
+if PROGRAM == 'placo':
+    attempt('limits: placo, weighted (Python)', with_placo)
+else:
+    report('closed form: Pinocchio + NumPy pinv (Python)', with_numpy, CLOSED)
+    attempt('limits: pink with DAQP, weighted (Python)', with_pink)

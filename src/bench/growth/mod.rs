@@ -1,0 +1,21 @@
+//! How cost grows: with joints, tasks, sessions, items of a batch, and simulations side by side.
+
+mod arms;
+mod cycles;
+mod requests;
+pub mod simulations;
+
+use super::BenchError;
+use super::plan::Plan;
+use super::series::Growth;
+
+/// A figure each.
+pub fn curves(plan: &Plan) -> Result<Vec<Growth>, BenchError> {
+    Ok(vec![
+        cycles::joints(plan)?,
+        cycles::tasks(plan)?,
+        requests::sessions(plan)?,
+        requests::batch(plan)?,
+        simulations::side_by_side(plan)?,
+    ])
+}

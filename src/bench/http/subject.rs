@@ -1,0 +1,121 @@
+//! The service under test and the bytes that it is sent.
+
+use std::net::SocketAddr;
+
+use serde::de::DeserializeOwned;
+
+use super::connection::{Connection, NUMBER, Request};
+use crate::bench::BenchError;
+use crate::client::Client;
+use crate::service::{App, Robots, RunningServer, router};
+use crate::wire;
+
+/// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
+const STEP: &str = include_str!("../../../api/examples/step.json");
+
+/// How a step is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Call {
+    /// The controller and its memory travel with the state.
+    Stateless,
+    /// The service keeps them.
+    Session,
+}
+
+impl Call {
+    /// For people.
+    pub fn route(self) -> &'static str {
+        match self {
+            Self::Stateless => "/v1/step",
+            Self::Session => "/v1/controllers/{id}/step",
+        }
+    }
+}
+
+/// A running service with a session.
+pub struct UnderTest {
+    pub address: SocketAddr,
+    _server: RunningServer,
+    client: Client,
+    step: wire::StepRequest,
+    session: String,
+}
+
+impl UnderTest {
+    /// Starts one on this thread's cores.
+    pub fn start() -> Result<Self, BenchError> {
+        Self::on(RunningServer::start(router(App::new(Robots::built_in())))?)
+    }
+
+    /// The service that runs already.
+    pub fn on(server: RunningServer) -> Result<Self, BenchError> {
+        let client = Client::new(&server.url());
+        let mut step: wire::StepRequest = serde_json::from_str(STEP).map_err(BenchError::defect)?;
+        step.memory = client.step(&step)?.memory;
+        step.state.sequence = NUMBER.parse().map_err(BenchError::defect)?;
+        let session = client.create_controller(&step.controller)?.id;
+        let address = server.url().trim_start_matches("http://").parse().map_err(BenchError::defect)?;
+        Ok(Self { address, _server: server, client, step, session })
+    }
+
+    /// Requests of which each is a new control period.
+    pub fn request(&self, call: Call) -> Request {
+        match call {
+            Call::Stateless => Request::post("/v1/step", &self.step_body()),
+            Call::Session => self.request_of(&self.session),
+        }
+    }
+
+    /// The same for another session.
+    pub fn request_of(&self, session: &str) -> Request {
+        Request::post(&format!("/v1/controllers/{session}/step"), &self.state())
+    }
+
+    /// The body of a stateless step as JSON.
+    pub fn step_body(&self) -> String {
+        text(&self.step)
+    }
+
+    /// A state as JSON, with a number that counts up.
+    pub fn state(&self) -> String {
+        text(&self.step.state)
+    }
+
+    /// Opens another session and returns its name.
+    pub fn another_session(&self) -> Result<String, BenchError> {
+        Ok(self.client.create_controller(&self.step.controller)?.id)
+    }
+
+    /// So many connections to an address, each with a session of its own here.
+    pub fn connections(&self, count: usize, address: SocketAddr) -> Result<Vec<Connection>, BenchError> {
+        let open = |_| Ok(Connection::open(address, self.request_of(&self.another_session()?))?);
+        (0..count).map(open).collect()
+    }
+
+    /// Length of an answer, head included, bytes.
+    pub fn answer_length(&self, call: Call) -> Result<usize, BenchError> {
+        Ok(Connection::open(self.address, self.fresh(call)?)?.ask()?)
+    }
+
+    /// What such a request is answered.
+    pub fn parsed_answer<A: DeserializeOwned>(&self, call: Call) -> Result<A, BenchError> {
+        let mut connection = Connection::open(self.address, self.fresh(call)?)?;
+        let length = connection.ask()?;
+        let answer = connection.answer(length);
+        let body = answer.windows(4).position(|window| window == b"\r\n\r\n").map_or(&[][..], |at| &answer[at + 4..]);
+        serde_json::from_slice(body).map_err(BenchError::defect)
+    }
+
+    /// A request that spends no number of the session that is measured.
+    fn fresh(&self, call: Call) -> Result<Request, BenchError> {
+        match call {
+            Call::Stateless => Ok(self.request(call)),
+            Call::Session => Ok(self.request_of(&self.another_session()?)),
+        }
+    }
+}
+
+/// As JSON; what comes from this crate's own types always can be written.
+fn text(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}

@@ -1,0 +1,174 @@
+//! Rows of the table, and the table itself.
+
+use serde::Serialize;
+
+use super::timing::Times;
+
+/// What a number means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// Seconds; less is better.
+    Seconds,
+    /// Something per second; more is better.
+    PerSecond,
+}
+
+/// One measured quantity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantity {
+    /// What was measured.
+    pub name: String,
+    /// Median, or the only value.
+    pub median: f64,
+    /// What 99 of 100 stay below; `None` for a single value.
+    pub p99: Option<f64>,
+}
+
+/// One line of the table: ours, and where there is one, a peer of the same run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Ours.
+    pub ours: Quantity,
+    /// What it is compared with.
+    pub peer: Option<Quantity>,
+    /// Ours divided by the peer's, from neighbouring turns.
+    pub ratio: Option<f64>,
+    /// Of all numbers.
+    pub unit: Unit,
+    /// How it is to be read; empty where the name says it.
+    pub note: String,
+}
+
+impl From<&Times> for Quantity {
+    fn from(times: &Times) -> Self {
+        Self { name: times.name.clone(), median: times.median(), p99: Some(times.quantile(0.99)) }
+    }
+}
+
+impl Row {
+    /// Times, with or without a peer's.
+    pub fn of_times(ours: &Times, peer: Option<&Times>) -> Self {
+        Self {
+            ours: ours.into(),
+            peer: peer.map(Quantity::from),
+            ratio: peer.map(|peer| ours.ratio(peer)),
+            unit: Unit::Seconds,
+            note: String::new(),
+        }
+    }
+
+    /// The first of these times is ours, the others are peers: a row for each.
+    pub fn against_each(times: &[Times]) -> Vec<Self> {
+        match times {
+            [ours] => vec![Self::of_times(ours, None)],
+            [ours, peers @ ..] => peers.iter().map(|peer| Self::of_times(ours, Some(peer))).collect(),
+            [] => Vec::new(),
+        }
+    }
+
+    /// Rates, 1/s.
+    pub fn of_rates(name: &str, ours: f64, peer: &str, peers: f64) -> Self {
+        let rate = |name: &str, median: f64| Quantity { name: name.to_owned(), median, p99: None };
+        Self {
+            ours: rate(name, ours),
+            peer: Some(rate(peer, peers)),
+            ratio: Some(ours / peers),
+            unit: Unit::PerSecond,
+            note: String::new(),
+        }
+    }
+
+    /// The same row with a remark.
+    #[must_use]
+    pub fn with_note(self, note: impl Into<String>) -> Self {
+        Self { note: note.into(), ..self }
+    }
+}
+
+/// Columns of the table.
+const HEADINGS: [&str; 6] = ["what", "median", "p99", "beside", "its median", "ratio"];
+
+/// The cells of a row.
+pub fn cells(row: &Row) -> [String; HEADINGS.len()] {
+    let shown = |value: f64| match row.unit {
+        Unit::Seconds => seconds(value),
+        Unit::PerSecond => format!("{value:.0}/s"),
+    };
+    let peer = row.peer.as_ref();
+    [
+        row.ours.name.clone(),
+        shown(row.ours.median),
+        row.ours.p99.map_or_else(String::new, shown),
+        peer.map_or_else(|| row.note.clone(), |peer| peer.name.clone()),
+        peer.map_or_else(String::new, |peer| shown(peer.median)),
+        row.ratio.map_or_else(String::new, |ratio| format!("{ratio:.2}")),
+    ]
+}
+
+/// Rows as aligned text, two lines of which are the headings.
+pub fn text(rows: &[Row]) -> String {
+    let lines: Vec<_> = std::iter::once(HEADINGS.map(str::to_owned)).chain(rows.iter().map(cells)).collect();
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..HEADINGS.len()).map(width).collect();
+    let aligned = |(column, cell): (usize, &String)| {
+        let width = widths[column];
+        if is_text(column) { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+    };
+    let line = |line: &[String; HEADINGS.len()]| {
+        line.iter().enumerate().map(aligned).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+    };
+    lines.iter().map(line).collect()
+}
+
+/// Rows as a table in Markdown.
+pub fn markdown(rows: &[Row]) -> String {
+    let line = |cells: [String; HEADINGS.len()]| format!("| {} |\n", cells.join(" | "));
+    let rule = std::array::from_fn(|column| if is_text(column) { "---" } else { "---:" }.to_owned());
+    let head = line(HEADINGS.map(str::to_owned)) + &line(rule);
+    rows.iter().map(|row| line(cells(row))).fold(head, |table, line| table + &line)
+}
+
+fn is_text(column: usize) -> bool {
+    matches!(column, 0 | 3)
+}
+
+/// A time in the unit that suits it, with three digits.
+pub fn seconds(value: f64) -> String {
+    let (scaled, unit) = match value {
+        value if value < 1e-6 => (value * 1e9, "ns"),
+        value if value < 1e-3 => (value * 1e6, "µs"),
+        value if value < 1.0 => (value * 1e3, "ms"),
+        value => (value, "s"),
+    };
+    let decimals = match scaled {
+        scaled if scaled < 9.995 => 2,
+        scaled if scaled < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{scaled:.decimals$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_shown_with_three_digits_in_their_own_unit() {
+        let shown = [1.234e-7, 9.996e-6, 2.5e-5, 0.123, 4.0].map(seconds);
+        assert_eq!(shown, ["123 ns", "10.0 µs", "25.0 µs", "123 ms", "4.00 s"]);
+    }
+
+    #[test]
+    fn a_table_has_a_line_per_row_and_the_ratio_to_the_peer() {
+        let (ours, peer) = (Times::of("ours", vec![2e-6]), Times::of("theirs", vec![1e-6]));
+        let rows = [Row::of_times(&ours, Some(&peer)), Row::of_rates("calls", 100.0, "bare calls", 200.0)];
+        assert_eq!(
+            text(&rows),
+            "what    median      p99  beside      its median  ratio\n\
+             ours   2.00 µs  2.00 µs  theirs         1.00 µs   2.00\n\
+             calls    100/s           bare calls       200/s   0.50\n"
+        );
+        assert!(markdown(&rows).ends_with("| calls | 100/s |  | bare calls | 200/s | 0.50 |\n"));
+    }
+}

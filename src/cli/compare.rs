@@ -1,0 +1,180 @@
+//! `revprio compare`
+
+use std::io::{Write as _, stderr, stdout};
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use super::experiment::{Laboratory, make_directory, program, report as report_beside, store};
+use super::robot::RobotArgument;
+use super::{CliError, traces};
+use crate::report::experiment::{Experiment, Run};
+use crate::report::table::{Row, side_by_side};
+use crate::report::{self, Output, Report};
+use crate::simulator::{CallMode, Scenario};
+use crate::wire::{Method, Solver};
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Names of built-in scenarios, or files (.toml or .json)
+    #[arg(required = true, value_name = "SCENARIO")]
+    scenarios: Vec<String>,
+    /// Methods to compare, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = DEFAULT_METHODS)]
+    methods: Vec<Method>,
+    /// Solvers to compare, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Solver::Auto])]
+    solvers: Vec<Solver>,
+    /// What is printed
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    #[arg(long)]
+    server: Option<String>,
+    /// An arm of your own instead of the scenarios'
+    #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
+    robot: Option<RobotArgument>,
+    /// Directory for what is written
+    #[arg(long, default_value = "revprio-out")]
+    out: PathBuf,
+    /// What is written there, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Kind::ALL)]
+    write: Vec<Kind>,
+    #[command(flatten)]
+    traces: traces::Options,
+}
+
+const DEFAULT_METHODS: [Method; 2] = [Method::DampedLeastSquares, Method::ReversePriority];
+
+/// How the comparison is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table per scenario, a column per run
+    Table,
+    /// The measures of every run
+    Json,
+    /// The tables and remarks for a document, without times of this machine
+    Markdown,
+}
+
+/// What a comparison leaves behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// The page, index.html
+    Page,
+    /// Figures as SVG
+    Svg,
+    /// Figures as PNG
+    Png,
+    /// Traces, and experiment.json for `revprio report`
+    Traces,
+}
+
+impl Kind {
+    const ALL: [Self; 4] = [Self::Page, Self::Svg, Self::Png, Self::Traces];
+
+    const fn output(self) -> Option<Output> {
+        match self {
+            Self::Page => Some(Output::Page),
+            Self::Svg => Some(Output::Svg),
+            Self::Png => Some(Output::Png),
+            Self::Traces => None,
+        }
+    }
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
+    make_directory(&options.out)?;
+    let laboratory = Laboratory::open(options.server.as_deref(), options.robot.as_ref(), CallMode::Session)?;
+    let (mut runs, mut failures) = (Vec::new(), Vec::new());
+    for name in &options.scenarios {
+        let scenario = laboratory.scenario(name)?;
+        laboratory.warn(&scenario)?;
+        for variant in variants(&scenario, options) {
+            match laboratory.run(&variant) {
+                Ok(run) => runs.push(run),
+                // One method that cannot bear the scenario is a result; the others are still worth seeing.
+                Err(CliError::Run(error)) => failures.push(failure(&variant, &error.to_string())?),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    if runs.is_empty() {
+        return Err(CliError::NothingToCompare(failures.join("; ")));
+    }
+    let experiment = experiment(options, &scenarios, runs, failures);
+    let report = report_beside(&experiment, &options.traces);
+    print(options.format, &report)?;
+    if options.write.contains(&Kind::Traces) {
+        store(&options.out, &experiment, &options.traces)?;
+    }
+    let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
+    let written = report::write(&options.out, &report, &outputs)?;
+    if let Some(last) = written.last() {
+        writeln!(stderr(), "\nwritten: {}", if written.len() > 1 { options.out.display() } else { last.display() })?;
+    }
+    Ok(())
+}
+
+/// The scenario with every method and solver, each once.
+fn variants(scenario: &Scenario, options: &Options) -> Vec<Scenario> {
+    let mut variants: Vec<Scenario> = Vec::new();
+    for method in &options.methods {
+        for solver in &options.solvers {
+            let mut variant = scenario.clone();
+            (variant.controller.method, variant.controller.solver) = (*method, *solver);
+            if !variants.contains(&variant) {
+                variants.push(variant);
+            }
+        }
+    }
+    variants
+}
+
+fn failure(variant: &Scenario, error: &str) -> Result<String, CliError> {
+    let wire = &variant.controller;
+    let text = format!("{}, {}, {} did not get to its end: {error}", variant.name, wire.method, wire.solver);
+    writeln!(stderr(), "warning: {text}")?;
+    Ok(text + ".")
+}
+
+fn experiment(options: &Options, scenarios: &[Scenario], runs: Vec<Run>, failures: Vec<String>) -> Experiment {
+    let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+    let described = scenarios.iter().map(|scenario| format!("{}: {}.", scenario.name, scenario.description));
+    Experiment {
+        title: format!("{}: {} runs compared", names.join(", ").replace('_', " "), runs.len()),
+        question: [QUESTION.to_owned()].into_iter().chain(described).collect(),
+        command: command(options),
+        program: program(),
+        runs,
+        failures,
+    }
+}
+
+const QUESTION: &str = "The same arm, tasks and contacts, controlled by different methods or solvers: who keeps the first \
+     task, who keeps the limits, and what does it cost the others?";
+
+/// The command that repeats the comparison.
+fn command(options: &Options) -> String {
+    let list = |words: Vec<String>| words.join(",");
+    let methods = list(options.methods.iter().map(ToString::to_string).collect());
+    let solvers = list(options.solvers.iter().map(ToString::to_string).collect());
+    let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
+    format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}", options.scenarios.join(" "))
+}
+
+/// Prints all runs side by side.
+pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
+    match format {
+        Format::Table => write!(stdout(), "{}", side_by_side::text(&report.rows))?,
+        Format::Json => writeln!(stdout(), "{}", json(&report.rows))?,
+        Format::Markdown => write!(stdout(), "{}", report::markdown::document(report))?,
+    }
+    Ok(())
+}
+
+/// Measures that are not finite are `null`.
+fn json(rows: &[Row]) -> String {
+    serde_json::to_string_pretty(&serde_json::json!({ "runs": rows })).unwrap_or_default()
+}

@@ -1,0 +1,154 @@
+//! What the commands that run scenarios share: the runs, and the directory that they leave.
+
+use std::io::{Write as _, stderr};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+
+use super::robot::{Registration, RobotArgument};
+use super::{CliError, Target, progress_bar, traces};
+use crate::client::ClientError;
+use crate::report::experiment::{Experiment, Program, Run, store};
+use crate::report::{self, Output, Report};
+use crate::robot::RobotModel;
+use crate::service::{Robots, robot_answer};
+use crate::simulator::recording::Recording;
+use crate::simulator::{CallMode, Scenario, built_in_robot, run_robot};
+use crate::wire::Problem;
+
+/// The service that runs call, and the arm that they move instead of the scenario's.
+pub struct Laboratory {
+    target: Target,
+    robot: Option<Arc<RobotModel>>,
+    _registration: Option<Registration>,
+    mode: CallMode,
+}
+
+impl Laboratory {
+    /// With a robot of one's own, a service that knows it, at least for as long as this lives.
+    pub fn open(server: Option<&str>, robot: Option<&RobotArgument>, mode: CallMode) -> Result<Self, CliError> {
+        let model = robot.map(RobotArgument::read).transpose()?;
+        let (target, registration) = match (server, robot, &model) {
+            (None, _, Some(model)) => (Target::own(Robots::none().with(Arc::clone(model))?)?, None),
+            (Some(url), Some(argument), Some(model)) => {
+                let target = Target::open(Some(url))?;
+                let registration = argument.register(model, &target.client, url)?;
+                (target, registration)
+            }
+            (url, _, _) => (Target::open(url)?, None),
+        };
+        Ok(Self { target, robot: model, _registration: registration, mode })
+    }
+
+    /// A scenario by name or path, about the arm of this laboratory.
+    pub fn scenario(&self, name_or_path: &str) -> Result<Scenario, CliError> {
+        let mut scenario = Scenario::find(name_or_path)?;
+        if let Some(robot) = &self.robot {
+            robot.name().clone_into(&mut scenario.controller.robot);
+        }
+        Ok(scenario)
+    }
+
+    /// Prints what the service warns of in this scenario; the controller that is made for it ends at once.
+    pub fn warn(&self, scenario: &Scenario) -> Result<(), CliError> {
+        let client = &self.target.client;
+        let created = match client.create_controller(&scenario.controller_in_environment()) {
+            Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
+                writeln!(stderr(), "warning: stability is not checked: {}", problem.detail)?;
+                return Ok(());
+            }
+            created => created?,
+        };
+        client.delete_controller(&created.id)?;
+        for warning in created.warnings {
+            writeln!(stderr(), "warning: {warning}")?;
+        }
+        Ok(())
+    }
+
+    /// Runs a scenario and shows how far it is.
+    pub fn run(&self, scenario: &Scenario) -> Result<Run, CliError> {
+        let label = format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver);
+        let bar = progress_bar(scenario.cycles(), &label);
+        if bar.is_hidden() {
+            // Nobody watches a bar, but a log may want to know.
+            let _ = writeln!(stderr(), "running {label}");
+        }
+        let progress = |done| {
+            bar.set_position(done);
+            ControlFlow::Continue(())
+        };
+        let robot = match &self.robot {
+            Some(robot) => Arc::clone(robot),
+            None => built_in_robot(&scenario.controller.robot)?,
+        };
+        let recording = run_robot(&robot, scenario, &self.target.client, self.mode, progress)?;
+        bar.finish();
+        tell_silence(&recording, &label)?;
+        Ok(Run { scenario: scenario.clone(), robot: robot_answer(&robot), recording })
+    }
+}
+
+fn is_about_environment(problem: &Problem) -> bool {
+    problem.pointer.as_ref().is_some_and(|pointer| pointer.starts_with("/environment"))
+}
+
+fn tell_silence(recording: &Recording, label: &str) -> Result<(), CliError> {
+    let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
+    if unanswered > 0 {
+        writeln!(
+            stderr(),
+            "{label}: no answer in {unanswered} periods; the arm came to rest when the last one was too old"
+        )?;
+    }
+    Ok(())
+}
+
+/// Makes the output directory, before the work that would be in vain without it.
+pub fn make_directory(out: &Path) -> Result<(), CliError> {
+    std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })
+}
+
+/// Leaves the traces and what they are.
+pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<(), CliError> {
+    for run in &experiment.runs {
+        traces.write(out, &run.recording)?;
+    }
+    Ok(store::write(out, experiment, |recording| traces.first_name(recording))?)
+}
+
+/// The page, with the traces that lie beside it.
+pub fn report(experiment: &Experiment, traces: &traces::Options) -> Report {
+    let names = experiment.runs.iter().flat_map(|run| traces.names(&run.recording)).collect();
+    Report { traces: names, ..experiment.report() }
+}
+
+/// Leaves traces, figures and page; the path of the page.
+pub fn leave(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<PathBuf, CliError> {
+    store(out, experiment, traces)?;
+    report::write(out, &report(experiment, traces), &[Output::Page, Output::Svg, Output::Png])?;
+    Ok(out.join("index.html"))
+}
+
+/// The version of this program; where it is run inside a checkout of its own sources, the commit too, as far as git is
+/// there to tell it.
+pub fn program() -> Program {
+    Program { version: env!("CARGO_PKG_VERSION").to_owned(), commit: checkout().and_then(|root| commit(&root)) }
+}
+
+/// The root of the checkout around the working directory.
+fn checkout() -> Option<PathBuf> {
+    let here = std::env::current_dir().ok()?;
+    let root = here.ancestors().find(|directory| directory.join(".git").exists())?;
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).ok()?;
+    manifest.lines().any(|line| line == "name = \"revprio\"").then(|| root.to_owned())
+}
+
+/// As `1a2b3c4d5e6f`, with `-dirty` where files differ from it.
+fn commit(root: &Path) -> Option<String> {
+    let mut git = Command::new("git");
+    git.arg("-C").arg(root).args(["describe", "--always", "--dirty", "--exclude=*", "--abbrev=12"]);
+    let output = git.output().ok().filter(|output| output.status.success())?;
+    String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty())
+}

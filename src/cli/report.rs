@@ -1,0 +1,26 @@
+//! `revprio report`
+
+use std::io::{Write as _, stderr};
+use std::path::PathBuf;
+
+use super::CliError;
+use super::compare::{Format, print};
+use crate::report::experiment::store;
+use crate::report::{self, Output};
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Directory that `simulate`, `demo` or `compare` left; page and figures are written there
+    directory: PathBuf,
+    /// What is printed
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let report = store::read(&options.directory)?.report();
+    print(options.format, &report)?;
+    report::write(&options.directory, &report, &[Output::Page, Output::Svg, Output::Png])?;
+    writeln!(stderr(), "\nwritten: {}", options.directory.join("index.html").display())?;
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! A report for documents, the same wherever it is made: without times of the machine.
+
+use super::Report;
+use super::table::side_by_side;
+
+/// Tables and remarks of every scenario, and what the paper claims beside what was measured.
+#[must_use]
+pub fn document(report: &Report) -> String {
+    let scenarios = report.sections.iter().map(|section| {
+        let notes: String = section.notes.iter().flat_map(|note| ["\n", note, "\n"]).collect();
+        format!("## {}\n\n{}{notes}", section.name, side_by_side::markdown(&section.rows))
+    });
+    let mut parts: Vec<String> = scenarios.collect();
+    if !report.claims.is_empty() {
+        parts.push(claims(report));
+    }
+    parts.push(format!("```sh\n{}\n```\n", report.command));
+    parts.join("\n")
+}
+
+fn claims(report: &Report) -> String {
+    let mut table = "| paper | claim, in our words | scenario | measured | |\n|---|---|---|---|---|\n".to_owned();
+    for claim in &report.claims {
+        let cells = [claim.place, claim.claim, &claim.scenario, &claim.measured, claim.verdict.words()];
+        table.extend(["| ", &cells.join(" | "), " |\n"]);
+    }
+    table
+}

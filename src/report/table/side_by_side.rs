@@ -1,0 +1,87 @@
+//! Every quantity of one scenario, a column per run.
+
+use super::{Place, QUANTITIES, Quantity, Row, padded};
+
+/// Runs that stand beside each other in the terminal; further ones follow below.
+const ABREAST: usize = 5;
+
+/// Rows of quantities that at least one run of a scenario has; `document`s leave out times of the machine.
+fn quantities(runs: &[Row], document: bool) -> impl Iterator<Item = Line> {
+    let wanted =
+        move |quantity: &&Quantity| quantity.place != Place::Head && !(document && quantity.place == Place::Machine);
+    let lines = QUANTITIES.iter().filter(wanted).map(|quantity| Line::new(quantity, runs));
+    lines.filter(|line| line.always || line.cells.iter().any(|cell| cell != super::NOTHING))
+}
+
+/// One quantity over all runs of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Line {
+    /// Heading; the force `F` has its axis.
+    pub heading: String,
+    /// Unit, empty without one.
+    pub unit: &'static str,
+    /// A cell per run.
+    pub cells: Vec<String>,
+    /// Whether it is worth saying that no run has it.
+    always: bool,
+}
+
+impl Line {
+    fn new(quantity: &Quantity, runs: &[Row]) -> Self {
+        let axis = runs.first().map_or("x", |row| ["x", "y", "z"][row.axis.min(2)]);
+        let heading = quantity.heading.strip_suffix(" F");
+        Self {
+            heading: heading.map_or_else(|| quantity.heading.to_owned(), |name| format!("{name} F_{axis}")),
+            unit: quantity.unit,
+            cells: runs.iter().map(quantity.cell).collect(),
+            always: quantity.heading == "limits broken by",
+        }
+    }
+}
+
+/// Lines of the page's table of a scenario.
+#[must_use]
+pub fn lines(runs: &[Row]) -> Vec<Line> {
+    quantities(runs, false).collect()
+}
+
+/// One table per scenario as aligned text.
+#[must_use]
+pub fn text(rows: &[Row]) -> String {
+    let scenarios = rows.chunk_by(|a, b| a.scenario == b.scenario);
+    let tables =
+        scenarios.flat_map(|runs| runs.chunks(ABREAST)).map(|runs| format!("{}\n{}", runs[0].scenario, aligned(runs)));
+    tables.collect::<Vec<_>>().join("\n")
+}
+
+fn aligned(runs: &[Row]) -> String {
+    let lines: Vec<Line> = quantities(runs, false).collect();
+    let names = |blank: [&str; 2], of: &dyn Fn(&Line) -> String| -> Vec<String> {
+        blank.into_iter().map(str::to_owned).chain(lines.iter().map(of)).collect()
+    };
+    let mut columns = vec![
+        padded(names(["  method", "  solver"], &|line| format!("  {}", line.heading)), false),
+        padded(names(["", ""], &|line| line.unit.to_owned()), false),
+    ];
+    columns.extend(runs.iter().enumerate().map(|(i, run)| {
+        let (method, solver) = (run.method_name(), run.solver_name());
+        padded(names([&method, &solver], &|line| line.cells[i].clone()), true)
+    }));
+    let line = |i: usize| columns.iter().map(|column| column[i].as_str()).collect::<Vec<_>>().join("  ");
+    (0..lines.len() + 2).map(|i| line(i).trim_end().to_owned() + "\n").collect()
+}
+
+/// The table of one scenario in markdown, without times of the machine.
+#[must_use]
+pub fn markdown(runs: &[Row]) -> String {
+    let names = runs.iter().map(|run| format!("{}, {}", run.method_name(), run.solver_name()));
+    let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let mut table = row([String::new()].into_iter().chain(names).collect());
+    table.push_str(&row([":--".to_owned()].into_iter().chain(runs.iter().map(|_| "--:".to_owned())).collect()));
+    for line in quantities(runs, true) {
+        let unit = if line.unit.is_empty() { String::new() } else { format!(" ({})", line.unit) };
+        let cells = [format!("{}{unit}", line.heading)].into_iter().chain(line.cells);
+        table.push_str(&row(cells.collect()));
+    }
+    table
+}

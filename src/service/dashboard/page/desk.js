@@ -1,0 +1,373 @@
+// What the page does: starts runs, orders them about, looks on at sessions. What it shows is asked from here.
+
+import { axisOf, vec } from './arm.js';
+import { add, dot, scale, sub, unit } from './geometry.js';
+import { History } from './history.js';
+import { Run } from './run.js';
+import * as setups from './setup.js';
+import { state } from './state.js';
+import { get, post } from './transport.js';
+import { Watch } from './watch.js';
+
+/**
+ * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').ScenarioList} ScenarioList
+ * @typedef {import('./types.js').Robot} Robot
+ * @typedef {import('./types.js').ArmView} ArmView
+ * @typedef {import('./types.js').KinematicsAnswer} KinematicsAnswer
+ * @typedef {import('./types.js').StepRequest} StepRequest
+ * @typedef {import('./types.js').SimulationControl} SimulationControl
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Vec3} Vec3
+ * @typedef {import('./setup.js').Setup} Setup
+ * @typedef {import('./scene.js').World} World
+ * @typedef {import('./plots.js').View} View
+ */
+
+/** Between two orders that hold a push, ms; the service lets go of one after a second. */
+const PUSH_PAUSE = 100;
+
+export class Desk {
+  /**
+   * @param {() => void} onChange hears whenever there is something new to draw
+   * @param {(error: unknown) => void} onError
+   */
+  constructor(onChange, onError) {
+    this.onChange = onChange;
+    this.onError = onError;
+    /** @type {Scenario[]} */
+    this.scenarios = [];
+    /** @type {Scenario | null} as the service knows it */
+    this.scenario = null;
+    /** @type {Setup | null} */
+    this.setup = null;
+    /** @type {Robot | null} */
+    this.robot = null;
+    /** @type {ArmView | null} the arm before a run */
+    this.preview = null;
+    /** @type {Run | null} */
+    this.run = null;
+    /** @type {Run | null} */
+    this.ghost = null;
+    /** @type {Scenario | null} what the run was started with */
+    this.running = null;
+    /** @type {Watch | null} */
+    this.watch = null;
+    /** @type {Vec3} */
+    this.push = [0, 0, 0];
+    this.pushed = 0;
+    this.closeUp = false;
+    this.nothing = new History();
+    /** Shows the set-up in its form; the form's own affair. */
+    this.showSetup = () => {};
+  }
+
+  /** Asks for what there is; takes the set-up from the address, if it has one. */
+  async load() {
+    /** @type {ScenarioList} */
+    const { scenarios } = await get('/v1/scenarios');
+    this.scenarios = scenarios.map(({ scenario }) => scenario);
+    const fallback = this.scenarios.find(({ name }) => name === 'stiff_wall') ?? this.scenarios[0];
+    this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? setups.plain(fallback);
+    const { scenario } = this.setup;
+    this.scenario = this.scenarios.find(({ name }) => name === scenario) ?? fallback;
+    await this.showStart();
+  }
+
+  /** The arm where the scenario starts. */
+  async showStart() {
+    if (!this.scenario) return;
+    const { robot } = this.scenario.controller;
+    if (this.robot?.name !== robot) this.robot = await get(`/v1/robots/${robot}`);
+    /** @type {KinematicsAnswer} */
+    const answer = await post('/v1/kinematics', { robot, joint_position: this.scenario.start_joint_position });
+    this.preview = {
+      joints: answer.links.map(({ pose }) => ({ origin: pose.position, axis: zOf(pose.orientation), lower: null, upper: null })),
+      tool: answer.pose,
+    };
+    this.onChange();
+  }
+
+  /** @param {string} name */
+  async choose(name) {
+    const scenario = this.scenarios.find((known) => known.name === name);
+    if (!scenario || !this.setup) return;
+    const { method, solver, ghost, speed } = this.setup;
+    this.scenario = scenario;
+    this.setup = { ...setups.plain(scenario), method, solver, ghost, speed };
+    this.reset();
+    await this.showStart();
+  }
+
+  /**
+   * Changes the set-up; what the run can take over, it does.
+   * @param {Partial<Setup>} change
+   */
+  async change(change) {
+    if (!this.setup || !this.scenario) return;
+    this.setup = { ...this.setup, ...change };
+    this.onChange();
+    const order = this.orderOf(change);
+    const goesOn = ['running', 'paused', 'starting'].includes(state.value.phase) && this.run;
+    if (!goesOn) return;
+    state.set({ pending: this.isPending() });
+    if (order) await this.order(order, change.method === undefined);
+  }
+
+  /**
+   * @param {Partial<Setup>} change
+   * @returns {SimulationControl | null}
+   */
+  orderOf(change) {
+    if (!this.setup || !this.scenario) return null;
+    if (change.gains) {
+      const changed = setups.effective(this.scenario, this.setup).controller;
+      return { controller: changed };
+    }
+    const { method, solver, speed } = change;
+    return method ?? solver ?? speed ? { method, solver, speed } : null;
+  }
+
+  /** Whether only a new run takes over some of the set-up. */
+  isPending() {
+    if (!this.running || !this.setup || !this.scenario) return false;
+    const wanted = setups.effective(this.scenario, this.setup);
+    const differs = (/** @type {unknown} */ one, /** @type {unknown} */ other) => JSON.stringify(one) !== JSON.stringify(other);
+    return (
+      differs(wanted.contacts, this.running.contacts) ||
+      differs(wanted.velocity_loop, this.running.velocity_loop) ||
+      (this.ghost?.simulation.method ?? '') !== this.setup.ghost
+    );
+  }
+
+  /**
+   * @param {SimulationControl} order
+   * @param {boolean} both whether the ghost obeys it too
+   */
+  async order(order, both = true) {
+    const runs = [this.run, both ? this.ghost : null];
+    const ghost = order.controller && this.ghost
+      ? { ...order, controller: { ...order.controller, method: this.ghost.simulation.method } }
+      : order;
+    await Promise.all(runs.map((run) => run?.control(run === this.ghost ? ghost : order)));
+    this.follow();
+  }
+
+  /** Runs, pauses or goes on. */
+  async go() {
+    const { phase } = state.value;
+    if (phase === 'running') await this.order({ paused: true });
+    else if (phase === 'paused') await this.order({ paused: false });
+    else if (phase !== 'starting') await this.start(false);
+  }
+
+  /** @param {number} periods */
+  async step(periods) {
+    const { phase } = state.value;
+    if (phase !== 'running' && phase !== 'paused') await this.start(true);
+    await this.order({ step: periods });
+  }
+
+  /** @param {boolean} paused */
+  async start(paused) {
+    if (!this.setup || !this.scenario) return;
+    this.reset();
+    state.set({ phase: 'starting' });
+    const { setup, scenario } = this;
+    this.running = setups.effective(scenario, setup);
+    const follow = () => this.follow();
+    const ended = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
+      this.ended(run, reason, error);
+    try {
+      const waits = paused || setup.ghost !== '';
+      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), follow, ended);
+      if (setup.ghost) {
+        this.ghost = await Run.start(setups.request(scenario, setup, setup.ghost, true), follow, ended);
+        if (!paused) await this.order({ paused: false });
+      }
+    } catch (error) {
+      this.reset();
+      throw error;
+    }
+  }
+
+  /** Takes over what the run does. */
+  follow() {
+    if (this.run) {
+      const { state: now, interactive, error } = this.run.simulation;
+      const phase = now === 'queued' ? 'starting' : now === 'running' ? (interactive?.paused ? 'paused' : 'running') : now;
+      if (phase === 'failed' && state.value.phase !== 'failed') this.onError(new Error(error ?? 'the run failed'));
+      if (state.value.phase !== 'lost') state.set({ phase });
+    }
+    this.onChange();
+  }
+
+  /** @type {(run: Run, reason: 'end' | 'lost', error: unknown) => void} */
+  ended(run, reason, error) {
+    if (run === this.run && reason === 'lost') {
+      state.set({ phase: 'lost' });
+      if (error) this.onError(error);
+    }
+    this.onChange();
+  }
+
+  /** Finishes the run where it is. */
+  async end() {
+    await this.order({ end: true });
+  }
+
+  /** Back to before the run. */
+  reset() {
+    this.run?.drop();
+    this.ghost?.drop();
+    this.run = null;
+    this.ghost = null;
+    this.running = null;
+    state.set({ phase: 'none', pending: false });
+    this.onChange();
+  }
+
+  /**
+   * Holds a push, or lets go of it.
+   * @param {Vec3 | null} force on the tool, N
+   */
+  pushWith(force) {
+    if (!['running', 'paused'].includes(state.value.phase)) return;
+    const before = this.push;
+    this.push = force ?? [0, 0, 0];
+    const isHeld = this.push.some((part) => part !== 0);
+    const now = performance.now();
+    if (isHeld && now - this.pushed < PUSH_PAUSE) return;
+    if (!isHeld && before.every((part) => part === 0)) return;
+    this.pushed = now;
+    this.order({ external_force: this.push }).catch(this.onError);
+  }
+
+  /** @param {string} id */
+  async watchSession(id) {
+    this.reset();
+    this.watch?.close();
+    this.watch = null;
+    state.set({ session: id });
+    if (!id) return;
+    const watch = await Watch.open(id);
+    this.watch = watch;
+    this.robot = watch.robot;
+    state.set({ phase: 'watching' });
+    watch.follow(() => this.onChange(), (reason, error) => {
+      if (this.watch !== watch) return;
+      state.set({ phase: reason === 'end' ? 'finished' : 'lost' });
+      if (error) this.onError(error);
+    });
+  }
+
+  async leaveSession() {
+    this.watch?.close();
+    this.watch = null;
+    state.set({ phase: 'none', session: '' });
+    await this.showStart();
+  }
+
+  /** @returns {Promise<StepRequest>} the latest cycle as a question to `POST /v1/step` */
+  async cycle() {
+    if (this.run?.frame && this.run.frame.done > 0) return get(`${this.run.path}/cycle`);
+    if (this.watch?.step) return { controller: this.watch.session.controller, state: this.watch.step.state, memory: null };
+    if (!this.scenario || !this.setup) throw new Error('there is no cycle yet');
+    const start = this.scenario.start_joint_position;
+    return {
+      controller: setups.effective(this.scenario, this.setup).controller,
+      state: {
+        sequence: 0, time_s: 0, joint_position: start, joint_velocity: start.map(() => 0),
+        wrench: { force: [0, 0, 0], torque: [0, 0, 0] },
+      },
+      memory: null,
+    };
+  }
+
+  /** @returns {History} */
+  get history() {
+    return this.watch?.history ?? this.run?.history ?? this.nothing;
+  }
+
+  /** @returns {LiveSample | undefined} */
+  get sample() {
+    return this.history.last;
+  }
+
+  /** @returns {ArmView | null} */
+  get arm() {
+    if (this.watch) return this.watch.step?.arm ?? null;
+    return this.run?.frame?.arm ?? this.preview;
+  }
+
+  /** @returns {World} what the scene shows */
+  world() {
+    const { sample, arm } = this;
+    const scenario = this.watch ? null : (this.running ?? this.scenario);
+    const start = vec(this.history.start ?? this.preview?.tool.position ?? [0, 0, 0]);
+    const tool = vec(arm?.tool.position ?? [0, 0, 0]);
+    const contacts = (scenario?.contacts ?? []).map((contact) => placed(contact, start, tool, sample?.wall_distance_m ?? null));
+    const held = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
+    const ghost = this.ghost?.frame ? { arm: this.ghost.frame.arm, history: this.ghost.history } : null;
+    return {
+      arm,
+      atLimit: (arm?.joints ?? []).map((_, joint) => held.includes(joint)),
+      history: this.history,
+      contacts,
+      start,
+      force: vec(sample?.force ?? [0, 0, 0]),
+      target: sample?.target_force ?? [null, null, null],
+      push: vec(this.run?.frame?.external_force ?? [0, 0, 0]),
+      ghost,
+    };
+  }
+
+  /** @returns {View} what the plots show */
+  view() {
+    const controller = this.watch?.session.controller ?? (this.running ?? this.scenario)?.controller;
+    const frame = this.run?.frame;
+    return {
+      history: this.history,
+      ghost: this.ghost?.history ?? null,
+      duration: this.watch ? 0 : ((this.running ?? this.scenario)?.duration_s ?? 0),
+      arm: this.arm,
+      robot: this.robot,
+      position: this.sample?.joint_position ?? (this.watch ? [] : (this.scenario?.start_joint_position ?? [])),
+      velocity: this.sample?.joint_velocity ?? [],
+      tasks: controller?.tasks.map(({ name }) => name) ?? [],
+      threshold: controller?.damping?.threshold ?? null,
+      period: controller?.period_s ?? 0.001,
+      paths: this.watch?.paths ?? frame?.paths ?? null,
+      solveTime: this.watch?.solveTime ?? frame?.solve_time ?? null,
+      closeUp: this.closeUp,
+    };
+  }
+}
+
+/**
+ * Direction of the z axis of a frame.
+ * @param {{w: number, x: number, y: number, z: number}} quaternion
+ */
+function zOf({ w, x, y, z }) {
+  return [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+}
+
+/**
+ * A contact where it is now.
+ * @param {NonNullable<Scenario['contacts']>[number]} contact
+ * @param {Vec3} start of the tool
+ * @param {Vec3} tool
+ * @param {number | null} distance of the tool to the wall
+ * @returns {import('./scene.js').Contact}
+ */
+function placed(contact, start, tool, distance) {
+  const offset = contact.offset_m ?? 0;
+  const isWall = contact.kind !== 'spring';
+  const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
+  const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
+  const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
+  if (!contact.motion || distance === null) return { isWall, inwards, at };
+  // It moves: where it is can be told from the tool.
+  const way = dot(sub(tool, at), inwards) + distance;
+  return { isWall, inwards, at: add(at, scale(inwards, way)) };
+}

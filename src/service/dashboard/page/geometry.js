@@ -1,0 +1,106 @@
+// Vectors in the base frame, and the eye that looks at them.
+
+/** @typedef {import('./types.js').Vec3} Vec3 */
+
+/** @type {(a: Vec3, b: Vec3) => Vec3} */
+export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+/** @type {(a: Vec3, b: Vec3) => Vec3} */
+export const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+/** @type {(a: Vec3, s: number) => Vec3} */
+export const scale = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+/** @type {(a: Vec3, b: Vec3) => number} */
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/** @type {(a: Vec3, b: Vec3) => Vec3} */
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** @type {(a: Vec3) => number} */
+export const norm = (a) => Math.hypot(a[0], a[1], a[2]);
+/** @type {(a: Vec3, b: Vec3, s: number) => Vec3} */
+export const mix = (a, b, s) => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])];
+
+/** @type {(a: Vec3) => Vec3} any direction for a vector without one */
+export function unit(a) {
+  const length = norm(a);
+  return length > 1e-9 ? scale(a, 1 / length) : [0, 0, 1];
+}
+
+/**
+ * Two directions that are at right angles to a direction and to each other.
+ * @param {Vec3} axis
+ * @returns {[Vec3, Vec3]}
+ */
+export function across(axis) {
+  const u = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+  return [u, cross(axis, u)];
+}
+
+/**
+ * A point on the screen.
+ * @typedef {object} Spot
+ * @property {number} x px
+ * @property {number} y px
+ * @property {number} depth distance in the direction of view, m
+ * @property {number} scale px per m there
+ */
+
+/** Looks at a point from anywhere around it. */
+export class Camera {
+  constructor() {
+    /** @type {Vec3} */
+    this.target = [0.4, 0, 0.4];
+    this.azimuth = -0.9;
+    this.elevation = 0.35;
+    this.distance = 2.6;
+    this.width = 1;
+    this.height = 1;
+    /** @type {Vec3} towards the eye */
+    this.back = [1, 0, 0];
+    /** @type {Vec3} */
+    this.eye = [0, 0, 0];
+    /** @type {Vec3} */
+    this.right = [0, 1, 0];
+    /** @type {Vec3} */
+    this.up = [0, 0, 1];
+    this.focal = 1;
+    this.update();
+  }
+
+  /** Takes over what was changed. */
+  update() {
+    const limit = Math.PI / 2 - 0.02;
+    this.elevation = Math.max(-0.2, Math.min(limit, this.elevation));
+    this.distance = Math.max(0.3, Math.min(12, this.distance));
+    const level = Math.cos(this.elevation);
+    this.back = [level * Math.cos(this.azimuth), level * Math.sin(this.azimuth), Math.sin(this.elevation)];
+    this.eye = add(this.target, scale(this.back, this.distance));
+    this.right = unit(cross(scale(this.back, -1), [0, 0, 1]));
+    this.up = cross(this.right, scale(this.back, -1));
+    this.focal = 1.55 * Math.min(this.height, 1.15 * this.width);
+  }
+
+  /**
+   * @param {Vec3} point
+   * @returns {Spot}
+   */
+  project(point) {
+    const away = sub(point, this.eye);
+    const depth = Math.max(0.02, -dot(away, this.back));
+    const perMeter = this.focal / depth;
+    return {
+      x: this.width / 2 + perMeter * dot(away, this.right),
+      y: this.height / 2 - perMeter * dot(away, this.up),
+      depth,
+      scale: perMeter,
+    };
+  }
+
+  /**
+   * The vector in space that looks like a way on the screen, parallel to it.
+   * @param {number} dx px
+   * @param {number} dy px
+   * @param {number} perMeter px per m
+   * @returns {Vec3}
+   */
+  unproject(dx, dy, perMeter) {
+    return add(scale(this.right, dx / perMeter), scale(this.up, -dy / perMeter));
+  }
+}

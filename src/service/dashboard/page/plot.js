@@ -1,0 +1,193 @@
+// Axes, curves, bars: the parts that all plots are made of. They draw on anything that has the methods of a canvas.
+
+/**
+ * @typedef {import('./theme.js').Palette} Palette
+ * @typedef {CanvasRenderingContext2D} Surface
+ *
+ * @typedef {object} Range
+ * @property {number} low
+ * @property {number} high
+ * @property {boolean} [log] whether equal ways are equal factors
+ *
+ * @typedef {object} Frame where curves are drawn, px
+ * @property {number} left
+ * @property {number} top
+ * @property {number} width
+ * @property {number} height
+ * @property {Range} x
+ * @property {Range} y
+ */
+
+export const FONT = '11px system-ui, -apple-system, "Segoe UI", sans-serif';
+
+/** @type {(range: Range, value: number) => number} 0 to 1 inside */
+function part(range, value) {
+  if (!range.log) return (value - range.low) / (range.high - range.low);
+  return Math.log(Math.max(value, 1e-300) / range.low) / Math.log(range.high / range.low);
+}
+
+/** @type {(frame: Frame, value: number) => number} */
+export const atX = (frame, value) => frame.left + frame.width * part(frame.x, value);
+/** @type {(frame: Frame, value: number) => number} */
+export const atY = (frame, value) => frame.top + frame.height * (1 - part(frame.y, value));
+
+/** @type {(range: Range, most: number) => number[]} round numbers in a range */
+export function ticks(range, most) {
+  if (range.log) return decades(range, most);
+  const raw = (range.high - range.low) / Math.max(1, most);
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= raw) ?? 10 * power;
+  const found = [];
+  for (let i = Math.ceil(range.low / step - 1e-9); i * step <= range.high + 1e-9 * step; i += 1) found.push(i * step);
+  return found;
+}
+
+/** @type {(range: Range, most: number) => number[]} */
+function decades({ low, high }, most) {
+  const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  const step = Math.max(1, Math.ceil((last - first + 1) / Math.max(1, most)));
+  const found = [];
+  for (let i = first; i <= last; i += 1) if ((i - first) % step === 0) found.push(10 ** i);
+  return found;
+}
+
+const SUPERSCRIPTS = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+
+/** @type {(value: number, log: boolean) => string} */
+export function tickLabel(value, log) {
+  if (log && (value >= 1e4 || value < 1e-2)) {
+    const power = Math.round(Math.log10(value));
+    const digits = [...String(Math.abs(power))].map((digit) => SUPERSCRIPTS[Number(digit)]).join('');
+    return `10${power < 0 ? '⁻' : ''}${digits}`;
+  }
+  return String(Number(value.toPrecision(6))).replace('-', '−');
+}
+
+/**
+ * Grid, ticks and labels; what is drawn later lies over them.
+ * @param {Surface} surface
+ * @param {Frame} frame
+ * @param {Palette} colours
+ * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number}} [options] whether there are labels below and beside
+ */
+export function axes(surface, frame, colours, { x = true, y = true, xLabel = '', yTicks } = {}) {
+  const { left, top, width, height } = frame;
+  surface.font = FONT;
+  surface.lineWidth = 1;
+  surface.setLineDash([]);
+  surface.strokeStyle = colours.grid;
+  surface.fillStyle = colours.muted;
+  surface.textBaseline = 'middle';
+  surface.textAlign = 'right';
+  for (const tick of y ? ticks(frame.y, yTicks ?? Math.max(2, height / 34)) : []) {
+    const at = Math.round(atY(frame, tick)) + 0.5;
+    line(surface, left, at, left + width, at);
+    surface.fillText(tickLabel(tick, Boolean(frame.y.log)), left - 6, at);
+  }
+  surface.textAlign = 'center';
+  surface.textBaseline = 'top';
+  const room = xLabel ? left + width - 24 : Infinity;
+  for (const tick of ticks(frame.x, Math.max(2, width / 70))) {
+    const at = Math.round(atX(frame, tick)) + 0.5;
+    line(surface, at, top, at, top + height);
+    if (x && at < room) surface.fillText(tickLabel(tick, Boolean(frame.x.log)), at, top + height + 5);
+  }
+  if (x && xLabel) {
+    surface.textAlign = 'right';
+    surface.fillText(xLabel, left + width, top + height + 5);
+  }
+}
+
+/** @type {(surface: Surface, x1: number, y1: number, x2: number, y2: number) => void} */
+export function line(surface, x1, y1, x2, y2) {
+  surface.beginPath();
+  surface.moveTo(x1, y1);
+  surface.lineTo(x2, y2);
+  surface.stroke();
+}
+
+/**
+ * A curve. Where several samples share a column of pixels, the lowest and the highest of them are drawn.
+ * @param {Surface} surface
+ * @param {Frame} frame
+ * @param {Float64Array} xs
+ * @param {Float64Array} ys
+ * @param {number} length
+ * @param {{colour: string, width?: number, dash?: number[], floor?: number}} style
+ */
+export function curve(surface, frame, xs, ys, length, { colour, width = 1.6, dash = [], floor }) {
+  if (length === 0) return;
+  surface.save();
+  surface.beginPath();
+  surface.rect(frame.left, frame.top - 1, frame.width + 1, frame.height + 2);
+  surface.clip();
+  surface.strokeStyle = colour;
+  surface.lineWidth = width;
+  surface.lineJoin = 'round';
+  surface.setLineDash(dash);
+  surface.beginPath();
+  const value = (/** @type {number} */ i) => (floor === undefined ? ys[i] : Math.max(floor, ys[i]));
+  let pen = false;
+  for (let i = 0; i < length; ) {
+    const column = Math.floor(atX(frame, xs[i]));
+    let [low, high, end] = [i, i, i + 1];
+    while (end < length && Math.floor(atX(frame, xs[end])) === column) {
+      if (value(end) < value(low)) low = end;
+      if (value(end) > value(high)) high = end;
+      end += 1;
+    }
+    for (const at of low === high ? [low] : low < high ? [low, high] : [high, low]) {
+      if (Number.isNaN(value(at))) pen = false;
+      else if (pen) surface.lineTo(atX(frame, xs[at]), atY(frame, value(at)));
+      else surface.moveTo(atX(frame, xs[at]), atY(frame, value(at)));
+      pen = pen || !Number.isNaN(value(at));
+    }
+    i = end;
+  }
+  surface.stroke();
+  surface.restore();
+}
+
+/**
+ * A line across with a name at its right end.
+ * @param {Surface} surface
+ * @param {Frame} frame
+ * @param {number} value
+ * @param {string} colour
+ * @param {string} label
+ */
+export function level(surface, frame, value, colour, label) {
+  const y = atY(frame, value);
+  if (!(y >= frame.top - 1 && y <= frame.top + frame.height + 1)) return;
+  surface.strokeStyle = colour;
+  surface.fillStyle = colour;
+  surface.lineWidth = 1.2;
+  surface.setLineDash([6, 4]);
+  line(surface, frame.left, y, frame.left + frame.width, y);
+  surface.setLineDash([]);
+  surface.font = FONT;
+  surface.textAlign = 'right';
+  surface.textBaseline = 'bottom';
+  surface.fillText(label, frame.left + frame.width - 3, y - 2);
+}
+
+/** @type {(columns: Float64Array[], length: number) => {low: number, high: number}} of all finite values */
+export function bounds(columns, length) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const column of columns) {
+    for (let i = 0; i < length; i += 1) {
+      if (column[i] < low) low = column[i];
+      if (column[i] > high) high = column[i];
+    }
+  }
+  return { low, high };
+}
+
+/** @type {(text: string, surface: Surface, x: number, y: number, colours: Palette) => void} */
+export function hint(text, surface, x, y, colours) {
+  surface.font = FONT;
+  surface.fillStyle = colours.muted;
+  surface.textAlign = 'center';
+  surface.textBaseline = 'middle';
+  surface.fillText(text, x, y);
+}

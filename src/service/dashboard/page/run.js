@@ -1,0 +1,70 @@
+// A simulation in the service: started, followed, ordered about.
+
+import { History } from './history.js';
+import { events, post, remove } from './transport.js';
+
+/**
+ * @typedef {import('./types.js').Simulation} Simulation
+ * @typedef {import('./types.js').SimulationControl} SimulationControl
+ * @typedef {import('./types.js').SimulationRequest} SimulationRequest
+ * @typedef {import('./types.js').LiveFrame} LiveFrame
+ */
+
+export class Run {
+  /**
+   * @param {Simulation} simulation
+   * @param {(run: Run) => void} onFrame
+   * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   */
+  constructor(simulation, onFrame, onEnd) {
+    this.id = simulation.id;
+    this.path = `/v1/simulations/${simulation.id}`;
+    this.simulation = simulation;
+    this.history = new History();
+    /** @type {LiveFrame | null} */
+    this.frame = null;
+    this.ended = false;
+    this.abort = new AbortController();
+    this.follow(onFrame, onEnd);
+  }
+
+  /**
+   * @param {SimulationRequest} request
+   * @param {(run: Run) => void} onFrame
+   * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   */
+  static async start(request, onFrame, onEnd) {
+    return new Run(await post('/v1/simulations', request), onFrame, onEnd);
+  }
+
+  /**
+   * @param {(run: Run) => void} onFrame
+   * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   */
+  async follow(onFrame, onEnd) {
+    const take = (/** @type {string} */ name, /** @type {LiveFrame} */ frame) => {
+      this.frame = frame;
+      this.simulation = frame.run;
+      for (const sample of frame.samples) this.history.push(sample);
+      this.ended = name === 'end';
+      onFrame(this);
+    };
+    try {
+      await events(`${this.path}/live`, take, this.abort.signal);
+      if (!this.abort.signal.aborted) onEnd(this, this.ended ? 'end' : 'lost');
+    } catch (error) {
+      if (!this.abort.signal.aborted) onEnd(this, 'lost', error);
+    }
+  }
+
+  /** @param {SimulationControl} order */
+  async control(order) {
+    if (!this.ended) this.simulation = await post(`${this.path}/control`, order);
+  }
+
+  /** Forgets the run, here and in the service. */
+  drop() {
+    this.abort.abort();
+    remove(this.path).catch(() => {});
+  }
+}

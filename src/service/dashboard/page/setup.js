@@ -1,0 +1,167 @@
+// What is to be run: a scenario and what differs from it. It fits into the fragment of the page's address.
+
+/**
+ * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').Method} Method
+ * @typedef {import('./types.js').Solver} Solver
+ * @typedef {import('./types.js').SimulationRequest} SimulationRequest
+ * @typedef {'inertia' | 'damping' | 'stiffness'} Gain
+ *
+ * @typedef {object} Setup
+ * @property {string} scenario
+ * @property {Method} method
+ * @property {Solver} solver
+ * @property {Method | ''} ghost method of the second arm
+ * @property {number} speed simulated seconds per second
+ * @property {number | null} lag of the arm's velocity loop, s; null as the scenario says
+ * @property {Record<string, number[]>} gains that differ, by `task.gain`
+ * @property {Record<string, number>} stiffness of contacts that differ, by place, N/m
+ */
+
+/** @type {{value: Method, name: string}[]} */
+export const METHODS = [
+  { value: 'reverse_priority', name: 'Reverse priority' },
+  { value: 'strict_reverse_priority', name: 'Strict reverse priority' },
+  { value: 'task_priority', name: 'Task priority' },
+  { value: 'singularity_robust', name: 'Singularity robust' },
+  { value: 'damped_least_squares', name: 'Damped least squares' },
+  { value: 'pseudoinverse', name: 'Pseudo-inverse' },
+];
+
+/** @type {{value: Solver, name: string}[]} */
+export const SOLVERS = [
+  { value: 'auto', name: 'Automatic' },
+  { value: 'qp', name: 'QP cascade' },
+  { value: 'closed_form', name: 'Closed form, no limits' },
+];
+
+/** @type {Gain[]} */
+export const GAINS = ['inertia', 'damping', 'stiffness'];
+
+/** @type {(value: string) => string} */
+export function methodName(value) {
+  return METHODS.find((method) => method.value === value)?.name ?? value;
+}
+
+/** @type {(scenario: Scenario) => Setup} */
+export function plain(scenario) {
+  return {
+    scenario: scenario.name,
+    method: scenario.controller.method ?? 'reverse_priority',
+    solver: scenario.controller.solver ?? 'auto',
+    ghost: '',
+    speed: 1,
+    lag: null,
+    gains: {},
+    stiffness: {},
+  };
+}
+
+/**
+ * The gain of a task as a list; null where its law has none.
+ * @param {Scenario} scenario
+ * @param {number} task
+ * @param {Gain} gain
+ * @returns {number[] | null}
+ */
+export function gainOf(scenario, task, gain) {
+  const law = /** @type {Record<string, unknown>} */ (scenario.controller.tasks[task].law);
+  const value = law[gain];
+  if (typeof value === 'number') return [value];
+  return Array.isArray(value) ? value : null;
+}
+
+/** @type {(scenario: Scenario, setup: Setup) => Scenario} the scenario with all that differs */
+export function effective(scenario, setup) {
+  /** @type {Scenario} */
+  const changed = structuredClone(scenario);
+  changed.controller.method = setup.method;
+  changed.controller.solver = setup.solver;
+  if (setup.lag !== null) {
+    changed.velocity_loop = { delay_periods: 0, ...changed.velocity_loop, lag_s: setup.lag };
+  }
+  for (const [place, stiffness] of Object.entries(setup.stiffness)) {
+    const contact = changed.contacts?.[Number(place)];
+    if (contact) contact.stiffness = stiffness;
+  }
+  for (const [place, values] of Object.entries(setup.gains)) {
+    const [task, gain] = place.split('.');
+    const law = /** @type {Record<string, unknown> | undefined} */ (changed.controller.tasks[Number(task)]?.law);
+    if (law && gain in law) law[gain] = values.length === 1 && !Array.isArray(law[gain]) ? values[0] : values;
+  }
+  return changed;
+}
+
+/** @type {(setup: Setup) => boolean} whether the scenario is as it ships, but for method and solver */
+export function isUnchanged(setup) {
+  return setup.lag === null && Object.keys(setup.gains).length === 0 && Object.keys(setup.stiffness).length === 0;
+}
+
+/** @type {(scenario: Scenario, setup: Setup, method: Method, paused: boolean) => SimulationRequest} */
+export function request(scenario, setup, method, paused) {
+  return {
+    scenario: isUnchanged(setup) ? setup.scenario : effective(scenario, setup),
+    method,
+    solver: setup.solver,
+    interactive: { speed: setup.speed, paused },
+  };
+}
+
+/** What a change asks of a run that goes on: null where only a new run takes it over. */
+export const LIVE = /** @type {const} */ (['method', 'solver', 'gains', 'speed']);
+
+/** @type {(setup: Setup, scenario: Scenario) => string} */
+export function toFragment(setup, scenario) {
+  const usual = plain(scenario);
+  const text = new URLSearchParams({ scenario: setup.scenario });
+  for (const key of /** @type {const} */ (['method', 'solver', 'ghost', 'speed'])) {
+    if (setup[key] !== usual[key]) text.set(key, String(setup[key]));
+  }
+  if (setup.lag !== null) text.set('lag', String(setup.lag));
+  for (const [place, values] of Object.entries(setup.gains)) text.set(place, values.join(','));
+  for (const [place, value] of Object.entries(setup.stiffness)) text.set(`contact.${place}`, String(value));
+  return text.toString();
+}
+
+/**
+ * Reads a fragment; what makes no sense is left out.
+ * @param {string} fragment
+ * @param {Scenario[]} scenarios
+ * @returns {Setup | null}
+ */
+export function fromFragment(fragment, scenarios) {
+  const text = new URLSearchParams(fragment.replace(/^#/, ''));
+  const scenario = scenarios.find(({ name }) => name === text.get('scenario'));
+  if (!scenario) return null;
+  const setup = plain(scenario);
+  const known = (/** @type {{value: string}[]} */ words, /** @type {string | null} */ word) =>
+    words.some(({ value }) => value === word);
+  if (known(METHODS, text.get('method'))) setup.method = /** @type {Method} */ (text.get('method'));
+  if (known(METHODS, text.get('ghost'))) setup.ghost = /** @type {Method} */ (text.get('ghost'));
+  if (known(SOLVERS, text.get('solver'))) setup.solver = /** @type {Solver} */ (text.get('solver'));
+  setup.speed = positive(text.get('speed')) ?? setup.speed;
+  const lag = Number(text.get('lag') ?? NaN);
+  setup.lag = lag >= 0 ? lag : null;
+  for (const [place, value] of text) {
+    const contact = /^contact\.(\d+)$/.exec(place);
+    const stiffness = positive(value);
+    if (contact && stiffness !== null && scenario.contacts?.[Number(contact[1])]) setup.stiffness[contact[1]] = stiffness;
+    const gain = /^(\d+)\.(inertia|damping|stiffness)$/.exec(place);
+    const values = numbers(value);
+    if (gain && values && scenario.controller.tasks[Number(gain[1])]) setup.gains[place] = values;
+  }
+  return setup;
+}
+
+/** @type {(text: string | null) => number | null} */
+function positive(text) {
+  const value = Number(text ?? NaN);
+  return value > 0 && Number.isFinite(value) ? value : null;
+}
+
+/** @type {(text: string) => number[] | null} numbers between commas or spaces, none negative */
+export function numbers(text) {
+  const words = text.split(/[\s,;]+/).filter(Boolean);
+  const values = words.map(Number);
+  return values.length > 0 && values.every((value) => Number.isFinite(value) && value >= 0) ? values : null;
+}

@@ -1,0 +1,28 @@
+// One control cycle as a command that repeats it.
+
+import { token } from './transport.js';
+
+/** @typedef {import('./types.js').StepRequest} StepRequest */
+
+/** @type {(request: StepRequest) => string} */
+export function asCurl(request) {
+  const header = token() ? ` -H "Authorization: Bearer $REVPRIO_TOKEN"` : '';
+  const body = JSON.stringify(request).replaceAll("'", "'\\''");
+  return `curl -s ${location.origin}/v1/step -H 'Content-Type: application/json'${header} -d '${body}'\n`;
+}
+
+/** @type {(request: StepRequest) => string} needs nothing but Python's own library */
+export function asPython(request) {
+  const headers = token()
+    ? `{"Content-Type": "application/json", "Authorization": "Bearer " + os.environ["REVPRIO_TOKEN"]}`
+    : `{"Content-Type": "application/json"}`;
+  return `import json${token() ? '\nimport os' : ''}
+import urllib.request
+
+cycle = json.loads(r'''${JSON.stringify(request)}''')
+request = urllib.request.Request("${location.origin}/v1/step", json.dumps(cycle).encode(), ${headers})
+with urllib.request.urlopen(request) as response:
+    answer = json.load(response)
+print(answer["joint_velocity"])
+`;
+}

@@ -1,0 +1,147 @@
+// Requests to the service: JSON, server-sent events, problems, the token.
+
+/** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer'>} Problem */
+
+const TOKEN = 'revprio-token';
+
+/** A request that was refused, or got no answer (status 0). */
+export class ApiError extends Error {
+  /**
+   * @param {number} status
+   * @param {Problem} problem
+   * @param {number} [retryAfter] seconds
+   */
+  constructor(status, problem, retryAfter) {
+    super(problem.detail);
+    this.status = status;
+    this.problem = problem;
+    this.retryAfter = retryAfter;
+  }
+}
+
+/** @returns {string | null} the token of this tab */
+export function token() {
+  return sessionStorage.getItem(TOKEN);
+}
+
+/** @param {string | null} value for this tab alone, until it is closed */
+export function keepToken(value) {
+  if (value) sessionStorage.setItem(TOKEN, value);
+  else sessionStorage.removeItem(TOKEN);
+}
+
+/** @returns {Record<string, string>} */
+function credentials() {
+  const secret = token();
+  return secret ? { authorization: `Bearer ${secret}` } : {};
+}
+
+/**
+ * @param {string} path
+ * @param {RequestInit} [init]
+ * @returns {Promise<Response>} an answer that is a success
+ */
+async function send(path, init = {}) {
+  let response;
+  try {
+    response = await fetch(path, { ...init, headers: { ...init.headers, ...credentials() }, cache: 'no-store' });
+  } catch (error) {
+    if (init.signal?.aborted) throw error;
+    const detail = 'the service does not answer; is it still running?';
+    throw new ApiError(0, { title: 'No answer', status: 0, detail });
+  }
+  if (response.ok) return response;
+  throw new ApiError(response.status, await problemOf(response), Number(response.headers.get('retry-after')) || undefined);
+}
+
+/**
+ * @param {Response} response
+ * @returns {Promise<Problem>}
+ */
+async function problemOf(response) {
+  const isProblem = response.headers.get('content-type')?.startsWith('application/problem+json');
+  if (isProblem) return response.json();
+  const detail = `answered with status ${response.status}, but not as a revprio service does`;
+  return { title: 'A foreign answer', status: response.status, detail };
+}
+
+/**
+ * @template T
+ * @param {string} path
+ * @returns {Promise<T>}
+ */
+export async function get(path) {
+  return (await send(path)).json();
+}
+
+/**
+ * @template T
+ * @param {string} path
+ * @param {unknown} body
+ * @returns {Promise<T>}
+ */
+export async function post(path, body) {
+  const headers = { 'content-type': 'application/json' };
+  return (await send(path, { method: 'POST', headers, body: JSON.stringify(body) })).json();
+}
+
+/**
+ * Deletes something; goes on although the page is closed.
+ * @param {string} path
+ */
+export async function remove(path) {
+  await send(path, { method: 'DELETE', keepalive: true });
+}
+
+/**
+ * @param {string} path
+ * @param {string} type media type that is accepted
+ * @returns {Promise<Blob>}
+ */
+export async function download(path, type) {
+  return (await send(path, { headers: { accept: type } })).blob();
+}
+
+/** Whether the service lives; needs no token. */
+export async function isAlive() {
+  try {
+    return (await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) })).ok;
+  } catch {
+    return false;
+  }
+}
+
+/**
+ * Reads server-sent events until the stream ends; an EventSource could not show the token.
+ * @param {string} path
+ * @param {(name: string, data: any) => void} onEvent
+ * @param {AbortSignal} signal
+ */
+export async function events(path, onEvent, signal) {
+  const response = await send(path, { headers: { accept: 'text/event-stream' }, signal });
+  if (!response.body) return;
+  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+  let text = '';
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return;
+    text += value;
+    const blocks = text.split('\n\n');
+    text = blocks.pop() ?? '';
+    for (const block of blocks) dispatch(block, onEvent);
+  }
+}
+
+/**
+ * @param {string} block the lines of one event
+ * @param {(name: string, data: any) => void} onEvent
+ */
+function dispatch(block, onEvent) {
+  let name = 'message';
+  let data = '';
+  for (const line of block.split('\n')) {
+    if (line.startsWith('event: ')) name = line.slice(7);
+    if (line.startsWith('data: ')) data += line.slice(6);
+  }
+  if (data) onEvent(name, JSON.parse(data));
+}

@@ -1,0 +1,28 @@
+// The bodies of the service, by the names that they have in its OpenAPI document; `api.d.ts` is made of that for checking.
+
+import type { components } from './api';
+
+export type Schemas = components['schemas'];
+export type Scenario = Schemas['Scenario'];
+export type ScenarioList = Schemas['ScenarioList'];
+export type Controller = Schemas['Controller'];
+export type Method = Schemas['Method'];
+export type Solver = Schemas['Solver'];
+export type Simulation = Schemas['Simulation'];
+export type SimulationControl = Schemas['SimulationControl'];
+export type SimulationRequest = Schemas['SimulationRequest'];
+export type LiveFrame = Schemas['LiveFrame'];
+export type LiveSample = Schemas['LiveSample'];
+export type ArmView = Schemas['ArmView'];
+export type TimeHistogram = Schemas['TimeHistogram'];
+export type PathCounts = Schemas['PathCounts'];
+export type Robot = Schemas['Robot'];
+export type SessionList = Schemas['SessionList'];
+export type SessionEntry = Schemas['SessionEntry'];
+export type SessionStatus = Schemas['SessionStatus'];
+export type WatchedStep = Schemas['WatchedStep'];
+export type KinematicsAnswer = Schemas['KinematicsAnswer'];
+export type StepRequest = Schemas['StepRequest'];
+export type Problem = Schemas['Problem'];
+
+export type Vec3 = [number, number, number];

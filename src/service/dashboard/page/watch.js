@@ -1,0 +1,134 @@
+// Looking on while a real client uses a session: nothing of it can be changed from here.
+
+import { History } from './history.js';
+import { events, get } from './transport.js';
+
+/**
+ * @typedef {import('./types.js').SessionList} SessionList
+ * @typedef {import('./types.js').SessionStatus} SessionStatus
+ * @typedef {import('./types.js').WatchedStep} WatchedStep
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Robot} Robot
+ */
+
+/** @returns {Promise<SessionList>} */
+export function sessions() {
+  return get('/v1/controllers');
+}
+
+export class Watch {
+  /**
+   * @param {SessionStatus} session
+   * @param {Robot} robot
+   */
+  constructor(session, robot) {
+    this.session = session;
+    this.robot = robot;
+    this.history = new History();
+    /** @type {WatchedStep | null} */
+    this.step = null;
+    /** How many of the steps that were seen each way solved. */
+    this.paths = { closed_form: 0, active_set: 0, qp: 0 };
+    this.solveTime = { counts: /** @type {number[]} */ (Array(52).fill(0)), worst_us: 0 };
+    this.abort = new AbortController();
+  }
+
+  /** @param {string} id */
+  static async open(id) {
+    /** @type {SessionStatus} */
+    const session = await get(`/v1/controllers/${id}`);
+    return new Watch(session, await get(`/v1/robots/${session.controller.robot}`));
+  }
+
+  /**
+   * @param {(watch: Watch) => void} onStep
+   * @param {(reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   */
+  async follow(onStep, onEnd) {
+    const take = (/** @type {string} */ _name, /** @type {WatchedStep} */ step) => {
+      this.take(step);
+      onStep(this);
+    };
+    try {
+      await events(`/v1/controllers/${this.session.id}/watch`, take, this.abort.signal);
+      if (!this.abort.signal.aborted) onEnd('end');
+    } catch (error) {
+      if (!this.abort.signal.aborted) onEnd('lost', error);
+    }
+  }
+
+  /** @param {WatchedStep} step */
+  take(step) {
+    this.step = step;
+    const { answer } = step;
+    this.paths[answer.solver.path] += 1;
+    const bin = Math.floor(10 * Math.log10(Math.max(0.1, answer.elapsed_us)) + 1);
+    this.solveTime.counts[Math.max(0, Math.min(51, bin))] += 1;
+    this.solveTime.worst_us = Math.max(this.solveTime.worst_us, answer.elapsed_us);
+    this.history.push(this.sample(step));
+  }
+
+  /**
+   * @param {WatchedStep} step
+   * @returns {LiveSample}
+   */
+  sample({ state, answer, arm }) {
+    const names = this.robot.joints.map((joint) => joint.name);
+    const held = (/** @type {string} */ side) =>
+      [...answer.active_limits, ...answer.violated_limits]
+        .filter((limit) => limit.side === side)
+        .map((limit) => names.indexOf(limit.joint))
+        .filter((joint) => joint >= 0);
+    const sign = this.session.controller.wrench_convention === 'on_tool' ? -1 : 1;
+    return {
+      time_s: state.time_s,
+      joint_position: this.joints(state.joint_position),
+      joint_velocity: answer.joint_velocity,
+      position: arm?.tool.position ?? [0, 0, 0],
+      force: (state.wrench?.force ?? [0, 0, 0]).map((value) => sign * value),
+      target_force: targets(this.session, answer),
+      wall_distance_m: null,
+      residual_norms: answer.tasks.map((task) => task.residual_norm),
+      smallest_singular_value: answer.singularity.smallest_singular_value,
+      at_lower: held('lower'),
+      at_upper: held('upper'),
+      path: answer.solver.path,
+      status: answer.solver.status,
+      kkt_residual: answer.solver.kkt_residual,
+      solve_us: answer.elapsed_us,
+      round_trip_us: 0,
+      answered: true,
+    };
+  }
+
+  /**
+   * @param {number[] | Record<string, number>} vector
+   * @returns {number[]}
+   */
+  joints(vector) {
+    return Array.isArray(vector) ? vector : this.robot.joints.map((joint) => vector[joint.name]);
+  }
+
+  close() {
+    this.abort.abort();
+  }
+}
+
+/**
+ * F_d along the axes of the base.
+ * @param {SessionStatus} session
+ * @param {WatchedStep['answer']} answer
+ * @returns {(number | null)[]}
+ */
+function targets(session, answer) {
+  /** @type {(number | null)[]} */
+  const found = [null, null, null];
+  session.controller.tasks.forEach((task, k) => {
+    if (task.frame !== undefined && task.frame !== 'base') return;
+    task.axes?.forEach((axis, row) => {
+      const place = ['x', 'y', 'z'].indexOf(axis);
+      if (place >= 0) found[place] = answer.tasks[k]?.target_force?.[row] ?? null;
+    });
+  });
+  return found;
+}

@@ -1,0 +1,90 @@
+//! Recordings as CSV.
+
+use std::io::{Read, Write};
+use std::ops::Range;
+
+use super::Recording;
+use super::cell::Value;
+use super::columns::{Column, Extent};
+use super::error::{ReadError, WriteError};
+use super::format::Writer;
+use super::quantity::Kind;
+
+/// A table that is being written.
+pub struct Table<W: Write> {
+    columns: Vec<Column>,
+    out: csv::Writer<W>,
+}
+
+impl<W: Write> Table<W> {
+    /// Writes the names of the columns.
+    pub fn begin(recording: &Recording, timed: bool, out: W) -> Result<Self, WriteError> {
+        let columns = Extent::of(recording, timed).columns();
+        let mut out = csv::Writer::from_writer(out);
+        out.write_record(columns.iter().map(|column| &column.name))?;
+        Ok(Self { columns, out })
+    }
+}
+
+impl<W: Write + Send> Writer for Table<W> {
+    fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
+        for row in rows {
+            self.out.write_record(self.columns.iter().map(|column| cell_text(column.value(recording, row))))?;
+        }
+        Ok(self.out.flush()?)
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
+        Ok(self.out.flush()?)
+    }
+}
+
+/// Numbers in the shortest form that reads back to the same bits.
+pub fn cell_text(value: Value) -> String {
+    match value {
+        Value::Missing => String::new(),
+        Value::Number(number) => number.to_string(),
+        Value::Count(count) => count.to_string(),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Word(word) => word,
+    }
+}
+
+/// What a text stands for; `None` if it is none of that kind.
+pub fn cell_value(text: &str, kind: Kind) -> Option<Value> {
+    Some(match kind {
+        Kind::OptionalNumber if text.is_empty() => Value::Missing,
+        Kind::Number | Kind::OptionalNumber => Value::Number(text.parse().ok()?),
+        Kind::Count => Value::Count(text.parse().ok()?),
+        Kind::Flag => Value::Flag(text.parse().ok()?),
+        Kind::Word => Value::Word(text.to_owned()),
+    })
+}
+
+/// Reads the samples of a recording.
+pub fn read(head: Recording, file: impl Read) -> Result<Recording, ReadError> {
+    let mut table = csv::Reader::from_reader(file);
+    let names = table.headers()?.clone();
+    let mut recording = head;
+    let joints = std::mem::take(&mut recording.joint_names);
+    let extent = Extent::of_names(&joints, &names.iter());
+    let columns = extent.columns();
+    let places: Vec<usize> = columns.iter().map(|column| place(column, &names)).collect::<Result<_, _>>()?;
+    for row in table.records() {
+        let row = row?;
+        let (mut sample, mut timing) = extent.blank();
+        for (column, &place) in columns.iter().zip(&places) {
+            let value = row.get(place).and_then(|text| cell_value(text, column.quantity.kind));
+            let value = value.ok_or_else(|| ReadError::Value { column: column.name.clone() })?;
+            column.put((&mut sample, &mut timing), value)?;
+        }
+        recording.push(sample, timing, extent.timed);
+    }
+    recording.joint_names = joints;
+    Ok(recording)
+}
+
+fn place(column: &Column, names: &csv::StringRecord) -> Result<usize, ReadError> {
+    let place = names.iter().position(|name| name == column.name);
+    place.ok_or_else(|| ReadError::Column { column: column.name.clone() })
+}

@@ -1,0 +1,164 @@
+//! `revprio compare`, and the page of the paper that it prints the numbers of.
+
+use std::path::Path;
+
+use crate::program::{Scratch, failure, files, program, success};
+use crate::trace::Trace;
+
+/// A built-in scenario, cut to its first moments.
+fn short(name: &str, duration_s: f64) -> String {
+    let path = format!("{}/fixtures/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let duration = format!("duration_s = {duration_s}");
+    let lines = text.lines().map(|line| if line.starts_with("duration_s") { &duration } else { line });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
+    let scratch = Scratch::new("compare");
+    let file = scratch.write("mine.toml", &short("stiff_wall_singular", 0.2));
+    let out = scratch.argument("out");
+    let methods = ["--methods", "reverse_priority,damped_least_squares,reverse_priority"];
+    let table = success(&[&["compare", &file, "--solvers", "closed_form,auto", "--out", &out][..], &methods].concat());
+    let line = |start: &str| -> Vec<&str> {
+        let line = table.lines().find(|line| line.trim_start().starts_with(start));
+        line.unwrap_or_else(|| panic!("no `{start}` in {table}"))
+            .split("  ")
+            .map(str::trim)
+            .filter(|cell| !cell.is_empty())
+            .collect()
+    };
+    let [reverse, classical] = ["reverse priority", "damped least squares"];
+    assert_eq!(line("method"), ["method", reverse, reverse, classical, classical]);
+    assert_eq!(line("solver"), ["solver", "closed form", "auto", "closed form", "auto"]);
+    assert_eq!(line("status")[2..], ["optimal 200"; 4]);
+    assert_eq!(line("limits broken by").len(), 5);
+    let files = files(&scratch.path().join("out"));
+    for name in [
+        "index.html",
+        "experiment.json",
+        "comparison_stiff_wall_singular.svg",
+        "figure7_singular.png",
+        "stiff_wall_singular-damped_least_squares-auto.csv",
+    ] {
+        assert!(files.contains(&name.to_owned()), "no {name} in {files:?}");
+    }
+}
+
+#[test]
+fn as_json_every_run_has_its_measures() {
+    let scratch = Scratch::new("compare_json");
+    let file = scratch.write("mine.toml", &short("force_tracking", 0.1));
+    let options = ["--methods", "task_priority", "--solvers", "qp", "--format", "json", "--write", "traces"];
+    let out = scratch.argument("out");
+    let printed = success(&[&["compare", &file, "--out", &out][..], &options].concat());
+    let runs = &serde_json::from_str::<serde_json::Value>(&printed).unwrap()["runs"];
+    assert_eq!(runs.as_array().unwrap().len(), 1);
+    let run = &runs[0];
+    assert_eq!((&run["method"], &run["solver"]), (&"task_priority".into(), &"qp".into()));
+    assert_eq!(run["metrics"]["statuses"]["optimal"], 100);
+    assert_eq!(run["metrics"]["paths"]["qp"], 100);
+    let trace = Trace::read(&scratch.path().join("out/force_tracking-task_priority-qp.csv"));
+    let largest = trace.numbers("residual_task_2").into_iter().fold(0.0, f64::max);
+    assert_eq!(run["metrics"]["residuals"][1]["largest"], largest);
+    assert!(
+        !files(&scratch.path().join("out"))
+            .iter()
+            .any(|name| [".svg", ".html"].iter().any(|ending| name.ends_with(ending)))
+    );
+}
+
+#[test]
+fn what_cannot_be_compared_is_said() {
+    let unknown = program(&["compare", "stiff_wall", "--methods", "reverse_priority,newton"]).output().unwrap();
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unknown.stderr).contains("newton"));
+    assert!(failure(&["compare", "stiff_wall", "stif_wall"]).contains("no scenario `stif_wall`; known: "));
+    let scratch = Scratch::new("compare_broken");
+    let far = scratch.write("far.toml", &short("stiff_wall", 0.1).replacen("2.9, ", "1e300, ", 1));
+    let message = failure(&["compare", &far, "--out", &scratch.argument("out")]);
+    assert!(message.contains("start_joint_position"), "{message}");
+}
+
+/// Numbers and words of a line of a table.
+fn tokens(line: &str) -> Vec<&str> {
+    line.split([' ', '|', '(', ')', ',', '/']).filter(|token| !token.is_empty()).collect()
+}
+
+/// Numbers are the same to 1 %, or both rounding errors; words are the same.
+fn same(a: &str, b: &str) -> bool {
+    let number = |text: &str| text.parse::<f64>().ok();
+    match (number(a), number(b)) {
+        (Some(a), Some(b)) => (a - b).abs() <= 0.01 * a.abs().max(b.abs()) || a.abs().max(b.abs()) < 1e-9,
+        _ => a == b,
+    }
+}
+
+fn same_line(a: &str, b: &str) -> bool {
+    let (a, b) = (tokens(a), tokens(b));
+    a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| same(a, b))
+}
+
+/// The tables of a markdown text, line by line.
+fn tables(markdown: &str) -> Vec<Vec<&str>> {
+    let lines: Vec<&str> = markdown.lines().collect();
+    let tables = lines.chunk_by(|a, b| a.starts_with('|') == b.starts_with('|'));
+    tables.filter(|lines| lines[0].starts_with('|')).map(<[&str]>::to_vec).collect()
+}
+
+#[test]
+fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
+    let scratch = Scratch::new("compare_paper");
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/paper.md")).unwrap();
+    let options = ["--methods", "damped_least_squares,reverse_priority", "--solvers", "closed_form"];
+    let more = ["--format", "markdown", "--write", "svg", "--out", &scratch.argument("out")];
+    let printed = success(&[&["compare", "stiff_wall", "stiff_wall_singular"][..], &options, &more].concat());
+    let quoted = tables(&page);
+    // The last table, the claims, stands in the page with those of all four scenarios.
+    let tables = tables(&printed);
+    let (claims, measures) = tables.split_last().unwrap();
+    assert_eq!(measures.len(), 2);
+    for table in measures {
+        let stands = quoted
+            .iter()
+            .any(|other| other.len() == table.len() && other.iter().zip(table).all(|(a, b)| same_line(a, b)));
+        assert!(stands, "docs/paper.md does not have\n{}", table.join("\n"));
+    }
+    for claim in claims {
+        assert!(quoted.iter().flatten().any(|line| same_line(line, claim)), "docs/paper.md does not have\n{claim}");
+    }
+}
+
+#[test]
+fn a_page_is_made_again_from_what_a_command_left() {
+    let scratch = Scratch::new("report");
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.1));
+    let out = scratch.argument("out");
+    let compared = success(&["compare", &file, "--format", "markdown", "--out", &out]);
+    let page = scratch.path().join("out/index.html");
+    let first = std::fs::read_to_string(&page).unwrap();
+    std::fs::remove_file(&page).unwrap();
+    assert_eq!(success(&["report", &out, "--format", "markdown"]), compared);
+    // Neither time nor chance is in the page but the speed of this machine, which the directory keeps.
+    assert!(std::fs::read_to_string(&page).unwrap() == first, "the second page differs from the first");
+}
+
+#[test]
+fn a_directory_that_no_command_left_is_refused_with_what_is_missing() {
+    let scratch = Scratch::new("report_nothing");
+    let directory = scratch.argument(".");
+    let message = failure(&["report", &directory]);
+    assert!(message.contains("experiment.json") && message.contains("--out"), "{message}");
+    scratch.write("experiment.json", "{}");
+    assert!(failure(&["report", &directory]).contains("missing field `title`"));
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.01));
+    let out = scratch.argument("out");
+    success(&["compare", &file, "--methods", "reverse_priority", "--write", "traces", "--out", &out]);
+    let trace = scratch.path().join("out/stiff_wall-reverse_priority-auto.csv");
+    let text = std::fs::read_to_string(&trace).unwrap();
+    std::fs::write(&trace, text.replacen("optimal", "perfect", 1)).unwrap();
+    assert!(failure(&["report", &out]).contains("line 2: column `status`"));
+    std::fs::remove_file(&trace).unwrap();
+    assert!(failure(&["report", &out]).contains("stiff_wall-reverse_priority-auto.csv"));
+}

@@ -1,0 +1,58 @@
+//! `revprio replay`: recorded states give the recorded answers again.
+
+use crate::program::{Scratch, program, success};
+use crate::serve::Server;
+use crate::simulate::short;
+
+const RUN: &str = "stiff_wall-reverse_priority-auto";
+
+/// A directory with a short run in all formats.
+fn recorded(name: &str, more: &[&str]) -> Scratch {
+    let scratch = Scratch::new(name);
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
+    let (out, formats) = (scratch.argument("out"), ["--format", "csv,jsonl,parquet,mcap"]);
+    success(&[&["simulate", &file, "--out", &out][..], &formats, more].concat());
+    scratch
+}
+
+#[test]
+fn every_format_gives_the_same_answers_again() {
+    let (scratch, server) = (recorded("replay", &[]), Server::start());
+    for ending in ["csv", "jsonl", "parquet", "mcap"] {
+        let file = scratch.argument(&format!("out/{RUN}.{ending}"));
+        let said = success(&["replay", &file]);
+        assert!(said.starts_with("400 states sent, 400 answers compared, 0 differ\n"), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let file = scratch.argument(&format!("out/{RUN}.parquet"));
+    let said = success(&["replay", &file, "--server", &server.url, "--stateless"]);
+    assert!(said.contains("400 answers compared, 0 differ"), "{said}");
+}
+
+#[test]
+fn another_answer_is_found_and_named() {
+    let scratch = recorded("replay_differs", &[]);
+    let path = scratch.path().join(format!("out/{RUN}.csv"));
+    let mut rows: Vec<String> = std::fs::read_to_string(&path).unwrap().lines().map(str::to_owned).collect();
+    let column = rows[0].split(',').position(|name| name.starts_with("velocity_")).unwrap();
+    let mut cells: Vec<String> = rows[101].split(',').map(str::to_owned).collect();
+    cells[column] = (cells[column].parse::<f64>().unwrap() + 1e-6).to_string();
+    rows[101] = cells.join(",");
+    std::fs::write(&path, rows.join("\n") + "\n").unwrap();
+    let file = path.to_str().unwrap();
+    let output = program(&["replay", file]).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("400 answers compared, 1 differ"), "{said}");
+    assert!(said.contains("first difference: velocity_") && said.contains("in period 100"), "{said}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 answers differ from the recording"));
+    assert!(success(&["replay", file, "--tolerance", "1e-5"]).contains("worst difference: velocity_"));
+}
+
+#[test]
+fn a_file_that_is_no_recording_is_named() {
+    let scratch = Scratch::new("replay_refused");
+    let output = program(&["replay", &scratch.write("run.mcap", "nothing")]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("run.mcap: "));
+}

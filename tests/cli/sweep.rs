@@ -1,0 +1,105 @@
+//! `revprio sweep`: the same table, however it is made.
+
+use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::program::{Scratch, failure, files, program, success};
+use crate::serve::Server;
+use crate::simulate::short;
+
+const VARY: [&str; 6] = [
+    "--vary",
+    "environment.stiffness=log:1e3..1e5:3",
+    "--vary",
+    "loop.lag_s=0,0.005",
+    "--vary",
+    "solver=auto,closed_form",
+];
+
+/// A directory with a short scenario, and its path.
+fn scenario(name: &str) -> (Scratch, String) {
+    let scratch = Scratch::new(name);
+    // A wall at hand: it is touched within 0.12 s.
+    let text = short("stiff_wall", "duration_s = 0.12").replacen("offset_m = 0.05", "offset_m = 0.001", 1);
+    let file = scratch.write("mine.toml", &text);
+    (scratch, file)
+}
+
+fn sweep(arguments: &[&str]) -> String {
+    success(&[&["sweep"][..], arguments].concat())
+}
+
+fn table(directory: &Path) -> Vec<u8> {
+    std::fs::read(directory.join("sweep-stiff_wall.parquet")).unwrap()
+}
+
+#[test]
+fn threads_shards_servers_and_interruptions_do_not_show() {
+    let (scratch, file) = scenario("sweep");
+    let out = |name: &str| scratch.argument(name);
+    let said = sweep(&[&[&file, "--threads", "1", "--out", &out("one")][..], &VARY].concat());
+    assert!(said.starts_with("12 cells: 12 finished\n"), "{said}");
+    let one = table(&scratch.path().join("one"));
+    let left = files(&scratch.path().join("one"));
+    assert!(left.contains(&"sweep-stiff_wall-peak_force_x_n-auto.png".to_owned()), "{left:?}");
+    assert!(!left.iter().any(|name| name.ends_with(".partial")), "{left:?}");
+
+    let server = Server::start();
+    sweep(&[&[&file, "--threads", "3", "--out", &out("three"), "--server", &server.url][..], &VARY].concat());
+    assert!(table(&scratch.path().join("three")) == one, "three threads and a server");
+
+    let parts: Vec<String> = (1..=3).map(|i| out(&format!("parts/sweep-stiff_wall.{i}-of-3.parquet"))).collect();
+    for i in 1..=3 {
+        sweep(&[&[&file, "--shard", &format!("{i}/3"), "--out", &out("parts")][..], &VARY].concat());
+    }
+    let missing = failure(&["sweep", "--out", &out("merged"), "--merge", &parts[0], &parts[2]]);
+    assert!(missing.contains("4 of 12 cells are missing, cell 1 first"), "{missing}");
+    sweep(&["--out", &out("merged"), "--merge", &parts[2], &parts[0], &parts[1]]);
+    assert!(table(&scratch.path().join("merged")) == one, "three shards");
+    assert_eq!(files(&scratch.path().join("merged")), left);
+
+    interrupt(&[&[&file, "--threads", "1", "--out", &out("again")][..], &VARY].concat(), &scratch.path().join("again"));
+    let resumed = program(&[&["sweep", &file, "--out", &out("again")][..], &VARY].concat()).output().unwrap();
+    let said = String::from_utf8_lossy(&resumed.stderr);
+    assert!(resumed.status.success() && said.contains("cells are done already"), "{said}");
+    assert!(table(&scratch.path().join("again")) == one, "an interruption");
+}
+
+/// Ends a sweep by force once some of its cells are done.
+fn interrupt(arguments: &[&str], out: &Path) {
+    let mut child =
+        program(&[&["sweep"][..], arguments].concat()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let (start, partial) = (Instant::now(), out.join("sweep-stiff_wall.partial"));
+    while std::fs::read_to_string(&partial).map_or(0, |text| text.lines().count()) < 3 {
+        assert!(start.elapsed() < Duration::from_mins(2), "no cell was done");
+        sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(partial.exists() && !out.join("sweep-stiff_wall.parquet").exists());
+}
+
+#[test]
+fn a_cell_that_goes_wrong_is_a_row() {
+    let (scratch, file) = scenario("sweep_wrong");
+    let vary = ["--vary", "environment.stiffness=-1,1e3", "--vary", "controller.tasks.0.law.inertia=-15,15"];
+    let said = sweep(&[&[&file, "--out", &scratch.argument("out")][..], &vary].concat());
+    assert!(said.starts_with("4 cells: 1 finished, 3 refused\n"), "{said}");
+}
+
+#[test]
+fn slips_are_refused_before_the_work() {
+    let (scratch, file) = scenario("sweep_refused");
+    let out = scratch.argument("out");
+    let refusal = |more: &[&str]| failure(&[&["sweep", &file, "--out", &out][..], more].concat());
+    assert!(refusal(&["--vary", "environment.stifness=1,2"]).contains("stifness"));
+    assert!(refusal(&["--vary", "loop.lag_s=0,1", "--vary", "loop.lag_s=2"]).contains("varied twice"));
+    assert!(refusal(&["--vary", "method=reverse_priority,newton"]).contains("newton"));
+    assert!(refusal(&["--draw", "beauty"]).contains("known: rmse_force_x_n"));
+    std::fs::write(scratch.path().join("out/sweep-stiff_wall.partial"), "another\n").unwrap();
+    assert!(refusal(&["--vary", "loop.lag_s=0,1"]).contains("belongs to another sweep"));
+    let output = program(&["sweep", &file, "--shard", "5/4"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+}

@@ -1,0 +1,26 @@
+//! The examples that Cargo runs do what they say.
+
+use revprio::service::{App, Robots, RunningServer, router};
+
+#[path = "../../examples/client.rs"]
+#[expect(dead_code, reason = "its main function reads the arguments of the program")]
+mod client;
+#[path = "../../examples/controller.rs"]
+mod controller;
+#[path = "../../examples/library.rs"]
+mod library;
+
+#[test]
+fn the_library_answers_without_a_server() {
+    library::main().unwrap();
+    controller::main().unwrap();
+}
+
+#[test]
+fn the_client_talks_to_a_service() {
+    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    client::run(&server.url()).unwrap();
+    drop(server);
+    let nobody = client::run("http://127.0.0.1:9").unwrap_err();
+    assert!(nobody.to_string().contains("is the service running there?"), "{nobody}");
+}

@@ -1,0 +1,112 @@
+//! The pages for users: their commands run as printed and print what the pages show, their links lead somewhere.
+//!
+//! Every ```` ```sh ```` block of README.md and docs/guides is run, unless the line before it is
+//! `<!-- not run: WHY -->`. A block that is `revprio serve` alone starts the server of the blocks that follow. A block
+//! ```` ```text output ```` shows what the commands before it print; `…` in it stands for anything.
+
+mod examples;
+mod page;
+mod shell;
+
+use page::{Page, pages, root};
+use shell::Shell;
+
+/// Whether a page's commands are run.
+fn is_guide(page: &Page) -> bool {
+    page.path.starts_with("docs/guides") || page.path.as_os_str() == "README.md"
+}
+
+/// `…` in what is shown stands for anything.
+fn shows(shown: &str, printed: &str) -> bool {
+    let mut parts = shown.trim().split('…');
+    let Some(mut rest) = printed.trim().strip_prefix(parts.next().unwrap_or("")) else { return false };
+    let mut parts: Vec<&str> = parts.collect();
+    let Some(last) = parts.pop() else { return rest.is_empty() };
+    for part in parts {
+        let Some(at) = rest.find(part) else { return false };
+        rest = &rest[at + part.len()..];
+    }
+    rest.ends_with(last)
+}
+
+/// Runs a page from top to bottom; what is wrong with it.
+fn follow(page: &Page) -> Vec<String> {
+    let mut shell = Shell::new(&page.path.with_extension("").to_string_lossy().replace('/', "-"));
+    let mut wrong = Vec::new();
+    let mut printed = String::new();
+    for block in &page.blocks {
+        let at = page.at(block.line);
+        let is_serve = |text: &str| text.lines().count() == 1 && text.contains(" serve") && !text.contains('|');
+        match block.kind.as_str() {
+            "sh" if !block.is_run => printed.clear(),
+            "sh" if is_serve(&block.text) => {
+                wrong.extend(shell.serve(&block.text).err().map(|why| format!("{at}: {why}\n{}", block.text)));
+            }
+            "sh" => match shell.run(&block.text) {
+                Ok(output) => printed = output,
+                Err(why) => wrong.push(format!("{at}: {}\n{why}", block.text)),
+            },
+            "text output" if !shows(&block.text, &printed) => {
+                wrong.push(format!("{at}: shows\n{}\nbut printed is\n{printed}", block.text));
+            }
+            _ => {}
+        }
+    }
+    wrong
+}
+
+#[test]
+fn commands_run_as_printed_and_print_what_is_shown() {
+    for needed in ["curl", "jq"] {
+        let found = std::process::Command::new(needed).arg("--version").output();
+        assert!(found.is_ok(), "install what the pages call: tests/packages curl jq");
+    }
+    let pages = pages();
+    let guides: Vec<&Page> = pages.iter().filter(|page| is_guide(page)).collect();
+    assert!(guides.len() > 6, "where are the guides?");
+    // One after the other: commands that compete with those of all other pages may wait in vain for their service.
+    let wrong: Vec<String> = guides.into_iter().flat_map(follow).collect();
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn every_guide_is_in_the_index() {
+    let index = Page::read("docs/README.md".as_ref());
+    for page in pages().iter().filter(|page| page.path.starts_with("docs") && page.path != index.path) {
+        let below_docs = page.path.strip_prefix("docs").unwrap();
+        assert!(index.links.iter().any(|(_, link)| below_docs.as_os_str() == link.as_str()), "{}", page.path.display());
+    }
+}
+
+#[test]
+fn links_lead_to_files() {
+    let dead = |page: &Page| -> Vec<String> {
+        let directory = root().join(page.path.parent().unwrap());
+        let missing = page.links.iter().filter(|(_, link)| !directory.join(link).exists());
+        missing.map(|(line, link)| format!("{}: {link}", page.at(*line))).collect()
+    };
+    let dead: Vec<String> = pages().iter().flat_map(dead).collect();
+    assert!(dead.is_empty(), "\n{}", dead.join("\n"));
+}
+
+#[test]
+fn json_and_toml_on_the_pages_can_be_read() {
+    for page in &pages() {
+        for block in &page.blocks {
+            let why = match block.kind.as_str() {
+                "json" => serde_json::from_str::<serde_json::Value>(&block.text).err().map(|why| why.to_string()),
+                "toml" => toml::from_str::<toml::Table>(&block.text).err().map(|why| why.to_string()),
+                _ => None,
+            };
+            assert!(why.is_none(), "{}: {}", page.at(block.line), why.unwrap_or_default());
+        }
+    }
+}
+
+#[test]
+fn dots_stand_for_anything_and_nothing_else_does() {
+    assert!(shows("a … c\n", "a b c"));
+    assert!(shows("a …\n… e", "a b\nc\nd e\n"));
+    assert!(shows("a", "a\n"));
+    assert!(!shows("a", "a b") && !shows("a … c", "a b d") && !shows("… b", "a b c") && !shows("a … b … a", "a b"));
+}

@@ -1,0 +1,85 @@
+//! A page in Markdown, as far as its tests need it.
+
+use std::path::{Path, PathBuf};
+
+/// What stands between two fences.
+pub struct Block {
+    /// Line of the opening fence, from 1.
+    pub line: usize,
+    /// What follows the opening fence: `sh`, `json`, `text output`.
+    pub kind: String,
+    pub text: String,
+    /// Whether `<!-- not run: WHY -->` stands on the line before the fence.
+    pub is_run: bool,
+}
+
+/// A page: its blocks, and the links outside them.
+pub struct Page {
+    /// Path from the root of the repository.
+    pub path: PathBuf,
+    pub blocks: Vec<Block>,
+    /// Targets without scheme and fragment, each with its line.
+    pub links: Vec<(usize, String)>,
+}
+
+impl Page {
+    pub fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(root().join(path)).unwrap();
+        let (mut blocks, mut links, mut open) = (Vec::new(), Vec::new(), None::<Block>);
+        let mut before = "";
+        for (i, line) in text.lines().enumerate() {
+            match (&mut open, line.strip_prefix("```")) {
+                (Some(_), Some("")) => blocks.extend(open.take()),
+                (Some(block), _) => block.text.extend([line, "\n"]),
+                (None, Some(kind)) => open = Some(opened(i + 1, kind, before)),
+                (None, None) => links.extend(links_in(line).map(|link| (i + 1, link))),
+            }
+            before = line;
+        }
+        assert!(open.is_none(), "{}: a fence is not closed", path.display());
+        Self { path: path.to_owned(), blocks, links }
+    }
+
+    /// Where a line of it is.
+    pub fn at(&self, line: usize) -> String {
+        format!("{}:{line}", self.path.display())
+    }
+}
+
+fn opened(line: usize, kind: &str, before: &str) -> Block {
+    let reason = before.strip_prefix("<!-- not run:").and_then(|rest| rest.strip_suffix("-->"));
+    let is_run = reason.is_none_or(|reason| reason.trim().is_empty());
+    Block { line, kind: kind.trim().to_owned(), text: String::new(), is_run }
+}
+
+/// Targets within the repository of a line's links and pictures.
+fn links_in(line: &str) -> impl Iterator<Item = String> {
+    let target = |rest: &str| rest.split_once(')').map(|(target, _)| target.split('#').next().unwrap_or("").to_owned());
+    let targets = line.split("](").skip(1).filter_map(target);
+    targets.filter(|target| !target.is_empty() && !target.contains("://"))
+}
+
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// README and all pages below `docs`, from the root of the repository.
+pub fn pages() -> Vec<Page> {
+    let mut paths = vec![PathBuf::from("README.md")];
+    let mut directories = vec![PathBuf::from("docs"), PathBuf::from("api")];
+    while let Some(directory) = directories.pop() {
+        for entry in std::fs::read_dir(root().join(&directory)).unwrap().map(Result::unwrap) {
+            let path = directory.join(entry.file_name());
+            let name = entry.file_name();
+            if entry.path().is_dir() {
+                // What package managers leave beside a client is not ours.
+                let is_foreign = name == "node_modules" || name.to_string_lossy().starts_with('.');
+                directories.extend((!is_foreign).then_some(path));
+            } else if path.extension().is_some_and(|ending| ending == "md") {
+                paths.push(path);
+            }
+        }
+    }
+    paths.sort();
+    paths.iter().map(|path| Page::read(path)).collect()
+}

@@ -1,0 +1,164 @@
+//! Runs that are paced, pushed and changed while they go on.
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, numbers};
+
+/// A run of that scenario, started as `change` wants it; its address.
+fn start(service: &Service, scenario: &str, change: impl FnOnce(&mut Value), paused: bool) -> String {
+    let mut scenario = service.get(&format!("/v1/scenarios/{scenario}")).accepted();
+    change(&mut scenario);
+    let request = json!({"scenario": scenario, "interactive": {"speed": 1000, "paused": paused}});
+    let answer = service.post("/v1/simulations", &request.to_string());
+    assert_eq!(answer.status, 202, "{}", answer.text);
+    answer.location.unwrap()
+}
+
+fn order(service: &Service, run: &str, order: &Value) -> Value {
+    service.ask(&format!("{run}/control"), order)
+}
+
+/// Reads the live view of a run.
+struct Viewer(BufReader<TcpStream>);
+
+impl Viewer {
+    fn open(service: &Service, run: &str) -> Self {
+        let mut stream = service.connect();
+        write!(stream, "GET {run}/live HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
+        Self(BufReader::new(stream))
+    }
+
+    /// Name and data of the next event; `None` at the end.
+    fn next(&mut self) -> Option<(String, Value)> {
+        let (mut line, mut name) = (String::new(), String::new());
+        while self.0.read_line(&mut line).unwrap() > 0 {
+            if let Some(event) = line.strip_prefix("event: ") {
+                event.trim().clone_into(&mut name);
+            }
+            if let Some(data) = line.strip_prefix("data: ") {
+                return Some((name, serde_json::from_str(data).unwrap()));
+            }
+            line.clear();
+        }
+        None
+    }
+
+    /// All frames up to the first that fits, with it.
+    fn until(&mut self, fits: impl Fn(&Value) -> bool) -> Vec<Value> {
+        let mut frames = Vec::new();
+        while let Some((_, frame)) = self.next() {
+            frames.push(frame);
+            if fits(&frames[frames.len() - 1]) {
+                return frames;
+            }
+        }
+        panic!("none of {} frames fits", frames.len());
+    }
+}
+
+fn samples(frames: &[Value]) -> Vec<Value> {
+    frames.iter().flat_map(|frame| frame["samples"].as_array().unwrap().clone()).collect()
+}
+
+#[test]
+fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
+    let service = Service::start();
+    let run = start(&service, "stiff_wall", |_| (), true);
+    let mut viewer = Viewer::open(&service, &run);
+    let (name, first) = viewer.next().unwrap();
+    service.get(&format!("{run}/cycle")).assert_refused(409, None);
+    assert_eq!((name.as_str(), &first["done"], &first["samples"]), ("frame", &json!(0), &json!([])));
+    let joints = first["arm"]["joints"].as_array().unwrap();
+    assert_eq!(joints.len(), 7);
+    assert!(joints.iter().all(|joint| joint["lower"].as_f64() < joint["upper"].as_f64()));
+
+    order(&service, &run, &json!({"step": 5}));
+    let frames = viewer.until(|frame| frame["done"] == 5);
+    let times: Vec<f64> = samples(&frames).iter().map(|sample| sample["time_s"].as_f64().unwrap()).collect();
+    assert_eq!(times, [0.0, 0.001, 0.002, 0.003, 0.004]);
+    let last = frames.last().unwrap();
+    let counts = |histogram: &Value| numbers(&histogram["counts"]).iter().sum::<f64>();
+    assert_eq!((counts(&last["solve_time"]), counts(&last["round_trip"])), (5.0, 5.0));
+    assert_eq!(last["paths"]["closed_form"], 5);
+    assert_eq!(last["run"]["interactive"], json!({"speed": 1000.0, "paused": true}));
+
+    // The cycle that is shown is the one that was asked.
+    let cycle = service.get(&format!("{run}/cycle")).accepted();
+    assert_eq!((&cycle["state"]["sequence"], &cycle["memory"]["sequence"]), (&json!(4), &json!(3)));
+    let velocity = service.ask("/v1/step", &cycle)["joint_velocity"].clone();
+
+    // Nothing more happens before the next order.
+    std::thread::sleep(Duration::from_millis(100));
+    let status = order(&service, &run, &json!({"end": true}));
+    assert_eq!(status["progress"], json!(0.001));
+    let frames = viewer.until(|frame| frame["run"]["state"] == "finished");
+    assert!(viewer.next().is_none());
+    // The period in which it learnt of the end.
+    assert_eq!(frames.last().unwrap()["done"], 6);
+    let trace = service.exchange("GET", &format!("{run}/trace"), &[("accept", "application/json")], &[]);
+    let trace: Value = serde_json::from_slice(trace.body()).unwrap();
+    assert_eq!(trace["samples"].as_array().unwrap().len(), 6);
+    assert_eq!(trace["samples"][4]["joint_velocity"], velocity);
+}
+
+#[test]
+fn a_run_left_to_itself_is_the_run_of_any_client() {
+    let service = Service::start();
+    let shorten = |scenario: &mut Value| scenario["duration_s"] = json!(0.3);
+    let run = start(&service, "force_tracking_singular", shorten, false);
+    let mut viewer = Viewer::open(&service, &run);
+    viewer.until(|frame| frame["run"]["state"] == "finished");
+    let mut scenario = service.get("/v1/scenarios/force_tracking_singular").accepted();
+    shorten(&mut scenario);
+    let other = service.post("/v1/simulations", &json!({"scenario": scenario}).to_string()).location.unwrap();
+    while service.get(&other).accepted()["state"] != "finished" {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let trace = |run: &str| service.get(&format!("{run}/trace")).text;
+    assert!(trace(&run) == trace(&other));
+}
+
+#[test]
+fn time_passes_as_fast_as_it_is_told() {
+    let service = Service::start();
+    let run = start(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.2), true);
+    let begin = Instant::now();
+    order(&service, &run, &json!({"paused": false, "speed": 0.5}));
+    let frames = Viewer::open(&service, &run).until(|frame| frame["run"]["state"] == "finished");
+    assert!(begin.elapsed() >= Duration::from_millis(390), "{:?}", begin.elapsed());
+    assert!(frames.len() >= 3, "{}", frames.len());
+}
+
+#[test]
+fn a_method_takes_over_without_a_jump() {
+    let service = Service::start();
+    let run = start(&service, "force_tracking_singular", |_| (), true);
+    let mut viewer = Viewer::open(&service, &run);
+    let methods = ["damped_least_squares", "reverse_priority", "singularity_robust"];
+    for (done, method) in (0..).step_by(500).zip(methods) {
+        order(&service, &run, &json!({"step": 300}));
+        viewer.until(|frame| frame["done"] == done + 300);
+        let status = order(&service, &run, &json!({"method": method, "step": 200}));
+        assert_eq!(status["method"], method);
+        viewer.until(|frame| frame["done"] == done + 500);
+    }
+    order(&service, &run, &json!({"end": true}));
+    viewer.until(|frame| frame["run"]["state"] == "finished");
+    let trace = service.exchange("GET", &format!("{run}/trace"), &[("accept", "application/json")], &[]);
+    let trace: Value = serde_json::from_slice(trace.body()).unwrap();
+    let velocity: Vec<Vec<f64>> =
+        trace["samples"].as_array().unwrap().iter().map(|sample| numbers(&sample["joint_velocity"])).collect();
+    let largest = |velocity: &[Vec<f64>]| {
+        let jump = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        velocity.windows(2).map(jump).fold(0.0, f64::max)
+    };
+    // At once, the arm would jump by up to 0.045 rad/s here.
+    for switch in [300, 800, 1300] {
+        let (before, after) = (largest(&velocity[switch - 50..switch]), largest(&velocity[switch - 1..switch + 150]));
+        assert!(after < before + 1e-3, "{before} rad/s per period, then {after}");
+    }
+}
