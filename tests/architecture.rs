@@ -37,7 +37,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
         ],
     ),
     // Never control or resolution: it cannot cheat. Set-points over time move walls and people as they move targets.
-    ("simulator", &["client", "wire", "robot", "kinematics", "law::Profile", "law::Point", "law::ProfileError"]),
+    ("simulator", &["client", "wire", "robot", "kinematics", "law"]),
     // The page tells scenarios in words.
     ("report", &["simulator::recording", "simulator::Scenario", "wire"]),
     // Measures what the others do, from the inside and from the outside.

@@ -100,9 +100,10 @@ fn the_lag_that_the_margin_forbids_bounces_and_the_recommended_damping_settles()
 fn limited_accelerations_make_a_hard_impact_harder_and_bear_a_slow_one() {
     let fast = served(&scenario("stiff_wall_acceleration"));
     let peak = |run: &Recording| Metrics::of(run).peak_force;
-    assert!(peak(&fast) > 2.0 * 244.0, "{}", peak(&fast));
+    let free = served(&scenario("stiff_wall"));
+    assert!((1.15..1.25).contains(&(peak(&fast) / peak(&free))), "{} {}", peak(&fast), peak(&free));
     let slow = served(&scenario("stiff_wall_acceleration_slow"));
-    assert!(peak(&slow) < 60.0, "{}", peak(&slow));
+    assert!(peak(&slow) < 32.0, "{}", peak(&slow));
     assert!((final_force(&slow) - 30.0).abs() < 1.0, "{}", final_force(&slow));
 }
 
@@ -191,10 +192,9 @@ fn on_a_lossy_line_the_arm_comes_to_rest_in_time_and_takes_its_way_up_again() {
     for mode in [CallMode::Session, CallMode::Stateless] {
         let run = run_in(&scenario("lossy_line"), mode);
         let lost = run.samples.iter().filter(|s| !s.answered).count();
-        assert!(
-            lost > 600 && run.samples.iter().all(|s| s.answered == (s.answer_age == 0) || s.answer_age == 1),
-            "{lost}"
-        );
+        // Late by up to ten periods, where a second jam follows on the first.
+        let ages_are_told = run.samples.iter().all(|s| if s.answered { s.answer_age <= 10 } else { s.answer_age > 0 });
+        assert!(lost > 600 && ages_are_told, "{lost}");
         let outage = between(&run, 2.0, 2.5);
         assert!(outage.iter().all(|s| !s.answered));
         // Obeyed for 100 ms, then slower in each period, at rest before the end.

@@ -9,6 +9,8 @@ use super::CliError;
 use crate::simulator::recording::{Format, Recording};
 
 #[derive(Debug, clap::Args)]
+// Not a group of its own: flattened into options of the same name.
+#[group(skip)]
 pub struct Options {
     /// Formats of the traces, such as `csv,mcap`
     #[arg(long, value_enum, value_delimiter = ',', default_value = "csv")]

@@ -125,8 +125,14 @@ mod tests {
         let silence = taken.iter().position(Option::is_none).unwrap();
         assert!(taken[silence..silence + 4].iter().all(Option::is_none), "{:?}", &taken[silence..silence + 6]);
         let arrived: Vec<u64> = taken.iter().flatten().copied().collect();
-        assert!(arrived.is_sorted());
-        assert!(taken.iter().zip(0..).all(|(taken, period)| taken.is_none_or(|taken| taken == period)));
+        assert!(arrived.is_sorted_by(|one, next| one < next));
+        // A second jam behind the first holds back the new answers, not those that waited for the first.
+        assert!(
+            taken
+                .iter()
+                .zip(0..)
+                .all(|(taken, period)| taken.is_none_or(|taken| taken <= period && period <= taken + 4))
+        );
     }
 
     #[test]
@@ -134,11 +140,12 @@ mod tests {
         assert_eq!(on_time(&taken(Faults { repeated: 1.0, ..Faults::default() }, 100)), 100);
         let taken = taken(Faults { reordered: 0.3, ..Faults::default() }, 1000);
         // Overtaken by the next: never obeyed. Only where the next one is delayed too, the old one counts, a period late.
-        for (period, pair) in (1..).zip(taken.windows(2)) {
-            assert!(
-                pair[1].is_none_or(|now| now == period || now == period - 1 && pair[0].is_none()),
-                "{period} {pair:?}"
-            );
-        }
+        assert!(
+            taken
+                .iter()
+                .zip(0..)
+                .all(|(taken, period)| taken.is_none_or(|taken| taken == period || taken + 1 == period))
+        );
+        assert!(taken.iter().flatten().is_sorted_by(|one, next| one < next));
     }
 }

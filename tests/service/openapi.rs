@@ -211,6 +211,8 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     ask(&format!("/v1/simulations/{live}/control"), "control");
+    ask(&format!("/v1/simulations/{live}/control"), "control_end");
+    ask("/v1/simulations", "simulation_world");
     let run = ask("/v1/simulations", "simulation_own")["id"].as_str().unwrap().to_owned();
     let shown = |path: &str, name: &str| assert_committed(name, &service.get(path).accepted());
     shown("/v1/robots", "robots");

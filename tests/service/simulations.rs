@@ -259,7 +259,7 @@ fn what_cannot_be_run_is_refused_before_it_starts() {
     refused(&|r| r["scenario"]["velocity_loop"] = json!([0.0, 0]), "/scenario/velocity_loop");
     refused(&|r| r["scenario"]["velocity_loop"] = json!({"lag_s": -1}), "/scenario/velocity_loop/lag_s");
     refused(&|r| r["scenario"]["contacts"][0]["axis"] = json!("w"), "/scenario/contacts/0/axis");
-    refused(&|r| r["scenario"]["contacts"][0]["stiffness"] = json!(-1), "/scenario/contacts");
+    refused(&|r| r["scenario"]["contacts"][0]["stiffness"] = json!(-1), "/scenario/contacts/0/stiffness");
     refused(&|r| r["scenario"]["controller"]["robot"] = json!("puma"), "/scenario/controller/robot");
     refused(&|r| r["scenario"]["controller"]["period_s"] = json!(0), "/scenario/controller/period_s");
     refused(&|r| r["scenario"]["controller"]["tasks"] = json!([]), "/scenario/controller/tasks");

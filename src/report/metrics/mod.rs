@@ -72,9 +72,9 @@ pub struct Metrics {
     pub residuals: Vec<Residual>,
     /// Control periods per second of real time; `None` when the run took no measurable time.
     pub calls_per_second: Option<f64>,
-    /// How many periods each solve path served.
+    /// How many answers each solve path gave.
     pub paths: BTreeMap<Path, usize>,
-    /// How many periods ended with each status.
+    /// How many answers had each status.
     pub statuses: BTreeMap<Status, usize>,
     /// Largest KKT residual that an answer carried; `None` when none did.
     pub largest_kkt_residual: Option<f64>,
@@ -94,6 +94,7 @@ impl Metrics {
     pub fn along(recording: &Recording, axis: usize) -> Self {
         let samples = &recording.samples;
         let touched = from_first_contact(samples);
+        let answered = samples.iter().filter(|s| s.answered);
         Self {
             rmse_fx: rmse(recording, 0),
             rmse_fy: rmse(recording, 1),
@@ -108,8 +109,8 @@ impl Metrics {
             max_joint_speed: max_joint_speed(samples),
             residuals: residuals(samples),
             calls_per_second: calls_per_second(recording),
-            paths: counts(samples.iter().map(|s| s.path)),
-            statuses: counts(samples.iter().map(|s| s.status)),
+            paths: counts(answered.clone().map(|s| s.path)),
+            statuses: counts(answered.map(|s| s.status)),
             largest_kkt_residual: samples.iter().filter_map(|s| s.kkt_residual).reduce(larger),
             unanswered: samples.iter().filter(|s| !s.answered).count(),
         }

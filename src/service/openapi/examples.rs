@@ -25,7 +25,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 26] = examples! {
+const EXAMPLES: [Example; 28] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -49,8 +49,10 @@ const EXAMPLES: [Example; 26] = examples! {
     get "/v1/scenarios/{name}" => "scenario";
     post "/v1/simulations" "simulation" => "simulation";
     post "/v1/simulations" "simulation_own" => "simulation_own";
+    post "/v1/simulations" "simulation_world" => "simulation_world";
     post "/v1/simulations" "simulation_interactive" => "simulation_interactive";
     post "/v1/simulations/{id}/control" "control" => "control";
+    post "/v1/simulations/{id}/control" "control_end" => "control_end";
     get "/v1/simulations/{id}" => "simulation_finished";
 };
 

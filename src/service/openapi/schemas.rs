@@ -79,11 +79,13 @@ fn listed_example(schema: &mut Value) {
     }
 }
 
-/// What may be `null` is described as a whole, not only where it is not.
+/// What may be `null` or left out is described as a whole, not only where it is given.
 fn described_outside(schema: &mut Value) {
-    if schema["oneOf"][0]["type"] == "null"
-        && let Some(reference) = schema["oneOf"][1].as_object_mut()
-        && let Some(description) = reference.remove("description")
+    if schema.get("description").is_none()
+        && let Some(option) =
+            schema.get_mut("oneOf").and_then(Value::as_array_mut).and_then(|options| options.last_mut())
+        && option.get("$ref").is_some()
+        && let Some(description) = option.as_object_mut().and_then(|reference| reference.remove("description"))
     {
         schema["description"] = description;
     }

@@ -121,8 +121,7 @@ fn a_body_of_thousands_of_joints_is_refused_at_once() {
 #[test]
 fn unknown_routes_and_methods_are_named_so() {
     let service = Service::start();
-    for path in ["/", "/v1", "/v1/resolve/", "/v2/resolve", "/v1/robots/", "/v1/robots/a/b", "/healthz/x", "/%00", "//"]
-    {
+    for path in ["/v1", "/v1/resolve/", "/v2/resolve", "/v1/robots/", "/v1/robots/a/b", "/healthz/x", "/%00", "//"] {
         service.get(path).assert_refused(404, None);
     }
     for path in ["/v1/robots/%ff", "/v1/controllers/%ff", "/v1/controllers/%00", "/v1/controllers/1"] {

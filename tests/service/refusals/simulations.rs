@@ -96,7 +96,7 @@ const ORDERS: &[Row] = &[
 
 /// What cannot change in the middle of a run: it would jump.
 const CONTROLLERS: &[Row] = &[
-    ("/controller/robot", r#""ur5e""#, 422, "/controller/tasks/0"),
+    ("/controller/robot", r#""ur5e""#, 422, "/controller/robot"),
     ("/controller/robot", r#""sawyer""#, 422, "/controller/robot"),
     ("/controller/period_s", "0.002", 422, "/controller/period_s"),
     ("/controller/limits", r#""none""#, 422, "/controller/limits"),

@@ -26,6 +26,7 @@ REQUESTS: dict[str, type[Body]] = {
     "robot": models.RobotRegistration,
     "simulation": models.SimulationRequest,
     "simulation_own": models.SimulationRequest,
+    "simulation_world": models.SimulationRequest,
     "stability": models.StabilityRequest,
     "stability_impedance": models.StabilityRequest,
     "state": models.State,
