@@ -14,7 +14,7 @@ use crate::simulator::recording::{Format, Recording};
 pub struct Options {
     /// Formats of the traces, such as `csv,mcap`
     #[arg(long, value_enum, value_delimiter = ',', default_value = "csv")]
-    format: Vec<Format>,
+    traces: Vec<Format>,
     /// Also record how long each call took, which differs from run to run
     #[arg(long)]
     timings: bool,
@@ -33,7 +33,7 @@ impl ValueEnum for Format {
 impl Options {
     /// Writes a recording in every format into the directory.
     pub fn write(&self, out: &Path, recording: &Recording) -> Result<(), CliError> {
-        for &format in &self.format {
+        for &format in &self.traces {
             let path = out.join(recording.trace_name(format));
             let written = format.write_file(recording, self.timings, &path);
             written.map_err(|source| CliError::Trace { path, source })?;
@@ -48,6 +48,6 @@ impl Options {
 
     /// Names of these files.
     pub fn names(&self, recording: &Recording) -> impl Iterator<Item = String> {
-        self.format.iter().map(|&format| recording.trace_name(format))
+        self.traces.iter().map(|&format| recording.trace_name(format))
     }
 }

@@ -11,6 +11,9 @@ use crate::wire;
 /// Longest time without a look whether the run shall end.
 const BLINK: Duration = Duration::from_millis(50);
 
+/// Sums of periods are not exact: an answer is not too old by less than this, s.
+const ROUNDING_S: f64 = 1e-9;
+
 /// The answer that the arm obeys.
 pub struct Obeyed {
     /// As it came, but the joint velocities slow down once it is too old.
@@ -31,7 +34,7 @@ impl Obeyed {
     /// accelerations.
     pub fn still(mut self, time_s: f64, robot: &RobotModel, period: f64) -> Self {
         let valid_s = self.answer.valid_for_ms as f64 / 1e3;
-        if time_s - self.given_s > valid_s {
+        if time_s - self.given_s > valid_s + ROUNDING_S {
             for (speed, joint) in self.answer.joint_velocity.iter_mut().zip(robot.joints()) {
                 let slower = (speed.abs() - joint.limits.acceleration * period).max(0.0);
                 *speed = slower.copysign(*speed);

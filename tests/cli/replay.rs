@@ -10,7 +10,7 @@ const RUN: &str = "stiff_wall-reverse_priority-auto";
 fn recorded(name: &str, more: &[&str]) -> Scratch {
     let scratch = Scratch::new(name);
     let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
-    let (out, formats) = (scratch.argument("out"), ["--format", "csv,jsonl,parquet,mcap"]);
+    let (out, formats) = (scratch.argument("out"), ["--traces", "csv,jsonl,parquet,mcap"]);
     success(&[&["simulate", &file, "--out", &out][..], &formats, more].concat());
     scratch
 }

@@ -183,7 +183,7 @@ fn statuses_and_silence_are_counted_and_the_worst_kkt_residual_is_kept() {
     run.samples[1].kkt_residual = Some(1e-3);
     run.samples[2].answered = false;
     let metrics = Metrics::of(&run);
-    assert_eq!(metrics.statuses, BTreeMap::from([(Status::Optimal, 2), (Status::NotCertified, 1)]));
+    assert_eq!(metrics.statuses, BTreeMap::from([(Status::Optimal, 1), (Status::NotCertified, 1)]));
     assert_eq!((metrics.largest_kkt_residual, metrics.unanswered), (Some(1e-3), 1));
 }
 
