@@ -104,11 +104,12 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         return Err(CliError::NothingToCompare(failures.join("; ")));
     }
     let experiment = experiment(options, &scenarios, runs, failures);
-    let report = report_beside(&experiment, &options.traces);
-    print(options.format, &report)?;
+    let mut report = experiment.report();
     if options.write.contains(&Kind::Traces) {
         store(&options.out, &experiment, &options.traces)?;
+        report = report_beside(&experiment, &options.traces);
     }
+    print(options.format, &report)?;
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
     let written = report::write(&options.out, &report, &outputs)?;
     if let Some(last) = written.last() {

@@ -115,7 +115,7 @@ pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> R
     for run in &experiment.runs {
         traces.write(out, &run.recording)?;
     }
-    Ok(store::write(out, experiment, |recording| traces.first_name(recording))?)
+    Ok(store::write(out, experiment, |recording| traces.names(recording).collect())?)
 }
 
 /// The page, with the traces that lie beside it.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::CliError;
 use super::compare::{Format, print};
 use crate::report::experiment::store;
-use crate::report::{self, Output};
+use crate::report::{self, Output, Report};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -18,7 +18,8 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
-    let report = store::read(&options.directory)?.report();
+    let (experiment, traces) = store::read(&options.directory)?;
+    let report = Report { traces, ..experiment.report() };
     print(options.format, &report)?;
     report::write(&options.directory, &report, &[Output::Page, Output::Svg, Output::Png])?;
     writeln!(stderr(), "\nwritten: {}", options.directory.join("index.html").display())?;

@@ -41,11 +41,6 @@ impl Options {
         Ok(())
     }
 
-    /// Name of the first of these files, which says all that the others do.
-    pub fn first_name(&self, recording: &Recording) -> String {
-        self.names(recording).next().unwrap_or_default()
-    }
-
     /// Names of these files.
     pub fn names(&self, recording: &Recording) -> impl Iterator<Item = String> {
         self.traces.iter().map(|&format| recording.trace_name(format))

@@ -158,7 +158,7 @@ fn a_directory_that_no_command_left_is_refused_with_what_is_missing() {
     let trace = scratch.path().join("out/stiff_wall-reverse_priority-auto.csv");
     let text = std::fs::read_to_string(&trace).unwrap();
     std::fs::write(&trace, text.replacen("optimal", "perfect", 1)).unwrap();
-    assert!(failure(&["report", &out]).contains("line 2: column `status`"));
+    assert!(failure(&["report", &out]).contains("row 1: column `status`"));
     std::fs::remove_file(&trace).unwrap();
     assert!(failure(&["report", &out]).contains("stiff_wall-reverse_priority-auto.csv"));
 }

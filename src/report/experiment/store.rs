@@ -29,7 +29,8 @@ struct Stored {
 /// One run, without its samples.
 #[derive(Serialize, Deserialize)]
 struct StoredRun {
-    trace: String,
+    /// File names of the same recording in several formats; the first is read.
+    traces: Vec<String>,
     wall_time_s: f64,
     scenario: Scenario,
     robot: wire::Robot,
@@ -43,10 +44,10 @@ struct StoredRun {
 pub fn write(
     directory: &Path,
     experiment: &Experiment,
-    trace_name: impl Fn(&Recording) -> String,
+    trace_names: impl Fn(&Recording) -> Vec<String>,
 ) -> Result<(), Error> {
     let run = |run: &Run| StoredRun {
-        trace: trace_name(&run.recording),
+        traces: trace_names(&run.recording),
         wall_time_s: run.recording.wall_time_s,
         scenario: run.scenario.clone(),
         robot: run.robot.clone(),
@@ -64,23 +65,24 @@ pub fn write(
     write.map_err(|source| Error::Write { path, source })
 }
 
-/// Reads what [`write`] and the recordings left in a directory.
+/// Reads what [`write`] and the recordings left in a directory: the experiment, and the names of its traces.
 ///
 /// # Errors
 ///
 /// [`Error::Read`] when `experiment.json` is not there, [`Error::Parse`] when it is something else, [`Error::Trace`] for
 /// a trace that cannot be used.
-pub fn read(directory: &Path) -> Result<Experiment, Error> {
+pub fn read(directory: &Path) -> Result<(Experiment, Vec<String>), Error> {
     let path = directory.join(FILE);
     let text = fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
     let stored: Stored = serde_json::from_str(&text).map_err(|source| Error::Parse { path, source })?;
-    let run = |StoredRun { trace, wall_time_s, scenario, robot }: StoredRun| {
-        let path = directory.join(trace);
+    let traces = stored.runs.iter().flat_map(|run| run.traces.clone()).collect();
+    let run = |StoredRun { traces, wall_time_s, scenario, robot }: StoredRun| {
+        let path = directory.join(traces.first().map_or("", String::as_str));
         let recording = recording::read(&path).map_err(|source| Error::Trace { path, source: Box::new(source) })?;
         let recording = Recording { wall_time_s, ..recording };
         Ok(Run { scenario, robot, recording })
     };
     let Stored { title, question, command, program, runs, failures } = stored;
     let runs = runs.into_iter().map(run).collect::<Result<Vec<_>, Error>>()?;
-    Ok(Experiment { title, question, command, program, runs, failures })
+    Ok((Experiment { title, question, command, program, runs, failures }, traces))
 }

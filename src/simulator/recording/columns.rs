@@ -86,9 +86,14 @@ impl Column {
         (self.quantity.of)(&recording.samples[row], &timing, self.place).unwrap_or(Value::Missing)
     }
 
-    /// Puts a value into a period of a table.
-    pub fn put(&self, (sample, timing): (&mut Sample, &mut Timing), value: Value) -> Result<(), ReadError> {
-        let taken = (self.quantity.put)(sample, timing, self.place, value);
-        if taken { Ok(()) } else { Err(ReadError::Value { column: self.name.clone() }) }
+    /// Puts a value, `None` if it cannot be read, into a period of a table: its row, from 0.
+    pub fn put(
+        &self,
+        row: usize,
+        (sample, timing): (&mut Sample, &mut Timing),
+        value: Option<Value>,
+    ) -> Result<(), ReadError> {
+        let taken = value.is_some_and(|value| (self.quantity.put)(sample, timing, self.place, value));
+        if taken { Ok(()) } else { Err(ReadError::Value { row: row + 1, column: self.name.clone() }) }
     }
 }

@@ -75,8 +75,7 @@ pub fn read(head: Recording, file: impl Read) -> Result<Recording, ReadError> {
         let (mut sample, mut timing) = extent.blank();
         for (column, &place) in columns.iter().zip(&places) {
             let value = row.get(place).and_then(|text| cell_value(text, column.quantity.kind));
-            let value = value.ok_or_else(|| ReadError::Value { column: column.name.clone() })?;
-            column.put((&mut sample, &mut timing), value)?;
+            column.put(recording.samples.len(), (&mut sample, &mut timing), value)?;
         }
         recording.push(sample, timing, extent.timed);
     }

@@ -88,8 +88,10 @@ pub enum ReadError {
         column: String,
     },
     /// A value is of another kind.
-    #[error("column `{column}` holds a value that cannot stand there")]
+    #[error("row {row}: column `{column}` holds a value that cannot stand there")]
     Value {
+        /// Its row, from 1.
+        row: usize,
         /// Its name.
         column: String,
     },

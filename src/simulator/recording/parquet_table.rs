@@ -58,7 +58,7 @@ pub fn read(file: impl ChunkReader + 'static) -> Result<Recording, ReadError> {
             for (column, &place) in columns.iter().zip(&places) {
                 let value =
                     group[place].get_mut(row).map_or(Value::Missing, |value| std::mem::replace(value, Value::Missing));
-                column.put((&mut sample, &mut timing), value)?;
+                column.put(recording.samples.len(), (&mut sample, &mut timing), Some(value))?;
             }
             recording.push(sample, timing, extent.timed);
         }
