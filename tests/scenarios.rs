@@ -206,3 +206,18 @@ fn on_a_lossy_line_the_arm_comes_to_rest_in_time_and_takes_its_way_up_again() {
         assert!((way.position_error[1] - expected).abs() < 0.05, "{} {expected}", way.position_error[1]);
     }
 }
+
+/// A lag moves the arm within the period, and a wall with inertia feels how.
+#[test]
+fn finer_substeps_lead_to_the_same_run_a_quarter_of_the_step_to_a_quarter_of_the_error() {
+    let mut heavy = Scenario { duration_s: 1.0, ..scenario("stiff_wall_lag_damped") };
+    heavy.contacts[0].offset_m = 0.01;
+    heavy.contacts[0].damping = 50.0;
+    heavy.contacts[0].inertia = 0.5;
+    let forces = |substeps| served(&Scenario { substeps, ..heavy.clone() }).samples.into_iter().map(|s| s.force[0]);
+    let finest: Vec<f64> = forces(256).collect();
+    assert!(finest.iter().copied().fold(0.0, f64::max) > 60.0);
+    let errors = [1, 4, 16]
+        .map(|substeps| forces(substeps).zip(&finest).map(|(coarse, fine)| (coarse - fine).abs()).fold(0.0, f64::max));
+    assert!(errors[0] < 0.3 && errors.windows(2).all(|pair| (3.0..6.0).contains(&(pair[0] / pair[1]))), "{errors:?}");
+}

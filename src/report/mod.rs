@@ -85,7 +85,7 @@ pub struct Section {
     pub figures: Vec<Figure>,
 }
 
-/// Which files [`write`] leaves.
+/// Which files [`write()`] leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Output {
     /// `index.html`.
@@ -135,7 +135,7 @@ pub fn write(directory: &Path, report: &Report, wanted: &[Output]) -> Result<Vec
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_figures(directory: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Error> {
     let files = figures.iter().map(|figure| write_picture(directory, &figure.name, &drawing::svg(figure)?));
     files.collect::<Result<Vec<_>, _>>().map(|files| files.concat())
@@ -145,7 +145,7 @@ pub fn write_figures(directory: &Path, figures: &[Figure]) -> Result<Vec<PathBuf
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_heat_map(directory: &Path, map: &HeatMap) -> Result<Vec<PathBuf>, Error> {
     write_picture(directory, &map.name, &heat_map::svg(map)?)
 }

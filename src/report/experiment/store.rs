@@ -65,7 +65,7 @@ pub fn write(
     write.map_err(|source| Error::Write { path, source })
 }
 
-/// Reads what [`write`] and the recordings left in a directory: the experiment, and the names of its traces.
+/// Reads what [`write()`] and the recordings left in a directory: the experiment, and the names of its traces.
 ///
 /// # Errors
 ///
