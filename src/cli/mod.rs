@@ -51,7 +51,7 @@ const EXAMPLES: &str = "Examples:
   revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
-  revprio simulate stiff_wall --format csv,mcap      … and leave its trace as CSV and for Foxglove
+  revprio simulate stiff_wall --traces csv,mcap      … and leave its trace as CSV and for Foxglove
   revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
   revprio report revprio-out                         make the page again from what a command left there
