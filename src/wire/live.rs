@@ -47,7 +47,7 @@ pub struct SimulationControl {
     /// `impedance` and `hybrid`, which integrate and so do not jump.
     #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
-    /// Whether the run is finished here: what there is of it becomes its trace.
+    /// Whether the run is finished here: what there is of it becomes its trace. A run that is paused does one more period.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub end: bool,
 }

@@ -3,11 +3,14 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { PATIENCE, launch, number, open, serve, until } from './harness.mjs';
+import { PATIENCE, cleanUp, launch, number, open, serve, until } from './harness.mjs';
 
 let browser;
 before(async () => { browser = await launch(); }, { timeout: PATIENCE });
-after(() => browser?.close());
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
 
 const within = { timeout: 2 * PATIENCE };
 

@@ -20,6 +20,14 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, timeout: PATIENCE, args: FLAGS });
 }
 
+/** Services that have not ended, as that of a test that failed. */
+const alive = new Set();
+
+/** Ends what tests have left behind. */
+export function cleanUp() {
+  for (const child of alive) child.kill('SIGKILL');
+}
+
 /** Starts the service; `port` 0 takes a free one. */
 export async function serve(port = 0, token = '') {
   const options = ['serve', '--listen', `127.0.0.1:${port}`];
@@ -29,6 +37,7 @@ export async function serve(port = 0, token = '') {
     options.push('--token-file', file);
   }
   const child = spawn(process.env.REVPRIO, options, { stdio: ['ignore', 'pipe', 'inherit'] });
+  alive.add(child);
   const url = await new Promise((resolve, reject) => {
     child.once('exit', (code) => reject(new Error(`the service ended with ${code}`)));
     child.stdout.on('data', (text) => {
@@ -40,6 +49,7 @@ export async function serve(port = 0, token = '') {
     new Promise((resolve) => {
       child.removeAllListeners('exit');
       child.once('exit', resolve);
+      alive.delete(child);
       child.kill(signal);
     });
   return { url, port: Number(new URL(url).port), stop };

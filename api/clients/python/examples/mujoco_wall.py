@@ -146,7 +146,7 @@ def in_mujoco(client: Client, config: ControllerConfig, duration_s: float) -> tu
             answer = session.step(arm.position, joint_velocity=arm.velocity, wrench=wrench)
             arm.follow(answer.joint_velocity)
     stiffness = arm.wrench()[0] / max(arm.tool_m[0] - wall_x_m, 1e-9)
-    return Run(PERIOD_S * np.arange(len(forces)), np.array(forces)), float(stiffness)
+    return Run(PERIOD_S * np.arange(len(forces), dtype=np.float64), np.array(forces)), float(stiffness)
 
 
 def built_in(client: Client, config: ControllerConfig, duration_s: float, stiffness: float) -> Run:

@@ -35,7 +35,7 @@ def sawyer_with_wall(urdf: Path, wall_x_m: float, timestep_s: float, contact_tim
     world = ET.SubElement(mjcf, "worldbody")
     surface = {"solref": f"{contact_time_s} 1", "friction": "0.2 0.005 0.0001"}
     at = f"{wall_x_m + TOOL_RADIUS_M + 0.05} 0 0.3"
-    ET.SubElement(world, "geom", name="wall", type="box", size="0.05 0.6 0.6", pos=at, **surface)
+    ET.SubElement(world, "geom", {"name": "wall", "type": "box", "size": "0.05 0.6 0.6", "pos": at} | surface)
     actuators = ET.SubElement(mjcf, "actuator")
     bodies = {"base": world}
     for joint in robot.findall("joint"):
@@ -49,7 +49,7 @@ def sawyer_with_wall(urdf: Path, wall_x_m: float, timestep_s: float, contact_tim
             mass, centre, inertia = INERTIAL[child]
             ET.SubElement(body, "inertial", mass=f"{mass}", pos=centre, fullinertia=inertia)
     tool = {"name": "tool", "type": "sphere", "size": f"{TOOL_RADIUS_M}", "mass": "0.05"}
-    ET.SubElement(bodies["tool"], "geom", **tool, **surface)
+    ET.SubElement(bodies["tool"], "geom", tool | surface)
     return ET.tostring(mjcf, encoding="unicode")
 
 
@@ -65,8 +65,9 @@ def add_joint(body: ET.Element, joint: ET.Element, actuators: ET.Element, fricti
 def draw_link(body: ET.Element, end: str) -> None:
     """A capsule to the next joint, to look at: it touches nothing and weighs nothing."""
     if np.any(np.array(end.split(), dtype=float)):
+        shape = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": "0.045"}
         looks = {"contype": "0", "conaffinity": "0", "mass": "0", "rgba": "0.6 0.1 0.1 1"}
-        ET.SubElement(body, "geom", type="capsule", fromto=f"0 0 0 {end}", size="0.045", **looks)
+        ET.SubElement(body, "geom", shape | looks)
 
 
 def posture() -> NDArray[np.float64]:

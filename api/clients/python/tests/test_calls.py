@@ -1,6 +1,7 @@
 """Questions without a memory."""
 
 import inspect
+import time
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ from conftest import ROOT, example
 
 from revprio import (
     Client,
+    ConstantProfile,
+    ControllerTask,
     EnvironmentAxis,
+    Interactive,
     InvalidError,
     NotFoundError,
     Problem,
@@ -17,6 +21,7 @@ from revprio import (
     ResolveTask,
     Scenario,
     SimulationError,
+    VelocityLaw,
 )
 
 Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
@@ -97,6 +102,26 @@ def test_an_experiment_runs_and_leaves_a_trace(client: Client) -> None:
     run.cancel()
     with pytest.raises(NotFoundError):
         run.status()
+
+
+def test_an_interactive_experiment_obeys_and_shows_its_cycle(client: Client) -> None:
+    run = client.simulate(scenario="stiff_wall", interactive=Interactive(paused=True))
+    while run.status().state == "queued":
+        time.sleep(0.01)
+    run.control(step=10)
+    while run.status().progress < 10 / 5000:
+        time.sleep(0.01)
+    cycle = run.cycle()
+    assert client.step(controller=cycle.controller, state=cycle.state, memory=cycle.memory).solver.status == "optimal"
+    assert run.control(end=True).scenario == "stiff_wall"
+    run.result()
+    assert run.trace()["time_s"].size in (10, 11)  # the period that it waits for is done first
+
+
+def test_open_sessions_are_listed(client: Client) -> None:
+    hold = ControllerTask(name="hold", axes=["x"], law=VelocityLaw(target_velocity=ConstantProfile(value=0)))
+    with client.session(robot="sawyer_dh", period_s=0.001, tasks=[hold]) as session:
+        assert session.id in [entry.id for entry in client.sessions()]
 
 
 def test_a_cancelled_experiment_has_no_result(client: Client) -> None:

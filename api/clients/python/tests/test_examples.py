@@ -10,6 +10,9 @@ import pytest
 from conftest import ROOT
 from nbclient import NotebookClient
 
+import revprio
+from revprio import Client
+
 EXAMPLES = ROOT / "api/clients/python/examples"
 
 
@@ -45,10 +48,12 @@ def test_an_arm_of_mujoco_touches_the_wall_and_holds_30_n(
 @pytest.mark.parametrize(
     "readme", [ROOT / "README.md", ROOT / "api/clients/python/README.md"], ids=["project", "client"]
 )
-def test_the_snippets_of_the_readme_run(url: str, readme: Path) -> None:
+def test_the_snippets_of_the_readme_run(url: str, readme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     snippets = re.findall(r"```python\n(.*?)```", readme.read_text(encoding="utf-8"), re.DOTALL)
     assert snippets
-    for snippet in snippets:
-        # `Client()` means the default address
-        names: dict[str, object] = {}
-        exec(snippet.replace("http://127.0.0.1:8080", url).replace("Client()", f"Client({url!r})"), names)
+    names: dict[str, object] = {}
+    with Client(url) as here:
+        # Whatever address the snippet says.
+        monkeypatch.setattr(revprio, "Client", lambda *_: here)
+        for snippet in snippets:
+            exec(snippet, names)

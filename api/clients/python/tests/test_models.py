@@ -18,6 +18,8 @@ REQUESTS: dict[str, type[Body]] = {
     "batch": models.BatchRequest,
     "controller": models.ControllerConfig,
     "controller_laws": models.ControllerConfig,
+    "control": models.SimulationControl,
+    "control_end": models.SimulationControl,
     "kinematics": models.KinematicsRequest,
     "resolve": models.ResolveRequest,
     "resolve_closed_form": models.ResolveRequest,
@@ -25,6 +27,7 @@ REQUESTS: dict[str, type[Body]] = {
     "resolve_limits": models.ResolveRequest,
     "robot": models.RobotRegistration,
     "simulation": models.SimulationRequest,
+    "simulation_interactive": models.SimulationRequest,
     "simulation_own": models.SimulationRequest,
     "simulation_world": models.SimulationRequest,
     "stability": models.StabilityRequest,
@@ -81,7 +84,9 @@ def test_every_operation_has_a_method_of_the_client(document: dict[str, Any]) ->
         for path, item in document["paths"].items() for method in item
         if path.startswith("/v1/") and method != "parameters"
     }  # fmt: skip
-    looking_on = {("GET", "/v1/controllers/{}/watch"), ("GET", "/v1/simulations/{}/events")}
+    looking_on = {
+        ("GET", f"/v1/{place}") for place in ("controllers/{}/watch", "simulations/{}/events", "simulations/{}/live")
+    }
     assert operations - of_the_client == looking_on
 
 

@@ -10,6 +10,7 @@ import type {
   RobotRegistration,
   Scenario,
   ScenarioEntry,
+  SessionEntry,
   SimulationRequest,
   Simulation,
   StabilityAnswer,
@@ -104,6 +105,11 @@ export class Client {
   /** Opens a controller whose memory the service keeps; `close` it. */
   async session(controller: Controller, options?: CallOptions): Promise<Session> {
     return new Session(this, controller, await this.call<CreatedController>("POST", "/v1/controllers", controller, options));
+  }
+
+  /** The sessions of all clients that are open now. */
+  async sessions(options?: CallOptions): Promise<SessionEntry[]> {
+    return (await this.call<{ controllers: SessionEntry[] }>("GET", "/v1/controllers", undefined, options)).controllers;
   }
 
   /** A controller whose memory travels with each request. */
@@ -212,7 +218,8 @@ function read<A>(url: string, response: Response, text: string): A {
 /** Whether the service has certainly not taken the call, or may take it twice. An answer that is late is not asked for again. */
 function mayRepeat(failure: unknown, method: Method, path: string): boolean {
   if (failure instanceof ProblemError) return failure.status === 503 || failure.status === 429;
-  const repeatable = method !== "POST" || !NOT_REPEATABLE.has(path);
+  // An order to a run may be to go on by some periods.
+  const repeatable = method !== "POST" || !(NOT_REPEATABLE.has(path) || path.endsWith("/control"));
   return repeatable && failure instanceof NoAnswerError && !(failure instanceof LateAnswerError);
 }
 

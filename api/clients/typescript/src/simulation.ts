@@ -1,4 +1,4 @@
-import type { Simulation } from "./bodies.js";
+import type { Simulation, SimulationControl, StepRequest } from "./bodies.js";
 import type { CallOptions, Client } from "./client.js";
 import { RevprioError } from "./errors.js";
 
@@ -27,6 +27,16 @@ export class SimulationRun {
       }
       await new Promise((resolve) => setTimeout(resolve, POLL_MS));
     }
+  }
+
+  /** Paces and changes an interactive run: `run.control({ paused: false, speed: 0.5 })`. */
+  control(order: SimulationControl, options?: CallOptions): Promise<Simulation> {
+    return this.client.call("POST", `${this.#path()}/control`, order, options);
+  }
+
+  /** The latest control period of an interactive run, as a request for `Client.step`. */
+  cycle(options?: CallOptions): Promise<StepRequest> {
+    return this.client.call("GET", `${this.#path()}/cycle`, undefined, options);
   }
 
   /** Every control period of a finished run, as the service writes it in JSON. */

@@ -49,6 +49,14 @@ suite("calls", () => {
     assert.equal((await run.result()).state, "finished");
     await run.cancel();
     await assert.rejects(run.status(), { status: 404 });
+    const live = await client.simulate({ scenario: "stiff_wall", interactive: { paused: true } });
+    while ((await live.status()).state === "queued");
+    await live.control({ step: 3 });
+    while ((await live.status()).progress < 3 / 5000);
+    assert.equal((await client.step(await live.cycle())).solver.status, "optimal");
+    await live.control({ end: true });
+    assert.equal((await live.result()).state, "finished");
+    assert.ok(Array.isArray(await client.sessions()));
     const { urdf, tip } = example("robot");
     assert.equal((await client.registerRobot({ name: "mine", urdf, tip })).name, "mine");
     await client.deleteRobot("mine");

@@ -213,8 +213,9 @@ async function listSessions(desk, attempt) {
   }));
   const none = { value: '', name: known.length > 0 ? 'choose one' : 'no session is open' };
   options(select('session'), [none, ...known]);
-  select('session').value = controllers.some(({ id }) => id === session) ? session : '';
-  if (session === '' && known.length === 1) attempt(() => desk.watchSession(known[0].value));
+  const chosen = session === '' && known.length === 1 ? known[0].value : session;
+  select('session').value = controllers.some(({ id }) => id === chosen) ? chosen : '';
+  if (chosen !== session) attempt(() => desk.watchSession(chosen));
 }
 
 const LINKS = { connecting: 'Connecting', ready: 'Connected', overloaded: 'Overloaded', gone: 'Server gone, trying again', locked: 'Token needed' };

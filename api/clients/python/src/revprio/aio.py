@@ -32,8 +32,10 @@ from revprio.models import (
     RobotRegistration,
     Scenario,
     ScenarioEntry,
+    SessionEntry,
     SessionStatus,
     Simulation,
+    SimulationControl,
     SimulationRequest,
     StabilityAnswer,
     StabilityRequest,
@@ -128,6 +130,10 @@ class AsyncClient:
     def session(self, config: ControllerConfig) -> AsyncSession:
         """As `Client.session`, opened by `async with`."""
         return AsyncSession(self, config)
+
+    async def sessions(self) -> list[SessionEntry]:
+        """As `Client.sessions`."""
+        return (await self.call(routes.LIST_CONTROLLERS())).controllers
 
     @fields_of(ControllerConfig)
     def stateless(self, config: ControllerConfig) -> AsyncStateless:
@@ -345,6 +351,15 @@ class AsyncSimulationRun:
             on_progress(status)
             await asyncio.sleep(POLL_S)
         return status
+
+    @fields_of(SimulationControl)
+    async def control(self, order: SimulationControl) -> Simulation:
+        """As `SimulationRun.control`."""
+        return await self._client.call(routes.CONTROL_SIMULATION(self.id, body=order))
+
+    async def cycle(self) -> StepRequest:
+        """As `SimulationRun.cycle`."""
+        return await self._client.call(routes.CYCLE(self.id))
 
     async def trace(self) -> routes.Trace:
         """As `SimulationRun.trace`."""

@@ -27,6 +27,7 @@ from revprio.models import (
     RobotRegistration,
     Scenario,
     ScenarioEntry,
+    SessionEntry,
     SimulationRequest,
     StabilityAnswer,
     StabilityRequest,
@@ -129,6 +130,10 @@ class Client:
     def session(self, config: ControllerConfig) -> Session:
         """Opens a controller whose memory the service keeps: `client.session(robot=…, period_s=…, tasks=[…])`."""
         return Session(self, config)
+
+    def sessions(self) -> list[SessionEntry]:
+        """The sessions of all clients that are open now."""
+        return self.call(routes.LIST_CONTROLLERS()).controllers
 
     @fields_of(ControllerConfig)
     def stateless(self, config: ControllerConfig) -> Stateless:

@@ -13,6 +13,7 @@ __all__ = [
     "ActiveInequality",
     "ActiveLimit",
     "ActiveLimitName",
+    "ArmView",
     "Axis",
     "BatchAnswer",
     "BatchItem",
@@ -28,14 +29,18 @@ __all__ = [
     "Environment",
     "EnvironmentAxis",
     "ExplicitLimits",
+    "Faults",
     "ForceLaw",
     "Frame",
     "FramePose",
+    "Friction",
     "HybridLaw",
     "ImpedanceLaw",
     "Inequality",
+    "Interactive",
     "JointKind",
     "JointLimitsNullSpaceMotion",
+    "JointView",
     "JointsInequality",
     "KinematicsAnswer",
     "KinematicsRequest",
@@ -43,13 +48,17 @@ __all__ = [
     "LimitKind",
     "Limits",
     "LinkFrame",
+    "LiveFrame",
+    "LiveSample",
     "Memory",
     "Method",
     "NamedScenario",
     "NullSpaceMotion",
     "NullSpaceVelocity",
     "Orientation",
+    "Outage",
     "Path",
+    "PathCounts",
     "PerAxisBool",
     "PlaneInequality",
     "Pose",
@@ -73,9 +82,14 @@ __all__ = [
     "Scenario",
     "ScenarioEntry",
     "ScenarioList",
+    "Sensor",
+    "Sensors",
+    "SessionEntry",
+    "SessionList",
     "SessionStatus",
     "Side",
     "Simulation",
+    "SimulationControl",
     "SimulationMetrics",
     "SimulationRequest",
     "SimulationState",
@@ -92,6 +106,7 @@ __all__ = [
     "StepsProfile",
     "TargetPose",
     "TaskOutcome",
+    "TimeHistogram",
     "VelocityLaw",
     "VelocityLoop",
     "ViolatedInequality",
@@ -141,6 +156,50 @@ class ActiveLimitName(Body):
     """Name of an inequality, for that."""
     joint: str | None = None
     """Joint name, for a bound of a joint."""
+
+
+class JointView(Answer):
+    """A joint in space and the velocities that it may have."""
+
+    axis: FloatArray
+    """Direction of its axis, base frame, of unit length."""
+    origin: FloatArray
+    """A point of its axis, base frame, m."""
+    lower: float | None = None
+    """Smallest velocity that the limits allow in this period, rad/s or m/s; `null` without a bound."""
+    upper: float | None = None
+    """Largest velocity that they allow."""
+
+
+class Orientation(Body):
+    """A unit quaternion."""
+
+    w: float
+    """Scalar part."""
+    x: float
+    """x of the vector part."""
+    y: float
+    """y of the vector part."""
+    z: float
+    """z of the vector part."""
+
+
+class Pose(Body):
+    """A pose, in the frame that its field names."""
+
+    orientation: Orientation
+    """Orientation."""
+    position: ArrayLike
+    """x, y, z, m. Shape: 3."""
+
+
+class ArmView(Answer):
+    """An arm at a posture, for drawing it."""
+
+    joints: list[JointView]
+    """The joints, base first."""
+    tool: Pose
+    """The tool in the base frame."""
 
 
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
@@ -278,6 +337,7 @@ class Problem(Answer):
         "/problems/sequence",
         "/problems/name-taken",
         "/problems/no-trace",
+        "/problems/not-live",
         "/problems/too-large",
         "/problems/media-type",
         "/problems/invalid",
@@ -305,28 +365,6 @@ class BatchAnswer(Answer):
 
     items: list[BatchItem]
     """One answer or problem for each, in the order of the request."""
-
-
-class Orientation(Body):
-    """A unit quaternion."""
-
-    w: float
-    """Scalar part."""
-    x: float
-    """x of the vector part."""
-    y: float
-    """y of the vector part."""
-    z: float
-    """z of the vector part."""
-
-
-class Pose(Body):
-    """A pose, in the frame that its field names."""
-
-    orientation: Orientation
-    """Orientation."""
-    position: ArrayLike
-    """x, y, z, m. Shape: 3."""
 
 
 Frame = Literal["base", "tool"] | Pose
@@ -488,26 +526,19 @@ class BatchRequest(Body):
     """The problems, 10 000 at most."""
 
 
-ContactKind = Literal["spring", "wall"]
-"""Whether a contact also pulls."""
+ContactKind = Literal["spring", "wall", "plane"]
+"""What kind of thing is touched."""
 
 
-class Contact(Body):
-    """A contact on one axis: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0).  Paper: Eq. (36). Departs: X_0, where the surface is,
-    is not printed."""
+class Friction(Body):
+    """Friction of a tool with velocity v along a surface that it presses with F_n: (μ F_n/√(v² + v_s²) + B_t) v."""
 
-    axis: Literal["x", "y", "z"]
-    """Axis of the base."""
-    kind: ContactKind
-    """Whether it also pulls."""
-    stiffness: float
-    """K_e, N/m."""
-    damping: float | None = None
-    """B_e, N·s/m."""
-    inertia: float | None = None
-    """M_e, kg."""
-    offset_m: float | None = None
-    """X_0 from the tool's start position, m. A wall with a negative offset stands in the negative direction."""
+    coulomb: float | None = None
+    """μ."""
+    sticking_speed_m_s: float | None = None
+    """v_s, m/s: below it dry friction falls towards zero, so that a tool at rest feels none."""
+    viscous: float | None = None
+    """B_t, N·s/m, wherever the tool touches."""
 
 
 class ConstantProfile(Tagged):
@@ -580,6 +611,32 @@ Profile = Annotated[
     ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile, Field(discriminator="kind")
 ]
 """A set-point over time."""
+
+
+class Contact(Body):
+    """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, and friction across it.  Paper: Eq. (36).
+    Departs: X_0, where the surface is, is not printed; it may move, and velocity and acceleration count relative to
+    it."""
+
+    kind: ContactKind
+    """What it is."""
+    stiffness: float
+    """K_e, N/m."""
+    axis: Literal["x", "y", "z"] | None = None
+    """Base axis of a spring or a wall."""
+    damping: float | None = None
+    """B_e, N·s/m."""
+    friction: Friction | None = None
+    """Along a wall or a plane; none if left out."""
+    inertia: float | None = None
+    """M_e, kg."""
+    motion: Profile | None = None
+    """Added to `offset_m` over time, m, one value."""
+    normal: ArrayLike | None = None
+    """Direction out of a plane's material, base axes; of any length but zero. Shape: 3."""
+    offset_m: float | None = None
+    """X_0 from the tool's start position, m: along the axis, where a wall with a negative offset stands in the negative
+    direction; of a plane, the tool's way to it against the normal."""
 
 
 class VelocityLaw(Tagged):
@@ -804,6 +861,32 @@ class DenavitHartenberg(Answer):
     """θ at joint position zero, rad."""
 
 
+class Outage(Body):
+    """A time in which the service hears nothing and says nothing."""
+
+    duration_s: float
+    """How long, s."""
+    start_s: float
+    """Since the start, s; above zero."""
+
+
+class Faults(Body):
+    """Faults on the line between the arm and the service; none if nothing is set. The first answer always arrives."""
+
+    dropped: float | None = None
+    """Part of the answers that are lost, 0 to 1."""
+    late: float | None = None
+    """Part of the answers at which the line jams: they and all after them arrive together, `late_periods` later."""
+    late_periods: int | None = None
+    """How long a jam lasts, periods."""
+    outages: list[Outage] | None = None
+    """When the service is dead."""
+    reordered: float | None = None
+    """Part of the answers that arrive a period later, after the next one."""
+    repeated: float | None = None
+    """Part of the answers that arrive once more a period later."""
+
+
 class FramePose(Body):
     """A pose that survives writing and reading to the last bit: a rotation matrix, not a quaternion."""
 
@@ -811,6 +894,15 @@ class FramePose(Body):
     """x, y, z in the base frame, m. Shape: 3."""
     rotation: ArrayLike
     """Rotation matrix, row by row. Shape: 3 × 3."""
+
+
+class Interactive(Body):
+    """How a run is paced."""
+
+    paused: bool | None = None
+    """Whether simulated time stands still."""
+    speed: float | None = None
+    """Simulated seconds per second of real time, as far as the machine keeps up."""
 
 
 JointKind = Literal["revolute", "prismatic"]
@@ -850,6 +942,148 @@ class KinematicsRequest(Body):
     """Name of a robot."""
 
 
+class PathCounts(Answer):
+    """How many periods each way solved."""
+
+    active_set: int
+    """By the last active set."""
+    closed_form: int
+    """By pseudo-inverses."""
+    qp: int
+    """By Clarabel."""
+
+
+class TimeHistogram(Answer):
+    """How often a time took how long."""
+
+    counts: list[int]
+    """Counts, ten bins per decade: the first one below 1 µs, bin k from 10^((k−1)/10) µs on, the last one from 0.1 s
+    on."""
+    worst_us: float
+    """The longest time, µs."""
+
+
+SimulationState = Literal["queued", "running", "finished", "failed", "cancelled"]
+"""What a run is doing."""
+
+
+class SimulationMetrics(Answer):
+    """Measures of a run; `null` where one has no meaning. In contact: touching a wall or, without one, feeling a
+    force."""
+
+    contacts: int
+    """Separate intervals in contact."""
+    calls_per_second: float | None = None
+    """Control periods per second of real time."""
+    final_force_n: float | None = None
+    """F_x in the end, N."""
+    first_contact_s: float | None = None
+    """Time of the first contact, s."""
+    largest_joint_speed_rad_s: float | None = None
+    """Largest joint speed, rad/s."""
+    overshoot_n: float | None = None
+    """Largest excess of F_x over its target, N."""
+    overshoot_percent: float | None = None
+    """The same as a percentage of the target."""
+    peak_force_n: float | None = None
+    """Largest F_x, N."""
+    rmse_force_x_n: float | None = None
+    """Root mean square of F_x − F_d,x, N; from 5 s on in runs longer than 10 s, else from the first contact on."""
+    rmse_force_y_n: float | None = None
+    """The same for y, N."""
+    settling_time_s: float | None = None
+    """Time from which F_x stays within 5 % of its target, s."""
+
+
+class Simulation(Answer):
+    """A run of a scenario."""
+
+    id: str
+    """Name of the run, part of its address."""
+    method: Method
+    """How priorities are understood."""
+    periods: int
+    """Control periods of the whole run."""
+    progress: float
+    """Part of the run that is done, 0 to 1."""
+    scenario: str
+    """Name of the scenario."""
+    solver: Solver
+    """How each period's problem is solved."""
+    state: SimulationState
+    """What it is doing."""
+    error: str | None = None
+    """Why it failed."""
+    interactive: Interactive | None = None
+    """How it is paced, if it is interactive."""
+    metrics: SimulationMetrics | None = None
+    """Measures of the run, once it is finished."""
+
+
+class LiveSample(Answer):
+    """One control period, to single precision. Vectors of joints follow the robot's joint order."""
+
+    answered: bool
+    """Whether the service answered in this period."""
+    at_lower: list[int]
+    """Joints, counted from 0, that were at their lower bound since the sample before."""
+    at_upper: list[int]
+    """Joints, counted from 0, that were at their upper bound since the sample before."""
+    force: FloatArray
+    """F_e on the environment, N."""
+    joint_position: FloatArray
+    """q, rad or m."""
+    joint_velocity: FloatArray
+    """q̇ as commanded, rad/s or m/s."""
+    path: Path
+    """Which way led to the command."""
+    position: FloatArray
+    """Tool position in the base frame, m."""
+    residual_norms: FloatArray
+    """‖J_k q̇ − ẋ_k‖ per task, highest priority first."""
+    round_trip_us: float
+    """Time between state and answer, µs."""
+    smallest_singular_value: float
+    """σ_min of all task rows together."""
+    solve_us: float
+    """Time to compute the answer, µs."""
+    status: Status
+    """How sure the command is."""
+    target_force: FloatArray
+    """F_d, N; `null` where the axis is not force-controlled."""
+    time_s: float
+    """Simulated time, s."""
+    kkt_residual: float | None = None
+    """Residual of the optimality conditions."""
+    wall_distance_m: float | None = None
+    """Distance to the wall, m, positive when free; `null` without a wall."""
+
+
+class LiveFrame(Answer):
+    """What is seen of a run at one moment, and what happened since the frame before."""
+
+    arm: ArmView
+    """The arm as it stands now."""
+    done: int
+    """Control periods done."""
+    external_force: FloatArray
+    """What pushes the tool from outside, N, base axes."""
+    paths: PathCounts
+    """How many periods each way solved."""
+    reached_speed: float
+    """Simulated seconds per second of real time that were reached of late."""
+    round_trip: TimeHistogram
+    """Time between states and answers."""
+    run: Simulation
+    """The run with its pace, method and solver as they are now."""
+    samples: list[LiveSample]
+    """Periods since the frame before, oldest first: some of them, evenly spread."""
+    solve_time: TimeHistogram
+    """Time to compute the answers."""
+    time_s: float
+    """Simulated time, s."""
+
+
 class Memory(Body):
     """What a controller remembers; opaque to clients, who send it back as it came."""
 
@@ -865,9 +1099,38 @@ class Memory(Body):
     """Integrator of each task, m/s and rad/s."""
 
 
-class VelocityLoop(Body):
-    """How the arm follows a commanded velocity; ideal if both are zero."""
+class Sensor(Body):
+    """What a sensor adds: quantum · round((value + bias + noise)/quantum). One number for all values, or one for
+    each."""
 
+    bias: ArrayLike | None = None
+    """Added to the value."""
+    noise: ArrayLike | None = None
+    """Standard deviation of normally distributed noise, new in each period."""
+    quantum: ArrayLike | None = None
+    """Step of the values that it can tell apart; any if 0."""
+
+
+class Sensors(Body):
+    """Sensors of the arm; perfect if nothing is set."""
+
+    force: Sensor | None = None
+    """Force along the sensor's x, y and z, N."""
+    joint_position: Sensor | None = None
+    """q, rad or m; per joint."""
+    joint_velocity: Sensor | None = None
+    """q̇, rad/s or m/s; per joint."""
+    torque: Sensor | None = None
+    """Torque about them, N·m."""
+    wrench_filter_s: float | None = None
+    """τ of a first-order low-pass filter of force and torque, s; none if 0."""
+
+
+class VelocityLoop(Body):
+    """How the arm follows a commanded velocity; ideal if nothing is set."""
+
+    clamp: bool | None = None
+    """Whether the drives cut commands at the limits that the controller is given, each joint by itself."""
     delay_periods: int | None = None
     """Whole periods that a command waits before it acts."""
     lag_s: float | None = None
@@ -889,6 +1152,19 @@ class Scenario(Body):
     """q at the start, n, rad or m."""
     contacts: list[Contact] | None = None
     """What the tool touches."""
+    expectation: str | None = None
+    """What is to be seen, in words."""
+    external_wrench: Profile | None = None
+    """Force and torque with which somebody pushes the tool, base axes, at the tool point, N and N·m: six values over
+    time."""
+    faults: Faults | None = None
+    """What goes wrong between the arm and the service."""
+    seed: int | None = None
+    """Seed of noise and faults: the same seed, the same run."""
+    sensors: Sensors | None = None
+    """What the arm's sensors make of the truth."""
+    substeps: int | None = None
+    """Steps of arm and contacts in a period."""
     velocity_loop: VelocityLoop | None = None
     """How the arm follows its commands."""
 
@@ -975,6 +1251,32 @@ class ScenarioList(Answer):
     """The scenarios that ship with the service."""
 
 
+class SessionEntry(Answer):
+    """One session of the list."""
+
+    id: str
+    """Name of the session."""
+    idle_s: float
+    """Time since its last state came, or since it was opened, s."""
+    method: Method
+    """How priorities are understood."""
+    period_s: float
+    """T, s."""
+    robot: str
+    """Its robot."""
+    solver: Solver
+    """How each period's problem is solved."""
+    steps: int
+    """States answered by a step."""
+
+
+class SessionList(Answer):
+    """Answer to `GET /v1/controllers`."""
+
+    controllers: list[SessionEntry]
+    """The sessions that are open, the one that stepped last first."""
+
+
 class SessionStatus(Answer):
     """Answer to `GET /v1/controllers/{id}`."""
 
@@ -992,59 +1294,28 @@ class SessionStatus(Answer):
     """Steps that came more than 1.5 periods after the one before."""
 
 
-SimulationState = Literal["queued", "running", "finished", "failed", "cancelled"]
-"""What a run is doing."""
+class SimulationControl(Body):
+    """`POST /v1/simulations/{id}/control`: what is to change; everything else stays."""
 
-
-class SimulationMetrics(Answer):
-    """Measures of a run; `null` where one has no meaning. In contact: touching a wall or, without one, feeling a
-    force."""
-
-    contacts: int
-    """Separate intervals in contact."""
-    calls_per_second: float | None = None
-    """Control periods per second of real time."""
-    final_force_n: float | None = None
-    """F_x in the end, N."""
-    first_contact_s: float | None = None
-    """Time of the first contact, s."""
-    largest_joint_speed_rad_s: float | None = None
-    """Largest joint speed, rad/s."""
-    overshoot_n: float | None = None
-    """Largest excess of F_x over its target, N."""
-    overshoot_percent: float | None = None
-    """The same as a percentage of the target."""
-    peak_force_n: float | None = None
-    """Largest F_x, N."""
-    rmse_force_x_n: float | None = None
-    """Root mean square of F_x − F_d,x, N; from 5 s on in runs longer than 10 s, else from the first contact on."""
-    rmse_force_y_n: float | None = None
-    """The same for y, N."""
-    settling_time_s: float | None = None
-    """Time from which F_x stays within 5 % of its target, s."""
-
-
-class Simulation(Answer):
-    """A run of a scenario."""
-
-    id: str
-    """Name of the run, part of its address."""
-    method: Method
-    """How priorities are understood."""
-    periods: int
-    """Control periods of the whole run."""
-    progress: float
-    """Part of the run that is done, 0 to 1."""
-    scenario: str
-    """Name of the scenario."""
-    solver: Solver
-    """How each period's problem is solved."""
-    state: SimulationState
-    """What it is doing."""
-    error: str | None = None
-    """Why it failed."""
-    metrics: SimulationMetrics | None = None
-    """Measures of the run, once it is finished."""
+    controller: ControllerConfig | None = None
+    """The controller from now on; from the one before it may differ in method, solver, and the laws `force`,
+    `impedance` and `hybrid`, which integrate and so do not jump."""
+    end: bool | None = None
+    """Whether the run is finished here: what there is of it becomes its trace. A run that is paused does one more
+    period."""
+    external_force: ArrayLike | None = None
+    """Pushes the tool, N, base axes. It ends a second of real time after it was last said, so say it again to hold it.
+    Shape: 3."""
+    method: Method | None = None
+    """How priorities are understood from now on."""
+    paused: bool | None = None
+    """Whether simulated time stands still."""
+    solver: Solver | None = None
+    """How each period's problem is solved from now on."""
+    speed: float | None = None
+    """Simulated seconds per second of real time."""
+    step: int | None = None
+    """Control periods to go on for, and to pause after."""
 
 
 class SimulationRequest(Body):
@@ -1052,6 +1323,9 @@ class SimulationRequest(Body):
 
     scenario: NamedScenario
     """A scenario that ships with the service, by name, or one of the client's own."""
+    interactive: Interactive | None = None
+    """Paced by the clock, shown live and open to `POST /v1/simulations/{id}/control`; as fast as it goes if left
+    out."""
     method: Method | None = None
     """Method, instead of the scenario's."""
     solver: Solver | None = None
@@ -1171,6 +1445,8 @@ class WatchedStep(Answer):
     """What was answered."""
     state: State
     """What was measured."""
+    arm: ArmView | None = None
+    """The arm at that state."""
 
 
 REMEDIES: dict[str, str] = {
@@ -1186,6 +1462,7 @@ REMEDIES: dict[str, str] = {
     "/problems/sequence": "Count up with every new state; only an unchanged state may be sent again.",
     "/problems/name-taken": "Choose another.",
     "/problems/no-trace": "Wait for its end; see its state.",
+    "/problems/not-live": "Start one with `interactive`.",
     "/problems/too-large": "Send less; `detail` names the limit.",
     "/problems/media-type": "Say with `Content-Type` what is sent.",
     "/problems/invalid": "Change the field at `pointer` as `detail` says.",

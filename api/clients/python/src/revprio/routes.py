@@ -24,10 +24,12 @@ from revprio.models import (
     RobotList,
     Scenario,
     ScenarioList,
+    SessionList,
     SessionStatus,
     Simulation,
     StabilityAnswer,
     StepAnswer,
+    StepRequest,
 )
 
 A = TypeVar("A")
@@ -113,6 +115,7 @@ STABILITY = Route("POST", "/v1/stability", StabilityAnswer)
 STEP = Route("POST", "/v1/step", StepAnswer)
 
 CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, repeatable=False)
+LIST_CONTROLLERS = Route("GET", "/v1/controllers", SessionList)
 SHOW_CONTROLLER = Route("GET", "/v1/controllers/{}", SessionStatus)
 DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))
 # The same state with the same sequence number is not stepped twice.
@@ -129,5 +132,8 @@ SCENARIO = Route("GET", "/v1/scenarios/{}", Scenario)
 
 CREATE_SIMULATION = Route("POST", "/v1/simulations", Simulation, repeatable=False)
 SIMULATION = Route("GET", "/v1/simulations/{}", Simulation)
+# An order may be to go on by some periods.
+CONTROL_SIMULATION = Route("POST", "/v1/simulations/{}/control", Simulation, repeatable=False)
+CYCLE = Route("GET", "/v1/simulations/{}/cycle", StepRequest)
 DELETE_SIMULATION = Route("DELETE", "/v1/simulations/{}", type(None))
 TRACE = TraceRoute("GET", "/v1/simulations/{}/trace", dict)

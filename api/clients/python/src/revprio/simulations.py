@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from revprio import routes
 from revprio.errors import SimulationError
-from revprio.models import Simulation, SimulationRequest
+from revprio.models import Simulation, SimulationControl, SimulationRequest, StepRequest
+from revprio.typed import fields_of
 
 if TYPE_CHECKING:
     from revprio.client import Client
@@ -35,6 +36,15 @@ class SimulationRun:
             on_progress(status)
             time.sleep(POLL_S)
         return status
+
+    @fields_of(SimulationControl)
+    def control(self, order: SimulationControl) -> Simulation:
+        """Paces and changes an interactive run: `run.control(paused=False, speed=0.5, external_force=[0, 20, 0])`."""
+        return self._client.call(routes.CONTROL_SIMULATION(self.id, body=order))
+
+    def cycle(self) -> StepRequest:
+        """The latest control period of an interactive run, as a request for `Client.step`."""
+        return self._client.call(routes.CYCLE(self.id))
 
     def trace(self) -> routes.Trace:
         """Every control period of a finished run: an array per column of the table that the service documents."""
