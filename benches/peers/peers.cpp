@@ -135,7 +135,8 @@ struct Daqp {
   Joints solve(const Jacobian& J, const Problem& p) {
     for (int i = 0; i < 7; ++i) { upper[i] = p.limit[i]; lower[i] = -p.limit[i]; }
     level(J.topRows<1>(), p.xdot.head<1>(), 0);
-    Eigen::Map<Eigen::Matrix<double, 1, 7>>(A) = J.topRows<1>();
+    Eigen::Map<Eigen::Matrix<double, 1, 7>> first_row(A);
+    first_row = J.topRows<1>();
     upper[7] = lower[7] = (J.topRows<1>() * xm).value();
     level(J.bottomRows<5>(), p.xdot.tail<5>(), 1);
     return xm;

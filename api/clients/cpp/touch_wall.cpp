@@ -1,6 +1,6 @@
 // A 500 Hz loop with a watchdog: the arm moves to a wall and presses on it.
 //
-//     g++ -std=c++17 -O2 touch_wall.cpp -o touch_wall -lcpp-httplib -pthread
+//     g++ -std=c++17 -O2 touch_wall.cpp -o touch_wall $(pkg-config --cflags --libs cpp-httplib) -pthread
 //     ./touch_wall http://127.0.0.1:8080
 //
 // The arm here is one of numbers; for yours write `measure` and `command`.
