@@ -1,9 +1,11 @@
 // The dashboard in a real browser, as sentences.
 
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { PATIENCE, cleanUp, launch, number, open, serve, until } from './harness.mjs';
+import { PATIENCE, cleanUp, launch, number, open, serve, spotOf, until } from './harness.mjs';
 
 let browser;
 before(async () => { browser = await launch(); }, { timeout: PATIENCE });
@@ -63,6 +65,43 @@ test('a run waits for its steps, can be pushed, and takes a ghost along', within
   await until(page, 'phase', 'finished');
   await page.keyboard.press('r');
   await until(page, 'phase', 'none');
+  assert.deepEqual(complaints, []);
+  await close();
+  await service.stop();
+});
+
+test('a hand pushes the arm, and what it did can be taken along', within, async () => {
+  const service = await serve();
+  const { page, complaints, close } = await open(browser, `${service.url}/#scenario=human_push`, { permissions: ['clipboard-read', 'clipboard-write'] });
+  await until(page, 'link', 'ready');
+  await page.click('#go');
+  await until(page, 'phase', 'running');
+  const tool = await spotOf(page, 'aims');
+  await page.mouse.down();
+  await page.mouse.move(tool.x + 60, tool.y - 60, { steps: 5 });
+  await page.waitForFunction((time) => Number.parseFloat(document.getElementById('clock').textContent) > time + 0.3, Number.parseFloat(await page.textContent('#clock')));
+  await page.mouse.up();
+
+  for (const [button, program, option] of [['#copy-curl', 'sh', '-c'], ['#copy-python', 'python3', '-c']]) {
+    await page.click(button);
+    await page.waitForFunction((word) => document.getElementById('share-note').textContent.startsWith(word), button === '#copy-curl' ? 'curl' : 'Python');
+    const text = await page.evaluate(() => navigator.clipboard.readText());
+    const printed = execFileSync(program, [option, text], { encoding: 'utf8' });
+    assert.equal((JSON.parse(printed).joint_velocity ?? JSON.parse(printed)).length, 7, printed);
+  }
+  await page.click('#copy-link');
+  await page.waitForFunction(() => document.getElementById('share-note').textContent.startsWith('Link'));
+  assert.match(await page.evaluate(() => navigator.clipboard.readText()), /#scenario=human_push/);
+
+  await page.click('#end');
+  await until(page, 'phase', 'finished');
+  const [csv] = await Promise.all([page.waitForEvent('download'), page.click('#export-csv')]);
+  const [header, ...rows] = readFileSync(await csv.path(), 'utf8').trim().split('\n').map((line) => line.split(','));
+  const [x, z] = ['external_force_x_n', 'external_force_z_n'].map((name) => header.indexOf(name));
+  // The scenario itself pushes along y alone.
+  assert.ok(rows.some((row) => Math.hypot(row[x], row[z]) > 1));
+  const [mcap] = await Promise.all([page.waitForEvent('download'), page.click('#export-mcap')]);
+  assert.equal(readFileSync(await mcap.path()).subarray(1, 5).toString(), 'MCAP');
   assert.deepEqual(complaints, []);
   await close();
   await service.stop();

@@ -77,6 +77,18 @@ export function until(page, pill, ...values) {
   return page.waitForFunction(ask, [pill, values], { timeout: PATIENCE });
 }
 
+/** Moves the mouse over the scene until its canvas has a class; where that is. */
+export async function spotOf(page, name) {
+  const { x, y, width, height } = await page.locator('#scene').boundingBox();
+  for (let row = 20; row < height; row += 30) {
+    for (let column = 20; column < width; column += 30) {
+      await page.mouse.move(x + column, y + row);
+      if (await page.evaluate((name) => document.getElementById('scene').classList.contains(name), name)) return { x: x + column, y: y + row };
+    }
+  }
+  throw new Error(`nowhere is the scene ${name}`);
+}
+
 /** The number that an element shows. */
 export async function number(page, selector) {
   return Number((await page.textContent(selector)).replace('−', '-').replace(/[^\d.-]/g, ''));

@@ -167,17 +167,6 @@ fn a_profile_has_at_most_a_thousand_points() {
     with(1001).assert_refused(422, Some("/tasks/0/law/target_force/points"));
 }
 
-#[test]
-fn the_task_of_the_readme_is_accepted() {
-    let readme = include_str!("../../README.md");
-    let (_, after) = readme.split_once("```json\n").unwrap();
-    let task: Value = serde_json::from_str(after.split_once("```").unwrap().0).unwrap();
-    let mut controller = example("controller.json");
-    controller["tasks"] = json!([task]);
-    controller["null_space_velocity"] = json!({"kind": "joint_limits", "gain": 1});
-    Service::start().open(&controller);
-}
-
 /// `stiff_wall` through the impact, as a sensor of that kind measures it.
 fn pushed(service: &Service, convention: WrenchConvention, frame: WrenchFrame) -> Vec<Vec<f64>> {
     let mut scenario = Scenario::find("stiff_wall").unwrap();

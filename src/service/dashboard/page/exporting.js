@@ -14,7 +14,7 @@ import { download } from './transport.js';
  * @typedef {import('./controls.js').Attempt} Attempt
  */
 
-const TRACES = { csv: 'text/csv', mcap: 'application/x-mcap' };
+const TRACES = { csv: 'text/csv', mcap: 'application/vnd.mcap' };
 
 /** @type {(desk: Desk, scene: Scene, attempt: Attempt) => void} */
 export function bind(desk, scene, attempt) {

@@ -130,7 +130,7 @@ export function drawNumbers(desk, view) {
   /** @type {[string, string, boolean?][]} */
   const numbers = [
     ['Error', `${fixed(sample && target !== null && target !== undefined ? sample.force[axis] - target : null, 2)} N`],
-    ['σ min', fixed(sample?.smallest_singular_value, 4), view.threshold !== null && (sample?.smallest_singular_value ?? 1) < view.threshold],
+    ['σ min', (sample?.smallest_singular_value ?? 1) < 1e-3 ? short(sample?.smallest_singular_value) : fixed(sample?.smallest_singular_value, 4), view.threshold !== null && (sample?.smallest_singular_value ?? 1) < view.threshold],
     ['KKT residual', short(sample?.kkt_residual)],
     ['Status', sample ? STATUS[sample.status] : '–', sample !== undefined && sample.status !== 'optimal'],
     watch
@@ -138,7 +138,7 @@ export function drawNumbers(desk, view) {
       : ['Round trip', hasTrips ? microseconds(quantile(trips.counts, 0.5)) : '–'],
     watch
       ? ['Missed periods', String(watch.session.missed_periods ?? 0)]
-      : ['Speed reached', state.value.phase === 'running' ? `${fixed(frame?.reached_speed, 2)}×` : '–'],
+      : ['Speed', state.value.phase === 'running' ? `${fixed(frame?.reached_speed, 2)}×` : '–'],
   ];
   const list = element('readouts');
   if (list.children.length !== numbers.length) {
