@@ -33,6 +33,7 @@ pub mod paper_figures;
 mod png;
 pub mod run_figure;
 pub mod scenario_words;
+pub mod silence;
 pub mod table;
 mod typeface;
 

@@ -1,6 +1,7 @@
 //! One run at a glance.
 
 use super::figure::{Colour, Curve, Figure, Panel, Stroke, TIME};
+use super::silence;
 use crate::simulator::recording::{Recording, Sample};
 
 const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), ("z", Colour::Green)];
@@ -8,18 +9,23 @@ const MM: f64 = 1e3;
 
 /// Forces with their targets, the tool's way, and what each task lacks, over time.
 pub fn of_run(run: &Recording) -> Figure {
-    let panels = vec![
+    let mut panels = vec![
         panel(run, "(a) Force on the environment", "force (N)", forces(run)),
         panel(run, "(b) Way of the tool from its start", "displacement (mm)", displacements(run)),
         panel(run, "(c) What each task lacks", "residual (m/s, rad/s)", residuals(run)),
     ];
+    let mut caption =
+        "(a) Measured force and, dashed, its target where there is one. (b) Tool position minus start position. \
+                       (c) ‖J q̇ − ẋ‖ of each task, highest priority first."
+            .to_owned();
+    if let Some(curves) = silence::curves(run) {
+        panels.push(panel(run, "(d) What the arm does without answers", "joint speed (rad/s)", curves));
+        caption += " (d) Largest commanded joint speed.";
+    }
     Figure {
         name: run.label(),
         title: format!("{}, {}, {}", run.scenario, run.method, run.solver).replace('_', " "),
-        caption:
-            "(a) Measured force and, dashed, its target where there is one. (b) Tool position minus start position. \
-                  (c) ‖J q̇ − ẋ‖ of each task, highest priority first."
-                .to_owned(),
+        caption,
         panels,
     }
 }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::metrics::largest_difference;
 use super::paper_figures::{Posture, of_posture};
 use super::table::{self, Row};
-use super::{Report, Section, claims, comparison_figure, notes, run_figure, scenario_words};
+use super::{Report, Section, claims, comparison_figure, notes, run_figure, scenario_words, silence};
 use crate::simulator::Scenario;
 use crate::simulator::recording::Recording;
 use crate::wire;
@@ -88,7 +88,10 @@ fn section(runs: &[Run], rows: &[Row]) -> Section {
     Section {
         name: name.clone(),
         words: scenario_words::of_scenario(&runs[0].scenario, &runs[0].robot),
-        notes: notes::of_scenario(runs),
+        notes: notes::of_scenario(runs)
+            .into_iter()
+            .chain(recordings.iter().filter_map(|run| silence::of_run(run)))
+            .collect(),
         rows: rows.iter().filter(|row| row.scenario == *name).cloned().collect(),
         figures,
     }
