@@ -82,7 +82,9 @@ pub fn svg(map: &HeatMap) -> Result<String, Error> {
 
 fn draw(page: &Page, map: &HeatMap) -> Drawn {
     page.fill(&WHITE)?;
-    page.draw_text(&map.title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
+    let has_gaps = map.cells.iter().flatten().any(Option::is_none);
+    let title = format!("{}{}", map.title, if has_gaps { " (grey: no value)" } else { "" });
+    page.draw_text(&title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
     let colours = Colours::of(map);
     #[expect(clippy::cast_possible_truncation, reason = "within the picture")]
     let edge = |i: usize, count: usize, length: u32| {

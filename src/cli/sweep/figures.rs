@@ -72,7 +72,7 @@ impl Table<'_> {
             if variation.is_logarithmic() { format!("log10 {}", variation.path) } else { variation.path.clone() };
         Figure {
             name: format!("{}-{measure}", self.label),
-            title: plain(&format!("{}: {measure}", self.label)),
+            title: plain(&format!("{}: {measure}", self.scenario())),
             caption: String::new(),
             panels: vec![Panel {
                 heading: String::new(),
@@ -83,6 +83,10 @@ impl Table<'_> {
                 curves: kinds.iter().enumerate().map(curve).collect(),
             }],
         }
+    }
+
+    fn scenario(&self) -> &str {
+        self.label.strip_prefix("sweep-").unwrap_or(self.label)
     }
 
     /// A map for every value of the quantities that are words.
@@ -101,7 +105,7 @@ impl Table<'_> {
                 name: format!("{}-{measure}{suffix}", self.label),
                 title: plain(&format!(
                     "{}: {measure}{}",
-                    self.label,
+                    self.scenario(),
                     name.map(|n| format!(", {n}")).unwrap_or_default()
                 )),
                 x: scale(x),
