@@ -77,6 +77,13 @@ impl AxisSelection {
         Matrix::from_fn(self.len(), jacobian.ncols(), |i, j| jacobian[(self.0[i].index(), j)])
     }
 
+    /// Overwrites `rows`, m × n, with the selected rows of a Jacobian.
+    pub fn write_rows(&self, jacobian: &Jacobian, rows: &mut Matrix) {
+        for (to, from) in rows.as_mut_slice().chunks_exact_mut(self.len()).zip(jacobian.as_slice().chunks_exact(6)) {
+            to.iter_mut().zip(&self.0).for_each(|(entry, axis)| *entry = from[axis.index()]);
+        }
+    }
+
     /// The selected entries of a twist or wrench, m.
     pub fn entries_of(&self, six: &[f64; 6]) -> Vector {
         Vector::from_iterator(self.len(), self.0.iter().map(|axis| six[axis.index()]))

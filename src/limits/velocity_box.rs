@@ -85,6 +85,12 @@ impl VelocityBox {
         velocity.zip_zip_map(&self.lower, &self.upper, |v, lo, hi| v.max(lo).min(hi))
     }
 
+    /// Whether `velocity`, n, lies inside; never one that is not a number.
+    pub fn allows(&self, velocity: &[f64]) -> bool {
+        let bounds = self.lower.iter().zip(self.upper.iter());
+        velocity.iter().zip(bounds).all(|(v, (lower, upper))| lower <= v && v <= upper)
+    }
+
     /// How far `velocity` lies outside, of the worst joint, rad/s; 0 inside.
     pub fn violation(&self, velocity: &Vector) -> f64 {
         (velocity - self.clamp(velocity)).amax()
