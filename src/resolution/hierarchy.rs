@@ -94,7 +94,9 @@ pub fn damp(decomposition: &mut Decomposition, J: &TaskMatrix, scale: f64, dampi
 pub fn stacked(stages: &[Stage]) -> (TaskMatrix, TaskVector) {
     let xdot = stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k));
     let mut J = TaskMatrix::zeros(0, stages[0].J_k.ncols());
-    stages.iter().for_each(|stage| J.push_rows(&stage.J_k));
+    for stage in stages {
+        J.push_rows(&stage.J_k);
+    }
     (J, xdot)
 }
 

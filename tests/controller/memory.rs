@@ -78,8 +78,11 @@ fn a_damaged_memory_is_refused() {
         refusal(&own, &arm)
     };
     let upper = revprio::resolution::Side::Upper;
-    assert_eq!(damaged(&|memory| memory.active_set = vec![vec![(7, upper)]]), MemoryError::ActiveSet);
-    assert_eq!(damaged(&|memory| memory.active_set = vec![vec![(1, upper), (1, upper)]]), MemoryError::ActiveSet);
+    assert_eq!(damaged(&|memory| memory.active_set = vec![[(7, upper)].into_iter().collect()]), MemoryError::ActiveSet);
+    assert_eq!(
+        damaged(&|memory| memory.active_set = vec![[(1, upper), (1, upper)].into_iter().collect()]),
+        MemoryError::ActiveSet
+    );
     assert_eq!(damaged(&|memory| drop(memory.task_velocities.pop())), MemoryError::TaskVelocities);
     // Left unequal to themselves on purpose: infinities compare, NaN would not.
     assert_eq!(damaged(&|memory| memory.task_velocities[0][0] = f64::INFINITY), MemoryError::TaskVelocities);

@@ -46,7 +46,9 @@ impl<'a> ScaledTask<'a> {
     pub fn new(objective: &'a Objective, higher: &[Objective]) -> Self {
         let J = &objective.A;
         let mut above = TaskMatrix::zeros(0, J.ncols());
-        higher.iter().for_each(|level| above.push_rows(&level.A));
+        for level in higher {
+            above.push_rows(&level.A);
+        }
         let open = Decomposition::new(&above).times_null_space(J);
         Self { objective, reachable: Decomposition::with_scale(&open, objective.norm).range() }
     }
