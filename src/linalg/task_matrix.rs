@@ -8,6 +8,9 @@ use smallvec::SmallVec;
 use super::lanes::{LANES, Lanes, add_scaled, dot};
 use super::{Matrix, TaskVector};
 
+/// Length of a row, relative to what it was before a product with an orthonormal basis, that is rounding.
+const ROUNDING: f64 = 4e-15;
+
 /// A matrix whose rows are treated one by one; in place up to, for example, 16 × 8.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskMatrix {
@@ -18,6 +21,7 @@ pub struct TaskMatrix {
 
 impl TaskMatrix {
     /// Zeros.
+    #[inline]
     pub fn zeros(rows: usize, columns: usize) -> Self {
         let mut matrix = Self::default();
         matrix.reset(rows, columns);
@@ -25,6 +29,7 @@ impl TaskMatrix {
     }
 
     /// Becomes zeros.
+    #[inline]
     pub fn reset(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
         self.lanes.clear();
@@ -32,6 +37,7 @@ impl TaskMatrix {
     }
 
     /// Becomes a copy.
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         (self.rows, self.columns) = (other.rows, other.columns);
         self.lanes.clear();
@@ -39,6 +45,7 @@ impl TaskMatrix {
     }
 
     /// Becomes a copy.
+    #[inline]
     pub fn copy_from_matrix(&mut self, other: &Matrix) {
         self.reset(other.nrows(), other.ncols());
         for i in 0..self.rows {
@@ -47,6 +54,7 @@ impl TaskMatrix {
     }
 
     /// Entry by entry.
+    #[inline]
     pub fn from_fn(rows: usize, columns: usize, mut entry: impl FnMut(usize, usize) -> f64) -> Self {
         let mut matrix = Self::zeros(rows, columns);
         for i in 0..rows {
@@ -56,26 +64,31 @@ impl TaskMatrix {
     }
 
     /// I.
+    #[inline]
     pub fn identity(n: usize) -> Self {
         Self::from_fn(n, n, |i, j| f64::from(u8::from(i == j)))
     }
 
     /// As a matrix of any size.
+    #[inline]
     pub fn to_matrix(&self) -> Matrix {
         Matrix::from_fn(self.rows, self.columns, |i, j| self[i][j])
     }
 
     /// m, the number of rows.
+    #[inline]
     pub fn nrows(&self) -> usize {
         self.rows
     }
 
     /// n, the number of columns.
+    #[inline]
     pub fn ncols(&self) -> usize {
         self.columns
     }
 
     /// Groups per row.
+    #[inline]
     pub(super) fn stride(&self) -> usize {
         self.columns.div_ceil(LANES)
     }
@@ -92,16 +105,19 @@ impl TaskMatrix {
         &mut self.lanes[i * stride..(i + 1) * stride]
     }
 
+    #[inline]
     pub(super) fn row_lanes(&self) -> impl Iterator<Item = &[Lanes]> {
         self.lanes.chunks_exact(self.stride().max(1))
     }
 
     /// Row i times x.
+    #[inline]
     pub fn row_times(&self, i: usize, x: &TaskVector) -> f64 {
         dot(self.row(i), x.lanes())
     }
 
     /// A ← A − x yᵀ.
+    #[inline]
     pub fn subtract_outer(&mut self, x: &TaskVector, y: &TaskVector) {
         for (i, &x) in x.iter().enumerate() {
             add_scaled(self.row_mut(i), -x, y.lanes());
@@ -109,31 +125,53 @@ impl TaskMatrix {
     }
 
     /// Row i as a vector.
+    #[inline]
     pub fn row_vector(&self, i: usize) -> TaskVector {
         TaskVector::from_slice(&self[i])
     }
 
     /// Norm of row i.
+    #[inline]
     pub fn row_norm(&self, i: usize) -> f64 {
         dot(self.row(i), self.row(i)).sqrt()
     }
 
     /// Frobenius norm.
+    #[inline]
     pub fn norm(&self) -> f64 {
         dot(&self.lanes, &self.lanes).sqrt()
     }
 
     /// A ← factor A.
+    #[inline]
     pub(super) fn scale(&mut self, factor: f64) {
         self.lanes.as_flattened_mut().iter_mut().for_each(|x| *x *= factor);
     }
 
+    /// This matrix is a product of `B` with an orthonormal basis: of rows that it leaves nothing but rounding, the entries
+    /// from column `first` on become zero.
+    ///
+    /// Such a row can stand for a demand that nothing meets. Least squares multiplies what is left of it by that demand,
+    /// and divides twice by the smallest singular value of the other rows.
+    #[inline]
+    pub fn without_rounding(&mut self, first: usize, B: &Self) {
+        for i in 0..self.rows {
+            let left = &mut self[i][first..];
+            let square: f64 = left.iter().map(|x| x * x).sum();
+            if square <= ROUNDING * ROUNDING * dot(B.row(i), B.row(i)) {
+                left.fill(0.0);
+            }
+        }
+    }
+
     /// Keeps the first `count` rows.
+    #[inline]
     pub(super) fn truncate(&mut self, count: usize) {
         self.rows = count;
         self.lanes.truncate(count * self.stride());
     }
 
+    #[inline]
     pub(super) fn swap_rows(&mut self, i: usize, j: usize) {
         if i != j {
             let (upper, lower) = self.pair(i.min(j), i.max(j));
@@ -142,6 +180,7 @@ impl TaskMatrix {
     }
 
     /// Row p ← cosine p − sine q, row q ← sine p + cosine q; p < q.
+    #[inline]
     pub(super) fn rotate_rows(&mut self, p: usize, q: usize, cosine: f64, sine: f64) {
         let (upper, lower) = self.pair(p, q);
         for (x, y) in upper.as_flattened_mut().iter_mut().zip(lower.as_flattened_mut()) {
@@ -150,6 +189,7 @@ impl TaskMatrix {
     }
 
     /// Rows p < q.
+    #[inline]
     fn pair(&mut self, p: usize, q: usize) -> (&mut [Lanes], &mut [Lanes]) {
         let stride = self.stride();
         let (before, after) = self.lanes.split_at_mut(q * stride);
@@ -157,6 +197,7 @@ impl TaskMatrix {
     }
 
     /// Adds a row; of the first one, its length is the number of columns.
+    #[inline]
     pub fn push_row(&mut self, row: &[f64]) {
         if self.rows == 0 {
             self.columns = row.len();
@@ -168,6 +209,7 @@ impl TaskMatrix {
     }
 
     /// Adds the rows of another matrix of as many columns below.
+    #[inline]
     pub fn push_rows(&mut self, other: &Self) {
         if self.rows == 0 {
             self.copy_from(other);
@@ -179,17 +221,20 @@ impl TaskMatrix {
 
     /// The first `count` rows.
     #[must_use]
+    #[inline]
     pub fn first_rows(&self, count: usize) -> Self {
         Self { rows: count, columns: self.columns, lanes: self.lanes[..count * self.stride()].into() }
     }
 
     /// The columns from `first` on.
     #[must_use]
+    #[inline]
     pub fn columns_from(&self, first: usize) -> Self {
         Self::from_fn(self.rows, self.columns - first, |i, j| self[i][first + j])
     }
 
     /// Aᵀ x.
+    #[inline]
     pub fn transposed_times(&self, x: &TaskVector) -> TaskVector {
         let mut product = TaskVector::zeros(self.columns);
         for (row, &x) in self.row_lanes().zip(x.iter()) {
@@ -200,6 +245,7 @@ impl TaskMatrix {
 
     /// Aᵀ.
     #[must_use]
+    #[inline]
     pub fn transposed(&self) -> Self {
         Self::from_fn(self.columns, self.rows, |i, j| self[j][i])
     }
@@ -208,12 +254,14 @@ impl TaskMatrix {
 impl Index<usize> for TaskMatrix {
     type Output = [f64];
 
+    #[inline]
     fn index(&self, i: usize) -> &[f64] {
         &self.row(i).as_flattened()[..self.columns]
     }
 }
 
 impl IndexMut<usize> for TaskMatrix {
+    #[inline]
     fn index_mut(&mut self, i: usize) -> &mut [f64] {
         let columns = self.columns;
         &mut self.row_mut(i).as_flattened_mut()[..columns]
@@ -221,6 +269,7 @@ impl IndexMut<usize> for TaskMatrix {
 }
 
 impl From<&Matrix> for TaskMatrix {
+    #[inline]
     fn from(matrix: &Matrix) -> Self {
         let mut copy = Self::default();
         copy.copy_from_matrix(matrix);
@@ -231,6 +280,7 @@ impl From<&Matrix> for TaskMatrix {
 impl Mul<&TaskVector> for &TaskMatrix {
     type Output = TaskVector;
 
+    #[inline]
     fn mul(self, x: &TaskVector) -> TaskVector {
         let mut product = TaskVector::zeros(self.rows);
         product.iter_mut().zip(self.row_lanes()).for_each(|(y, row)| *y = dot(row, x.lanes()));
@@ -241,6 +291,7 @@ impl Mul<&TaskVector> for &TaskMatrix {
 impl Mul for &TaskMatrix {
     type Output = TaskMatrix;
 
+    #[inline]
     fn mul(self, other: Self) -> TaskMatrix {
         let mut product = TaskMatrix::zeros(self.rows, other.columns);
         for i in 0..self.rows {
@@ -255,6 +306,7 @@ impl Mul for &TaskMatrix {
 impl Mul<f64> for &TaskMatrix {
     type Output = TaskMatrix;
 
+    #[inline]
     fn mul(self, factor: f64) -> TaskMatrix {
         let mut product = self.clone();
         product.scale(factor);

@@ -63,6 +63,7 @@ impl Stage {
         self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
         self.J_low_V.copy_from(&self.J_low);
         self.own.rows_to_frame(&mut self.J_low_V);
+        self.J_low_V.without_rounding(self.own.rank(), &self.J_low);
         self.spare.decompose(&self.J_low_V, self.own.rank(), self.norm_low);
         let triangle =
             if below.is_none() { self.own.triangle() } else { self.own.triangle_with(&self.J_low_V, &self.spare) };

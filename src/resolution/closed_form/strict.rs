@@ -30,7 +30,8 @@ impl Descent {
     /// Task k moves in the null space N of all higher tasks: q̇ ← q̇ + N (J_k N)^# (ẋ_k − J_k q̇), damped by σ_min(J_k N).
     fn step(&mut self, stage: &Stage, damping: Option<Damping>) -> Step {
         let Stage { J_k, xdot_k, .. } = stage;
-        let J_k_N = J_k * &self.N;
+        let mut J_k_N = J_k * &self.N;
+        J_k_N.without_rounding(0, J_k);
         let mut decomposition = Decomposition::with_scale(&J_k_N, stage.norm);
         let lambda = damp(&mut decomposition, &J_k_N, stage.norm, damping);
         let e_k = xdot_k - &(J_k * &self.qdot);

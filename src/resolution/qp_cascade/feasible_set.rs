@@ -64,8 +64,10 @@ impl FeasibleSet {
     /// The objective over what is open, as a problem in z.
     pub fn reduce(&self, objective: &Objective) -> Level {
         let values = self.constraints.values(&self.base);
+        let mut C = &objective.A * &self.Z;
+        C.without_rounding(0, &objective.A);
         Level {
-            C: &objective.A * &self.Z,
+            C,
             d: &objective.b - &(&objective.A * &self.base),
             G: self.constraints.rows_of(&self.Z),
             // A plane that base exceeds by rounding has no room, rather than less than none.
