@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use divan::{Bencher, black_box};
 use revprio::controller::Limits;
-use revprio::kinematics::{Axis, AxisSelection, Configuration};
+use revprio::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
 use revprio::limits::{LimitKind, VelocityBox};
 use revprio::linalg::{Decomposition, TaskMatrix, TaskVector, Vector};
-use revprio::resolution::{Problem, Resolver, Solver};
+use revprio::resolution::{Problem, Resolution, Resolver, Solver};
 use revprio::robot::{RobotModel, built_in};
 use revprio::task::{Task, TaskStack};
 
@@ -65,11 +65,12 @@ fn closed_form_two_tasks(bencher: Bencher) {
     let mut problem = Problem::new(two_tasks(&configuration, 0.05, 0.02));
     problem.solver = Solver::ClosedForm;
     let (push, hold) = selections();
-    let mut resolver = Resolver::default();
+    let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
     bencher.bench_local(|| {
         configuration.update(&robot, black_box(&POSTURE)).unwrap();
         overwrite(&mut problem.tasks, &configuration, &push, &hold);
-        resolver.resolve(black_box(&problem), &[]).unwrap().joint_velocity[0]
+        resolver.resolve(black_box(&problem), &[], &mut answer).unwrap();
+        answer.joint_velocity[0]
     });
 }
 
@@ -82,7 +83,7 @@ fn overwrite(tasks: &mut TaskStack, configuration: &Configuration, push: &AxisSe
     tasks
         .overwrite(|k, jacobian, _| {
             let axes = if k == 0 { push } else { hold };
-            axes.write_rows(configuration.jacobian(), jacobian);
+            TaskFrame::default().at(configuration).write_rows(axes, jacobian);
         })
         .unwrap();
 }
@@ -117,11 +118,11 @@ impl Trajectory {
     }
 
     fn run(&self, bencher: Bencher) {
-        let mut resolver = Resolver::default();
+        let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
         let mut guess = Vec::new();
         let mut i = 0;
         bencher.bench_local(|| {
-            let answer = resolver.resolve(&self.problems[i], &guess).unwrap();
+            resolver.resolve(&self.problems[i], &guess, &mut answer).unwrap();
             guess.clone_from(&answer.active_set);
             i = (i + 1) % self.problems.len();
             answer.joint_velocity[0]

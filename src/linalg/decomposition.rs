@@ -31,7 +31,7 @@ pub struct Decomposition {
     core: Core,
     /// Of the core where the rank is below the number of rows: its own reflections.
     across: Reflections,
-    singular: Singular,
+    singular: Option<Box<Singular>>,
 }
 
 /// What stands between the frame and the rows.
@@ -77,7 +77,7 @@ impl Decomposition {
         self.reflections.make(A, first, Order::LongestAbove(cut));
         self.rank = self.reflections.count();
         self.core = Core::Triangle;
-        let certain = (self.is_full() || self.reflections.left_over() <= cut) && self.certainly_above(cut);
+        let certain = (self.is_full() || self.reflections.left_over <= cut) && self.certainly_above(cut);
         if !certain {
             self.decompose_singular(A, first, scale);
         } else if self.rank < self.rows {
@@ -93,8 +93,9 @@ impl Decomposition {
         // A scale beyond the numbers leaves nothing above it.
         let zero = if cut.is_finite() { SMALLEST } else { cut };
         self.reflections.make(A, first, Order::LongestAbove(zero));
-        self.singular.decompose(&self.reflections.R, self.rows.min(self.columns - first));
-        self.rank = self.singular.values().iter().filter(|&&sigma| sigma > cut).count();
+        let singular = self.singular.get_or_insert_default();
+        singular.decompose(&self.reflections.R, self.rows.min(self.columns - first));
+        self.rank = singular.values().iter().filter(|&&sigma| sigma > cut).count();
         self.core = Core::Singular;
     }
 
@@ -121,8 +122,8 @@ impl Decomposition {
     /// Whether the first r singular values are above `bound` for certain.
     fn certainly_above(&self, bound: f64) -> bool {
         let Some(last) = self.rank.checked_sub(1) else { return true };
-        if self.core == Core::Singular {
-            return self.singular.values()[last] > bound;
+        if let Some(singular) = self.by_values() {
+            return singular.values()[last] > bound;
         }
         // Of a triangle of the longest rows first, σ_r ≥ 2^(1 − r) |R_rr| (Faddeev, Kublanovskaya and Faddeeva), and of
         // any, σ_r ≥ 1/‖R⁻¹‖.
@@ -131,9 +132,14 @@ impl Decomposition {
             || 1.0 / triangle::inverse(&self.reflections.triangle()).norm() > bound
     }
 
+    /// The singular value decomposition of the core, where that is what it is.
+    fn by_values(&self) -> Option<&Singular> {
+        self.singular.as_deref().filter(|_| self.core == Core::Singular)
+    }
+
     /// All min(m, n) singular values, largest first; of a decomposition by singular values alone, else empty.
     pub fn singular_values(&self) -> &[f64] {
-        if self.core == Core::Singular { self.singular.values() } else { &[] }
+        self.by_values().map_or(&[], Singular::values)
     }
 
     /// σ_min, the min(m, n)-th singular value, of a decomposition by singular values.
@@ -148,9 +154,9 @@ impl Decomposition {
 
     /// x ← V x: out of the frame.
     pub fn from_frame(&self, x: &mut TaskVector) {
-        if self.core == Core::Singular {
+        if let Some(singular) = self.by_values() {
             let first = self.reflections.first;
-            self.singular.turn_back(&mut x[first..first + self.reflections.count()]);
+            singular.turn_back(&mut x[first..first + self.reflections.count()]);
         }
         self.reflections.turn_back(x.lanes_mut());
     }
@@ -162,9 +168,9 @@ impl Decomposition {
 
     fn turn(&self, x: &mut [Lanes]) {
         self.reflections.turn(x);
-        if self.core == Core::Singular {
+        if let Some(singular) = self.by_values() {
             let first = self.reflections.first;
-            self.singular.turn(&mut x.as_flattened_mut()[first..first + self.reflections.count()]);
+            singular.turn(&mut x.as_flattened_mut()[first..first + self.reflections.count()]);
         }
     }
 
@@ -192,8 +198,9 @@ impl Decomposition {
     pub fn damped_in_frame(&self, b: &TaskVector, lambda: f64) -> TaskVector {
         let mut x = TaskVector::zeros(self.columns);
         let first = self.reflections.first;
-        for (i, &sigma) in self.singular_values().iter().enumerate().take(self.rank) {
-            x[first + i] = sigma / (sigma * sigma + lambda * lambda) * dot(self.singular.left(i), b.lanes());
+        let Some(singular) = self.by_values() else { return x };
+        for (i, &sigma) in singular.values().iter().enumerate().take(self.rank) {
+            x[first + i] = sigma / (sigma * sigma + lambda * lambda) * dot(singular.left(i), b.lanes());
         }
         x
     }
@@ -209,9 +216,10 @@ impl Decomposition {
     /// nothing but for a decomposition by singular values.
     pub fn damping_loss(&self, b: &TaskVector, lambda: f64) -> TaskVector {
         let mut loss = TaskVector::zeros(self.rows);
-        for (i, &sigma) in self.singular_values().iter().enumerate().take(self.rank) {
+        let Some(singular) = self.by_values() else { return loss };
+        for (i, &sigma) in singular.values().iter().enumerate().take(self.rank) {
             let share = lambda * lambda / (sigma * sigma + lambda * lambda);
-            let u = self.singular.left(i);
+            let u = singular.left(i);
             add_scaled(loss.lanes_mut(), share * dot(u, b.lanes()), u);
         }
         loss
@@ -242,13 +250,13 @@ impl Decomposition {
     pub fn range(&self) -> TaskMatrix {
         let mut basis = TaskMatrix::zeros(self.rank, self.rows);
         for i in 0..self.rank {
-            match self.core {
-                Core::Triangle => basis[i][i] = 1.0,
-                Core::Across => {
-                    basis[i][i] = 1.0;
-                    self.across.turn_back(basis.row_mut(i));
-                }
-                Core::Singular => basis.row_mut(i).copy_from_slice(self.singular.left(i)),
+            if let Some(singular) = self.by_values() {
+                basis.row_mut(i).copy_from_slice(singular.left(i));
+                continue;
+            }
+            basis[i][i] = 1.0;
+            if self.core == Core::Across {
+                self.across.turn_back(basis.row_mut(i));
             }
         }
         basis

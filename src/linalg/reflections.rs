@@ -25,10 +25,37 @@ pub struct Reflections {
     v: TaskMatrix,
     /// g_k.
     gains: SmallVec<[f64; 16]>,
-    /// What the reflections leave of A.
-    rest: TaskMatrix,
-    /// Squared norms of what is left of each row, and as they were when last computed from entries.
-    left: SmallVec<[[f64; 2]; 16]>,
+    /// √Σ of the squares that the reflections leave of the rows.
+    pub left_over: f64,
+}
+
+/// Rows that are being taken apart.
+struct Rest {
+    /// What the reflections so far leave of A.
+    rows: TaskMatrix,
+    /// Squared norms of the rows, and as they were when last computed from entries.
+    squares: SmallVec<[[f64; 2]; 16]>,
+}
+
+impl Rest {
+    fn of(A: &TaskMatrix, first: usize) -> Self {
+        let mut rows = A.clone();
+        for i in (0..A.nrows()).filter(|_| first > 0) {
+            rows[i][..first].fill(0.0);
+        }
+        let squares = (0..A.nrows()).map(|i| [dot(rows.row(i), rows.row(i)); 2]).collect();
+        Self { rows, squares }
+    }
+
+    /// Takes `coordinate` off the square of a row.
+    fn shorten(&mut self, row: usize, coordinate: f64) {
+        let [left, reference] = &mut self.squares[row];
+        *left -= coordinate * coordinate;
+        if *left < CANCELLED * *reference {
+            *left = dot(self.rows.row(row), self.rows.row(row));
+            *reference = *left;
+        }
+    }
 }
 
 /// Which row comes next.
@@ -51,27 +78,23 @@ impl Reflections {
         self.gains.clear();
         self.R.reset(most, m);
         self.v.reset(most, n);
-        self.rest.copy_from(A);
-        for i in (0..m).filter(|_| first > 0) {
-            self.rest[i][..first].fill(0.0);
-        }
-        self.left.clear();
-        self.left.extend(self.rest.row_lanes().map(|row| [dot(row, row); 2]));
-        self.left.resize(m, [0.0; 2]);
+        let mut rest = Rest::of(A, first);
         for k in 0..most {
             if let Order::LongestAbove(_) = order {
-                self.bring_longest(k);
+                self.bring_longest(k, &rest);
             }
-            let row = self.rest.row(self.order[k]);
+            let row = rest.rows.row(self.order[k]);
             let length = dot(row, row).sqrt();
             if matches!(order, Order::LongestAbove(limit) if !(length > limit)) {
                 break;
             }
-            self.reflect(k, length);
+            self.reflect(k, length, &mut rest);
         }
         let count = self.gains.len();
         self.R.truncate(count);
         self.v.truncate(count);
+        let left = self.order[count..].iter().map(|&row| dot(rest.rows.row(row), rest.rows.row(row)));
+        self.left_over = left.sum::<f64>().sqrt();
     }
 
     /// r, the number of reflections.
@@ -79,17 +102,11 @@ impl Reflections {
         self.gains.len()
     }
 
-    /// √Σ of the squares that the reflections leave of the rows.
-    pub fn left_over(&self) -> f64 {
-        let rows = self.order[self.count()..].iter();
-        rows.map(|&row| dot(self.rest.row(row), self.rest.row(row))).sum::<f64>().sqrt()
-    }
-
     /// Swaps the longest of the rows from place k on to place k.
-    fn bring_longest(&mut self, k: usize) {
+    fn bring_longest(&mut self, k: usize, rest: &Rest) {
         let mut longest = k;
         for place in k + 1..self.order.len() {
-            if self.left[self.order[place]][0] > self.left[self.order[longest]][0] {
+            if rest.squares[self.order[place]][0] > rest.squares[self.order[longest]][0] {
                 longest = place;
             }
         }
@@ -97,10 +114,10 @@ impl Reflections {
     }
 
     /// Makes the row at place k one of coordinate `first + k` alone, and takes that coordinate off the rows after it.
-    fn reflect(&mut self, k: usize, length: f64) {
+    fn reflect(&mut self, k: usize, length: f64, rest: &mut Rest) {
         let (place, pivot) = (self.first + k, self.order[k]);
         let v = self.v.row_mut(k);
-        v.copy_from_slice(self.rest.row(pivot));
+        v.copy_from_slice(rest.rows.row(pivot));
         let head = &mut v.as_flattened_mut()[place];
         let alpha = -length.copysign(*head);
         *head -= alpha;
@@ -110,17 +127,12 @@ impl Reflections {
         self.gains.push(gain);
         self.R[k][pivot] = alpha;
         let v = self.v.row(k);
+        let coordinates = self.R.row_mut(k).as_flattened_mut();
         for &row in &self.order[k + 1..] {
-            let x = self.rest.row_mut(row);
+            let x = rest.rows.row_mut(row);
             add_scaled(x, -gain * dot(v, x), v);
-            let coordinate = std::mem::take(&mut x.as_flattened_mut()[place]);
-            self.R.row_mut(k).as_flattened_mut()[row] = coordinate;
-            let [left, reference] = &mut self.left[row];
-            *left -= coordinate * coordinate;
-            if *left < CANCELLED * *reference {
-                *left = dot(x, x);
-                *reference = *left;
-            }
+            coordinates[row] = std::mem::take(&mut x.as_flattened_mut()[place]);
+            rest.shorten(row, coordinates[row]);
         }
     }
 

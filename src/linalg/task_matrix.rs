@@ -11,29 +11,47 @@ use super::{Matrix, TaskVector};
 /// Length of a row, relative to what it was before a product with an orthonormal basis, that is rounding.
 const ROUNDING: f64 = 4e-15;
 
-/// A matrix whose rows are treated one by one; in place up to, for example, 16 × 8.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Groups in place.
+const IN_PLACE: usize = 24;
+
+/// A matrix whose rows are treated one by one; in place up to, for example, 12 × 8.
+#[derive(Debug, PartialEq, Default)]
 pub struct TaskMatrix {
     rows: usize,
     columns: usize,
-    lanes: SmallVec<[Lanes; 32]>,
+    lanes: SmallVec<[Lanes; IN_PLACE]>,
+}
+
+impl Clone for TaskMatrix {
+    #[inline]
+    fn clone(&self) -> Self {
+        Self { rows: self.rows, columns: self.columns, lanes: SmallVec::from_slice(&self.lanes) }
+    }
+
+    #[inline]
+    fn clone_from(&mut self, other: &Self) {
+        self.copy_from(other);
+    }
 }
 
 impl TaskMatrix {
     /// Zeros.
     #[inline]
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        let mut matrix = Self::default();
-        matrix.reset(rows, columns);
-        matrix
+        Self { rows, columns, lanes: SmallVec::from_elem([0.0; LANES], rows * columns.div_ceil(LANES)) }
     }
 
     /// Becomes zeros.
     #[inline]
     pub fn reset(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
-        self.lanes.clear();
-        self.lanes.resize(rows * columns.div_ceil(LANES), [0.0; LANES]);
+        let groups = rows * columns.div_ceil(LANES);
+        if self.lanes.len() == groups {
+            self.lanes.fill([0.0; LANES]);
+        } else {
+            self.lanes.clear();
+            self.lanes.resize(groups, [0.0; LANES]);
+        }
     }
 
     /// Becomes a copy.

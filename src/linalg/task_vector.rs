@@ -8,27 +8,30 @@ use super::Vector;
 use super::lanes::{LANES, Lanes, add_scaled, dot};
 
 /// A column of up to 16 entries in place, of more on the heap.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, PartialEq, Default)]
 pub struct TaskVector {
     len: usize,
     lanes: SmallVec<[Lanes; 4]>,
+}
+
+impl Clone for TaskVector {
+    #[inline]
+    fn clone(&self) -> Self {
+        Self { len: self.len, lanes: SmallVec::from_slice(&self.lanes) }
+    }
 }
 
 impl TaskVector {
     /// `len` zeros.
     #[inline]
     pub fn zeros(len: usize) -> Self {
-        let mut vector = Self::default();
-        vector.reset(len);
-        vector
+        Self { len, lanes: SmallVec::from_elem([0.0; LANES], len.div_ceil(LANES)) }
     }
 
     /// Becomes `len` zeros.
     #[inline]
     pub fn reset(&mut self, len: usize) {
-        self.len = len;
-        self.lanes.clear();
-        self.lanes.resize(len.div_ceil(LANES), [0.0; LANES]);
+        *self = Self::zeros(len);
     }
 
     /// Entry by entry.
@@ -42,8 +45,8 @@ impl TaskVector {
     /// A copy.
     #[inline]
     pub fn from_slice(entries: &[f64]) -> Self {
-        let mut vector = Self::default();
-        vector.copy_from(entries);
+        let mut vector = Self::zeros(entries.len());
+        vector.copy_from_slice(entries);
         vector
     }
 

@@ -148,7 +148,9 @@ pub struct SolverReport {
 ///
 /// A numerical failure is not an error but an answer with a status: the control loop needs a safe command either way.
 pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, ProblemError> {
-    Resolver::default().resolve(problem, guess).cloned()
+    let mut answer = Resolution::default();
+    Resolver::default().resolve(problem, guess, &mut answer)?;
+    Ok(answer)
 }
 
 /// What resolving works with, allocated once and overwritten by each problem: the same answers as [`resolve`], to the
@@ -157,12 +159,16 @@ pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, Pro
 pub struct Resolver {
     hierarchy: Hierarchy,
     solver: LevelSolver,
-    resolution: Resolution,
 }
 
 impl Resolver {
-    /// Solves the problem as [`resolve`] does.
-    pub fn resolve(&mut self, problem: &Problem, guess: &[ActiveSet]) -> Result<&Resolution, ProblemError> {
+    /// Solves the problem as [`resolve`] does and overwrites `answer`.
+    pub fn resolve(
+        &mut self,
+        problem: &Problem,
+        guess: &[ActiveSet],
+        answer: &mut Resolution,
+    ) -> Result<(), ProblemError> {
         problem.check()?;
         self.hierarchy.update(&problem.tasks, problem.damping);
         let singularity = self.hierarchy.singularity();
@@ -174,12 +180,12 @@ impl Resolver {
         if failed {
             cascade = standstill(problem);
         }
-        self.resolution.report(problem, &cascade, &self.hierarchy);
-        self.resolution.singularity = singularity;
+        answer.report(problem, &cascade, &self.hierarchy);
+        answer.singularity = singularity;
         if failed {
-            self.resolution.fail();
+            answer.fail();
         }
-        Ok(&self.resolution)
+        Ok(())
     }
 }
 
@@ -241,7 +247,7 @@ impl Resolution {
             failures: cascade.failures,
             kkt_residual: Some(cascade.kkt_residual).filter(|residual| residual.is_finite()),
         };
-        self.active_set.clone_from(&cascade.active_sets);
+        refill(&mut self.active_set, cascade.active_sets.iter().cloned());
     }
 
     /// Becomes the answer that none was found.

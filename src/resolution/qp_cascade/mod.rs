@@ -41,9 +41,9 @@ pub struct Cascade {
     /// upper, negative at the lower bound, 0 where inactive.
     pub multipliers: TaskVector,
     /// Active limits, one set per level with limits.
-    pub active_sets: Vec<ActiveSet>,
+    pub active_sets: SmallVec<[ActiveSet; 4]>,
     /// s of each level with limits whose task is to be scaled, as far as one keeps its direction; empty for a closed form.
-    pub scales: Vec<Option<f64>>,
+    pub scales: SmallVec<[Option<f64>; 4]>,
     /// The longest way that a level needed.
     pub path: Path,
     /// Iterations of Clarabel.
@@ -59,8 +59,8 @@ impl From<ClosedForm> for Cascade {
         Self {
             multipliers: TaskVector::zeros(closed.joint_velocity.len()),
             joint_velocity: closed.joint_velocity,
-            active_sets: Vec::new(),
-            scales: Vec::new(),
+            active_sets: SmallVec::new(),
+            scales: SmallVec::new(),
             path: Path::ClosedForm,
             iterations: 0,
             failures: 0,

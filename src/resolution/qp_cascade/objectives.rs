@@ -1,6 +1,8 @@
 //! Which least-squares problems the cascade solves, one after the other.
 #![allow(non_snake_case)]
 
+use smallvec::SmallVec;
+
 use crate::linalg::{Damping, Decomposition, TaskMatrix, TaskVector};
 use crate::resolution::certificate::relative;
 use crate::resolution::closed_form::damped_velocities;
@@ -19,6 +21,9 @@ pub struct Objective {
     /// Whether limits may slow the task down, but not bend it.
     pub scaled: bool,
 }
+
+/// The levels of a stage, highest first.
+pub type Objectives = SmallVec<[Objective; 3]>;
 
 impl Objective {
     /// min ‖J q̇ − ẋ‖².
@@ -69,7 +74,7 @@ impl Objective {
 ///
 /// A stack of which a task is to be scaled is scaled as a whole: it has one velocity. Damping then forms that velocity
 /// first, J (ζ̇ + J^# (ẋ − J ζ̇)).
-pub fn stack_objectives(stages: &[Stage], factor: f64, zeta: &TaskVector) -> Vec<Objective> {
+pub fn stack_objectives(stages: &[Stage], factor: f64, zeta: &TaskVector) -> Objectives {
     let (J, xdot) = stacked(stages);
     let reach = if stages.iter().any(|stage| stage.scaled) {
         let given_up = Decomposition::singular(&J, J.norm()).damping_loss(&(&xdot - &(&J * zeta)), factor);
@@ -77,7 +82,7 @@ pub fn stack_objectives(stages: &[Stage], factor: f64, zeta: &TaskVector) -> Vec
     } else {
         Objective::damped(&J, xdot, factor, zeta)
     };
-    vec![reach, Objective::nearest_to(zeta)]
+    [reach, Objective::nearest_to(zeta)].into_iter().collect()
 }
 
 /// Stage k of reverse priority: reach what damping leaves of task k, spare what lies below, move least.
@@ -87,10 +92,11 @@ pub fn stack_objectives(stages: &[Stage], factor: f64, zeta: &TaskVector) -> Vec
 /// solved within the limits, they would change it even where the stage's answer keeps them.
 ///
 /// `qdot_low`: q̇_{k+1}, n, rad/s.
-pub fn stage_objectives(stage: &Stage, qdot_low: &TaskVector) -> Vec<Objective> {
+pub fn stage_objectives(stage: &Stage, qdot_low: &TaskVector) -> Objectives {
     let Stage { J_k, xdot_k, scaled, J_low, own, mu, lambda, .. } = stage;
     let given_up = own.damping_loss(&(xdot_k - &(J_k * qdot_low)), *mu);
-    let mut levels = vec![Objective::task(J_k, xdot_k - &given_up, *scaled)];
+    let mut levels = Objectives::new();
+    levels.push(Objective::task(J_k, xdot_k - &given_up, *scaled));
     if J_low.nrows() > 0 {
         levels.push(Objective::damped(J_low, J_low * qdot_low, *lambda, qdot_low));
     }
@@ -99,7 +105,7 @@ pub fn stage_objectives(stage: &Stage, qdot_low: &TaskVector) -> Vec<Objective> 
 }
 
 /// The strict hierarchy: one level per task, damped before limits count, then stay near ζ̇.
-pub fn strict_objectives(stages: &[Stage], damping: Option<Damping>, zeta: &TaskVector) -> Vec<Objective> {
+pub fn strict_objectives(stages: &[Stage], damping: Option<Damping>, zeta: &TaskVector) -> Objectives {
     let tasks = stages.iter().zip(damped_velocities(stages, damping));
     let task_levels = tasks.map(|(stage, velocity)| Objective::task(&stage.J_k, velocity, stage.scaled));
     task_levels.chain([Objective::nearest_to(zeta)]).collect()
