@@ -114,7 +114,7 @@
 //! | (9)-(11) | classical task priority | [`resolution::Method::TaskPriority`] |
 //! | (12) | algorithmic singularity | [`resolution::Singularity`] |
 //! | (13) | singularity-robust task priority | [`resolution::Method::SingularityRobust`] |
-//! | (16), (17) | singular value decomposition | [`linalg::Svd`] |
+//! | (16), (17) | singular value decomposition | [`linalg::Decomposition::singular`] |
 //! | (18), (19) | variable damping factor | [`linalg::Damping`] |
 //! | (20)-(32) | reverse priority | [`resolution::Method::ReversePriority`] |
 //! | (35), (38)-(42) | force law | [`law::ForceLaw`] |

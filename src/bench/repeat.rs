@@ -79,7 +79,10 @@ fn action(what: Repeated) -> Result<Action, BenchError> {
 
 fn cycles(solver: wire::Solver, limit: Option<f64>) -> Result<Action, BenchError> {
     let mut cycle = Cycle::along(&swing(solver, limit)?, &Robots::built_in(), &NOMINAL, 200)?;
-    Ok(Box::new(move || cycle.step().map(|command| drop(black_box(command)))))
+    Ok(Box::new(move || {
+        black_box(cycle.repeat()?);
+        Ok(())
+    }))
 }
 
 /// Limits that cut the first task; the last answer's active set is the guess.

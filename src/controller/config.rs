@@ -55,6 +55,20 @@ impl Limits {
             Self::Fixed(velocity_box) => LimitedBox { velocity_box: velocity_box.clone(), conflicts: Vec::new() },
         }
     }
+
+    /// Overwrites `limited`, which was made by [`Self::at`], with what it gives at another state.
+    pub(super) fn update(
+        &self,
+        limited: &mut LimitedBox,
+        robot: &RobotModel,
+        joint_position: &[f64],
+        last_velocity: &[f64],
+        period: f64,
+    ) {
+        if let Self::Robot(kind) = self {
+            limited.update(robot, *kind, joint_position, last_velocity, period);
+        }
+    }
 }
 
 /// Everything that stays the same from period to period.

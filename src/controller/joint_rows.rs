@@ -2,9 +2,9 @@
 
 use super::TaskConfigError;
 use super::task::Sensed;
-use crate::kinematics::{half_range, joint_limit_gradient};
+use crate::kinematics::{half_range, joint_limit_slopes};
 use crate::law::{Profile, SetPoint, TaskState};
-use crate::linalg::Vector;
+use crate::linalg::TaskVector;
 use crate::robot::RobotModel;
 
 /// Joints, and where they are to go.
@@ -39,22 +39,24 @@ impl JointRows {
     }
 
     /// The entries of the chosen joints, m.
-    pub(super) fn entries_of(&self, joints: &[f64]) -> Vector {
-        Vector::from_iterator(self.joints.len(), self.joints.iter().map(|&joint| joints[joint]))
+    pub(super) fn entries_of(&self, joints: &[f64]) -> TaskVector {
+        TaskVector::from_fn(self.joints.len(), |row| joints[self.joints[row]])
     }
 
     /// What the law sees; `velocity`: q̇ of the chosen joints, m.
-    pub(super) fn state(&self, velocity: Vector, sensed: &Sensed) -> TaskState {
+    pub(super) fn state(&self, velocity: TaskVector, sensed: &Sensed) -> TaskState {
         let position = sensed.configuration.joint_position();
-        let rest = Vector::zeros(velocity.len());
+        let rest = TaskVector::zeros(velocity.len());
         let (displacement, target) = match &self.target {
             JointTarget::Position(profile) => {
                 let target = profile.at(sensed.time_s);
-                (self.entries_of(position) - &target.value, target)
+                (&self.entries_of(position) - &target.value, target)
             }
             JointTarget::MidRange => {
-                let gradient = joint_limit_gradient(sensed.robot, position);
-                (self.entries_of(gradient.as_slice()), SetPoint::resting(rest.clone()))
+                let mut gradient = TaskVector::zeros(position.len());
+                let slopes = joint_limit_slopes(sensed.robot, position);
+                gradient.iter_mut().zip(slopes).for_each(|(entry, slope)| *entry = slope);
+                (self.entries_of(&gradient), SetPoint::resting(rest.clone()))
             }
         };
         TaskState {

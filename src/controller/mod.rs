@@ -39,6 +39,7 @@ mod stability;
 mod step;
 mod task;
 mod tool_rows;
+mod workspace;
 
 pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use joint_rows::{JointRows, JointTarget};
@@ -48,3 +49,4 @@ pub use stability::{ContactLoop, LONGEST_DELAY, Margin};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use task::{TaskConfig, TaskConfigError, TaskRows};
 pub use tool_rows::{TargetPose, ToolRows};
+pub use workspace::Workspace;

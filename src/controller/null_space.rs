@@ -1,6 +1,6 @@
 //! What the joints do where the tasks leave them free.
 
-use crate::kinematics::{half_range, joint_limit_gradient};
+use crate::kinematics::{half_range, joint_limit_slopes};
 use crate::linalg::Vector;
 use crate::robot::RobotModel;
 
@@ -48,11 +48,23 @@ pub enum NullSpaceError {
 impl NullSpaceMotion {
     /// ζ̇ at a posture (`joint_position`: q, n), n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
+        let mut velocity = Vector::zeros(robot.joint_count());
+        self.write(robot, joint_position, &mut velocity);
+        velocity
+    }
+
+    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q), n each, rad/s or m/s.
+    pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
         match self {
-            Self::Constant(velocity) => velocity.clone(),
-            Self::JointLimits { gain } => joint_limit_gradient(robot, joint_position) * -gain,
+            Self::Constant(constant) => velocity.copy_from(constant),
+            Self::JointLimits { gain } => {
+                let slopes = joint_limit_slopes(robot, joint_position);
+                velocity.iter_mut().zip(slopes).for_each(|(speed, slope)| *speed = slope * -gain);
+            }
             Self::Posture { joint_position: target, gain } => {
-                (Vector::from_row_slice(target) - Vector::from_row_slice(joint_position)) * *gain
+                for (speed, (target, q)) in velocity.iter_mut().zip(target.iter().zip(joint_position)) {
+                    *speed = (target - q) * gain;
+                }
             }
         }
     }

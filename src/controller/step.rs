@@ -3,11 +3,11 @@
 use nalgebra::Vector3;
 
 use super::task::Sensed;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, Workspace, WrenchFrame};
 use crate::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Resolution, Status, TaskOutcome, resolve};
-use crate::task::{Task, TaskError, TaskStack};
+use crate::resolution::{ProblemError, Resolution, Status};
+use crate::task::TaskError;
 
 /// Relative difference of achieved and requested velocity that counts as not following.
 const FOLLOWED: f64 = 1e-9;
@@ -26,7 +26,7 @@ pub struct Measurement {
 }
 
 /// What a task was after in this period.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskTarget {
     /// ẋ_k, m_k, m/s and rad/s.
     pub velocity: Vector,
@@ -35,7 +35,7 @@ pub struct TaskTarget {
 }
 
 /// The answer to one measurement.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Command {
     /// Joint velocities and why they are what they are.
     pub resolution: Resolution,
@@ -91,39 +91,70 @@ impl Controller {
         &self.config
     }
 
+    /// What [`Self::step_in`] works with.
+    pub fn workspace(&self) -> Result<Workspace, StepError> {
+        Workspace::new(&self.config)
+    }
+
     /// Turns a measurement into a command; `memory` is the last step's, `None` at the first, and becomes this step's.
     ///
     /// On an error the memory stays as it was.
     pub fn step(&self, memory: &mut Option<Memory>, measurement: &Measurement) -> Result<Command, StepError> {
+        let mut workspace = self.workspace()?;
+        self.step_in(&mut workspace, memory, measurement)?;
+        Ok(workspace.command)
+    }
+
+    /// The same step, to the last bit, in a workspace of this controller that is used again and again: after the first
+    /// few periods nothing is allocated, but by Clarabel where it is asked, and for the names of active inequalities.
+    pub fn step_in<'a>(
+        &self,
+        workspace: &'a mut Workspace,
+        memory: &mut Option<Memory>,
+        measurement: &Measurement,
+    ) -> Result<&'a Command, StepError> {
         self.check(measurement)?;
         if let Some(memory) = memory {
             memory.check(&self.config)?;
         }
-        let (robot, position) = (&self.config.robot, &measurement.joint_position);
-        let configuration = Configuration::new(robot, position)?;
-        let qdot = self.joint_velocity(memory.as_ref(), measurement);
-        let sensed = self.sense(memory.as_ref(), measurement, &configuration, &qdot);
-        let before = memory.clone().unwrap_or_else(|| self.first_memory(&sensed));
-        let targets = self.targets(&before, &sensed);
-        let limited = self.config.limits.at(robot, position, before.last_command.as_slice(), self.config.period_s);
-        let problem = Problem {
-            tasks: self.stack(&configuration, &targets)?,
-            limits: limited.velocity_box,
-            inequalities: self.config.barriers.iter().map(|barrier| barrier.at(&configuration)).collect(),
-            method: self.config.method,
-            solver: self.config.solver,
-            damping: self.config.damping,
-            null_space_velocity: self.config.null_space.as_ref().map(|motion| motion.velocity(robot, position)),
+        let config = &self.config;
+        let Workspace { configuration, limited, problem, resolver, command, rest } = workspace;
+        let position = &measurement.joint_position;
+        configuration.update(&config.robot, position)?;
+        let qdot = match (&measurement.joint_velocity, &*memory) {
+            (Some(measured), _) => measured,
+            (None, Some(memory)) => memory.last_command.as_slice(),
+            (None, None) => rest,
         };
-        let resolution = resolve(&problem, &before.active_set)?;
-        *memory = Some(Memory {
-            task_velocities: self.integrators(&targets, &resolution),
-            initial_pose: before.initial_pose,
-            last_command: resolution.joint_velocity.clone(),
-            active_set: resolution.active_set.clone(),
-        });
-        let joint_limit_index = joint_limit_index(robot, position);
-        Ok(Command { resolution, targets, limit_conflicts: limited.conflicts, joint_limit_index })
+        let sensed = self.sense(memory.as_ref(), measurement, configuration, qdot);
+        let mut first = None;
+        let before = match &*memory {
+            Some(memory) => memory,
+            None => first.insert(self.first_memory(&sensed)),
+        };
+        self.aim(&mut command.targets, before, &sensed);
+        problem.tasks.overwrite(|k, jacobian, velocity| {
+            config.tasks[k].rows.write_jacobian(configuration, jacobian);
+            velocity.copy_from(&command.targets[k].velocity);
+        })?;
+        config.limits.update(limited, &config.robot, position, before.last_command.as_slice(), config.period_s);
+        problem.limits.copy_from(&limited.velocity_box);
+        problem.inequalities.clear();
+        problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration)));
+        if let (Some(motion), Some(velocity)) = (&config.null_space, &mut problem.null_space_velocity) {
+            motion.write(&config.robot, position, velocity);
+        }
+        resolver.resolve(problem, &before.active_set, &mut command.resolution)?;
+        command.limit_conflicts.clone_from(&limited.conflicts);
+        command.joint_limit_index = joint_limit_index(&config.robot, position);
+        let memory = match first {
+            Some(first) => Some(memory.insert(first)),
+            None => memory.as_mut(),
+        };
+        if let Some(memory) = memory {
+            self.remember(memory, command);
+        }
+        Ok(command)
     }
 
     fn check(&self, measurement: &Measurement) -> Result<(), StepError> {
@@ -134,15 +165,6 @@ impl Controller {
         }
         let finite = measurement.time_s.is_finite() && measurement.wrench.iter().all(|entry| entry.is_finite());
         if finite { Ok(()) } else { Err(StepError::NotFinite) }
-    }
-
-    /// q̇, n: measured, else the last command, else rest.
-    fn joint_velocity(&self, memory: Option<&Memory>, measurement: &Measurement) -> Vec<f64> {
-        match (&measurement.joint_velocity, memory) {
-            (Some(measured), _) => measured.clone(),
-            (None, Some(memory)) => memory.last_command.as_slice().to_vec(),
-            (None, None) => vec![0.0; self.config.robot.joint_count()],
-        }
     }
 
     fn sense<'a>(
@@ -180,33 +202,27 @@ impl Controller {
     /// What stands for a memory at the first step: an arm moving as measured.
     fn first_memory(&self, sensed: &Sensed) -> Memory {
         Memory {
-            task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(sensed)).collect(),
+            task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(sensed).to_vector()).collect(),
             initial_pose: sensed.initial_pose,
             last_command: Vector::from_row_slice(sensed.joint_velocity),
             active_set: Vec::new(),
         }
     }
 
-    fn targets(&self, before: &Memory, sensed: &Sensed) -> Vec<TaskTarget> {
-        let target = |(task, integrator): (&TaskConfig, &Vector)| TaskTarget {
-            velocity: task.law.velocity(&task.rows.state(sensed), integrator, self.config.period_s),
-            force: task.law.target_force(sensed.time_s),
-        };
-        self.config.tasks.iter().zip(&before.task_velocities).map(target).collect()
+    /// Asks each law for its target.
+    fn aim(&self, targets: &mut [TaskTarget], before: &Memory, sensed: &Sensed) {
+        for (target, (task, integrator)) in
+            targets.iter_mut().zip(self.config.tasks.iter().zip(&before.task_velocities))
+        {
+            let velocity = task.law.velocity(&task.rows.state(sensed), integrator.as_slice(), self.config.period_s);
+            target.velocity.copy_from_slice(&velocity);
+            target.force.clear();
+            target.force.extend(task.law.target_force(sensed.time_s));
+        }
     }
 
-    fn stack(&self, configuration: &Configuration, targets: &[TaskTarget]) -> Result<TaskStack, TaskError> {
-        let task = |(task, target): (&TaskConfig, &TaskTarget)| Task {
-            name: task.name.clone(),
-            jacobian: task.rows.jacobian(configuration),
-            velocity: target.velocity.clone(),
-            scaled: task.scaled,
-        };
-        TaskStack::new(self.config.tasks.iter().zip(targets).map(task).collect())
-    }
-
-    /// ẋ of the integrators after the command, with anti-windup: where a limit or a conflict kept an axis from following,
-    /// its integrator continues from the achieved velocity, so that a release does not jump.
+    /// Makes the memory one of this command, with anti-windup: where a limit or a conflict kept an axis from following, its
+    /// integrator continues from the achieved velocity, so that a release does not jump.
     ///
     /// Departs: damping alone is no such case. Resetting there would add a second damping to the classical control, whose
     /// F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The price: a lower task that damping holds off
@@ -214,21 +230,20 @@ impl Controller {
     /// posture recovers.
     ///
     /// A law without an integrator leaves what was achieved.
-    fn integrators(&self, targets: &[TaskTarget], resolution: &Resolution) -> Vec<Vector> {
+    fn remember(&self, memory: &mut Memory, Command { resolution, targets, .. }: &Command) {
         let held_back = !resolution.active_limits.is_empty()
             || !resolution.active_inequalities.is_empty()
             || resolution.singularity.algorithmic
             || resolution.solver.status != Status::Optimal;
-        let after = |((task, target), outcome): ((&TaskConfig, &TaskTarget), &TaskOutcome)| {
-            if !task.law.integrates() {
-                return outcome.achieved.clone();
+        for (k, velocity) in memory.task_velocities.iter_mut().enumerate() {
+            let (wanted, achieved) = (&targets[k].velocity, &resolution.tasks[k].achieved);
+            for (row, velocity) in velocity.iter_mut().enumerate() {
+                let followed = (achieved[row] - wanted[row]).abs() <= FOLLOWED * wanted[row].abs().max(1.0);
+                let continues = self.config.tasks[k].law.integrates() && (followed || !held_back);
+                *velocity = if continues { wanted[row] } else { achieved[row] };
             }
-            let follow = |wanted: f64, achieved: f64| {
-                let followed = (achieved - wanted).abs() <= FOLLOWED * wanted.abs().max(1.0);
-                if held_back && !followed { achieved } else { wanted }
-            };
-            target.velocity.zip_map(&outcome.achieved, follow)
-        };
-        self.config.tasks.iter().zip(targets).zip(&resolution.tasks).map(after).collect()
+        }
+        memory.last_command.copy_from(&resolution.joint_velocity);
+        memory.active_set.clone_from(&resolution.active_set);
     }
 }

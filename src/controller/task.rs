@@ -6,7 +6,7 @@ use super::null_space::mid_range_rate;
 use super::{JointRows, JointTarget, ToolRows};
 use crate::kinematics::Configuration;
 use crate::law::{Law, Profile, TaskState};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, TaskVector};
 use crate::robot::RobotModel;
 
 /// One task with its law.
@@ -124,19 +124,19 @@ impl TaskRows {
         }
     }
 
-    /// J_k, m × n.
-    pub(super) fn jacobian(&self, configuration: &Configuration) -> Matrix {
+    /// Overwrites `jacobian` with J_k, m × n.
+    pub(super) fn write_jacobian(&self, configuration: &Configuration, jacobian: &mut Matrix) {
         match self {
-            Self::Tool(rows) => rows.axes.rows_of(&rows.frame.at(configuration).jacobian()),
+            Self::Tool(rows) => rows.frame.at(configuration).write_rows(&rows.axes, jacobian),
             Self::Joints(rows) => {
-                let n = configuration.joint_position().len();
-                Matrix::from_fn(rows.joints.len(), n, |i, j| f64::from(u8::from(rows.joints[i] == j)))
+                jacobian.fill(0.0);
+                rows.joints.iter().enumerate().for_each(|(row, &joint)| jacobian[(row, joint)] = 1.0);
             }
         }
     }
 
     /// J_k q̇, m, m/s and rad/s.
-    pub(super) fn velocity(&self, sensed: &Sensed) -> Vector {
+    pub(super) fn velocity(&self, sensed: &Sensed) -> TaskVector {
         match self {
             Self::Tool(rows) => rows.axes.entries_of(&rows.frame.at(sensed.configuration).twist(&sensed.twist)),
             Self::Joints(rows) => rows.entries_of(sensed.joint_velocity),

@@ -5,7 +5,7 @@ use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use super::task::Sensed;
 use crate::kinematics::{AxisSelection, Frame, TaskFrame, Turning, orientation_error};
 use crate::law::{Profile, SetPoint, TaskState};
-use crate::linalg::Vector;
+use crate::linalg::TaskVector;
 
 /// Directions of the tool, at a point and along axes, and where it is to go.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +39,7 @@ impl ToolRows {
     }
 
     /// What the law sees; `velocity`: Ẋ, m.
-    pub(super) fn state(&self, velocity: Vector, sensed: &Sensed) -> TaskState {
+    pub(super) fn state(&self, velocity: TaskVector, sensed: &Sensed) -> TaskState {
         let placed = self.frame.at(sensed.configuration);
         let rows = |[linear, angular]: [Vector3<f64>; 2]| self.axes.entries_of(&placed.components(linear, angular));
         let target = self.target(sensed);
@@ -94,7 +94,7 @@ impl MovingPose {
     fn displaced(
         pose: &IsometryMatrix3<f64>,
         displacement: &SetPoint,
-        vectors: impl Fn(&Vector) -> [Vector3<f64>; 2],
+        vectors: impl Fn(&[f64]) -> [Vector3<f64>; 2],
     ) -> Self {
         let [moved, turned] = vectors(&displacement.value);
         let [linear_rate, angular_rate] = vectors(&displacement.rate);

@@ -1,7 +1,7 @@
 //! The six directions of a twist or a wrench, and selections of them.
 
 use super::Jacobian;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, TaskVector};
 
 /// One row of a twist, in base axes at the tool point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,12 +78,12 @@ impl AxisSelection {
     }
 
     /// The selected entries of a twist or wrench, m.
-    pub fn entries_of(&self, six: &[f64; 6]) -> Vector {
-        Vector::from_iterator(self.len(), self.0.iter().map(|axis| six[axis.index()]))
+    pub fn entries_of(&self, six: &[f64; 6]) -> TaskVector {
+        TaskVector::from_fn(self.len(), |row| six[self.0[row].index()])
     }
 
     /// A twist or wrench with these entries (m) on the selected axes and zero on the others.
-    pub fn spread(&self, entries: &Vector) -> [f64; 6] {
+    pub fn spread(&self, entries: &[f64]) -> [f64; 6] {
         let mut six = [0.0; 6];
         self.0.iter().zip(entries).for_each(|(axis, entry)| six[axis.index()] = *entry);
         six
@@ -99,8 +99,8 @@ mod tests {
         let jacobian = Jacobian::from_fn(2, |i, j| (10 * i + j) as f64);
         let selection = AxisSelection::new(&[Axis::Rz, Axis::X]).unwrap();
         assert_eq!(selection.rows_of(&jacobian), Matrix::from_row_slice(2, 2, &[50.0, 51.0, 0.0, 1.0]));
-        assert_eq!(selection.entries_of(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]).as_slice(), [5.0, 0.0]);
-        assert_eq!(selection.spread(&Vector::from_vec(vec![7.0, 8.0])), [8.0, 0.0, 0.0, 0.0, 0.0, 7.0]);
+        assert_eq!(*selection.entries_of(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), [5.0, 0.0]);
+        assert_eq!(selection.spread(&[7.0, 8.0]), [8.0, 0.0, 0.0, 0.0, 0.0, 7.0]);
     }
 
     #[test]

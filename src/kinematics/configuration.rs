@@ -1,6 +1,7 @@
 //! A posture of the arm with its forward kinematics done.
+#![allow(non_snake_case)]
 
-use nalgebra::{IsometryMatrix3, Matrix3xX, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
 
 use crate::robot::{JointKind, RobotModel};
 
@@ -40,23 +41,36 @@ pub struct Configuration {
 impl Configuration {
     /// Computes tool pose and Jacobian at `joint_position` (n; rad or m).
     pub fn new(robot: &RobotModel, joint_position: &[f64]) -> Result<Self, ConfigurationError> {
+        let n = robot.joint_count();
+        let mut configuration = Self {
+            joint_position: vec![0.0; n],
+            joints: robot.joints().iter().map(|joint| (joint.kind, IsometryMatrix3::identity())).collect(),
+            tool_pose: IsometryMatrix3::identity(),
+            jacobian: Jacobian::zeros(n),
+        };
+        configuration.update(robot, joint_position)?;
+        Ok(configuration)
+    }
+
+    /// Becomes the configuration of the same robot at another posture; on an error it stays as it was.
+    pub fn update(&mut self, robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
         check(robot, joint_position)?;
+        self.joint_position.copy_from_slice(joint_position);
         let mut frame = IsometryMatrix3::identity();
-        let mut joints = Vec::with_capacity(robot.joint_count());
-        for (joint, &q) in robot.joints().iter().zip(joint_position) {
+        for ((joint, &q), (_, placed)) in robot.joints().iter().zip(joint_position).zip(&mut self.joints) {
             frame *= joint.placement;
-            joints.push((joint.kind, frame));
-            frame *= motion(joint.kind, q);
+            *placed = frame;
+            move_along(&mut frame, joint.kind, q);
         }
-        let tool_pose = frame * robot.tool();
-        let tool_point = tool_pose.translation.vector;
-        let mut jacobian = Jacobian::zeros(robot.joint_count());
-        for (i, (kind, frame)) in joints.iter().enumerate() {
+        self.tool_pose = frame * robot.tool();
+        let tool_point = self.tool_pose.translation.vector;
+        let columns = self.jacobian.as_mut_slice().chunks_exact_mut(6);
+        for (entries, (kind, frame)) in columns.zip(&self.joints) {
             let (linear, angular) = column(*kind, frame, &tool_point);
-            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&linear);
-            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&angular);
+            entries[..3].copy_from_slice(linear.as_slice());
+            entries[3..].copy_from_slice(angular.as_slice());
         }
-        Ok(Self { joint_position: joint_position.to_vec(), joints, tool_pose, jacobian })
+        Ok(())
     }
 
     /// q, the joint positions, n.
@@ -110,18 +124,26 @@ pub(super) fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), Co
     }
 }
 
-pub(super) fn motion(kind: JointKind, q: f64) -> IsometryMatrix3<f64> {
+/// Moves a joint's frame by its position: about or along its z axis, which keeps the third column of its rotation.
+pub(super) fn move_along(frame: &mut IsometryMatrix3<f64>, kind: JointKind, q: f64) {
+    let R = frame.rotation.matrix();
     match kind {
         JointKind::Revolute => {
-            IsometryMatrix3::from_parts(Translation3::identity(), Rotation3::from_axis_angle(&Vector3::z_axis(), q))
+            let (sine, cosine) = q.sin_cos();
+            let (x, y) = (R.column(0).into_owned(), R.column(1).into_owned());
+            let turned = Matrix3::from_columns(&[x * cosine + y * sine, y * cosine - x * sine, R.column(2).into()]);
+            frame.rotation = Rotation3::from_matrix_unchecked(turned);
         }
-        JointKind::Prismatic => IsometryMatrix3::translation(0.0, 0.0, q),
+        JointKind::Prismatic => {
+            let z = R.column(2).into_owned();
+            frame.translation.vector += z * q;
+        }
     }
 }
 
 /// One column of the geometric Jacobian: what unit speed of the joint gives the tool point.
 fn column(kind: JointKind, frame: &IsometryMatrix3<f64>, tool_point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let z = frame.rotation * Vector3::z();
+    let z = frame.rotation.matrix().column(2).into_owned();
     match kind {
         JointKind::Revolute => (z.cross(&(tool_point - frame.translation.vector)), z),
         JointKind::Prismatic => (z, Vector3::zeros()),

@@ -17,7 +17,7 @@ const SMALLEST_HALF_RANGE: f64 = 1e-9;
 ///
 /// If `joint_position` has not one entry per joint.
 pub fn joint_limit_index(robot: &RobotModel, joint_position: &[f64]) -> f64 {
-    let terms = terms(robot, joint_position).into_iter().flatten();
+    let terms = terms(robot, joint_position).flatten();
     terms.map(|(offset, half)| (offset / half).powi(2)).sum::<f64>() / (2.0 * robot.joint_count() as f64)
 }
 
@@ -29,9 +29,17 @@ pub fn joint_limit_index(robot: &RobotModel, joint_position: &[f64]) -> f64 {
 ///
 /// If `joint_position` has not one entry per joint.
 pub fn joint_limit_gradient(robot: &RobotModel, joint_position: &[f64]) -> Vector {
+    Vector::from_iterator(robot.joint_count(), joint_limit_slopes(robot, joint_position))
+}
+
+/// The entries of [`joint_limit_gradient`], one by one.
+///
+/// # Panics
+///
+/// If `joint_position` has not one entry per joint.
+pub fn joint_limit_slopes(robot: &RobotModel, joint_position: &[f64]) -> impl Iterator<Item = f64> {
     let n = robot.joint_count() as f64;
-    let slope = |term: Option<(f64, f64)>| term.map_or(0.0, |(offset, half)| offset / (n * half * half));
-    Vector::from_iterator(robot.joint_count(), terms(robot, joint_position).into_iter().map(slope))
+    terms(robot, joint_position).map(move |term| term.map_or(0.0, |(offset, half)| offset / (n * half * half)))
 }
 
 /// max − mid, rad or m; `None` where the index does not count the joint.
@@ -41,13 +49,12 @@ pub fn half_range(limits: &JointLimits) -> Option<f64> {
 }
 
 /// q_i − mid_i and max_i − mid_i of each joint that counts.
-fn terms(robot: &RobotModel, joint_position: &[f64]) -> Vec<Option<(f64, f64)>> {
+fn terms(robot: &RobotModel, joint_position: &[f64]) -> impl Iterator<Item = Option<(f64, f64)>> {
     assert_eq!(joint_position.len(), robot.joint_count(), "one position per joint");
-    let term = |(joint, q): (&crate::robot::Joint, &f64)| {
+    robot.joints().iter().zip(joint_position).map(|(joint, q)| {
         let half = half_range(&joint.limits)?;
         Some((q - f64::midpoint(joint.limits.lower, joint.limits.upper), half))
-    };
-    robot.joints().iter().zip(joint_position).map(term).collect()
+    })
 }
 
 #[cfg(test)]

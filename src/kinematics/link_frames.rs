@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::configuration::{ConfigurationError, check, motion};
+use super::configuration::{ConfigurationError, check, move_along};
 use crate::robot::RobotModel;
 
 /// Frames of the joints after their motion, base first, n, in the base frame (m), at `joint_position` (n; rad or m).
@@ -18,7 +18,7 @@ pub fn link_frames(
     Ok(joints
         .map(|(joint, &q)| {
             frame *= joint.placement;
-            frame *= motion(joint.kind, q);
+            move_along(&mut frame, joint.kind, q);
             frame
         })
         .collect())

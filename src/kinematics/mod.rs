@@ -26,7 +26,7 @@ mod turning;
 
 pub use axes::{Axis, AxisSelection, AxisSelectionError};
 pub use configuration::{Configuration, ConfigurationError, Jacobian, orientation_error};
-pub use joint_limit_index::{half_range, joint_limit_gradient, joint_limit_index};
+pub use joint_limit_index::{half_range, joint_limit_gradient, joint_limit_index, joint_limit_slopes};
 pub use link_frames::link_frames;
 pub use pose::{NotUnitLength, UNIT_LENGTH, pose};
 pub use task_frame::{Frame, PlacedFrame, TaskFrame};

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 
-use super::{Configuration, Jacobian};
+use super::{AxisSelection, Configuration, Jacobian};
+use crate::linalg::Matrix;
 
 /// Along which axes rows are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,6 +76,14 @@ impl PlacedFrame<'_> {
             column.copy_from_slice(&twist);
         }
         Cow::Owned(jacobian)
+    }
+
+    /// Overwrites `rows`, m × n, with the selected rows of J.
+    pub fn write_rows(&self, axes: &AxisSelection, rows: &mut Matrix) {
+        for (mut row_entries, column) in rows.column_iter_mut().zip(self.configuration.jacobian().column_iter()) {
+            let twist = self.twist(&std::array::from_fn(|row| column[row]));
+            row_entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+        }
     }
 
     /// A twist (m/s, rad/s) in base axes at the tool point, as one in this frame: v + ω × r, ω.

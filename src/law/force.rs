@@ -1,7 +1,7 @@
 //! The force law.
 
 use super::{Gains, Profile, TaskState};
-use crate::linalg::Vector;
+use crate::linalg::TaskVector;
 
 /// M_d Ẍ + B_d Ẋ − F_d = −F_e: push until the contact pushes back as asked.
 ///
@@ -24,14 +24,13 @@ impl ForceLaw {
     }
 
     /// F_d at time t, N and N·m.
-    pub fn target_force(&self, time_s: f64) -> Vector {
+    pub fn target_force(&self, time_s: f64) -> TaskVector {
         self.target_force.at(time_s).value
     }
 
     /// Ẍ = M_d⁻¹ (F_d − F_e − B_d Ẋ), m/s² and rad/s².
-    pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let force =
-            self.target_force(state.time_s) - &state.force - self.gains.damping().component_mul(&state.velocity);
-        self.gains.accelerate(&force)
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (target, damping) = (self.target_force(state.time_s), self.gains.damping());
+        self.gains.accelerate(|row| target[row] - state.force[row] - damping[row] * state.velocity[row])
     }
 }

@@ -1,6 +1,6 @@
 //! Inertia, damping and stiffness that a law gives the arm to feel like.
 
-use crate::linalg::Vector;
+use crate::linalg::{TaskVector, Vector};
 
 /// Diagonal M_d, B_d, K_d of one task, m entries each.
 ///
@@ -65,9 +65,9 @@ impl Gains {
         &self.stiffness
     }
 
-    /// M_d⁻¹ f.
-    pub(super) fn accelerate(&self, force: &Vector) -> Vector {
-        force.component_div(&self.inertia)
+    /// M_d⁻¹ f, of the force on each row.
+    pub(super) fn accelerate(&self, force: impl Fn(usize) -> f64) -> TaskVector {
+        TaskVector::from_fn(self.rows(), |row| force(row) / self.inertia[row])
     }
 }
 

@@ -1,7 +1,7 @@
 //! The hybrid law.
 
-use super::{Gains, Profile, TaskState};
-use crate::linalg::Vector;
+use super::{Gains, Profile, TargetForce, TaskState};
+use crate::linalg::TaskVector;
 
 /// M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e, S = diag of 0 and 1, X_d at rest or moving.
 ///
@@ -31,14 +31,15 @@ impl HybridLaw {
     }
 
     /// F_d at time t where a force is followed, N and N·m.
-    pub fn target_force(&self, time_s: f64) -> Vec<Option<f64>> {
+    pub fn target_force(&self, time_s: f64) -> TargetForce {
         let force = self.target_force.at(time_s).value;
         force.iter().zip(&self.position_controlled).map(|(&f, &position)| (!position).then_some(f)).collect()
     }
 
     /// Ẍ = Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX), m/s² and rad/s².
-    pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let target = self.target_force.at(state.time_s).value;
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (target, damping) = (self.target_force.at(state.time_s).value, self.gains.damping());
+        let relative_velocity = state.relative_velocity();
         let pull = |row: usize| {
             if self.position_controlled[row] {
                 -self.gains.stiffness()[row] * state.displacement[row]
@@ -46,10 +47,9 @@ impl HybridLaw {
                 target[row]
             }
         };
-        let force = Vector::from_fn(self.rows(), |row, _| pull(row))
-            - &state.force
-            - self.gains.damping().component_mul(&state.relative_velocity());
-        &state.target_acceleration + self.gains.accelerate(&force)
+        let relative =
+            self.gains.accelerate(|row| pull(row) - state.force[row] - damping[row] * relative_velocity[row]);
+        &state.target_acceleration + &relative
     }
 }
 
@@ -65,11 +65,11 @@ mod tests {
     fn state() -> TaskState {
         TaskState {
             time_s: 0.3,
-            velocity: Vector::from_vec(vec![0.1, -0.2]),
-            displacement: Vector::from_vec(vec![0.01, 0.05]),
-            target_velocity: Vector::from_vec(vec![0.0, 0.3]),
-            target_acceleration: Vector::from_vec(vec![0.0, -0.7]),
-            force: Vector::from_vec(vec![4.0, -3.0]),
+            velocity: TaskVector::from_slice(&[0.1, -0.2]),
+            displacement: TaskVector::from_slice(&[0.01, 0.05]),
+            target_velocity: TaskVector::from_slice(&[0.0, 0.3]),
+            target_acceleration: TaskVector::from_slice(&[0.0, -0.7]),
+            force: TaskVector::from_slice(&[4.0, -3.0]),
         }
     }
 
@@ -84,8 +84,8 @@ mod tests {
         // The first axis has a resting target, and there alone the force law, which knows none, is the same.
         let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
         assert_eq!(hybrid([false, false])[0], force[0]);
-        assert!((hybrid([true, true]) - &impedance).amax() < 1e-15);
-        assert!((hybrid([false, true]) - Vector::from_vec(vec![force[0], impedance[1]])).amax() < 1e-15);
+        assert!((&hybrid([true, true]) - &impedance).amax() < 1e-15);
+        assert!((&hybrid([false, true]) - &TaskVector::from_slice(&[force[0], impedance[1]])).amax() < 1e-15);
     }
 
     #[test]

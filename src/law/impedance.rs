@@ -1,7 +1,7 @@
 //! The impedance law.
 
 use super::{Gains, TaskState};
-use crate::linalg::Vector;
+use crate::linalg::TaskVector;
 
 /// M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e about a target X_d that rests or moves: yield like mass, damper and spring.
 ///
@@ -23,10 +23,12 @@ impl ImpedanceLaw {
     }
 
     /// Ẍ = Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e), m/s² and rad/s².
-    pub fn acceleration(&self, state: &TaskState) -> Vector {
-        let damping = self.gains.damping().component_mul(&state.relative_velocity());
-        let stiffness = self.gains.stiffness().component_mul(&state.displacement);
-        let force = damping + stiffness + &state.force;
-        &state.target_acceleration - self.gains.accelerate(&force)
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (damping, stiffness) = (self.gains.damping(), self.gains.stiffness());
+        let relative_velocity = state.relative_velocity();
+        let resistance = self.gains.accelerate(|row| {
+            damping[row] * relative_velocity[row] + stiffness[row] * state.displacement[row] + state.force[row]
+        });
+        &state.target_acceleration - &resistance
     }
 }

@@ -30,7 +30,9 @@ pub use impedance::ImpedanceLaw;
 pub use position::{GainRange, PositionLaw};
 pub use profile::{Point, Profile, ProfileError, SHORTEST_TIME, SetPoint};
 
-use crate::linalg::Vector;
+use smallvec::SmallVec;
+
+use crate::linalg::TaskVector;
 
 /// What a law sees of the measured state: the rows of its own task, m each, along the axes of its frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,23 +40,26 @@ pub struct TaskState {
     /// t, s.
     pub time_s: f64,
     /// Ẋ, measured velocity, m/s and rad/s.
-    pub velocity: Vector,
+    pub velocity: TaskVector,
     /// ΔX = X − X_d, displacement from the target, m and rad.
-    pub displacement: Vector,
+    pub displacement: TaskVector,
     /// Ẋ_d, velocity of the target, m/s and rad/s.
-    pub target_velocity: Vector,
+    pub target_velocity: TaskVector,
     /// Ẍ_d, acceleration of the target, m/s² and rad/s².
-    pub target_acceleration: Vector,
+    pub target_acceleration: TaskVector,
     /// F_e, force and torque on the environment, N and N·m.
-    pub force: Vector,
+    pub force: TaskVector,
 }
 
 impl TaskState {
     /// ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
-    pub fn relative_velocity(&self) -> Vector {
+    pub fn relative_velocity(&self) -> TaskVector {
         &self.velocity - &self.target_velocity
     }
 }
+
+/// F_d per row, N and N·m; `None` where no force is followed.
+pub type TargetForce = SmallVec<[Option<f64>; 8]>;
 
 /// The law of one task.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,22 +97,23 @@ impl Law {
     }
 
     /// ẋ_k for this period, m entries, from the integrator's value in the last one; `period`: T, s.
-    pub fn velocity(&self, state: &TaskState, integrator: &Vector, period: f64) -> Vector {
-        match self {
-            Self::Velocity(profile) => profile.at(state.time_s).value,
-            Self::Position(law) => law.velocity(state),
-            Self::Force(law) => integrator + law.acceleration(state) * period,
-            Self::Impedance(law) => integrator + law.acceleration(state) * period,
-            Self::Hybrid(law) => integrator + law.acceleration(state) * period,
-        }
+    pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
+        let acceleration = match self {
+            Self::Velocity(profile) => return profile.at(state.time_s).value,
+            Self::Position(law) => return law.velocity(state),
+            Self::Force(law) => law.acceleration(state),
+            Self::Impedance(law) => law.acceleration(state),
+            Self::Hybrid(law) => law.acceleration(state),
+        };
+        TaskVector::from_fn(integrator.len(), |row| integrator[row] + acceleration[row] * period)
     }
 
     /// F_d at time t, per row `None` where the law follows no force, N and N·m.
-    pub fn target_force(&self, time_s: f64) -> Vec<Option<f64>> {
+    pub fn target_force(&self, time_s: f64) -> TargetForce {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),
             Self::Hybrid(law) => law.target_force(time_s),
-            Self::Velocity(_) | Self::Position(_) | Self::Impedance(_) => vec![None; self.rows()],
+            Self::Velocity(_) | Self::Position(_) | Self::Impedance(_) => SmallVec::from_elem(None, self.rows()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The law of positions: `pose` on rows of the tool, `posture` on joints.
 
 use super::TaskState;
-use crate::linalg::Vector;
+use crate::linalg::{TaskVector, Vector};
 
 /// ẋ = ẋ_d + K (x_d − x), K diagonal, 1/s: closed-loop inverse kinematics on the tool's rows, and the same on joints,
 /// q̇ = q̇_d + K (q_d − q).
@@ -42,7 +42,8 @@ impl PositionLaw {
     }
 
     /// ẋ_d − K ΔX, m/s and rad/s.
-    pub fn velocity(&self, state: &TaskState) -> Vector {
-        &state.target_velocity - self.gain.component_mul(&state.displacement)
+    pub fn velocity(&self, state: &TaskState) -> TaskVector {
+        let pull = |row: usize| state.target_velocity[row] - self.gain[row] * state.displacement[row];
+        TaskVector::from_fn(self.rows(), pull)
     }
 }

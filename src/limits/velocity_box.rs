@@ -65,6 +65,12 @@ impl VelocityBox {
         Self { lower: Vector::repeat(n, f64::NEG_INFINITY), upper: Vector::repeat(n, f64::INFINITY) }
     }
 
+    /// Becomes a copy of a box for as many joints.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.lower.copy_from(&other.lower);
+        self.upper.copy_from(&other.upper);
+    }
+
     /// lo, n.
     pub fn lower(&self) -> &Vector {
         &self.lower
@@ -83,6 +89,12 @@ impl VelocityBox {
     /// The point of the box nearest to `velocity`.
     pub fn clamp(&self, velocity: &Vector) -> Vector {
         velocity.zip_zip_map(&self.lower, &self.upper, |v, lo, hi| v.max(lo).min(hi))
+    }
+
+    /// Whether `velocity`, n, lies inside; never one that is not a number.
+    pub fn allows(&self, velocity: &[f64]) -> bool {
+        let bounds = self.lower.iter().zip(self.upper.iter());
+        velocity.iter().zip(bounds).all(|(v, (lower, upper))| lower <= v && v <= upper)
     }
 
     /// How far `velocity` lies outside, of the worst joint, rad/s; 0 inside.
@@ -110,17 +122,36 @@ pub fn robot_box(
     last_velocity: &[f64],
     period: f64,
 ) -> LimitedBox {
-    let n = robot.joint_count();
-    let mut limited = LimitedBox { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() };
-    for (i, joint) in robot.joints().iter().enumerate() {
-        let interval = Interval::of(&joint.limits, kind, joint_position[i], last_velocity[i], period);
-        limited.velocity_box.lower[i] = interval.lower;
-        limited.velocity_box.upper[i] = interval.upper;
-        if interval.conflict {
-            limited.conflicts.push(i);
+    let mut limited = LimitedBox::unbounded(robot.joint_count());
+    limited.update(robot, kind, joint_position, last_velocity, period);
+    limited
+}
+
+impl LimitedBox {
+    /// The box without bounds, for n joints.
+    pub fn unbounded(n: usize) -> Self {
+        Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() }
+    }
+
+    /// Becomes what [`robot_box`] gives for a robot of as many joints.
+    pub fn update(
+        &mut self,
+        robot: &RobotModel,
+        kind: LimitKind,
+        joint_position: &[f64],
+        last_velocity: &[f64],
+        period: f64,
+    ) {
+        self.conflicts.clear();
+        for (i, joint) in robot.joints().iter().enumerate() {
+            let interval = Interval::of(&joint.limits, kind, joint_position[i], last_velocity[i], period);
+            self.velocity_box.lower[i] = interval.lower;
+            self.velocity_box.upper[i] = interval.upper;
+            if interval.conflict {
+                self.conflicts.push(i);
+            }
         }
     }
-    limited
 }
 
 /// Disagreement of limits, rad/s, that counts as more than rounding.

@@ -1,14 +1,27 @@
 //! Pseudo-inverses whose rank is decided at a stated tolerance, and their damped relatives.
 //!
-//! Matrices are dynamic (`DMatrix`), because the number of joints and of task rows is data.
+//! [`Matrix`] and [`Vector`] stand in what the crate takes and gives. What is computed with in every period is a
+//! [`TaskMatrix`] or [`TaskVector`], which need no heap at the size of a task.
 
+mod conditioning;
 mod damping;
+mod decomposition;
+mod lanes;
+mod reflections;
+mod singular;
 mod spectrum;
-mod svd;
+mod task_matrix;
+mod task_vector;
+#[cfg(test)]
+mod tests;
+mod triangle;
 
+pub use conditioning::Conditioning;
 pub use damping::Damping;
+pub use decomposition::{Decomposition, RANK_TOLERANCE};
 pub use spectrum::{EigenvalueError, eigenvalues};
-pub use svd::{RANK_TOLERANCE, Svd, SvdError};
+pub use task_matrix::TaskMatrix;
+pub use task_vector::TaskVector;
 
 /// A matrix of any shape.
 pub type Matrix = nalgebra::DMatrix<f64>;

@@ -1,11 +1,11 @@
 //! The task stack with every decomposition that both ways of solving share.
 #![allow(non_snake_case)]
 
-use crate::linalg::{Damping, Matrix, Svd, SvdError, Vector, stack};
-use crate::task::TaskStack;
+use crate::linalg::{Conditioning, Damping, Decomposition, TaskMatrix, TaskVector};
+use crate::task::{Task, TaskStack};
 
 /// How near the tasks are to singularities.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Singularity {
     /// σ_min of all rows together.
     pub smallest_singular_value: f64,
@@ -16,19 +16,28 @@ pub struct Singularity {
 }
 
 /// Stage k of the recursion: task k and everything below it.
+#[derive(Debug, Clone, Default)]
 pub struct Stage {
     /// J_k, m_k × n.
-    pub J_k: Matrix,
+    pub J_k: TaskMatrix,
     /// ẋ_k, m_k.
-    pub xdot_k: Vector,
+    pub xdot_k: TaskVector,
+    /// ‖J_k‖.
+    pub norm: f64,
     /// Whether limits may slow the task down, but not bend it.
     pub scaled: bool,
     /// J_{k+1}^RP, the rows of all lower tasks, × n. Paper: Eq. (23).
-    pub J_low: Matrix,
-    /// Decomposition of J_k.
-    pub svd: Svd,
-    /// Decomposition of J_k^RP = [J_k; J_{k+1}^RP].
-    pub svd_rp: Svd,
+    pub J_low: TaskMatrix,
+    /// ‖J_{k+1}^RP‖.
+    pub norm_low: f64,
+    /// Decomposition of J_k with the frame V = [V_r, N].
+    pub own: Decomposition,
+    /// J_{k+1}^RP V.
+    pub J_low_V: TaskMatrix,
+    /// Decomposition of J_{k+1}^RP N, in that frame.
+    pub spare: Decomposition,
+    /// Of J_k^RP = [J_k; J_{k+1}^RP].
+    pub conditioning: Conditioning,
     /// μ_k, damping of the kinematic singularity of J_k.
     pub mu: f64,
     /// λ_k, damping of the conflict of task k with the lower ones.
@@ -37,44 +46,87 @@ pub struct Stage {
     pub algorithmic: bool,
 }
 
+impl Stage {
+    /// Becomes the stage of `task` above `below`.
+    fn update(&mut self, task: &Task, below: Option<&Self>, damping: Option<Damping>) {
+        self.J_k.copy_from_matrix(&task.jacobian);
+        self.xdot_k.copy_from(task.velocity.as_slice());
+        self.scaled = task.scaled;
+        self.norm = self.J_k.norm();
+        self.J_low.reset(0, self.J_k.ncols());
+        if let Some(stage) = below {
+            self.J_low.copy_from(&stage.J_k);
+            self.J_low.push_rows(&stage.J_low);
+        }
+        self.norm_low = self.J_low.norm();
+        self.own.decompose(&self.J_k, 0, self.norm);
+        self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
+        self.J_low_V.copy_from(&self.J_low);
+        self.own.rows_to_frame(&mut self.J_low_V);
+        self.J_low_V.without_rounding(self.own.rank(), &self.J_low);
+        self.spare.decompose(&self.J_low_V, self.own.rank(), self.norm_low);
+        let triangle =
+            if below.is_none() { self.own.triangle() } else { self.own.triangle_with(&self.J_low_V, &self.spare) };
+        self.conditioning = Conditioning::new(&self.J_rp(), triangle, damping);
+        self.lambda = self.conditioning.damping_factor(damping);
+        if self.lambda > 0.0 {
+            self.spare.decompose_singular(&self.J_low_V, self.own.rank(), self.norm_low);
+        }
+        let low_rank = below.map_or(0, |stage| stage.conditioning.rank());
+        self.algorithmic = self.own.rank() + low_rank > self.conditioning.rank();
+    }
+
+    /// J_k^RP, task k and everything below it. Paper: Eq. (23).
+    pub fn J_rp(&self) -> TaskMatrix {
+        let mut J_rp = self.J_k.clone();
+        J_rp.push_rows(&self.J_low);
+        J_rp
+    }
+}
+
+/// μ of `J`, for which its decomposition turns to singular values where damping acts.
+pub fn damp(decomposition: &mut Decomposition, J: &TaskMatrix, scale: f64, damping: Option<Damping>) -> f64 {
+    let Some(damping) = damping.filter(|damping| !decomposition.exceeds(damping.threshold())) else { return 0.0 };
+    decomposition.decompose_singular(J, 0, scale);
+    damping.factor(decomposition.smallest())
+}
+
+/// All J_k, highest priority on top, Σm_k × n, and all ẋ_k, in the same order.
+pub fn stacked(stages: &[Stage]) -> (TaskMatrix, TaskVector) {
+    let xdot = stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k));
+    let mut J = TaskMatrix::zeros(0, stages[0].J_k.ncols());
+    for stage in stages {
+        J.push_rows(&stage.J_k);
+    }
+    (J, xdot)
+}
+
 /// All stages, index 0 = highest priority.
+#[derive(Debug, Clone, Default)]
 pub struct Hierarchy {
     pub stages: Vec<Stage>,
 }
 
 impl Hierarchy {
-    /// Decomposes every J_k and J_k^RP once.
-    pub fn new(tasks: &TaskStack, damping: Option<Damping>) -> Result<Self, SvdError> {
-        let mut stages: Vec<Stage> = Vec::with_capacity(tasks.tasks().len());
-        let mut J_low = Matrix::zeros(0, tasks.joint_count());
-        for task in tasks.tasks().iter().rev() {
-            let J_rp = stack(&task.jacobian, &J_low);
-            let svd = Svd::new(&task.jacobian)?;
-            let svd_rp = Svd::new(&J_rp)?;
-            let low_rank = stages.last().map_or(0, |stage| stage.svd_rp.rank());
-            stages.push(Stage {
-                mu: svd.damping_factor(damping),
-                lambda: svd_rp.damping_factor(damping),
-                algorithmic: svd.rank() + low_rank > svd_rp.rank(),
-                J_k: task.jacobian.clone(),
-                xdot_k: task.velocity.clone(),
-                scaled: task.scaled,
-                J_low,
-                svd,
-                svd_rp,
-            });
-            J_low = J_rp;
+    /// Decomposes every J_k and J_k^RP.
+    pub fn update(&mut self, tasks: &TaskStack, damping: Option<Damping>) {
+        let tasks = tasks.tasks();
+        self.stages.resize_with(tasks.len(), Stage::default);
+        for (k, task) in tasks.iter().enumerate().rev() {
+            let (upper, lower) = self.stages.split_at_mut(k + 1);
+            upper[k].update(task, lower.first(), damping);
         }
-        stages.reverse();
-        Ok(Self { stages })
     }
 
-    /// The same stages with nothing below them to spare: reverse priority on these is Eq. (13).
-    pub fn sparing_nothing(mut self) -> Self {
+    /// Leaves the same stages with nothing below them to spare: reverse priority on these is Eq. (13).
+    pub fn spare_nothing(&mut self) {
         for stage in &mut self.stages {
-            stage.J_low = Matrix::zeros(0, stage.J_low.ncols());
+            let n = stage.J_k.ncols();
+            stage.J_low.reset(0, n);
+            stage.J_low_V.reset(0, n);
+            stage.norm_low = 0.0;
+            stage.spare.decompose(&stage.J_low_V, stage.own.rank(), 0.0);
         }
-        self
     }
 
     /// The highest stage, which contains all rows.
@@ -85,8 +137,8 @@ impl Hierarchy {
     /// How near the tasks are to singularities.
     pub fn singularity(&self) -> Singularity {
         Singularity {
-            smallest_singular_value: self.top().svd_rp.smallest(),
-            manipulability: self.top().svd_rp.manipulability(),
+            smallest_singular_value: self.top().conditioning.smallest(),
+            manipulability: self.top().conditioning.manipulability(),
             algorithmic: self.stages.iter().any(|stage| stage.algorithmic),
         }
     }

@@ -40,6 +40,6 @@ pub use hierarchy::Singularity;
 pub use problem::{Method, Problem, ProblemError, Solver};
 pub use qp_cascade::{ActiveSet, Side};
 pub use resolve::{
-    ActiveInequality, ActiveLimit, InequalityViolation, LimitViolation, Path, Resolution, SolverReport, Status,
-    TaskOutcome, resolve,
+    ActiveInequality, ActiveLimit, InequalityViolation, LimitViolation, Path, Resolution, Resolver, SolverReport,
+    Status, TaskOutcome, resolve,
 };

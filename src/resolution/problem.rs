@@ -1,7 +1,7 @@
 //! What is asked of the resolution.
 
 use crate::limits::{Inequality, VelocityBox};
-use crate::linalg::{Damping, Vector};
+use crate::linalg::{Damping, TaskVector, Vector};
 use crate::task::TaskStack;
 
 /// How priorities are understood.
@@ -121,12 +121,17 @@ impl Problem {
     }
 
     /// Whether a velocity (n, rad/s) keeps every limit and inequality.
-    pub(super) fn allows(&self, qdot: &Vector) -> bool {
-        self.limits.violation(qdot) == 0.0 && self.inequalities.iter().all(|limit| limit.violation(qdot) == 0.0)
+    pub(super) fn allows(&self, qdot: &TaskVector) -> bool {
+        self.limits.allows(qdot)
+            && (self.inequalities.is_empty() || {
+                let qdot = qdot.to_vector();
+                self.inequalities.iter().all(|limit| limit.violation(&qdot) == 0.0)
+            })
     }
 
     /// ζ̇, n.
-    pub(super) fn start(&self) -> Vector {
-        self.null_space_velocity.clone().unwrap_or_else(|| Vector::zeros(self.tasks.joint_count()))
+    pub(super) fn start(&self) -> TaskVector {
+        let zero = || TaskVector::zeros(self.tasks.joint_count());
+        self.null_space_velocity.as_ref().map_or_else(zero, TaskVector::from)
     }
 }

@@ -1,11 +1,11 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
+#![allow(non_snake_case)]
 
 use super::closed_form::{self, ClosedForm};
-use super::hierarchy::{Hierarchy, Singularity};
+use super::hierarchy::{Hierarchy, Singularity, Stage, stacked};
 use super::problem::{Method, Problem, ProblemError, Solver};
-use super::qp_cascade::{self, ActiveSet, Cascade, Guesses, Side};
-use crate::linalg::{SvdError, Vector};
-use crate::task::Task;
+use super::qp_cascade::{self, ActiveSet, Cascade, Guesses, LevelSolver, Side};
+use crate::linalg::{TaskVector, Vector};
 
 /// Relative optimality residual up to which an answer counts as optimal.
 ///
@@ -13,7 +13,7 @@ use crate::task::Task;
 const CERTIFIED: f64 = 1e-9;
 
 /// Joint velocities and why they are what they are.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Resolution {
     /// q̇, n, rad/s; always finite. Inside the limits, except by the solver `closed_form`, which ignores them.
     pub joint_velocity: Vector,
@@ -37,7 +37,7 @@ pub struct Resolution {
 }
 
 /// What became of one task.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskOutcome {
     /// J_k q̇, m_k, m/s or rad/s.
     pub achieved: Vector,
@@ -105,9 +105,10 @@ pub struct LimitViolation {
 }
 
 /// Which way led to the answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Path {
     /// Pseudo-inverses.
+    #[default]
     ClosedForm,
     /// The last active set, confirmed by its optimality conditions.
     ActiveSet,
@@ -116,18 +117,19 @@ pub enum Path {
 }
 
 /// How sure the answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Status {
     /// The optimality conditions hold; those of the problem without limits for the solver `closed_form`.
     Optimal,
     /// They do not hold closely enough; the command is inside the limits, but may not be the best one.
     NotCertified,
     /// No answer was found; the command is the slowest one inside the limits.
+    #[default]
     Failed,
 }
 
 /// How the answer was found and how sure it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SolverReport {
     /// Which way led to the answer.
     pub path: Path,
@@ -146,107 +148,141 @@ pub struct SolverReport {
 ///
 /// A numerical failure is not an error but an answer with a status: the control loop needs a safe command either way.
 pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, ProblemError> {
-    problem.check()?;
-    let answer = Hierarchy::new(&problem.tasks, problem.damping).and_then(|hierarchy| {
-        let sparing = problem.method != Method::SingularityRobust;
-        let hierarchy = if sparing { hierarchy } else { hierarchy.sparing_nothing() };
-        let cascade = solve(problem, &hierarchy, guess)?;
-        Ok((cascade, hierarchy))
-    });
-    Ok(match answer {
-        Ok((cascade, hierarchy)) if cascade.joint_velocity.iter().all(|v| v.is_finite()) => {
-            report(problem, cascade, &hierarchy)
-        }
-        _ => standstill(problem),
-    })
+    let mut answer = Resolution::default();
+    Resolver::default().resolve(problem, guess, &mut answer)?;
+    Ok(answer)
 }
 
-fn solve(problem: &Problem, hierarchy: &Hierarchy, guess: &[ActiveSet]) -> Result<Cascade, SvdError> {
+/// What resolving works with, allocated once and overwritten by each problem: the same answers as [`resolve`], to the
+/// last bit.
+#[derive(Default)]
+pub struct Resolver {
+    hierarchy: Hierarchy,
+    solver: LevelSolver,
+}
+
+impl Resolver {
+    /// Solves the problem as [`resolve`] does and overwrites `answer`.
+    pub fn resolve(
+        &mut self,
+        problem: &Problem,
+        guess: &[ActiveSet],
+        answer: &mut Resolution,
+    ) -> Result<(), ProblemError> {
+        problem.check()?;
+        self.hierarchy.update(&problem.tasks, problem.damping);
+        let singularity = self.hierarchy.singularity();
+        if problem.method == Method::SingularityRobust {
+            self.hierarchy.spare_nothing();
+        }
+        let mut cascade = solve(problem, &self.hierarchy, guess, &mut self.solver);
+        let failed = !cascade.joint_velocity.iter().all(|v| v.is_finite());
+        if failed {
+            cascade = standstill(problem);
+        }
+        answer.report(problem, &cascade, &self.hierarchy);
+        answer.singularity = singularity;
+        if failed {
+            answer.fail();
+        }
+        Ok(())
+    }
+}
+
+fn solve(problem: &Problem, hierarchy: &Hierarchy, guess: &[ActiveSet], solver: &mut LevelSolver) -> Cascade {
     match problem.solver {
-        Solver::ClosedForm => Ok(Cascade::from(closed_form(problem, hierarchy)?)),
-        Solver::Qp => qp_cascade::solve(problem, hierarchy, Guesses::NONE),
+        Solver::ClosedForm => Cascade::from(closed_form(problem, hierarchy)),
+        Solver::Qp => qp_cascade::solve(problem, hierarchy, Guesses::NONE, solver),
         Solver::Auto => {
-            let unlimited = closed_form(problem, hierarchy)?;
+            let unlimited = closed_form(problem, hierarchy);
             if problem.allows(&unlimited.joint_velocity) {
-                Ok(Cascade::from(unlimited))
+                Cascade::from(unlimited)
             } else {
-                qp_cascade::solve(problem, hierarchy, Guesses::of(guess))
+                qp_cascade::solve(problem, hierarchy, Guesses::of(guess), solver)
             }
         }
     }
 }
 
-fn closed_form(problem: &Problem, hierarchy: &Hierarchy) -> Result<ClosedForm, SvdError> {
-    let (tasks, top, zeta) = (&problem.tasks, hierarchy.top(), problem.start());
+fn closed_form(problem: &Problem, hierarchy: &Hierarchy) -> ClosedForm {
+    let (stages, zeta) = (&hierarchy.stages, problem.start());
+    let stack = |lambda| {
+        let (J, xdot) = stacked(stages);
+        closed_form::least_squares(&J, &xdot, &zeta, lambda)
+    };
     match problem.method {
-        Method::Pseudoinverse => Ok(closed_form::least_squares(tasks, top, &zeta, 0.0)),
-        Method::DampedLeastSquares => Ok(closed_form::least_squares(tasks, top, &zeta, top.lambda)),
-        Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(&hierarchy.stages, &zeta),
+        Method::Pseudoinverse => stack(0.0),
+        Method::DampedLeastSquares => stack(hierarchy.top().lambda),
+        Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(stages, zeta),
         Method::StrictReversePriority | Method::TaskPriority => {
-            closed_form::strict_reverse_priority(tasks, problem.damping, &zeta)
+            closed_form::strict_reverse_priority(stages, problem.damping, &zeta)
         }
     }
 }
 
-fn report(problem: &Problem, cascade: Cascade, hierarchy: &Hierarchy) -> Resolution {
-    let certified = cascade.kkt_residual <= CERTIFIED;
-    Resolution {
-        tasks: outcomes(problem, &cascade, hierarchy),
-        active_limits: active_limits(problem, &cascade),
-        violated_limits: violations(problem, &cascade.joint_velocity),
-        active_inequalities: active_inequalities(problem, &cascade),
-        violated_inequalities: violated_inequalities(problem, &cascade.joint_velocity),
-        solver: SolverReport {
+/// The command when nothing could be computed: as slow as the limits allow.
+fn standstill(problem: &Problem) -> Cascade {
+    let joint_velocity = problem.limits.clamp(&Vector::zeros(problem.tasks.joint_count()));
+    Cascade::from(ClosedForm { joint_velocity: (&joint_velocity).into(), kkt_residual: 0.0 })
+}
+
+impl Resolution {
+    /// Becomes the answer that the cascade found.
+    fn report(&mut self, problem: &Problem, cascade: &Cascade, hierarchy: &Hierarchy) {
+        let certified = cascade.kkt_residual <= CERTIFIED;
+        assign(&mut self.joint_velocity, &cascade.joint_velocity);
+        self.tasks.resize_with(hierarchy.stages.len(), TaskOutcome::default);
+        for (k, (task, stage)) in self.tasks.iter_mut().zip(&hierarchy.stages).enumerate() {
+            task.report(stage, &cascade.joint_velocity);
+            task.scale = scale(problem, cascade, k);
+        }
+        refill(&mut self.active_limits, active_limits(problem, cascade));
+        refill(&mut self.violated_limits, violations(problem, &cascade.joint_velocity));
+        refill(&mut self.active_inequalities, active_inequalities(problem, cascade));
+        refill(&mut self.violated_inequalities, violated_inequalities(problem, &self.joint_velocity));
+        self.solver = SolverReport {
             path: cascade.path,
             status: if certified { Status::Optimal } else { Status::NotCertified },
             iterations: cascade.iterations,
             failures: cascade.failures,
             kkt_residual: Some(cascade.kkt_residual).filter(|residual| residual.is_finite()),
-        },
-        singularity: hierarchy.singularity(),
-        active_set: cascade.active_sets,
-        joint_velocity: cascade.joint_velocity,
+        };
+        refill(&mut self.active_set, cascade.active_sets.iter().cloned());
+    }
+
+    /// Becomes the answer that none was found.
+    fn fail(&mut self) {
+        self.violated_limits.clear();
+        self.solver = SolverReport { status: Status::Failed, kkt_residual: None, ..self.solver };
+        self.singularity = Singularity { smallest_singular_value: 0.0, manipulability: 0.0, algorithmic: false };
+        for task in &mut self.tasks {
+            (task.rank, task.algorithmic, task.scale) = (0, false, None);
+        }
     }
 }
 
-/// The command when nothing could be computed: as slow as the limits allow.
-fn standstill(problem: &Problem) -> Resolution {
-    let joint_velocity = problem.limits.clamp(&Vector::zeros(problem.tasks.joint_count()));
-    let tasks = problem.tasks.tasks().iter();
-    Resolution {
-        tasks: tasks.map(|task| outcome(task, &joint_velocity)).collect(),
-        active_limits: Vec::new(),
-        violated_limits: Vec::new(),
-        active_inequalities: Vec::new(),
-        violated_inequalities: violated_inequalities(problem, &joint_velocity),
-        solver: SolverReport {
-            path: Path::ClosedForm,
-            status: Status::Failed,
-            iterations: 0,
-            failures: 0,
-            kkt_residual: None,
-        },
-        singularity: Singularity { smallest_singular_value: 0.0, manipulability: 0.0, algorithmic: false },
-        active_set: Vec::new(),
-        joint_velocity,
+impl TaskOutcome {
+    fn report(&mut self, stage: &Stage, qdot: &TaskVector) {
+        let achieved = &stage.J_k * qdot;
+        self.residual_norm = (&achieved - &stage.xdot_k).norm();
+        self.rank = stage.own.rank();
+        self.algorithmic = stage.algorithmic;
+        assign(&mut self.achieved, &achieved);
     }
 }
 
-fn outcomes(problem: &Problem, cascade: &Cascade, hierarchy: &Hierarchy) -> Vec<TaskOutcome> {
-    let outcome = |(k, task): (usize, &Task)| TaskOutcome {
-        rank: hierarchy.stages[k].svd.rank(),
-        algorithmic: hierarchy.stages[k].algorithmic,
-        scale: scale(problem, cascade, k),
-        ..outcome(task, &cascade.joint_velocity)
-    };
-    problem.tasks.tasks().iter().enumerate().map(outcome).collect()
+/// Overwrites a vector, in place where it has the size.
+fn assign(to: &mut Vector, from: &TaskVector) {
+    if to.len() == from.len() {
+        to.copy_from_slice(from);
+    } else {
+        *to = from.to_vector();
+    }
 }
 
-/// The residual of a task of which nothing else is known.
-fn outcome(task: &Task, qdot: &Vector) -> TaskOutcome {
-    let achieved = &task.jacobian * qdot;
-    let residual_norm = (&achieved - &task.velocity).norm();
-    TaskOutcome { achieved, residual_norm, rank: 0, algorithmic: false, scale: None }
+fn refill<T>(list: &mut Vec<T>, entries: impl Iterator<Item = T>) {
+    list.clear();
+    list.extend(entries);
 }
 
 fn scale(problem: &Problem, cascade: &Cascade, k: usize) -> Option<f64> {
@@ -260,48 +296,44 @@ fn scale(problem: &Problem, cascade: &Cascade, k: usize) -> Option<f64> {
 }
 
 /// Limits with a multiplier, and joints that their bounds hold fast.
-fn active_limits(problem: &Problem, cascade: &Cascade) -> Vec<ActiveLimit> {
+fn active_limits(problem: &Problem, cascade: &Cascade) -> impl Iterator<Item = ActiveLimit> {
     let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
     let limits_count = cascade.path != Path::ClosedForm;
-    let active = |(joint, &signed): (usize, &f64)| {
+    let active = move |(joint, &signed): (usize, &f64)| {
         let (side, bounds) = if signed < 0.0 { (Side::Lower, lower) } else { (Side::Upper, upper) };
         let held_fast = limits_count && lower[joint] == upper[joint];
         let limit = ActiveLimit { joint, side, value: bounds[joint], multiplier: signed.abs() };
         (held_fast || signed != 0.0).then_some(limit)
     };
-    cascade.multipliers.iter().take(lower.len()).enumerate().filter_map(active).collect()
+    cascade.multipliers.iter().take(lower.len()).enumerate().filter_map(active)
 }
 
-fn active_inequalities(problem: &Problem, cascade: &Cascade) -> Vec<ActiveInequality> {
+fn active_inequalities(problem: &Problem, cascade: &Cascade) -> impl Iterator<Item = ActiveInequality> {
     let multipliers = cascade.multipliers.iter().skip(problem.tasks.joint_count());
     let active = problem.inequalities.iter().zip(multipliers).filter(|(_, multiplier)| **multiplier != 0.0);
-    active
-        .map(|(inequality, multiplier)| ActiveInequality {
-            name: inequality.name().to_owned(),
-            bound: inequality.bound(),
-            // The cascade's rows have length 1.
-            multiplier: multiplier / inequality.coefficients().norm(),
-        })
-        .collect()
+    active.map(|(inequality, multiplier)| ActiveInequality {
+        name: inequality.name().to_owned(),
+        bound: inequality.bound(),
+        // The cascade's rows have length 1.
+        multiplier: multiplier / inequality.coefficients().norm(),
+    })
 }
 
-fn violated_inequalities(problem: &Problem, qdot: &Vector) -> Vec<InequalityViolation> {
+fn violated_inequalities(problem: &Problem, qdot: &Vector) -> impl Iterator<Item = InequalityViolation> {
     let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(qdot) > 0.0);
-    broken
-        .map(|inequality| InequalityViolation {
-            name: inequality.name().to_owned(),
-            bound: inequality.bound(),
-            value: inequality.value(qdot),
-        })
-        .collect()
+    broken.map(|inequality| InequalityViolation {
+        name: inequality.name().to_owned(),
+        bound: inequality.bound(),
+        value: inequality.value(qdot),
+    })
 }
 
-fn violations(problem: &Problem, qdot: &Vector) -> Vec<LimitViolation> {
-    let nearest = problem.limits.clamp(qdot);
-    let broken = |joint: usize| {
-        let (value, limit) = (qdot[joint], nearest[joint]);
+fn violations(problem: &Problem, qdot: &TaskVector) -> impl Iterator<Item = LimitViolation> {
+    let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
+    let broken = move |(joint, &value): (usize, &f64)| {
+        let limit = value.max(lower[joint]).min(upper[joint]);
         let side = if value > limit { Side::Upper } else { Side::Lower };
         ((value - limit).abs() > 0.0).then_some(LimitViolation { joint, side, limit, value })
     };
-    (0..qdot.len()).filter_map(broken).collect()
+    qdot.iter().enumerate().filter_map(broken)
 }

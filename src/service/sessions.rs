@@ -11,7 +11,7 @@ use uuid::Uuid;
 use super::convert;
 use super::metrics::Metrics;
 use super::problem::Problem;
-use crate::controller::{Controller, Memory};
+use crate::controller::{Controller, Memory, Workspace};
 use crate::linalg::Vector;
 use crate::wire;
 
@@ -45,6 +45,7 @@ pub struct Session {
     pub request: wire::Controller,
     /// Ready to step.
     pub controller: Controller,
+    workspace: Workspace,
     memory: Option<Memory>,
     last: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
@@ -70,9 +71,9 @@ impl Session {
         // Only watchers want it.
         let last_command = self.memory.as_ref().filter(|_| self.last.receiver_count() > 0);
         let last_command = last_command.map(|memory| memory.last_command.clone());
-        let command =
-            self.controller.step(&mut self.memory, &measurement).map_err(|error| convert::step_problem(&error, ""))?;
-        let answer = convert::step_answer(&self.controller, state.sequence, &command, now);
+        let command = self.controller.step_in(&mut self.workspace, &mut self.memory, &measurement);
+        let command = command.map_err(|error| convert::step_problem(&error, ""))?;
+        let answer = convert::step_answer(&self.controller, state.sequence, command, now);
         metrics.solved(&answer.solver);
         self.steps += 1;
         let since = self.stepped.replace(now).map(|before| now.duration_since(before));
@@ -160,9 +161,11 @@ impl Sessions {
             return Err(Problem::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
+        let workspace = controller.workspace().map_err(|error| convert::step_problem(&error, ""))?;
         let session = Session {
             request,
             controller,
+            workspace,
             memory: None,
             last: watch::Sender::new(None),
             steps: 0,

@@ -82,6 +82,21 @@ impl TaskStack {
         Ok(Self { tasks, joints })
     }
 
+    /// Overwrites rows and velocities, which keep their sizes: `write(k, J_k, ẋ_k)` for each task, index 0 = highest
+    /// priority.
+    ///
+    /// On an error the numbers are those that were written; the stack must be overwritten again.
+    pub fn overwrite(&mut self, mut write: impl FnMut(usize, &mut Matrix, &mut Vector)) -> Result<(), TaskError> {
+        let mut sound = Ok(());
+        for (task, Task { jacobian, velocity, .. }) in self.tasks.iter_mut().enumerate() {
+            write(task, jacobian, velocity);
+            if sound.is_ok() && !jacobian.iter().chain(velocity.iter()).all(|entry| entry.is_finite()) {
+                sound = Err(TaskError::NotFinite { task });
+            }
+        }
+        sound
+    }
+
     /// The tasks, highest priority first.
     pub fn tasks(&self) -> &[Task] {
         &self.tasks

@@ -76,7 +76,7 @@ fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
     let robot = &controller.config().robot;
     let (configuration, twist) = (arm.configuration(robot), arm.twist(robot));
     let moving = |task: &TaskConfig| match &task.rows {
-        TaskRows::Tool(rows) => rows.axes.entries_of(&twist),
+        TaskRows::Tool(rows) => rows.axes.entries_of(&twist).to_vector(),
         TaskRows::Joints(_) => unreachable!("the adversary has no postures"),
     };
     Memory {

@@ -3,6 +3,7 @@
 use revprio::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError};
 use revprio::kinematics::Axis;
 use revprio::limits::LimitKind;
+use revprio::resolution::Solver;
 use revprio::robot::JointLimits;
 
 use super::arms::{Loop, NOMINAL, Random, config, controller, force, gantry, impedance, measurement, sawyer, task};
@@ -32,6 +33,20 @@ fn the_same_input_gives_the_same_bytes() {
         pushes().into_iter().map(|push| bytes(&(arm.step(&controller, push), &arm.memory))).collect::<Vec<_>>()
     };
     assert_eq!(answers(), answers());
+}
+
+#[test]
+fn a_workspace_that_is_used_again_gives_the_bytes_of_a_new_one() {
+    for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
+        let own = controller(ControllerConfig { solver, ..limited_controller().config().clone() });
+        let (mut arm, mut memory, mut workspace) = (Loop::at_rest(&NOMINAL), None, own.workspace().unwrap());
+        for push in pushes().into_iter().take(300) {
+            let measured = arm.measurement(own.config().period_s, push);
+            let again = bytes(own.step_in(&mut workspace, &mut memory, &measured).unwrap());
+            assert_eq!(again, bytes(&arm.step(&own, push)));
+            assert_eq!(bytes(&memory), bytes(&arm.memory));
+        }
+    }
 }
 
 #[test]
@@ -78,8 +93,11 @@ fn a_damaged_memory_is_refused() {
         refusal(&own, &arm)
     };
     let upper = revprio::resolution::Side::Upper;
-    assert_eq!(damaged(&|memory| memory.active_set = vec![vec![(7, upper)]]), MemoryError::ActiveSet);
-    assert_eq!(damaged(&|memory| memory.active_set = vec![vec![(1, upper), (1, upper)]]), MemoryError::ActiveSet);
+    assert_eq!(damaged(&|memory| memory.active_set = vec![[(7, upper)].into_iter().collect()]), MemoryError::ActiveSet);
+    assert_eq!(
+        damaged(&|memory| memory.active_set = vec![[(1, upper), (1, upper)].into_iter().collect()]),
+        MemoryError::ActiveSet
+    );
     assert_eq!(damaged(&|memory| drop(memory.task_velocities.pop())), MemoryError::TaskVelocities);
     // Left unequal to themselves on purpose: infinities compare, NaN would not.
     assert_eq!(damaged(&|memory| memory.task_velocities[0][0] = f64::INFINITY), MemoryError::TaskVelocities);

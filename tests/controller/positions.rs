@@ -134,8 +134,9 @@ fn held_with(motion: NullSpaceMotion) -> Loop {
 /// The one direction of joint motion that the tool does not feel, length 1.
 fn free_direction(robot: &RobotModel, q: &[f64]) -> Vector {
     let configuration = revprio::kinematics::Configuration::new(robot, q).unwrap();
-    let jacobian = revprio::linalg::Matrix::from_iterator(6, 7, configuration.jacobian().iter().copied());
-    revprio::linalg::Svd::new(&jacobian).unwrap().null_space().column(0).into()
+    let jacobian = revprio::linalg::TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
+    let null_space = revprio::linalg::Decomposition::new(&jacobian).null_space();
+    Vector::from_fn(7, |i, _| null_space[i][0])
 }
 
 #[test]

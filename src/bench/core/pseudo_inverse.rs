@@ -9,7 +9,7 @@ use crate::bench::BenchError;
 use crate::bench::row::Row;
 use crate::bench::timing::{Budget, Subject, side_by_side};
 use crate::kinematics::Configuration;
-use crate::linalg::{Matrix, Svd};
+use crate::linalg::{Decomposition, Matrix, TaskMatrix, TaskVector};
 use crate::robot::built_in;
 
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
@@ -38,7 +38,9 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
 
 /// Ours.
 fn pseudo_inverse(a: &Matrix) -> Matrix {
-    Svd::new(a).map_or_else(|_| Matrix::zeros(a.ncols(), a.nrows()), |svd| svd.pseudo_inverse())
+    let decomposition = Decomposition::new(&TaskMatrix::from(a));
+    let columns = (0..a.nrows()).map(|i| decomposition.solve(&TaskVector::unit(a.nrows(), i)).to_vector());
+    Matrix::from_columns(&columns.collect::<Vec<_>>())
 }
 
 /// Sawyer's Jacobians, a quarter of them at multiples of 30°, where singular values coincide.

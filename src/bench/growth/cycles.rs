@@ -92,9 +92,9 @@ impl Curves {
             plan.points(),
             vec![
                 Subject::new("", || Configuration::new(&robot, &posture)),
-                Subject::fallible("", || closed_form.step()),
-                Subject::fallible("", || auto.step()),
-                Subject::fallible("", || qp.step()),
+                Subject::fallible("", || closed_form.repeat()),
+                Subject::fallible("", || auto.repeat()),
+                Subject::fallible("", || qp.repeat()),
             ],
         )?;
         let curves = [&mut self.kinematics, &mut self.closed_form, &mut self.auto, &mut self.qp];

@@ -3,7 +3,7 @@
 mod spline;
 
 use self::spline::Spline;
-use crate::linalg::Vector;
+use crate::linalg::{TaskVector, Vector};
 
 /// Shortest time between two points and for a ramp, s: what is quicker is a step.
 pub const SHORTEST_TIME: f64 = 1e-6;
@@ -42,17 +42,17 @@ pub struct Point {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetPoint {
     /// The value.
-    pub value: Vector,
+    pub value: TaskVector,
     /// Its time derivative, per s.
-    pub rate: Vector,
+    pub rate: TaskVector,
     /// Its second time derivative, per s².
-    pub acceleration: Vector,
+    pub acceleration: TaskVector,
 }
 
 impl SetPoint {
     /// A value that rests.
-    pub fn resting(value: Vector) -> Self {
-        let zero = Vector::zeros(value.len());
+    pub fn resting(value: TaskVector) -> Self {
+        let zero = TaskVector::zeros(value.len());
         Self { value, rate: zero.clone(), acceleration: zero }
     }
 }
@@ -144,27 +144,31 @@ impl Profile {
     /// Value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {
-            Shape::Constant(value) => SetPoint::resting(value.clone()),
+            Shape::Constant(value) => SetPoint::resting(value.into()),
             Shape::Sine { offset, amplitude, angular_frequency: omega, phase } => {
                 let (sine, cosine) = (omega * time_s + phase).sin_cos();
+                let (rate, acceleration) = (omega * cosine, -omega * omega * sine);
+                let times_amplitude = |factor: f64| TaskVector::from_fn(amplitude.len(), |row| amplitude[row] * factor);
                 SetPoint {
-                    value: offset + amplitude * sine,
-                    rate: amplitude * (omega * cosine),
-                    acceleration: amplitude * (-omega * omega * sine),
+                    value: TaskVector::from_fn(offset.len(), |row| offset[row] + amplitude[row] * sine),
+                    rate: times_amplitude(rate),
+                    acceleration: times_amplitude(acceleration),
                 }
             }
             Shape::Ramp { start, end, start_time, duration } => {
                 let done = (time_s - start_time) / duration;
-                let way = end - start;
-                let mut point = SetPoint::resting(start + &way * done.clamp(0.0, 1.0));
+                let way = TaskVector::from_fn(start.len(), |row| end[row] - start[row]);
+                let passed = done.clamp(0.0, 1.0);
+                let mut point =
+                    SetPoint::resting(TaskVector::from_fn(start.len(), |row| start[row] + way[row] * passed));
                 if (0.0..1.0).contains(&done) {
-                    point.rate = way / *duration;
+                    point.rate = way.map(|way| way / duration);
                 }
                 point
             }
             Shape::Steps(points) => {
                 let passed = points.partition_point(|point| point.time_s <= time_s);
-                SetPoint::resting(Vector::from_row_slice(&points[passed.saturating_sub(1)].value))
+                SetPoint::resting(TaskVector::from_slice(&points[passed.saturating_sub(1)].value))
             }
             Shape::Waypoints(spline) => spline.at(time_s),
         }
@@ -177,7 +181,7 @@ fn pair(first: Vec<f64>, second: Vec<f64>) -> Result<[Vector; 2], ProfileError> 
     if first.len() != second.len() {
         return Err(ProfileError::Size { expected: first.len(), given: second.len() });
     }
-    Ok([Vector::from_vec(first), Vector::from_vec(second)])
+    Ok([first, second].map(Vector::from_vec))
 }
 
 fn check(points: &[Point]) -> Result<(), ProfileError> {
@@ -229,10 +233,10 @@ mod tests {
         for profile in [sine, ramp, waypoints()] {
             for t in [0.1, 0.7, 1.1, 1.9, 2.6, 2.9, 3.4] {
                 let (before, now, after) = (profile.at(t - step), profile.at(t), profile.at(t + step));
-                let rate = (after.value - before.value) / (2.0 * step);
-                let acceleration = (after.rate - before.rate) / (2.0 * step);
-                assert!((rate - now.rate).amax() < 1e-7, "{profile:?} at {t}");
-                assert!((acceleration - now.acceleration).amax() < 1e-6, "{profile:?} at {t}");
+                let rate = &(&after.value - &before.value) * (0.5 / step);
+                let acceleration = &(&after.rate - &before.rate) * (0.5 / step);
+                assert!((&rate - &now.rate).amax() < 1e-7, "{profile:?} at {t}");
+                assert!((&acceleration - &now.acceleration).amax() < 1e-6, "{profile:?} at {t}");
             }
         }
     }
@@ -257,18 +261,18 @@ mod tests {
     fn waypoints_pass_through_their_points_and_rest_before_and_after() {
         for (t, value) in PLACES {
             let at = waypoints().at(t).value;
-            assert!((at[0] - value).abs() < 1e-14 && (at[1] + 2.0 * value).abs() < 1e-14, "{t}: {at}");
+            assert!((at[0] - value).abs() < 1e-14 && (at[1] + 2.0 * value).abs() < 1e-14, "{t}: {at:?}");
         }
-        assert_eq!(waypoints().at(0.0), SetPoint::resting(Vector::from_vec(vec![1.0, -2.0])));
-        assert_eq!(waypoints().at(9.0), SetPoint::resting(Vector::from_vec(vec![-1.0, 2.0])));
+        assert_eq!(waypoints().at(0.0), SetPoint::resting(TaskVector::from_slice(&[1.0, -2.0])));
+        assert_eq!(waypoints().at(9.0), SetPoint::resting(TaskVector::from_slice(&[-1.0, 2.0])));
     }
 
     #[test]
     fn waypoints_are_twice_continuously_differentiable() {
         for (t, _) in PLACES {
             let (before, after) = (waypoints().at(t - 1e-9), waypoints().at(t + 1e-9));
-            assert!((before.rate - after.rate).amax() < 1e-6, "rate at {t}");
-            assert!((before.acceleration - after.acceleration).amax() < 1e-5, "acceleration at {t}");
+            assert!((&before.rate - &after.rate).amax() < 1e-6, "rate at {t}");
+            assert!((&before.acceleration - &after.acceleration).amax() < 1e-5, "acceleration at {t}");
         }
         let moving = waypoints().at(1.0);
         assert!(
@@ -285,7 +289,7 @@ mod tests {
             assert!((two.at(2.0 * s).value[0] - expected).abs() < 1e-14);
         }
         let one = Profile::waypoints(&points(&[(1.0, 4.0)])).unwrap();
-        assert!([0.0, 1.0, 5.0].iter().all(|t| one.at(*t) == SetPoint::resting(Vector::from_vec(vec![4.0, -8.0]))));
+        assert!([0.0, 1.0, 5.0].iter().all(|t| one.at(*t) == SetPoint::resting(TaskVector::from_slice(&[4.0, -8.0]))));
     }
 
     #[test]

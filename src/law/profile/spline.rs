@@ -1,7 +1,7 @@
 //! Smooth interpolation.
 
 use super::{Point, SetPoint};
-use crate::linalg::Vector;
+use crate::linalg::{TaskVector, Vector};
 
 /// Pieces of polynomials through points, twice continuously differentiable at all times.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,10 +32,11 @@ impl Spline {
                 let h = spans[i];
                 (&values[i + 1] - &value) * (6.0 / (h * h)) - (&rate * 4.0 + &rates[i + 1] * 2.0) / h
             };
+            let [value, rate, acceleration] = [value, rate, acceleration].map(|entries| TaskVector::from(&entries));
             Knot { time: points[i].time_s, point: SetPoint { value, rate, acceleration } }
         };
         let knots: Vec<Knot> = (0..points.len()).map(knot).collect();
-        let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
+        let finite = |v: &TaskVector| v.iter().all(|entry| entry.is_finite());
         let sound = |k: &Knot| finite(&k.point.rate) && finite(&k.point.acceleration);
         knots.iter().all(sound).then_some(Self { knots })
     }
@@ -81,17 +82,20 @@ fn clamped_rates(values: &[Vector], spans: &[f64]) -> Vec<Vector> {
 fn between(a: &Knot, b: &Knot, time: f64) -> SetPoint {
     let h = b.time - a.time;
     let s = (time - a.time) / h;
-    let (p, v, w) = (&a.point.value, &a.point.rate * h, &a.point.acceleration * (0.5 * h * h));
-    // What constant acceleration would miss at the end, in value, rate and half the acceleration.
-    let miss = &b.point.value - p - &v - &w;
-    let rate_miss = &b.point.rate * h - &v - &w * 2.0;
-    let bend_miss = &b.point.acceleration * (0.5 * h * h) - &w;
-    let c3 = &miss * 10.0 - &rate_miss * 4.0 + &bend_miss;
-    let c4 = &miss * -15.0 + &rate_miss * 7.0 - &bend_miss * 2.0;
-    let c5 = &miss * 6.0 - &rate_miss * 3.0 + &bend_miss;
-    SetPoint {
-        value: p + (&v + (&w + (&c3 + (&c4 + &c5 * s) * s) * s) * s) * s,
-        rate: (&v + (&w * 2.0 + (&c3 * 3.0 + (&c4 * 4.0 + &c5 * (5.0 * s)) * s) * s) * s) / h,
-        acceleration: (&w * 2.0 + (&c3 * 6.0 + (&c4 * 12.0 + &c5 * (20.0 * s)) * s) * s) / (h * h),
+    let (a, b) = (&a.point, &b.point);
+    let mut point = SetPoint::resting(TaskVector::zeros(a.value.len()));
+    for row in 0..a.value.len() {
+        let (p, v, w) = (a.value[row], a.rate[row] * h, a.acceleration[row] * (0.5 * h * h));
+        // What constant acceleration would miss at the end, in value, rate and half the acceleration.
+        let miss = b.value[row] - p - v - w;
+        let rate_miss = b.rate[row] * h - v - w * 2.0;
+        let bend_miss = b.acceleration[row] * (0.5 * h * h) - w;
+        let c3 = miss * 10.0 - rate_miss * 4.0 + bend_miss;
+        let c4 = miss * -15.0 + rate_miss * 7.0 - bend_miss * 2.0;
+        let c5 = miss * 6.0 - rate_miss * 3.0 + bend_miss;
+        point.value[row] = p + (v + (w + (c3 + (c4 + c5 * s) * s) * s) * s) * s;
+        point.rate[row] = (v + (w * 2.0 + (c3 * 3.0 + (c4 * 4.0 + c5 * (5.0 * s)) * s) * s) * s) / h;
+        point.acceleration[row] = (w * 2.0 + (c3 * 6.0 + (c4 * 12.0 + c5 * (20.0 * s)) * s) * s) / (h * h);
     }
+    point
 }

@@ -2,22 +2,29 @@
 #![allow(non_snake_case)]
 
 use super::ClosedForm;
-use crate::linalg::Vector;
+use crate::linalg::{Decomposition, TaskMatrix, TaskVector};
 use crate::resolution::certificate::{gradient_scale, relative};
-use crate::resolution::hierarchy::Stage;
-use crate::task::TaskStack;
 
 /// q̇ = ζ̇ + Jᵀ(J Jᵀ + λ² I)⁻¹ (ẋ − J ζ̇), with λ = 0: q̇ = J⁺ẋ + (I − J⁺J) ζ̇.
 ///
-/// `top`: the stage of all rows; `zeta`: ζ̇, n, rad/s.
+/// `J`, `xdot`: all rows; `zeta`: ζ̇, n, rad/s.
 ///
 /// Paper: Eqs. (5), (15). Departs: Eq. (4) inverts JᵀJ, singular for n > m, and the projector of Eq. (7) is zero.
-pub fn least_squares(tasks: &TaskStack, top: &Stage, zeta: &Vector, lambda: f64) -> ClosedForm {
-    let (J, xdot) = (tasks.stacked_jacobian(), tasks.stacked_velocity());
-    let delta = top.svd_rp.damped_solve(&(&xdot - &J * zeta), lambda);
+pub fn least_squares(J: &TaskMatrix, xdot: &TaskVector, zeta: &TaskVector, lambda: f64) -> ClosedForm {
+    let norm = J.norm();
+    let error = xdot - &(J * zeta);
+    let delta = if lambda > 0.0 {
+        let decomposition = Decomposition::singular(J, norm);
+        let mut delta = decomposition.damped_in_frame(&error, lambda);
+        decomposition.from_frame(&mut delta);
+        delta
+    } else {
+        Decomposition::new(J).solve(&error)
+    };
     let qdot = zeta + &delta;
     let terms = zeta.norm() + delta.norm();
-    let gradient = J.transpose() * (&J * &qdot - &xdot) + delta * (lambda * lambda);
-    let kkt_residual = relative(&gradient, gradient_scale(&J, lambda, terms, xdot.norm()));
+    let mut gradient = J.transposed_times(&(&(J * &qdot) - xdot));
+    gradient.add_scaled(lambda * lambda, &delta);
+    let kkt_residual = relative(gradient.amax(), gradient_scale(norm, lambda, terms, xdot.norm()));
     ClosedForm { joint_velocity: qdot, kkt_residual }
 }

@@ -8,13 +8,13 @@ pub use least_squares::least_squares;
 pub use reverse_priority::reverse_priority;
 pub use strict::{damped_velocities, strict_reverse_priority};
 
-use crate::linalg::Vector;
+use crate::linalg::TaskVector;
 
 /// A joint velocity and its distance from the optimality conditions of the problem it solves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedForm {
     /// q̇, n, rad/s.
-    pub joint_velocity: Vector,
+    pub joint_velocity: TaskVector,
     /// Largest relative stationarity residual of all levels.
     pub kkt_residual: f64,
 }

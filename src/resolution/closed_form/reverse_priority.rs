@@ -16,7 +16,7 @@
 #![allow(non_snake_case)]
 
 use super::ClosedForm;
-use crate::linalg::{Svd, SvdError, Vector};
+use crate::linalg::TaskVector;
 use crate::resolution::certificate::{gradient_scale, relative};
 use crate::resolution::hierarchy::Stage;
 
@@ -25,37 +25,43 @@ use crate::resolution::hierarchy::Stage;
 /// `stages`: highest priority first; `zeta`: ζ̇, n, rad/s (the paper's start is zero).
 ///
 /// Paper: Eqs. (22), (29), (30), (32).
-pub fn reverse_priority(stages: &[Stage], zeta: &Vector) -> Result<ClosedForm, SvdError> {
-    let mut answer = ClosedForm { joint_velocity: zeta.clone(), kkt_residual: 0.0 };
-    for stage in stages.iter().rev() {
-        let (delta, residual) = correction(stage, &answer.joint_velocity)?;
-        answer.joint_velocity += delta;
-        answer.kkt_residual = answer.kkt_residual.max(residual);
-    }
-    Ok(answer)
+pub fn reverse_priority(stages: &[Stage], zeta: TaskVector) -> ClosedForm {
+    let start = ClosedForm { joint_velocity: zeta, kkt_residual: 0.0 };
+    stages.iter().rev().fold(start, |below, stage| next(stage, below))
 }
 
-/// Δ of stage k and its stationarity residual.
-fn correction(stage: &Stage, qdot_low: &Vector) -> Result<(Vector, f64), SvdError> {
-    let Stage { J_k, xdot_k, J_low, svd, mu, lambda, .. } = stage;
-    let e_k = xdot_k - J_k * qdot_low;
-    let reach = svd.damped_solve(&e_k, *mu);
-    let N = svd.null_space();
-    let J_low_N = J_low * &N;
-    let spared = Svd::with_scale(&J_low_N, J_low.norm())?.damped_solve(&(J_low * &reach), *lambda);
-    let delta = &reach - &N * &spared;
+/// q̇_k from q̇_{k+1}.
+pub fn next(stage: &Stage, below: ClosedForm) -> ClosedForm {
+    let Stage { J_k, xdot_k, J_low, J_low_V, own, spare, mu, lambda, .. } = stage;
+    let mut qdot = below.joint_velocity;
+    let e_k = xdot_k - &(J_k * &qdot);
+    // All in the frame V = [V_r, N] of J_k, in which N z are the coordinates from the rank on.
+    let reach = if *mu > 0.0 { own.damped_in_frame(&e_k, *mu) } else { own.solve_in_frame(&e_k) };
+    let asked = J_low_V * &reach;
+    let mut spared = if *lambda > 0.0 { spare.damped_in_frame(&asked, *lambda) } else { spare.solve_in_frame(&asked) };
+    spare.from_frame(&mut spared);
+    let mut delta = &reach - &spared;
+    own.from_frame(&mut delta);
 
-    let reaching = J_k.transpose() * (J_k * &reach - &e_k) + &reach * (mu * mu);
-    let sparing = N.transpose() * (J_low.transpose() * (J_low * &delta) + &delta * (lambda * lambda));
-    let residual = relative(&reaching, gradient_scale(J_k, *mu, qdot_low.norm() + reach.norm(), xdot_k.norm()))
-        .max(relative(&sparing, gradient_scale(J_low, *lambda, reach.norm() + spared.norm(), 0.0)));
-    Ok((delta, residual))
+    let mut reaching = J_k.transposed_times(&(&(J_k * &delta) - &e_k));
+    own.to_frame(&mut reaching);
+    reaching.add_scaled(mu * mu, &reach);
+    let mut sparing = J_low.transposed_times(&(J_low * &delta));
+    sparing.add_scaled(lambda * lambda, &delta);
+    own.to_frame(&mut sparing);
+    let open = &sparing[own.rank()..];
+    let sparing = open.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let (size, speed) = (reach.norm(), qdot.norm());
+    let residual = relative(reaching.amax(), gradient_scale(stage.norm, *mu, speed + size, xdot_k.norm()))
+        .max(relative(sparing, gradient_scale(stage.norm_low, *lambda, size + spared.norm(), 0.0)));
+    qdot += &delta;
+    ClosedForm { joint_velocity: qdot, kkt_residual: below.kkt_residual.max(residual) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{Damping, Matrix};
+    use crate::linalg::{Damping, Matrix, Vector};
     use crate::resolution::hierarchy::Hierarchy;
     use crate::task::{Task, TaskStack};
 
@@ -71,9 +77,10 @@ mod tests {
     fn a_damped_lowest_task_is_certified() {
         for i in 0..200 {
             let tasks = nearly_dependent_rows(1e-4 * f64::from(i), 0.1 * f64::from(i));
-            let hierarchy = Hierarchy::new(&tasks, Some(Damping::STANDARD)).unwrap();
+            let mut hierarchy = Hierarchy::default();
+            hierarchy.update(&tasks, Some(Damping::STANDARD));
             assert!(hierarchy.top().lambda > 0.0);
-            let residual = reverse_priority(&hierarchy.stages, &Vector::zeros(3)).unwrap().kkt_residual;
+            let residual = reverse_priority(&hierarchy.stages, TaskVector::zeros(3)).kkt_residual;
             assert!(residual < 1e-12, "{i}: {residual:e}");
         }
     }

@@ -1,8 +1,10 @@
 //! Exact solutions on a set of active limits, and the search for the right set.
 #![allow(non_snake_case)]
 
+use smallvec::SmallVec;
+
 use super::level::Level;
-use crate::linalg::{Matrix, Svd, SvdError, Vector};
+use crate::linalg::{Decomposition, TaskMatrix, TaskVector};
 use crate::resolution::certificate::relative;
 
 /// Which bound of a joint; inequalities have an upper one.
@@ -25,7 +27,7 @@ impl Side {
 }
 
 /// The active limits of one level, in order: joints by index from 0, then inequalities, counted on; and the side.
-pub type ActiveSet = Vec<(usize, Side)>;
+pub type ActiveSet = SmallVec<[(usize, Side); 8]>;
 
 /// Bounds count as kept up to this, relative to the speeds that the level deals with; the rest is clamped away.
 const FEASIBILITY: f64 = 1e-13;
@@ -50,12 +52,12 @@ const APPROACH: f64 = 1e-13;
 /// A point with the optimality conditions evaluated.
 pub struct Candidate {
     /// z, p.
-    pub z: Vector,
+    pub z: TaskVector,
     /// Signed multipliers, per row; positive at the upper bound.
-    pub multipliers: Vector,
+    pub multipliers: TaskVector,
     /// By how much ‖C z − d‖ would fall, to first order and relative to its size, if only this limit were moved away,
     /// per row; ≥ 0.
-    pub relief: Vector,
+    pub relief: TaskVector,
     /// The set that the point was computed on.
     pub active_set: ActiveSet,
     /// Relative residual of stationarity and multiplier signs; infinite where a bound is broken.
@@ -66,9 +68,9 @@ impl Candidate {
     /// Stays at z = 0: the solution of a level that nothing open can influence.
     pub fn stay(level: &Level) -> Self {
         Self {
-            z: Vector::zeros(level.unknowns()),
-            multipliers: Vector::zeros(level.G.nrows()),
-            relief: Vector::zeros(level.G.nrows()),
+            z: TaskVector::zeros(level.unknowns()),
+            multipliers: TaskVector::zeros(level.G.nrows()),
+            relief: TaskVector::zeros(level.G.nrows()),
             active_set: ActiveSet::new(),
             kkt_residual: 0.0,
         }
@@ -76,7 +78,7 @@ impl Candidate {
 
     fn new(level: &Level, minimiser: Minimiser, active: ActiveSet, conditions: &Conditions) -> Self {
         let n = level.G.nrows();
-        let (mut multipliers, mut relief) = (Vector::zeros(n), Vector::zeros(n));
+        let (mut multipliers, mut relief) = (TaskVector::zeros(n), TaskVector::zeros(n));
         for (place, &(row, _)) in active.iter().enumerate() {
             if conditions.relief[place] > OPTIMALITY {
                 multipliers[row] = conditions.multipliers[place];
@@ -108,9 +110,9 @@ impl Candidate {
 /// Cᵀ r in place of these shrinks with the square of a small singular value and would call wrong sets right.
 struct Conditions {
     /// Signed multipliers, in the order of the set; positive: pressed upwards.
-    multipliers: Vector,
+    multipliers: TaskVector,
     /// Relative relief, in the order of the set; negative where the multiplier points inwards.
-    relief: Vector,
+    relief: TaskVector,
     /// ‖Qᵀ r‖_∞, relative.
     stationarity: f64,
 }
@@ -118,99 +120,117 @@ struct Conditions {
 impl Conditions {
     fn new(level: &Level, minimiser: &Minimiser, active: &ActiveSet) -> Self {
         let (size, Q) = (level.size(&minimiser.z), &minimiser.range);
-        let across = |M: &Matrix| M - Q * (Q.transpose() * M);
-        let residual = &level.C * &minimiser.z - &level.d;
-        let per_bound = minimiser.limits.pseudo_inverse();
-        let M = across(&(&level.C * &per_bound));
-        let multipliers = -(M.transpose() * &residual);
-        let relief = Vector::from_fn(active.len(), |i, _| {
-            let effect = M.column(i).norm().max(SENSITIVITY * level.scale * per_bound.column(i).norm());
-            signed_relative(active[i].1.sign() * multipliers[i], effect * size)
-        });
-        Self { multipliers, relief, stationarity: relative(&(Q.transpose() * &residual), size) }
+        let residual = &(&level.C * &minimiser.z) - &level.d;
+        let mut conditions = Self {
+            multipliers: TaskVector::zeros(active.len()),
+            relief: TaskVector::zeros(active.len()),
+            stationarity: relative((Q * &residual).amax(), size),
+        };
+        for (place, &(_, side)) in active.iter().enumerate() {
+            let per_bound = minimiser.limits.solve(&TaskVector::unit(active.len(), place));
+            let mut M = &level.C * &per_bound;
+            M -= &Q.transposed_times(&(Q * &M));
+            let multiplier = -M.dot(&residual);
+            let effect = M.norm().max(SENSITIVITY * level.scale * per_bound.norm());
+            conditions.multipliers[place] = multiplier;
+            let outwards = side.sign() * multiplier;
+            conditions.relief[place] = relative(outwards.abs(), effect * size).copysign(outwards);
+        }
+        conditions
     }
 }
 
-fn signed_relative(value: f64, scale: f64) -> f64 {
-    relative(&Vector::from_element(1, value), scale).copysign(value)
-}
-
-fn keeps(level: &Level, z: &Vector, (row, side, bound): (usize, Side, f64)) -> bool {
-    let excess = side.sign() * ((level.G.row(row) * z)[0] - bound);
+fn keeps(level: &Level, z: &TaskVector, (row, side, bound): (usize, Side, f64)) -> bool {
+    let excess = side.sign() * (level.value(row, z) - bound);
     excess <= FEASIBILITY * (level.speed + z.norm())
 }
 
-fn active_rows(level: &Level, active: &ActiveSet) -> Matrix {
-    level.G.select_rows(active.iter().map(|(row, _)| row))
+/// G_W, the set's rows of G.
+fn active_rows(level: &Level, active: &ActiveSet) -> TaskMatrix {
+    let mut rows = TaskMatrix::zeros(0, level.unknowns());
+    active.iter().for_each(|&(row, _)| rows.push_row(&level.G[row]));
+    rows
 }
 
-fn active_bounds(level: &Level, active: &ActiveSet) -> Vector {
-    Vector::from_iterator(active.len(), active.iter().map(|&(row, side)| level.bound(row, side)))
+fn active_bounds(level: &Level, active: &ActiveSet) -> TaskVector {
+    TaskVector::from_fn(active.len(), |i| level.bound(active[i].0, active[i].1))
 }
 
 /// The minimiser of ‖C z − d‖² with the limits of a set as equalities.
 struct Minimiser {
     /// z, p; the one nearest to where the search began, if there are many.
-    z: Vector,
-    /// Decomposition of G_W, the set's rows of G.
-    limits: Svd,
-    /// Orthonormal basis of the range of C N, with N the null space of G_W.
-    range: Matrix,
+    z: TaskVector,
+    /// Decomposition of G_W.
+    limits: Decomposition,
+    /// Orthonormal basis of the range of C N, with N the null space of G_W, as rows.
+    range: TaskMatrix,
 }
 
 impl Minimiser {
-    fn new(level: &Level, near: &Vector, active: &ActiveSet) -> Result<Self, SvdError> {
+    fn new(level: &Level, near: &TaskVector, active: &ActiveSet) -> Self {
         let G_W = active_rows(level, active);
-        let limits = Svd::with_scale(&G_W, 1.0)?;
-        let on_limits = near + limits.solve(&(active_bounds(level, active) - &G_W * near));
-        let N = limits.null_space();
-        let open = Svd::with_scale(&(&level.C * &N), level.scale)?;
-        let z = &on_limits + N * open.solve(&(&level.d - &level.C * &on_limits));
-        Ok(Self { z, limits, range: open.range() })
+        let limits = Decomposition::with_scale(&G_W, 1.0);
+        let mut z = near + &limits.solve(&(&active_bounds(level, active) - &(&G_W * near)));
+        let mut C = level.C.clone();
+        limits.rows_to_frame(&mut C);
+        let mut open = Decomposition::default();
+        open.decompose(&C, limits.rank(), level.scale);
+        let mut way = open.solve(&(&level.d - &(&level.C * &z)));
+        limits.from_frame(&mut way);
+        z += &way;
+        Self { z, limits, range: open.range() }
     }
+}
+
+/// The limits of a guess that are constraints of this level, without those that follow from the others.
+fn independent(level: &Level, guess: &ActiveSet) -> ActiveSet {
+    let known = |guess: (usize, Side)| level.constraints().any(|(row, side, _)| (row, side) == guess);
+    let mut active: ActiveSet = guess.iter().copied().filter(|&limit| known(limit)).collect();
+    let rank = |active: &ActiveSet| Decomposition::with_scale(&active_rows(level, active), 1.0).rank();
+    if rank(&active) < active.len() {
+        for limit in std::mem::take(&mut active) {
+            active.push(limit);
+            if rank(&active) < active.len() {
+                active.pop();
+            }
+        }
+    }
+    active
 }
 
 /// Solves the level on a guessed set, as near to z = 0 as it leaves open, and says whether the guess was right.
 ///
 /// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
-pub fn polish(level: &Level, guess: &ActiveSet) -> Result<Candidate, SvdError> {
-    let mut active = ActiveSet::new();
-    for &(row, side) in guess {
-        if level.constraints().any(|(j, s, _)| (j, s) == (row, side)) {
-            active.push((row, side));
-            if Svd::with_scale(&active_rows(level, &active), 1.0)?.rank() < active.len() {
-                active.pop();
-            }
-        }
-    }
-    let minimiser = Minimiser::new(level, &Vector::zeros(level.unknowns()), &active)?;
+pub fn polish(level: &Level, guess: &ActiveSet) -> Candidate {
+    let active = independent(level, guess);
+    let minimiser = Minimiser::new(level, &TaskVector::zeros(level.unknowns()), &active);
     let conditions = Conditions::new(level, &minimiser, &active);
-    Ok(Candidate::new(level, minimiser, active, &conditions))
+    Candidate::new(level, minimiser, active, &conditions)
 }
 
 /// A primal active-set method from z = 0: exact, finite, used where a guess fails.
 ///
 /// Ties are broken by the smallest index (Bland), so that degenerate corners do not cycle.
-pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
+pub fn iterate(level: &Level) -> Candidate {
     #[cfg(test)]
     if super::clarabel_level::fault::strikes_search() {
         return polish(level, &ActiveSet::new());
     }
-    let mut z = Vector::zeros(level.unknowns());
+    let mut z = TaskVector::zeros(level.unknowns());
     let mut active = ActiveSet::new();
     let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        let mut target = Minimiser::new(level, &z, &active)?;
-        if (&level.C * (&target.z - &z)).norm() <= ARRIVED * level.size(&z) {
-            target.z.copy_from(&z);
+        let mut target = Minimiser::new(level, &z, &active);
+        if (&level.C * &(&target.z - &z)).norm() <= ARRIVED * level.size(&z) {
+            target.z = z.clone();
         } else if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
-            z += (target.z - &z) * step;
+            z.add_scaled(step, &(&target.z - &z));
             active.push(limit);
             active.sort_by_key(|&(row, _)| row);
             continue;
         }
-        z.copy_from(&target.z);
+        z = target.z.clone();
         let conditions = Conditions::new(level, &target, &active);
         let candidate = Candidate::new(level, target, active.clone(), &conditions);
         if best.as_ref().is_none_or(|best| candidate.kkt_residual < best.kkt_residual) {
@@ -221,11 +241,11 @@ pub fn iterate(level: &Level) -> Result<Candidate, SvdError> {
             None => break,
         }
     }
-    best.map_or_else(|| polish(level, &active), Ok)
+    best.unwrap_or_else(|| polish(level, &active))
 }
 
 /// The first limit met on the way from `z` to `target`, and how far along.
-fn blocking(level: &Level, z: &Vector, target: &Vector, active: &ActiveSet) -> Option<(f64, (usize, Side))> {
+fn blocking(level: &Level, z: &TaskVector, target: &TaskVector, active: &ActiveSet) -> Option<(f64, (usize, Side))> {
     let way = target - z;
     let (position, direction) = (&level.G * z, &level.G * &way);
     let mut first: Option<(f64, (usize, Side))> = None;

@@ -1,11 +1,11 @@
 //! One level through Clarabel, an interior-point solver.
+#![allow(non_snake_case)]
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolution, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
 use super::active_set::{ActiveSet, Side};
 use super::level::Level;
-use crate::linalg::Matrix;
 
 /// Far above the 5-15 iterations that levels take; a cap, because a failing problem would run on.
 const MAX_ITERATIONS: u32 = 40;
@@ -13,32 +13,119 @@ const MAX_ITERATIONS: u32 = 40;
 /// Clarabel reaches this on every level in reduced form; the exact answer comes from polishing.
 const TOLERANCE: f64 = 1e-10;
 
-/// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0: the limits that are active, `None` if
-/// the solver fails, and the iterations taken.
+/// Solvers by the size of their problem, (unknowns, constraints), kept and overwritten.
 ///
-/// Its z is not worth taking: off by some 1e-7, and arbitrarily large where the objective leaves a direction open.
-pub fn solve(level: &Level) -> (Option<ActiveSet>, u32) {
-    let constraints: Vec<(usize, Side, f64)> = level.constraints().collect();
-    let scale = Scale::of(level);
-    let p = upper_triangle(&(level.C.transpose() * &level.C * scale.objective));
-    let q = level.C.transpose() * &level.d * (-scale.objective / scale.unknowns);
-    let signed = |&(row, side, _): &(usize, Side, f64)| match side {
-        Side::Lower => -level.G.row(row),
-        Side::Upper => level.G.row(row).into_owned(),
-    };
-    let rows: Vec<_> = constraints.iter().map(signed).collect();
-    let a = dense(constraints.len(), level.unknowns(), |i, j| rows[i][j]);
-    let b: Vec<f64> = constraints.iter().map(|(_, _, bound)| bound.abs() / scale.unknowns).collect();
-    let cones = if b.is_empty() { vec![] } else { vec![NonnegativeConeT(b.len())] };
-    match DefaultSolver::new(&p, q.as_slice(), &a, &b, &cones, settings()) {
-        Ok(mut solver) => {
-            solver.solve();
-            #[cfg(test)]
-            fault::strike(&mut solver.solution);
-            (pressed(&solver.solution, &constraints), solver.solution.iterations)
+/// Their structure depends on sizes alone, and nothing of one problem is left for the next: without equilibration, which
+/// remembers, the answers are those of fresh solvers, to the last bit.
+#[derive(Default)]
+pub struct ClarabelLevels {
+    solvers: Vec<((usize, usize), DefaultSolver<f64>)>,
+    numbers: Numbers,
+}
+
+/// Sizes whose solvers are kept; levels of one problem have a handful.
+const MOST_KEPT: usize = 32;
+
+impl ClarabelLevels {
+    /// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0: the limits that are active, `None`
+    /// if the solver fails, and the iterations taken.
+    ///
+    /// Its z is not worth taking: off by some 1e-7, and arbitrarily large where the objective leaves a direction open.
+    pub fn solve(&mut self, level: &Level) -> (Option<ActiveSet>, u32) {
+        self.numbers.of(level);
+        let size = (level.unknowns(), self.numbers.constraints.len());
+        let place = match self.solvers.iter().position(|(known, _)| *known == size) {
+            Some(place) if self.numbers.update(&mut self.solvers[place].1) => place,
+            Some(place) => match self.numbers.solver(size.0) {
+                Some(solver) => {
+                    self.solvers[place].1 = solver;
+                    place
+                }
+                None => return (None, 0),
+            },
+            None => {
+                let Some(solver) = self.numbers.solver(size.0) else { return (None, 0) };
+                if self.solvers.len() >= MOST_KEPT {
+                    self.solvers.clear();
+                }
+                self.solvers.push((size, solver));
+                self.solvers.len() - 1
+            }
+        };
+        let solver = &mut self.solvers[place].1;
+        solver.solve();
+        #[cfg(test)]
+        fault::strike(&mut solver.solution);
+        let answer = (pressed(&solver.solution, &self.numbers.constraints), solver.solution.iterations);
+        if answer.0.is_none() {
+            // After numerical trouble a solver may never recover.
+            self.solvers.swap_remove(place);
         }
-        Err(_) => (None, 0),
+        answer
     }
+}
+
+/// The numbers of a problem in the solver's order: columns of full matrices, of P the upper triangle.
+#[derive(Default)]
+struct Numbers {
+    constraints: Vec<(usize, Side, f64)>,
+    P: Vec<f64>,
+    q: Vec<f64>,
+    A: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl Numbers {
+    fn of(&mut self, level: &Level) {
+        let scale = Scale::of(level);
+        let (C, p) = (&level.C, level.unknowns());
+        refill(&mut self.constraints, level.constraints());
+        let gram = |i: usize, j: usize| (0..C.nrows()).map(|row| C[row][i] * C[row][j]).sum::<f64>();
+        refill(
+            &mut self.P,
+            (0..p).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|(i, j)| gram(i, j) * scale.objective),
+        );
+        let linear = C.transposed_times(&level.d);
+        refill(&mut self.q, linear.iter().map(|entry| entry * (-scale.objective / scale.unknowns)));
+        let Self { constraints, A, b, .. } = self;
+        let signed = |j: usize, &(row, side, _): &(usize, Side, f64)| match side {
+            Side::Lower => -level.G[row][j],
+            Side::Upper => level.G[row][j],
+        };
+        refill(A, (0..p).flat_map(|j| constraints.iter().map(move |limit| signed(j, limit))));
+        refill(b, constraints.iter().map(|(_, _, bound)| bound.abs() / scale.unknowns));
+    }
+
+    /// Overwrites the numbers of a solver of this size; whether it took them.
+    fn update(&self, solver: &mut DefaultSolver<f64>) -> bool {
+        solver.update_data(&self.P, &self.q, &self.A, &self.b).is_ok()
+    }
+
+    /// A solver for `unknowns`; `None` for numbers that it refuses.
+    fn solver(&self, unknowns: usize) -> Option<DefaultSolver<f64>> {
+        let m = self.b.len();
+        let P = CscMatrix::new(
+            unknowns,
+            unknowns,
+            (0..=unknowns).map(|j| j * (j + 1) / 2).collect(),
+            (0..unknowns).flat_map(|j| 0..=j).collect(),
+            self.P.clone(),
+        );
+        let A = CscMatrix::new(
+            m,
+            unknowns,
+            (0..=unknowns).map(|j| j * m).collect(),
+            (0..unknowns).flat_map(|_| 0..m).collect(),
+            self.A.clone(),
+        );
+        let cones = if m == 0 { vec![] } else { vec![NonnegativeConeT(m)] };
+        DefaultSolver::new(&P, &self.q, &A, &self.b, &cones, settings()).ok()
+    }
+}
+
+fn refill<T>(list: &mut Vec<T>, entries: impl Iterator<Item = T>) {
+    list.clear();
+    list.extend(entries);
 }
 
 /// Units in which the problem is of size one, so that the solver's tolerances mean the same for every task.
@@ -61,6 +148,8 @@ fn settings() -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
         presolve_enable: false,
+        equilibrate_enable: false,
+        iterative_refinement_enable: false,
         max_iter: MAX_ITERATIONS,
         tol_gap_abs: TOLERANCE,
         tol_gap_rel: TOLERANCE,
@@ -92,28 +181,6 @@ fn pressed(solution: &DefaultSolution<f64>, constraints: &[(usize, Side, f64)]) 
         }
     }
     Some(pressed.into_iter().map(|(row, side, _)| (row, side)).collect())
-}
-
-/// A full pattern, zeros included: the solver's structure then depends on sizes alone.
-fn dense(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> CscMatrix<f64> {
-    CscMatrix::new(
-        rows,
-        columns,
-        (0..=columns).map(|j| j * rows).collect(),
-        (0..columns).flat_map(|_| 0..rows).collect(),
-        (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))).map(|(i, j)| entry(i, j)).collect(),
-    )
-}
-
-fn upper_triangle(symmetric: &Matrix) -> CscMatrix<f64> {
-    let n = symmetric.ncols();
-    CscMatrix::new(
-        n,
-        n,
-        (0..=n).map(|j| j * (j + 1) / 2).collect(),
-        (0..n).flat_map(|j| 0..=j).collect(),
-        (0..n).flat_map(|j| (0..=j).map(move |i| symmetric[(i, j)])).collect(),
-    )
 }
 
 /// Faults that tests inject: what a solver returns when it fails, and a search that finds nothing.
@@ -162,23 +229,27 @@ pub mod fault {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::Vector;
+    use crate::linalg::{TaskMatrix, TaskVector};
 
     #[test]
     fn a_joint_between_bounds_that_nearly_coincide_is_active_at_one_of_them() {
         for width in [0.0, 1e-16, 1e-12, 1e-8] {
             let level = Level {
-                C: Matrix::from_row_slice(1, 2, &[1.0, 0.5]),
-                d: Vector::from_vec(vec![2.0]),
-                G: Matrix::identity(2, 2),
-                lower: Vector::from_vec(vec![-width, -1.0]),
-                upper: Vector::from_vec(vec![width, 1.0]),
-                bounded: vec![true; 2],
+                C: TaskMatrix::from_fn(1, 2, |_, j| [1.0, 0.5][j]),
+                d: TaskVector::from_slice(&[2.0]),
+                G: TaskMatrix::identity(2),
+                lower: TaskVector::from_slice(&[-width, -1.0]),
+                upper: TaskVector::from_slice(&[width, 1.0]),
+                bounded: [true; 2].as_slice().into(),
                 speed: 1.0,
                 scale: 1.0,
                 base_size: 1.0,
             };
-            assert_eq!(solve(&level).0.unwrap(), [(0, Side::Upper), (1, Side::Upper)], "width {width:e}");
+            assert_eq!(
+                ClarabelLevels::default().solve(&level).0.unwrap().as_slice(),
+                [(0, Side::Upper), (1, Side::Upper)],
+                "width {width:e}"
+            );
         }
     }
 }

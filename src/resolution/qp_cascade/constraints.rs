@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use crate::limits::{Inequality, VelocityBox};
-use crate::linalg::{Matrix, Vector, concatenate, stack};
+use crate::linalg::{TaskMatrix, TaskVector};
 use crate::resolution::problem::Problem;
 
 /// lower ≤ [x_1 … x_n; planes · x] ≤ upper: a row for each of the first n entries of x, the joints, then the planes,
@@ -10,9 +10,9 @@ use crate::resolution::problem::Problem;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraints {
     joints: usize,
-    planes: Matrix,
-    lower: Vector,
-    upper: Vector,
+    planes: TaskMatrix,
+    lower: TaskVector,
+    upper: TaskVector,
 }
 
 impl Constraints {
@@ -20,14 +20,15 @@ impl Constraints {
     pub fn new(limits: &VelocityBox, inequalities: &[Inequality]) -> Self {
         let mut constraints = Self {
             joints: limits.joint_count(),
-            planes: Matrix::zeros(0, limits.joint_count()),
-            lower: limits.lower().clone(),
-            upper: limits.upper().clone(),
+            planes: TaskMatrix::zeros(0, limits.joint_count()),
+            lower: limits.lower().into(),
+            upper: limits.upper().into(),
         };
         for inequality in inequalities {
             // One without content has no length to be divided by.
             let norm = Some(inequality.coefficients().norm()).filter(|norm| *norm > 0.0).unwrap_or(1.0);
-            constraints.push(&(inequality.coefficients() / norm), inequality.bound() / norm);
+            let row = &TaskVector::from(inequality.coefficients()) * (1.0 / norm);
+            constraints.push(&row, inequality.bound() / norm);
         }
         constraints
     }
@@ -39,20 +40,27 @@ impl Constraints {
 
     /// No constraint on n joints.
     pub fn none(n: usize) -> Self {
-        Self::new(&VelocityBox::unbounded(n), &[])
+        let unbounded = |bound: f64| TaskVector::from_fn(n, |_| bound);
+        Self {
+            joints: n,
+            planes: TaskMatrix::zeros(0, n),
+            lower: unbounded(f64::NEG_INFINITY),
+            upper: unbounded(f64::INFINITY),
+        }
     }
 
     /// Adds row · x ≤ bound; ‖row‖ = 1.
-    pub fn push(&mut self, row: &Vector, bound: f64) {
-        self.planes = stack(&self.planes, &Matrix::from_row_slice(1, row.len(), row.as_slice()));
-        self.lower = concatenate(&self.lower, &Vector::from_element(1, f64::NEG_INFINITY));
-        self.upper = concatenate(&self.upper, &Vector::from_element(1, bound));
+    pub fn push(&mut self, row: &[f64], bound: f64) {
+        self.planes.push_row(row);
+        self.lower.push(f64::NEG_INFINITY);
+        self.upper.push(bound);
     }
 
     /// The same constraints on x with one more entry, which they leave alone.
     pub fn with_one_more_unknown(&self) -> Self {
-        let last = self.planes.ncols();
-        Self { planes: self.planes.clone().insert_column(last, 0.0), ..self.clone() }
+        let (rows, n) = (self.planes.nrows(), self.planes.ncols());
+        let planes = TaskMatrix::from_fn(rows, n + 1, |i, j| if j < n { self.planes[i][j] } else { 0.0 });
+        Self { planes, ..self.clone() }
     }
 
     /// n, the number of rows that are joints.
@@ -66,47 +74,60 @@ impl Constraints {
     }
 
     /// Lower bounds of the rows.
-    pub fn lower(&self) -> &Vector {
+    pub fn lower(&self) -> &TaskVector {
         &self.lower
     }
 
     /// Upper bounds of the rows.
-    pub fn upper(&self) -> &Vector {
+    pub fn upper(&self) -> &TaskVector {
         &self.upper
     }
 
     /// Rows per column of a matrix of as many rows as x has entries.
-    pub fn rows_of(&self, M: &Matrix) -> Matrix {
-        stack(&M.rows(0, self.joints).into_owned(), &(&self.planes * M))
+    pub fn rows_of(&self, M: &TaskMatrix) -> TaskMatrix {
+        let mut rows = M.first_rows(self.joints);
+        if self.planes.nrows() > 0 {
+            rows.push_rows(&(&self.planes * M));
+        }
+        rows
     }
 
     /// The rows' values at x.
-    pub fn values(&self, x: &Vector) -> Vector {
-        concatenate(&x.rows(0, self.joints).into_owned(), &(&self.planes * x))
+    pub fn values(&self, x: &TaskVector) -> TaskVector {
+        TaskVector::from_slice(&x[..self.joints]).concatenated(&(&self.planes * x))
     }
 
     /// One row as a vector, of as many entries as x.
-    pub fn row(&self, row: usize) -> Vector {
+    pub fn row(&self, row: usize) -> TaskVector {
         if row < self.joints {
-            Vector::from_fn(self.planes.ncols(), |i, _| f64::from(u8::from(i == row)))
+            TaskVector::from_fn(self.planes.ncols(), |i| f64::from(u8::from(i == row)))
         } else {
-            self.planes.row(row - self.joints).transpose()
+            self.planes.row_vector(row - self.joints)
         }
     }
 
+    /// One row times a matrix.
+    pub fn row_of(&self, row: usize, M: &TaskMatrix) -> TaskVector {
+        if row < self.joints { M.row_vector(row) } else { M.transposed_times(&self.row(row)) }
+    }
+
     /// x with its joints moved into their bounds.
-    pub fn clamp_joints(&self, x: &Vector) -> Vector {
-        Vector::from_fn(x.len(), |i, _| if i < self.joints { x[i].max(self.lower[i]).min(self.upper[i]) } else { x[i] })
+    pub fn clamp_joints(&self, mut x: TaskVector) -> TaskVector {
+        for (x, (lower, upper)) in x.iter_mut().zip(self.lower.iter().zip(self.upper.iter())).take(self.joints) {
+            *x = x.max(*lower).min(*upper);
+        }
+        x
     }
 
     /// By how much the planes are exceeded at x, 0 where they are not.
-    pub fn excess(&self, x: &Vector) -> Vector {
-        let bounds = self.upper.rows_range(self.joints..);
-        (&self.planes * x - bounds).map(|excess| excess.max(0.0))
+    pub fn excess(&self, x: &TaskVector) -> TaskVector {
+        let mut excess = &self.planes * x;
+        excess.iter_mut().zip(&self.upper[self.joints..]).for_each(|(value, bound)| *value = (*value - bound).max(0.0));
+        excess
     }
 
     /// Moves the bounds of planes that x exceeds to where x is.
-    pub fn admit(&mut self, x: &Vector) {
+    pub fn admit(&mut self, x: &TaskVector) {
         let values = &self.planes * x;
         for (plane, &value) in values.iter().enumerate() {
             let bound = &mut self.upper[self.joints + plane];

@@ -1,25 +1,27 @@
 //! One level in reduced form, and the ways to its solution.
 #![allow(non_snake_case)]
 
+use smallvec::SmallVec;
+
 use super::active_set::{self, ActiveSet, Candidate, Side};
-use super::clarabel_level;
-use crate::linalg::{Matrix, RANK_TOLERANCE, SvdError, Vector};
+use super::clarabel_level::ClarabelLevels;
+use crate::linalg::{RANK_TOLERANCE, TaskMatrix, TaskVector};
 use crate::resolution::resolve::Path;
 
 /// min ‖C z − d‖² s.t. lower ≤ G z ≤ upper for the bounded rows; z = 0 is feasible.
 pub struct Level {
     /// C, m × p.
-    pub C: Matrix,
+    pub C: TaskMatrix,
     /// d, m.
-    pub d: Vector,
+    pub d: TaskVector,
     /// G, rows × p: the rows of the [`Constraints`](super::constraints::Constraints) per unit of z.
-    pub G: Matrix,
+    pub G: TaskMatrix,
     /// Room below, per row, ≤ 0.
-    pub lower: Vector,
+    pub lower: TaskVector,
     /// Room above, per row, ≥ 0.
-    pub upper: Vector,
+    pub upper: TaskVector,
     /// Whether the row's bounds are constraints of this level.
-    pub bounded: Vec<bool>,
+    pub bounded: SmallVec<[bool; 16]>,
     /// ‖base‖, the speed from which z counts.
     pub speed: f64,
     /// ‖A‖ of the objective before reduction: C and products with it are rank-tested against this.
@@ -35,13 +37,18 @@ impl Level {
     }
 
     /// Size of the terms whose difference is C z − d; rounding and optimality are judged against it.
-    pub fn size(&self, z: &Vector) -> f64 {
+    pub fn size(&self, z: &TaskVector) -> f64 {
         self.base_size + self.scale * z.norm()
     }
 
     /// Whether nothing that is open changes the objective.
     fn is_decided(&self) -> bool {
         self.C.norm() <= RANK_TOLERANCE * self.scale
+    }
+
+    /// G z at a row.
+    pub fn value(&self, row: usize, z: &TaskVector) -> f64 {
+        self.G.row_times(row, z)
     }
 
     /// Room of a row towards one side.
@@ -64,13 +71,13 @@ impl Level {
 /// The solution of a level.
 pub struct LevelSolution {
     /// z, p.
-    pub z: Vector,
+    pub z: TaskVector,
     /// Signed multipliers of the limits, per row; positive at the upper, negative at the lower bound.
-    pub multipliers: Vector,
+    pub multipliers: TaskVector,
     /// The limits that are active.
     pub active_set: ActiveSet,
     /// What moving each limit away would gain, per row, relative to the size of the level; ≥ 0.
-    relief: Vector,
+    relief: TaskVector,
     /// Relative residual of the optimality conditions.
     pub kkt_residual: f64,
     /// The way that led here.
@@ -105,26 +112,32 @@ impl LevelSolution {
     }
 }
 
-/// Solves the level: by the guessed active set if its optimality conditions hold, otherwise through Clarabel.
-///
-/// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
-/// be wrong, which happens at degenerate corners, or Clarabel fail, an active-set iteration from z = 0 finds the right one.
-pub fn solve(level: &Level, guess: Option<&ActiveSet>) -> Result<LevelSolution, SvdError> {
-    if level.is_decided() {
-        return Ok(LevelSolution::exact(Candidate::stay(level)));
-    }
-    if let Some(guess) = guess {
-        let candidate = active_set::polish(level, guess)?;
-        if candidate.is_optimal() {
-            return Ok(LevelSolution::exact(candidate));
+/// The ways to the solution of a level.
+#[derive(Default)]
+pub struct LevelSolver {
+    clarabel: ClarabelLevels,
+}
+
+impl LevelSolver {
+    /// Solves the level: by the guessed active set if its optimality conditions hold, otherwise through Clarabel.
+    ///
+    /// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
+    /// be wrong, which happens at degenerate corners, or Clarabel fail, an active-set iteration from z = 0 finds the right
+    /// one.
+    pub fn solve(&mut self, level: &Level, guess: Option<&ActiveSet>) -> LevelSolution {
+        if level.is_decided() {
+            return LevelSolution::exact(Candidate::stay(level));
         }
+        if let Some(guess) = guess {
+            let candidate = active_set::polish(level, guess);
+            if candidate.is_optimal() {
+                return LevelSolution::exact(candidate);
+            }
+        }
+        let (active_set, iterations) = self.clarabel.solve(level);
+        let failed = active_set.is_none();
+        let polished = active_set.map(|set| active_set::polish(level, &set));
+        let candidate = polished.filter(Candidate::is_optimal).unwrap_or_else(|| active_set::iterate(level));
+        LevelSolution::new(candidate, Path::Qp, iterations, failed)
     }
-    let (active_set, iterations) = clarabel_level::solve(level);
-    let failed = active_set.is_none();
-    let polished = active_set.map(|set| active_set::polish(level, &set)).transpose()?;
-    let candidate = match polished.filter(Candidate::is_optimal) {
-        Some(candidate) => candidate,
-        None => active_set::iterate(level)?,
-    };
-    Ok(LevelSolution::new(candidate, Path::Qp, iterations, failed))
 }

@@ -18,9 +18,12 @@ pub use active_set::{ActiveSet, Side};
 #[cfg(test)]
 pub use clarabel_level::fault;
 
+use smallvec::SmallVec;
+
 use constraints::Constraints;
 use feasible_set::FeasibleSet;
 use level::LevelSolution;
+pub use level::LevelSolver;
 use objectives::{Objective, stack_objectives, stage_objectives, strict_objectives};
 use scaling::{ScaledTask, Scaling};
 
@@ -28,19 +31,19 @@ use super::closed_form::{self, ClosedForm};
 use super::hierarchy::Hierarchy;
 use super::problem::{Method, Problem};
 use super::resolve::Path;
-use crate::linalg::{SvdError, Vector};
+use crate::linalg::TaskVector;
 
 /// What the cascade, or a closed form in its place, found.
 pub struct Cascade {
     /// q̇, n, rad/s.
-    pub joint_velocity: Vector,
+    pub joint_velocity: TaskVector,
     /// Multipliers of the limits, n joints, then the inequalities per unit length of their coefficients; positive at the
     /// upper, negative at the lower bound, 0 where inactive.
-    pub multipliers: Vector,
+    pub multipliers: TaskVector,
     /// Active limits, one set per level with limits.
-    pub active_sets: Vec<ActiveSet>,
+    pub active_sets: SmallVec<[ActiveSet; 4]>,
     /// s of each level with limits whose task is to be scaled, as far as one keeps its direction; empty for a closed form.
-    pub scales: Vec<Option<f64>>,
+    pub scales: SmallVec<[Option<f64>; 4]>,
     /// The longest way that a level needed.
     pub path: Path,
     /// Iterations of Clarabel.
@@ -54,10 +57,10 @@ pub struct Cascade {
 impl From<ClosedForm> for Cascade {
     fn from(closed: ClosedForm) -> Self {
         Self {
-            multipliers: Vector::zeros(closed.joint_velocity.len()),
+            multipliers: TaskVector::zeros(closed.joint_velocity.len()),
             joint_velocity: closed.joint_velocity,
-            active_sets: Vec::new(),
-            scales: Vec::new(),
+            active_sets: SmallVec::new(),
+            scales: SmallVec::new(),
             path: Path::ClosedForm,
             iterations: 0,
             failures: 0,
@@ -90,37 +93,36 @@ impl<'a> Guesses<'a> {
 }
 
 /// Solves the problem level by level.
-pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Result<Cascade, SvdError> {
+pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
     let zeta = problem.start();
-    let within_limits = |levels: Vec<Objective>| descend(&levels, Constraints::of(problem), guesses);
-    match problem.method {
-        Method::ReversePriority | Method::SingularityRobust => reverse_priority(problem, hierarchy, guesses),
-        Method::StrictReversePriority | Method::TaskPriority => {
-            strict_objectives(problem, &zeta).and_then(within_limits)
+    let stages = &hierarchy.stages;
+    let objectives = match problem.method {
+        Method::ReversePriority | Method::SingularityRobust => {
+            return reverse_priority(problem, hierarchy, guesses, solver);
         }
-        Method::Pseudoinverse => within_limits(stack_objectives(problem, hierarchy.top(), 0.0, &zeta)),
-        Method::DampedLeastSquares => {
-            within_limits(stack_objectives(problem, hierarchy.top(), hierarchy.top().lambda, &zeta))
-        }
-    }
+        Method::StrictReversePriority | Method::TaskPriority => strict_objectives(stages, problem.damping, &zeta),
+        Method::Pseudoinverse => stack_objectives(stages, 0.0, &zeta),
+        Method::DampedLeastSquares => stack_objectives(stages, hierarchy.top().lambda, &zeta),
+    };
+    descend(&objectives, Constraints::of(problem), guesses, solver)
 }
 
 /// Stages k = l … 2 without limits, then stage 1 with them.
-fn reverse_priority(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Result<Cascade, SvdError> {
+fn reverse_priority(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
     let (top, lower) = (hierarchy.top(), &hierarchy.stages[1..]);
     let mut before = Cascade::from(ClosedForm { joint_velocity: problem.start(), kkt_residual: 0.0 });
     if guesses.allowed() {
-        before = Cascade::from(closed_form::reverse_priority(lower, &before.joint_velocity)?);
+        before = Cascade::from(closed_form::reverse_priority(lower, before.joint_velocity));
     } else {
         for stage in lower.iter().rev() {
             let start = &before.joint_velocity;
-            let answer = descend(&stage_objectives(stage, start), Constraints::none(start.len()), guesses)?;
+            let answer = descend(&stage_objectives(stage, start), Constraints::none(start.len()), guesses, solver);
             before = answer.after(&before);
         }
     }
     let start = &before.joint_velocity;
-    let answer = descend(&stage_objectives(top, start), Constraints::of(problem), guesses)?;
-    Ok(answer.after(&before))
+    let answer = descend(&stage_objectives(top, start), Constraints::of(problem), guesses, solver);
+    answer.after(&before)
 }
 
 impl Cascade {
@@ -136,27 +138,27 @@ impl Cascade {
 }
 
 /// Goes down the levels of one stage.
-fn descend(objectives: &[Objective], constraints: Constraints, guesses: Guesses) -> Result<Cascade, SvdError> {
+fn descend(objectives: &[Objective], constraints: Constraints, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
     let rows = constraints.count();
-    let mut set = FeasibleSet::new(constraints)?;
+    let mut set = FeasibleSet::new(constraints);
     let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
-    cascade.multipliers = Vector::zeros(rows);
+    cascade.multipliers = TaskVector::zeros(rows);
     // Levels that leave nothing to decide need no solver; those that do say which way they took.
     cascade.path = if guesses.allowed() { Path::ActiveSet } else { Path::Qp };
-    let mut achieved = Vec::with_capacity(objectives.len());
+    let mut achieved: SmallVec<[TaskVector; 4]> = SmallVec::new();
     let mut speed = set.base().norm();
     for (index, objective) in objectives.iter().enumerate() {
         let before = objective.scaled.then(|| set.clone());
         let place = cascade.active_sets.len();
-        let solution = level::solve(&set.reduce(objective), guesses.level(place))?;
-        set.keep(objective, &solution)?;
+        let solution = solver.solve(&set.reduce(objective), guesses.level(place));
+        set.keep(objective, &solution);
         let pinned = (index == 0).then(|| set.multipliers_of_pinned(objective));
         cascade.scales.push(None);
         match before {
             None => cascade.add(solution, pinned),
             Some(before) => {
-                let task = ScaledTask::new(objective, &objectives[..index])?;
-                let scaling = task.solve(&before, &mut set, guesses.of_scaling(place))?;
+                let task = ScaledTask::new(objective, &objectives[..index]);
+                let scaling = task.solve(&before, &mut set, guesses.of_scaling(place), solver);
                 cascade.add_scaled(solution, pinned, scaling);
             }
         }
@@ -166,12 +168,12 @@ fn descend(objectives: &[Objective], constraints: Constraints, guesses: Guesses)
     let drift = objectives.iter().zip(&achieved).map(|(objective, value)| objective.drift(value, set.base(), speed));
     cascade.kkt_residual = drift.fold(cascade.kkt_residual, f64::max);
     cascade.joint_velocity = set.base().clone();
-    Ok(cascade)
+    cascade
 }
 
 impl Cascade {
     /// Adds a level; `pinned`: multipliers of joints whose bounds coincide, known at the first level.
-    fn add(&mut self, solution: LevelSolution, pinned: Option<Vector>) {
+    fn add(&mut self, solution: LevelSolution, pinned: Option<TaskVector>) {
         self.multipliers = pinned.unwrap_or_else(|| std::mem::take(&mut self.multipliers));
         self.explain_by(&solution.multipliers);
         self.count(&solution);
@@ -179,7 +181,7 @@ impl Cascade {
     }
 
     /// Adds the level of a task that is to be scaled, and the levels that scaling took.
-    fn add_scaled(&mut self, usual: LevelSolution, pinned: Option<Vector>, scaling: Scaling) {
+    fn add_scaled(&mut self, usual: LevelSolution, pinned: Option<TaskVector>, scaling: Scaling) {
         if scaling.is_cut() {
             self.count(&usual);
             self.active_sets.push(usual.active_set);
@@ -192,7 +194,7 @@ impl Cascade {
             if scaling.factor.is_some() {
                 self.explain_by(&level.multipliers);
             }
-            set.extend(level.active_set.iter().filter(|(row, _)| *row < self.multipliers.len()));
+            set.extend(level.active_set.iter().copied().filter(|&(row, _)| row < self.multipliers.len()));
         }
         self.active_sets.extend(sets);
         self.scales.pop();
@@ -209,7 +211,7 @@ impl Cascade {
     }
 
     /// The highest level that a limit holds back is the reason for it.
-    fn explain_by(&mut self, multipliers: &Vector) {
+    fn explain_by(&mut self, multipliers: &TaskVector) {
         for (known, &new) in self.multipliers.iter_mut().zip(multipliers.iter()) {
             if *known == 0.0 {
                 *known = new;

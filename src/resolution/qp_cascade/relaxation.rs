@@ -4,7 +4,7 @@
 use super::active_set;
 use super::constraints::Constraints;
 use super::level::Level;
-use crate::linalg::{Matrix, SvdError, Vector, concatenate, stack};
+use crate::linalg::{TaskMatrix, TaskVector};
 
 /// A velocity inside the box that exceeds the inequalities as little as possible (sum of squares), near the slowest one.
 ///
@@ -12,28 +12,28 @@ use crate::linalg::{Matrix, SvdError, Vector, concatenate, stack};
 /// needs. The box always wins: joint limits protect the arm.
 ///
 /// `slowest`: the slowest q̇ of the box, n; `Z`: n × p, the directions in which joints can move.
-pub fn least_excess(constraints: &Constraints, slowest: &Vector, Z: &Matrix) -> Result<Vector, SvdError> {
-    let excess = constraints.excess(slowest);
+pub fn least_excess(constraints: &Constraints, slowest: TaskVector, Z: &TaskMatrix) -> TaskVector {
+    let excess = constraints.excess(&slowest);
     if excess.iter().all(|&excess| excess == 0.0) {
-        return Ok(slowest.clone());
+        return slowest;
     }
     let (n, p, planes) = (constraints.joints(), Z.ncols(), excess.len());
     let moved = constraints.rows_of(Z);
-    let given = stack(&Matrix::zeros(n, planes), &-Matrix::identity(planes, planes));
-    let values = constraints.values(slowest);
-    let allowance = concatenate(&Vector::zeros(n), &excess);
-    let C = Matrix::from_fn(planes, p + planes, |i, j| f64::from(u8::from(j == p + i)));
+    let given = |i: usize, j: usize| if i >= n && i - n == j { -1.0 } else { 0.0 };
+    let values = constraints.values(&slowest);
+    let allowance = |i: usize| if i < n { 0.0 } else { excess[i - n] };
+    let C = TaskMatrix::from_fn(planes, p + planes, |i, j| f64::from(u8::from(j == p + i)));
     let level = Level {
         d: -&excess,
-        G: Matrix::from_fn(n + planes, p + planes, |i, j| if j < p { moved[(i, j)] } else { given[(i, j - p)] }),
+        G: TaskMatrix::from_fn(n + planes, p + planes, |i, j| if j < p { moved[i][j] } else { given(i, j - p) }),
         lower: constraints.lower() - &values,
-        upper: (constraints.upper() - &values + allowance).map(|room| room.max(0.0)),
-        bounded: (0..n + planes).map(|row| row >= n || Z.row(row).norm() > 0.0).collect(),
+        upper: TaskVector::from_fn(n + planes, |i| (constraints.upper()[i] - values[i] + allowance(i)).max(0.0)),
+        bounded: (0..n + planes).map(|row| row >= n || Z.row_norm(row) > 0.0).collect(),
         speed: slowest.norm() + excess.norm(),
         scale: C.norm(),
         base_size: excess.norm(),
         C,
     };
-    let z = active_set::iterate(&level)?.z;
-    Ok(constraints.clamp_joints(&(slowest + Z * z.rows(0, p))))
+    let z = active_set::iterate(&level).z;
+    constraints.clamp_joints(&slowest + &(Z * &TaskVector::from_slice(&z[..p])))
 }

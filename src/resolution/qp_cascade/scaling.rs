@@ -6,10 +6,10 @@
 #![allow(non_snake_case)]
 
 use super::feasible_set::FeasibleSet;
-use super::level::{self, LevelSolution};
+use super::level::{LevelSolution, LevelSolver};
 use super::objectives::Objective;
 use super::{ActiveSet, Guesses};
-use crate::linalg::{Matrix, Svd, SvdError, Vector, stack};
+use crate::linalg::{Decomposition, TaskMatrix, TaskVector};
 use crate::resolution::certificate::relative;
 
 /// Levels that a scaled task has beside the usual one.
@@ -37,17 +37,20 @@ impl Scaling {
 /// min ‖J q̇ − ẋ‖², kept in direction.
 pub struct ScaledTask<'a> {
     objective: &'a Objective,
-    /// U, m × r.
-    reachable: Matrix,
+    /// Uᵀ, r × m.
+    reachable: TaskMatrix,
 }
 
 impl<'a> ScaledTask<'a> {
     /// `higher`: the objectives that were solved before.
-    pub fn new(objective: &'a Objective, higher: &[Objective]) -> Result<Self, SvdError> {
+    pub fn new(objective: &'a Objective, higher: &[Objective]) -> Self {
         let J = &objective.A;
-        let above = higher.iter().fold(Matrix::zeros(0, J.ncols()), |rows, level| stack(&rows, &level.A));
-        let N = Svd::new(&above)?.null_space();
-        Ok(Self { objective, reachable: Svd::with_scale(&(J * N), J.norm())?.range() })
+        let mut above = TaskMatrix::zeros(0, J.ncols());
+        for level in higher {
+            above.push_rows(&level.A);
+        }
+        let open = Decomposition::new(&above).times_null_space(J);
+        Self { objective, reachable: Decomposition::with_scale(&open, objective.norm).range() }
     }
 
     /// After the usual level was solved in `usual`: replaces its solution, found in `before`, if the limits bend the task.
@@ -56,41 +59,42 @@ impl<'a> ScaledTask<'a> {
         before: &FeasibleSet,
         usual: &mut FeasibleSet,
         guesses: [Option<&ActiveSet>; LEVELS],
-    ) -> Result<Scaling, SvdError> {
-        let Objective { A: J, b: xdot, .. } = self.objective;
-        let size = J.norm() * usual.base().norm() + xdot.norm();
-        if relative(&(self.reachable.transpose() * (J * usual.base() - xdot)), size) <= KEPT {
-            return Ok(Scaling { factor: Some(1.0), levels: Vec::new() });
+        solver: &mut LevelSolver,
+    ) -> Scaling {
+        let Objective { A: J, b: xdot, norm, .. } = self.objective;
+        let size = norm * usual.base().norm() + xdot.norm();
+        if relative((&self.reachable * &(&(J * usual.base()) - xdot)).amax(), size) <= KEPT {
+            return Scaling { factor: Some(1.0), levels: Vec::new() };
         }
         let mut scaled = before.with_scale();
         let direction = self.direction();
-        let first = level::solve(&scaled.reduce(&direction), guesses[0])?;
-        scaled.keep(&direction, &first)?;
-        let size = direction.A.norm() * scaled.base().norm().max(1.0);
-        if xdot.norm() == 0.0 || relative(&(&direction.A * scaled.base()), size) > KEPT {
-            return Ok(Scaling { factor: None, levels: vec![first] });
+        let first = solver.solve(&scaled.reduce(&direction), guesses[0]);
+        scaled.keep(&direction, &first);
+        let size = direction.norm * scaled.base().norm().max(1.0);
+        if xdot.norm() == 0.0 || relative((&direction.A * scaled.base()).amax(), size) > KEPT {
+            return Scaling { factor: None, levels: vec![first] };
         }
         let magnitude = self.magnitude();
-        let second = level::solve(&scaled.reduce(&magnitude), guesses[1])?;
-        scaled.keep(&magnitude, &second)?;
-        Ok(Scaling { factor: Some(usual.take_over(&scaled)), levels: vec![first, second] })
+        let second = solver.solve(&scaled.reduce(&magnitude), guesses[1]);
+        scaled.keep(&magnitude, &second);
+        Scaling { factor: Some(usual.take_over(&scaled)), levels: vec![first, second] }
     }
 
     /// Uᵀ(J q̇ − s ẋ) → 0.
     fn direction(&self) -> Objective {
         let Objective { A: J, b: xdot, .. } = self.objective;
-        let U = self.reachable.transpose();
-        let mut rows = (&U * J).insert_column(J.ncols(), 0.0);
-        rows.set_column(J.ncols(), &-(U * xdot));
-        Objective::exact(&rows, Vector::zeros(rows.nrows()))
+        let (rows, n) = (&self.reachable * J, J.ncols());
+        let last = -&(&self.reachable * xdot);
+        let rows = TaskMatrix::from_fn(rows.nrows(), n + 1, |i, j| if j < n { rows[i][j] } else { last[i] });
+        let zero = TaskVector::zeros(rows.nrows());
+        Objective::exact(rows, zero)
     }
 
     /// s ‖ẋ‖ → ‖ẋ‖, so that multipliers count as those of the usual level do.
     fn magnitude(&self) -> Objective {
         let (size, n) = (self.objective.b.norm(), self.objective.A.ncols());
-        let mut row = Matrix::zeros(1, n + 1);
-        row[(0, n)] = size;
-        Objective::exact(&row, Vector::from_element(1, size))
+        let row = TaskMatrix::from_fn(1, n + 1, |_, j| if j == n { size } else { 0.0 });
+        Objective::exact(row, TaskVector::from_slice(&[size]))
     }
 }
 

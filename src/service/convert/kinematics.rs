@@ -6,7 +6,7 @@ use super::numbers::joint_vector;
 use super::pose::pose_answer;
 use super::resolve::known_robot;
 use crate::kinematics::{Configuration, link_frames};
-use crate::linalg::{Matrix, Svd};
+use crate::linalg::{Decomposition, TaskMatrix};
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
 use crate::wire;
@@ -19,8 +19,9 @@ pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<
     let configuration = Configuration::new(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
     let links = link_frames(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
     let jacobian = configuration.jacobian();
-    let svd = Svd::new(&Matrix::from_column_slice(6, jacobian.ncols(), jacobian.as_slice()))
-        .map_err(|error| Problem::invalid(pointer, error))?;
+    let rows = TaskMatrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]);
+    let decomposition = Decomposition::singular(&rows, rows.norm());
+    let singular_values = decomposition.singular_values();
     let link = |(joint, frame): (&crate::robot::Joint, &IsometryMatrix3<f64>)| wire::LinkFrame {
         joint: joint.name.clone(),
         pose: pose_answer(frame),
@@ -28,8 +29,8 @@ pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<
     Ok(wire::KinematicsAnswer {
         pose: pose_answer(configuration.tool_pose()),
         jacobian: jacobian.row_iter().map(|row| row.iter().copied().collect()).collect(),
-        singular_values: svd.singular_values().to_vec(),
-        manipulability: svd.manipulability(),
+        singular_values: singular_values.to_vec(),
+        manipulability: singular_values.iter().product::<f64>().min(f64::MAX),
         links: robot.joints().iter().zip(&links).map(link).collect(),
     })
 }

@@ -1,0 +1,220 @@
+//! Vectors of the size of a task: stored in place, on the heap only where they are larger.
+
+use std::ops::{Add, AddAssign, Deref, DerefMut, Mul, Neg, Sub, SubAssign};
+
+use smallvec::SmallVec;
+
+use super::Vector;
+use super::lanes::{LANES, Lanes, add_scaled, dot};
+
+/// A column of up to 16 entries in place, of more on the heap.
+#[derive(Debug, PartialEq, Default)]
+pub struct TaskVector {
+    len: usize,
+    lanes: SmallVec<[Lanes; 4]>,
+}
+
+impl Clone for TaskVector {
+    #[inline]
+    fn clone(&self) -> Self {
+        Self { len: self.len, lanes: SmallVec::from_slice(&self.lanes) }
+    }
+}
+
+impl TaskVector {
+    /// `len` zeros.
+    #[inline]
+    pub fn zeros(len: usize) -> Self {
+        Self { len, lanes: SmallVec::from_elem([0.0; LANES], len.div_ceil(LANES)) }
+    }
+
+    /// Becomes `len` zeros.
+    #[inline]
+    pub fn reset(&mut self, len: usize) {
+        *self = Self::zeros(len);
+    }
+
+    /// Entry by entry.
+    #[inline]
+    pub fn from_fn(len: usize, mut entry: impl FnMut(usize) -> f64) -> Self {
+        let mut vector = Self::zeros(len);
+        vector.iter_mut().enumerate().for_each(|(i, x)| *x = entry(i));
+        vector
+    }
+
+    /// A copy.
+    #[inline]
+    pub fn from_slice(entries: &[f64]) -> Self {
+        let mut vector = Self::zeros(entries.len());
+        vector.copy_from_slice(entries);
+        vector
+    }
+
+    /// Zeros, but for a one at `place`.
+    #[inline]
+    pub fn unit(len: usize, place: usize) -> Self {
+        let mut unit = Self::zeros(len);
+        unit[place] = 1.0;
+        unit
+    }
+
+    /// Adds an entry.
+    #[inline]
+    pub fn push(&mut self, entry: f64) {
+        self.len += 1;
+        self.lanes.resize(self.len.div_ceil(LANES), [0.0; LANES]);
+        let last = self.len - 1;
+        self[last] = entry;
+    }
+
+    /// Keeps the first `len` entries.
+    #[inline]
+    pub fn truncate(&mut self, len: usize) {
+        self[len..].fill(0.0);
+        self.len = len;
+        self.lanes.truncate(len.div_ceil(LANES));
+    }
+
+    /// Becomes a copy.
+    #[inline]
+    pub fn copy_from(&mut self, entries: &[f64]) {
+        self.reset(entries.len());
+        self.copy_from_slice(entries);
+    }
+
+    /// As a vector of any size.
+    #[inline]
+    pub fn to_vector(&self) -> Vector {
+        Vector::from_column_slice(self)
+    }
+
+    #[inline]
+    pub(super) fn lanes(&self) -> &[Lanes] {
+        &self.lanes
+    }
+
+    #[inline]
+    pub(super) fn lanes_mut(&mut self) -> &mut [Lanes] {
+        &mut self.lanes
+    }
+
+    /// Σ x_i y_i.
+    #[inline]
+    pub fn dot(&self, other: &Self) -> f64 {
+        dot(&self.lanes, &other.lanes)
+    }
+
+    /// ‖x‖.
+    #[inline]
+    pub fn norm(&self) -> f64 {
+        self.dot(self).sqrt()
+    }
+
+    /// ‖x‖_∞, 0 for no entry at all; NaN where an entry is.
+    #[inline]
+    pub fn amax(&self) -> f64 {
+        self.iter().fold(0.0, |most: f64, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
+    }
+
+    /// x ← x + factor y.
+    #[inline]
+    pub fn add_scaled(&mut self, factor: f64, y: &Self) {
+        add_scaled(&mut self.lanes, factor, &y.lanes);
+    }
+
+    /// The entries of both, one after the other.
+    #[must_use]
+    #[inline]
+    pub fn concatenated(&self, other: &Self) -> Self {
+        let mut both = Self::zeros(self.len + other.len);
+        both[..self.len].copy_from_slice(self);
+        both[self.len..].copy_from_slice(other);
+        both
+    }
+
+    /// x with `f` applied to each entry.
+    #[must_use]
+    #[inline]
+    pub fn map(&self, mut f: impl FnMut(f64) -> f64) -> Self {
+        Self::from_fn(self.len, |i| f(self[i]))
+    }
+}
+
+impl Deref for TaskVector {
+    type Target = [f64];
+
+    #[inline]
+    fn deref(&self) -> &[f64] {
+        &self.lanes.as_flattened()[..self.len]
+    }
+}
+
+impl DerefMut for TaskVector {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.lanes.as_flattened_mut()[..self.len]
+    }
+}
+
+impl From<&Vector> for TaskVector {
+    #[inline]
+    fn from(vector: &Vector) -> Self {
+        Self::from_slice(vector.as_slice())
+    }
+}
+
+impl AddAssign<&Self> for TaskVector {
+    #[inline]
+    fn add_assign(&mut self, other: &Self) {
+        self.add_scaled(1.0, other);
+    }
+}
+
+impl SubAssign<&Self> for TaskVector {
+    #[inline]
+    fn sub_assign(&mut self, other: &Self) {
+        self.add_scaled(-1.0, other);
+    }
+}
+
+impl Add for &TaskVector {
+    type Output = TaskVector;
+
+    #[inline]
+    fn add(self, other: Self) -> TaskVector {
+        let mut sum = self.clone();
+        sum += other;
+        sum
+    }
+}
+
+impl Sub for &TaskVector {
+    type Output = TaskVector;
+
+    #[inline]
+    fn sub(self, other: Self) -> TaskVector {
+        let mut difference = self.clone();
+        difference -= other;
+        difference
+    }
+}
+
+impl Mul<f64> for &TaskVector {
+    type Output = TaskVector;
+
+    #[inline]
+    fn mul(self, factor: f64) -> TaskVector {
+        let mut product = self.clone();
+        product.iter_mut().for_each(|x| *x *= factor);
+        product
+    }
+}
+
+impl Neg for &TaskVector {
+    type Output = TaskVector;
+
+    #[inline]
+    fn neg(self) -> TaskVector {
+        self * -1.0
+    }
+}
