@@ -29,6 +29,7 @@ struct Level {
 
 /// One line of the table.
 #[derive(Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the solver")]
 struct Setting {
     name: &'static str,
     persistent: bool,
