@@ -24,7 +24,7 @@ pub struct ClarabelLevels {
 }
 
 /// Sizes whose solvers are kept; levels of one problem have a handful.
-const MOST_KEPT: usize = 32;
+const MOST_KEPT: usize = 16;
 
 impl ClarabelLevels {
     /// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0: the limits that are active, `None`
