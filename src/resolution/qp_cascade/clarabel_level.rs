@@ -144,7 +144,7 @@ impl Scale {
     }
 }
 
-/// Kept, overwritten, and without equilibration and refinement, a solver takes 0.61 of the time of a new one with the
+/// Kept, overwritten, and without equilibration and refinement, a solver takes 0.63 of the time of a new one with the
 /// defaults, or 0.56 at a tolerance of 1e-8; at 1e-6 it finds the wrong limits in 1.5 % of the levels
 /// (`benches/clarabel.rs`).
 fn settings() -> DefaultSettings<f64> {
