@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use divan::{Bencher, black_box};
-use revprio::controller::Limits;
+use revprio::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows};
 use revprio::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
+use revprio::law::{Law, Profile};
 use revprio::limits::{LimitKind, VelocityBox};
 use revprio::linalg::{Decomposition, TaskMatrix, TaskVector, Vector};
 use revprio::resolution::{Problem, Resolution, Resolver, Solver};
@@ -143,6 +144,31 @@ fn auto_two_tasks_limited_cycles(bencher: Bencher) {
 #[divan::bench(sample_count = 1000, sample_size = 1)]
 fn qp_two_tasks(bencher: Bencher) {
     Trajectory::new(Solver::Qp).run(bencher);
+}
+
+/// A whole control period: laws, kinematics, resolution, memory.
+#[divan::bench(args = [Solver::ClosedForm, Solver::Auto, Solver::Qp], sample_count = 1000, sample_size = 1)]
+fn controller_step(bencher: Bencher, solver: Solver) {
+    let task = |name: &str, axes: &[Axis], amplitude: f64| {
+        let rows = ToolRows::new(AxisSelection::new(axes).unwrap());
+        let (zeros, swing) = (vec![0.0; axes.len()], vec![amplitude; axes.len()]);
+        let law = Law::Velocity(Profile::sine(zeros, swing, std::f64::consts::TAU, 0.0).unwrap());
+        TaskConfig { name: name.to_owned(), rows: TaskRows::Tool(rows), law, scaled: false }
+    };
+    let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task("swing", &[Axis::X], 0.4), task("hold", &others, 0.0)];
+    let limits = Limits::Fixed(VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap());
+    let controller =
+        Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
+    let (mut workspace, mut memory) = (controller.workspace().unwrap(), None);
+    let joint_position = POSTURE.to_vec();
+    let mut measured = Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6] };
+    bencher.bench_local(|| {
+        let command = controller.step_in(&mut workspace, &mut memory, &measured).unwrap();
+        let speeds = command.resolution.joint_velocity.iter();
+        measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += 1e-3 * speed);
+        measured.time_s += 1e-3;
+    });
 }
 
 /// The robot's own limits at a state.

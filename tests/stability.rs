@@ -106,7 +106,8 @@ fn a_warned_controller_swings_up_and_the_recommended_damping_settles() {
     let warnings_of_lagging = warnings(&lagging);
     assert_eq!(warnings_of_lagging.len(), 1);
     let [early, late] = swings(&client, &lagging);
-    assert!(late > early && late > 1000.0, "{early} N, then {late} N");
+    // By the second second it swings through the whole reach of the arm, and cannot swing wider.
+    assert!(early > 1000.0 && late > 1000.0, "{early} N, then {late} N");
 
     let (_, advice) = warnings_of_lagging[0].split_once("damping of at least ").unwrap();
     let recommended: f64 = advice.split(' ').next().unwrap().parse().unwrap();

@@ -24,7 +24,7 @@ pub struct ClarabelLevels {
 }
 
 /// Sizes whose solvers are kept; levels of one problem have a handful.
-const MOST_KEPT: usize = 32;
+const MOST_KEPT: usize = 16;
 
 impl ClarabelLevels {
     /// min ‖C z − d‖² s.t. the level's bounds, as ½ zᵀP z + qᵀz s.t. A z + s = b, s ≥ 0: the limits that are active, `None`
@@ -144,6 +144,9 @@ impl Scale {
     }
 }
 
+/// Kept, overwritten, and without equilibration and refinement, a solver takes 0.63 of the time of a new one with the
+/// defaults, or 0.56 at a tolerance of 1e-8; at 1e-6 it finds the wrong limits in 1.5 % of the levels
+/// (`benches/clarabel.rs`).
 fn settings() -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
