@@ -1,12 +1,12 @@
 //! One thread for all connections, or one per core: neither is pinned, the load runs beside them.
 
 use super::connection::Connection;
-use super::subject::{Call, UnderTest};
+use super::subject::{Call, UnderTest, patient};
 use super::throughput::in_turns;
 use crate::bench::BenchError;
 use crate::bench::row::Row;
 use crate::bench::timing::{Budget, Subject, side_by_side};
-use crate::service::{App, Robots, RunningServer, router};
+use crate::service::{RunningServer, router};
 
 /// Connections under load.
 const MANY: usize = 64;
@@ -14,7 +14,7 @@ const MANY: usize = 64;
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let one = UnderTest::start()?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let all = UnderTest::on(RunningServer::start_on(cores, &router(App::new(Robots::built_in())))?)?;
+    let all = UnderTest::on(RunningServer::start_on(cores, &router(patient()))?)?;
     let mut single = Connection::open(one.address, one.request(Call::Session))?;
     let mut spread = Connection::open(all.address, all.request(Call::Session))?;
     let times = side_by_side(

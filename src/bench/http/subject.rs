@@ -1,13 +1,14 @@
 //! The service under test and the bytes that it is sent.
 
 use std::net::SocketAddr;
+use std::time::Duration;
 
 use serde::de::DeserializeOwned;
 
 use super::connection::{Connection, NUMBER, Request};
 use crate::bench::BenchError;
 use crate::client::Client;
-use crate::service::{App, Robots, RunningServer, router};
+use crate::service::{App, Robots, RunningServer, ServiceConfig, router};
 use crate::wire;
 
 /// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
@@ -41,10 +42,15 @@ pub struct UnderTest {
     session: String,
 }
 
+/// The service, but for its refusals when the machine stops for some milliseconds, as a busy virtual one does.
+pub fn patient() -> App {
+    App::with_config(Robots::built_in(), ServiceConfig { max_lag: Duration::from_secs(10), ..ServiceConfig::default() })
+}
+
 impl UnderTest {
     /// Starts one on this thread's cores.
     pub fn start() -> Result<Self, BenchError> {
-        Self::on(RunningServer::start(router(App::new(Robots::built_in())))?)
+        Self::on(RunningServer::start(router(patient()))?)
     }
 
     /// The service that runs already.
