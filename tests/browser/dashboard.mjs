@@ -127,6 +127,26 @@ test('a killed server is noticed, and its return too', within, async () => {
   await next.stop();
 });
 
+test('an overloaded server is named, with what to do, and is tried again', within, async () => {
+  const service = await serve();
+  const { page, complaints, close } = await open(browser, service.url);
+  await until(page, 'link', 'ready');
+  const problem = { type: '/problems/overloaded', title: 'The service has too much to do', status: 503, detail: 'send fewer requests' };
+  await page.route('**/v1/simulations', (route) => route.fulfill({
+    status: 503, headers: { 'retry-after': '1' }, contentType: 'application/problem+json', body: JSON.stringify(problem),
+  }));
+  await page.click('#go');
+  await until(page, 'link', 'overloaded');
+  assert.match(await page.textContent('#notice'), /too much to do/);
+  await page.unroute('**/v1/simulations');
+  await until(page, 'link', 'ready');
+  await page.click('#go');
+  await until(page, 'phase', 'running', 'finished');
+  assert.deepEqual(complaints, []);
+  await close();
+  await service.stop();
+});
+
 test('a session of another client is watched, with the token that the service needs', within, async () => {
   const service = await serve(0, 's3cret-word');
   const { page, complaints, close } = await open(browser, service.url);

@@ -59,7 +59,10 @@ export class Run {
 
   /** @param {SimulationControl} order */
   async control(order) {
-    if (!this.ended) this.simulation = await post(`${this.path}/control`, order);
+    if (this.ended) return;
+    const simulation = await post(`${this.path}/control`, order);
+    // The last frame may have come before this answer, and knows more.
+    if (!this.ended) this.simulation = simulation;
   }
 
   /** Forgets the run, here and in the service. */
