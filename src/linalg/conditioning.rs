@@ -13,28 +13,46 @@ const WELL_CONDITIONED: f64 = 1e-3;
 #[derive(Debug, Clone, Default)]
 pub struct Conditioning {
     rank: usize,
-    /// L and L⁻¹ where they say enough.
-    triangle: Option<[TaskMatrix; 2]>,
-    /// σ_min and the product of all singular values, where they were computed.
-    singular: [f64; 2],
+    /// Whether L⁻¹ says enough; else σ_min was computed.
+    by_triangle: bool,
+    /// L⁻¹.
+    inverse: TaskMatrix,
+    smallest: f64,
+    product: f64,
+    /// Room to work in.
+    room: TaskMatrix,
+    decomposition: Decomposition,
 }
 
 impl Conditioning {
-    /// Of the rows `A`, of which `triangle` is one with the same singular values where there is one.
-    pub fn new(A: &TaskMatrix, triangle: Option<TaskMatrix>, damping: Option<Damping>) -> Self {
-        let norm = A.norm();
+    /// Becomes that of [A; B], whose Frobenius norm is `norm`.
+    ///
+    /// `own` decomposes A, and `below`, with its rows, B in the frame of A from the first open coordinate on.
+    pub fn update(
+        &mut self,
+        [A, B]: [&TaskMatrix; 2],
+        norm: f64,
+        own: &Decomposition,
+        below: &Decomposition,
+        damping: Option<Damping>,
+    ) {
         let bound = damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm);
-        if let Some(L) = triangle {
-            let inverse = triangle::inverse(&L);
-            if 1.0 / inverse.norm() >= bound {
-                return Self { rank: L.nrows(), triangle: Some([L, inverse]), singular: [0.0; 2] };
+        if own.write_triangle(below, &mut self.inverse) {
+            self.rank = self.inverse.nrows();
+            self.product = (0..self.rank).map(|i| self.inverse[i][i].abs()).product();
+            triangle::invert(&mut self.inverse);
+            self.by_triangle = 1.0 / self.inverse.norm() >= bound;
+            if self.by_triangle {
+                return;
             }
         }
-        let decomposition = Decomposition::singular(A, norm);
-        let values = decomposition.singular_values();
-        let product = values.iter().product::<f64>().min(f64::MAX);
-        let singular = [decomposition.smallest(), product];
-        Self { rank: decomposition.rank(), triangle: None, singular }
+        self.by_triangle = false;
+        self.room.copy_from(A);
+        self.room.push_rows(B);
+        self.decomposition.decompose_singular(&self.room, 0, norm);
+        self.rank = self.decomposition.rank();
+        self.smallest = self.decomposition.smallest();
+        self.product = self.decomposition.singular_values().iter().product();
     }
 
     /// Number of singular values that count as non-zero.
@@ -45,19 +63,18 @@ impl Conditioning {
     /// λ that `damping` gives at σ_min; 0 without damping.
     pub fn damping_factor(&self, damping: Option<Damping>) -> f64 {
         match damping {
-            Some(damping) if self.triangle.is_none() => damping.factor(self.singular[0]),
+            Some(damping) if !self.by_triangle => damping.factor(self.smallest),
             _ => 0.0,
         }
     }
 
     /// σ_min, the min(m, n)-th singular value; 0 for an empty matrix.
-    pub fn smallest(&self) -> f64 {
-        self.triangle.as_ref().map_or(self.singular[0], |[_, inverse]| 1.0 / triangle::spectral_norm(inverse))
+    pub fn smallest(&mut self) -> f64 {
+        if self.by_triangle { 1.0 / triangle::spectral_norm(&self.inverse, &mut self.room) } else { self.smallest }
     }
 
     /// Product of the singular values, √det(A Aᵀ) for m ≤ n; the largest number where the product is larger.
     pub fn manipulability(&self) -> f64 {
-        let product = |L: &TaskMatrix| (0..L.nrows()).map(|i| L[i][i].abs()).product::<f64>().min(f64::MAX);
-        self.triangle.as_ref().map_or(self.singular[1], |[L, _]| product(L))
+        self.product.min(f64::MAX)
     }
 }

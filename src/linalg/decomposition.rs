@@ -30,8 +30,10 @@ pub struct Decomposition {
     reflections: Reflections,
     core: Core,
     /// Of the core where the rank is below the number of rows: its own reflections.
-    across: Reflections,
+    across: Option<Box<Reflections>>,
     singular: Option<Box<Singular>>,
+    /// Room to work in.
+    room: TaskMatrix,
 }
 
 /// What stands between the frame and the rows.
@@ -82,7 +84,8 @@ impl Decomposition {
             self.decompose_singular(A, first, scale);
         } else if self.rank < self.rows {
             self.core = Core::Across;
-            self.across.make(&self.reflections.R, 0, Order::Given);
+            self.reflections.write_upright(&mut self.room);
+            self.across.get_or_insert_default().make(&self.room, 0, Order::Given);
         }
     }
 
@@ -93,8 +96,9 @@ impl Decomposition {
         // A scale beyond the numbers leaves nothing above it.
         let zero = if cut.is_finite() { SMALLEST } else { cut };
         self.reflections.make(A, first, Order::LongestAbove(zero));
+        self.reflections.write_upright(&mut self.room);
         let singular = self.singular.get_or_insert_default();
-        singular.decompose(&self.reflections.R, self.rows.min(self.columns - first));
+        singular.decompose(&self.room, self.rows.min(self.columns - first));
         self.rank = singular.values().iter().filter(|&&sigma| sigma > cut).count();
         self.core = Core::Singular;
     }
@@ -115,21 +119,29 @@ impl Decomposition {
     }
 
     /// Whether all min(m, n) singular values are above `bound` for certain; `false` says nothing.
-    pub fn exceeds(&self, bound: f64) -> bool {
+    pub fn exceeds(&mut self, bound: f64) -> bool {
         self.is_full() && self.certainly_above(bound)
     }
 
     /// Whether the first r singular values are above `bound` for certain.
-    fn certainly_above(&self, bound: f64) -> bool {
+    fn certainly_above(&mut self, bound: f64) -> bool {
         let Some(last) = self.rank.checked_sub(1) else { return true };
         if let Some(singular) = self.by_values() {
             return singular.values()[last] > bound;
         }
-        // Of a triangle of the longest rows first, σ_r ≥ 2^(1 − r) |R_rr| (Faddeev, Kublanovskaya and Faddeeva), and of
-        // any, σ_r ≥ 1/‖R⁻¹‖.
-        let corner = self.reflections.R[last][self.reflections.order[last]].abs();
-        corner * (0..last).fold(1.0, |halves, _| 0.5 * halves) > bound
-            || 1.0 / triangle::inverse(&self.reflections.triangle()).norm() > bound
+        // Of a triangle of the longest rows first, σ_r ≥ 2^(1 − r) |L_rr| (Faddeev, Kublanovskaya and Faddeeva), and of
+        // any, σ_r ≥ 1/‖L⁻¹‖.
+        let corner = self.reflections.L[last][self.reflections.first + last].abs();
+        corner * (0..last).fold(1.0, |halves, _| 0.5 * halves) > bound || self.inverse_below(1.0 / bound)
+    }
+
+    /// Whether the leading triangle has an inverse shorter than `size`.
+    fn inverse_below(&mut self, size: f64) -> bool {
+        let (L, first, r) = (&self.reflections.L, self.reflections.first, self.rank);
+        self.room.reset(r, r);
+        (0..r).for_each(|i| self.room[i][..=i].copy_from_slice(&L[i][first..=first + i]));
+        triangle::invert(&mut self.room);
+        self.room.norm() < size
     }
 
     /// The singular value decomposition of the core, where that is what it is.
@@ -176,19 +188,17 @@ impl Decomposition {
 
     /// Vᵀ A⁺ b: the shortest x that minimises ‖A x − b‖, in the frame.
     pub fn solve_in_frame(&self, b: &TaskVector) -> TaskVector {
-        let mut x = TaskVector::zeros(self.columns);
-        let first = self.reflections.first;
-        let seen = match self.core {
-            Core::Triangle => self.reflections.solve_transposed(b),
-            Core::Across => {
+        match (self.core, self.across.as_deref()) {
+            (Core::Triangle, _) => self.reflections.solve(b),
+            (Core::Across, Some(across)) => {
                 let mut c = b.clone();
-                self.across.turn(c.lanes_mut());
-                self.across.solve(&c)
+                across.turn(c.lanes_mut());
+                let mut x = TaskVector::zeros(self.columns);
+                x[self.reflections.first..][..self.rank].copy_from_slice(&across.solve_transposed(&c));
+                x
             }
-            Core::Singular => return self.damped_in_frame(b, 0.0),
-        };
-        x[first..first + self.rank].copy_from_slice(&seen);
-        x
+            _ => self.damped_in_frame(b, 0.0),
+        }
     }
 
     /// Vᵀ Aᵀ(A Aᵀ + λ² I)⁻¹ b, for a decomposition by singular values: the x that minimises ‖A x − b‖² + λ² ‖x‖², in the
@@ -234,57 +244,50 @@ impl Decomposition {
         seen
     }
 
-    /// B N with an orthonormal basis N of {x : A x = 0}, n × (n − rank).
-    pub fn times_null_space(&self, B: &TaskMatrix) -> TaskMatrix {
-        let mut product = B.clone();
-        self.rows_to_frame(&mut product);
-        product.columns_from(self.open())
+    /// B ← B N with an orthonormal basis N of {x : A x = 0}, n × (n − rank).
+    pub fn to_null_space(&self, B: &mut TaskMatrix) {
+        self.rows_to_frame(B);
+        B.keep_columns_from(self.open());
     }
 
     /// N, an orthonormal basis of {x : A x = 0}, n × (n − rank).
     pub fn null_space(&self) -> TaskMatrix {
-        self.times_null_space(&TaskMatrix::identity(self.columns))
+        let mut N = TaskMatrix::identity(self.columns);
+        self.to_null_space(&mut N);
+        N
     }
 
-    /// An orthonormal basis of {A x} as rows, rank × m.
-    pub fn range(&self) -> TaskMatrix {
-        let mut basis = TaskMatrix::zeros(self.rank, self.rows);
+    /// Becomes an orthonormal basis of {A x} as rows, rank × m.
+    pub fn write_range(&self, basis: &mut TaskMatrix) {
+        basis.reset(self.rank, self.rows);
         for i in 0..self.rank {
             if let Some(singular) = self.by_values() {
                 basis.row_mut(i).copy_from_slice(singular.left(i));
                 continue;
             }
-            basis[i][i] = 1.0;
-            if self.core == Core::Across {
-                self.across.turn_back(basis.row_mut(i));
+            match self.across.as_deref().filter(|_| self.core == Core::Across) {
+                Some(across) => {
+                    basis[i][i] = 1.0;
+                    across.turn_back(basis.row_mut(i));
+                }
+                None => basis[i][i] = 1.0,
             }
         }
-        basis
     }
 
-    /// A lower triangle with all min(m, n) singular values of A; `None` where some count as zero, or are known already.
-    pub fn triangle(&self) -> Option<TaskMatrix> {
-        match self.core {
-            Core::Triangle if self.is_full() => Some(self.reflections.triangle()),
-            Core::Across if self.is_full() => Some(self.across.triangle()),
-            _ => None,
+    /// Becomes a lower triangle with all singular values of [A; B]; whether there is one: where both see as many directions
+    /// as they have rows.
+    ///
+    /// `next` decomposes the rows of B in this frame, B V as [`Self::rows_to_frame`] gives them, from the first open
+    /// coordinate on.
+    pub(super) fn write_triangle(&self, next: &Self, L: &mut TaskMatrix) -> bool {
+        let sees_all = |part: &Self| part.core == Core::Triangle && part.rank == part.rows;
+        let exists = sees_all(self) && sees_all(next) && self.reflections.first == 0;
+        if exists {
+            let parts = [(&self.reflections.L, self.rank), (&next.reflections.L, next.rank)];
+            L.become_corner(self.rank + next.rank, parts);
         }
-    }
-
-    /// Rows of `below`, B V as [`Self::rows_to_frame`] gives it, decomposed by `next` from the first open coordinate on:
-    /// a lower triangle with the singular values of [A; B], where both see as many directions as they have rows.
-    pub fn triangle_with(&self, below: &TaskMatrix, next: &Self) -> Option<TaskMatrix> {
-        if self.core != Core::Triangle || next.core != Core::Triangle || self.reflections.first > 0 {
-            return None;
-        }
-        let (r, m) = (self.rank, self.rank + next.rank);
-        let (upper, lower) = (&self.reflections, &next.reflections);
-        Some(TaskMatrix::from_fn(m, m, |i, j| match (i.checked_sub(r), j.checked_sub(r)) {
-            _ if j > i => 0.0,
-            (None, _) => upper.R[j][upper.order[i]],
-            (Some(i), None) => below[lower.order[i]][j],
-            (Some(i), Some(j)) => lower.R[j][lower.order[i]],
-        }))
+        exists
     }
 }
 

@@ -1,11 +1,31 @@
 //! Rows of numbers in groups of four, the last group filled up with zeros, so that products take whole groups and never a
 //! remainder. Sums have one fixed order: the same numbers give the same bits on every machine.
+//!
+//! A matrix is its rows one after the other, each of as many groups as the vectors that it is multiplied with. Loops over
+//! rows are compiled once for each usual length, up to eight joints, and once for any other.
 
 /// Entries that are treated together.
 pub const LANES: usize = 4;
 
 /// A group of entries.
 pub type Lanes = [f64; LANES];
+
+/// Groups that `entries` take.
+#[inline]
+pub fn groups(entries: usize) -> usize {
+    entries.div_ceil(LANES)
+}
+
+/// Does `work` with a number of groups that the compiler knows where it is a usual one.
+#[inline]
+fn with_known(groups: usize, work: impl FnOnce(usize)) {
+    match groups {
+        0 => {}
+        1 => work(1),
+        2 => work(2),
+        more => work(more),
+    }
+}
 
 /// Σ a_i b_i.
 #[inline]
@@ -27,4 +47,53 @@ pub fn add_scaled(y: &mut [Lanes], factor: f64, x: &[Lanes]) {
             y[lane] += factor * x[lane];
         }
     }
+}
+
+/// y ← A x, row by row.
+#[inline]
+pub fn rows_times(rows: &[Lanes], x: &[Lanes], y: &mut [f64]) {
+    with_known(x.len(), |groups| {
+        rows.chunks_exact(groups).zip(y).for_each(|(row, y)| *y = dot(row, &x[..groups]));
+    });
+}
+
+/// y ← y + Aᵀ x, row by row.
+#[inline]
+pub fn add_rows(y: &mut [Lanes], x: &[f64], rows: &[Lanes]) {
+    with_known(y.len(), |groups| {
+        rows.chunks_exact(groups).zip(x).for_each(|(row, &x)| add_scaled(&mut y[..groups], x, row));
+    });
+}
+
+/// x ← (I − gain v vᵀ) x for each of some rows; `each` is given the row's number and the row.
+#[inline]
+pub fn reflect_rows(rows: &mut [Lanes], v: &[Lanes], gain: f64, mut each: impl FnMut(usize, &mut [Lanes])) {
+    with_known(v.len(), |groups| {
+        for (i, x) in rows.chunks_exact_mut(groups).enumerate() {
+            add_scaled(x, -gain * dot(&v[..groups], x), &v[..groups]);
+            each(i, x);
+        }
+    });
+}
+
+/// x ← H x for one reflection after the other, `vs` their vectors.
+#[inline]
+pub fn reflect_all(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
+    with_known(x.len(), |groups| {
+        let x = &mut x[..groups];
+        for (v, gain) in vs.chunks_exact(groups).zip(gains) {
+            add_scaled(x, -gain * dot(v, x), v);
+        }
+    });
+}
+
+/// The same, the last reflection first.
+#[inline]
+pub fn reflect_all_back(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
+    with_known(x.len(), |groups| {
+        let x = &mut x[..groups];
+        for (v, gain) in vs.chunks_exact(groups).zip(gains).rev() {
+            add_scaled(x, -gain * dot(v, x), v);
+        }
+    });
 }

@@ -1,9 +1,7 @@
 //! Singular values and vectors by one-sided Jacobi rotations.
 #![allow(non_snake_case)]
 
-use smallvec::SmallVec;
-
-use super::TaskMatrix;
+use super::{TaskMatrix, TaskVector};
 use super::lanes::{Lanes, add_scaled, dot};
 
 /// Cosine of the angle between two rows that counts as rounding.
@@ -18,7 +16,7 @@ const MOST_SWEEPS: usize = 60;
 /// values keep their relative accuracy.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Singular {
-    values: SmallVec<[f64; 16]>,
+    values: Vec<f64>,
     /// Uᵀ, rows of length 1, or 0 where the singular value is 0.
     U_t: TaskMatrix,
     J: TaskMatrix,
@@ -95,15 +93,15 @@ impl Singular {
 
     /// x ← J x for the coordinates x, as many as rows.
     pub fn turn(&self, x: &mut [f64]) {
-        let before: SmallVec<[f64; 16]> = SmallVec::from_slice(x);
+        let before = TaskVector::from_slice(x);
         for (i, x) in x.iter_mut().enumerate() {
-            *x = self.J[i].iter().zip(&before).map(|(a, b)| a * b).sum();
+            *x = self.J.row_times(i, &before);
         }
     }
 
     /// x ← Jᵀ x.
     pub fn turn_back(&self, x: &mut [f64]) {
-        let mut after = super::TaskVector::zeros(x.len());
+        let mut after = TaskVector::zeros(x.len());
         for (i, &x) in x.iter().enumerate() {
             add_scaled(after.lanes_mut(), x, self.J.row(i));
         }

@@ -1,63 +1,44 @@
-//! Matrices of the size of a task: stored in place, on the heap only where they are larger.
+//! Matrices of the size of a task, to be overwritten again and again.
 #![allow(non_snake_case)]
 
 use std::ops::{Index, IndexMut, Mul};
 
-use smallvec::SmallVec;
-
-use super::lanes::{LANES, Lanes, add_scaled, dot};
+use super::lanes::{LANES, Lanes, add_rows, add_scaled, dot, groups, rows_times};
 use super::{Matrix, TaskVector};
 
 /// Length of a row, relative to what it was before a product with an orthonormal basis, that is rounding.
 const ROUNDING: f64 = 4e-15;
 
-/// Groups in place.
-const IN_PLACE: usize = 24;
-
-/// A matrix whose rows are treated one by one; in place up to, for example, 12 × 8.
-#[derive(Debug, PartialEq, Default)]
+/// A matrix whose rows are treated one by one. It keeps its memory: overwritten, it allocates only where it grows.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskMatrix {
     rows: usize,
     columns: usize,
-    lanes: SmallVec<[Lanes; IN_PLACE]>,
-}
-
-impl Clone for TaskMatrix {
-    #[inline]
-    fn clone(&self) -> Self {
-        Self { rows: self.rows, columns: self.columns, lanes: SmallVec::from_slice(&self.lanes) }
-    }
-
-    #[inline]
-    fn clone_from(&mut self, other: &Self) {
-        self.copy_from(other);
-    }
+    /// Groups per row.
+    stride: usize,
+    lanes: Vec<Lanes>,
 }
 
 impl TaskMatrix {
     /// Zeros.
     #[inline]
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, lanes: SmallVec::from_elem([0.0; LANES], rows * columns.div_ceil(LANES)) }
+        let stride = groups(columns);
+        Self { rows, columns, stride, lanes: vec![[0.0; LANES]; rows * stride] }
     }
 
     /// Becomes zeros.
     #[inline]
     pub fn reset(&mut self, rows: usize, columns: usize) {
-        (self.rows, self.columns) = (rows, columns);
-        let groups = rows * columns.div_ceil(LANES);
-        if self.lanes.len() == groups {
-            self.lanes.fill([0.0; LANES]);
-        } else {
-            self.lanes.clear();
-            self.lanes.resize(groups, [0.0; LANES]);
-        }
+        (self.rows, self.columns, self.stride) = (rows, columns, groups(columns));
+        self.lanes.clear();
+        self.lanes.resize(rows * self.stride, [0.0; LANES]);
     }
 
     /// Becomes a copy.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
-        (self.rows, self.columns) = (other.rows, other.columns);
+        (self.rows, self.columns, self.stride) = (other.rows, other.columns, other.stride);
         self.lanes.clear();
         self.lanes.extend_from_slice(&other.lanes);
     }
@@ -84,7 +65,16 @@ impl TaskMatrix {
     /// I.
     #[inline]
     pub fn identity(n: usize) -> Self {
-        Self::from_fn(n, n, |i, j| f64::from(u8::from(i == j)))
+        let mut identity = Self::default();
+        identity.become_identity(n);
+        identity
+    }
+
+    /// Becomes I.
+    #[inline]
+    pub fn become_identity(&mut self, n: usize) {
+        self.reset(n, n);
+        (0..n).for_each(|i| self[i][i] = 1.0);
     }
 
     /// As a matrix of any size.
@@ -105,27 +95,32 @@ impl TaskMatrix {
         self.columns
     }
 
-    /// Groups per row.
+    /// All rows, one after the other.
     #[inline]
-    pub(super) fn stride(&self) -> usize {
-        self.columns.div_ceil(LANES)
+    pub(super) fn lanes(&self) -> &[Lanes] {
+        &self.lanes
     }
 
     #[inline]
     pub(super) fn row(&self, i: usize) -> &[Lanes] {
-        let stride = self.stride();
-        &self.lanes[i * stride..(i + 1) * stride]
+        &self.lanes[i * self.stride..][..self.stride]
     }
 
     #[inline]
     pub(super) fn row_mut(&mut self, i: usize) -> &mut [Lanes] {
-        let stride = self.stride();
-        &mut self.lanes[i * stride..(i + 1) * stride]
+        &mut self.lanes[i * self.stride..][..self.stride]
     }
 
+    /// The rows from `first` on.
     #[inline]
-    pub(super) fn row_lanes(&self) -> impl Iterator<Item = &[Lanes]> {
-        self.lanes.chunks_exact(self.stride().max(1))
+    pub(super) fn rows_from_mut(&mut self, first: usize) -> &mut [Lanes] {
+        &mut self.lanes[first * self.stride..]
+    }
+
+    /// The rows before the i-th, and the others.
+    #[inline]
+    pub(super) fn split_rows_mut(&mut self, i: usize) -> (&mut [Lanes], &mut [Lanes]) {
+        self.lanes.split_at_mut(i * self.stride)
     }
 
     /// Row i times x.
@@ -182,13 +177,6 @@ impl TaskMatrix {
         }
     }
 
-    /// Keeps the first `count` rows.
-    #[inline]
-    pub(super) fn truncate(&mut self, count: usize) {
-        self.rows = count;
-        self.lanes.truncate(count * self.stride());
-    }
-
     #[inline]
     pub(super) fn swap_rows(&mut self, i: usize, j: usize) {
         if i != j {
@@ -209,7 +197,7 @@ impl TaskMatrix {
     /// Rows p < q.
     #[inline]
     fn pair(&mut self, p: usize, q: usize) -> (&mut [Lanes], &mut [Lanes]) {
-        let stride = self.stride();
+        let stride = self.stride;
         let (before, after) = self.lanes.split_at_mut(q * stride);
         (&mut before[p * stride..(p + 1) * stride], &mut after[..stride])
     }
@@ -218,10 +206,10 @@ impl TaskMatrix {
     #[inline]
     pub fn push_row(&mut self, row: &[f64]) {
         if self.rows == 0 {
-            self.columns = row.len();
+            (self.columns, self.stride) = (row.len(), groups(row.len()));
         }
         self.rows += 1;
-        self.lanes.resize(self.rows * self.stride(), [0.0; LANES]);
+        self.lanes.resize(self.rows * self.stride, [0.0; LANES]);
         let last = self.rows - 1;
         self[last].copy_from_slice(row);
     }
@@ -237,27 +225,61 @@ impl TaskMatrix {
         }
     }
 
+    /// Keeps the first `count` rows.
+    #[inline]
+    pub fn truncate(&mut self, count: usize) {
+        self.rows = count;
+        self.lanes.truncate(count * self.stride);
+    }
+
     /// The first `count` rows.
     #[must_use]
     #[inline]
     pub fn first_rows(&self, count: usize) -> Self {
-        Self { rows: count, columns: self.columns, lanes: self.lanes[..count * self.stride()].into() }
+        let lanes = self.lanes[..count * self.stride].into();
+        Self { rows: count, columns: self.columns, stride: self.stride, lanes }
     }
 
-    /// The columns from `first` on.
-    #[must_use]
+    /// Keeps the columns from `first` on.
     #[inline]
-    pub fn columns_from(&self, first: usize) -> Self {
-        Self::from_fn(self.rows, self.columns - first, |i, j| self[i][first + j])
+    pub fn keep_columns_from(&mut self, first: usize) {
+        let (columns, before) = (self.columns - first, self.stride);
+        (self.columns, self.stride) = (columns, groups(columns));
+        let (after, entries) = (self.stride, self.lanes.as_flattened_mut());
+        for i in 0..self.rows {
+            let (from, to) = (LANES * before * i + first, LANES * after * i);
+            entries.copy_within(from..from + columns, to);
+            entries[to + columns..to + LANES * after].fill(0.0);
+        }
+        self.lanes.truncate(self.rows * after);
+    }
+
+    /// Becomes the first `columns` columns of the rows of `upper`, and then of those of `lower`.
+    #[inline]
+    pub(super) fn become_corner(&mut self, columns: usize, parts: [(&Self, usize); 2]) {
+        let stride = groups(columns);
+        (self.rows, self.columns, self.stride) = (0, columns, stride);
+        self.lanes.clear();
+        for (part, rows) in parts {
+            self.rows += rows;
+            (0..rows).for_each(|i| self.lanes.extend_from_slice(&part.row(i)[..stride]));
+        }
+    }
+
+    /// Becomes A B.
+    #[inline]
+    pub fn become_product(&mut self, A: &Self, B: &Self) {
+        self.reset(A.rows, B.columns);
+        for i in 0..A.rows {
+            add_rows(self.row_mut(i), &A[i], &B.lanes);
+        }
     }
 
     /// Aᵀ x.
     #[inline]
     pub fn transposed_times(&self, x: &TaskVector) -> TaskVector {
         let mut product = TaskVector::zeros(self.columns);
-        for (row, &x) in self.row_lanes().zip(x.iter()) {
-            add_scaled(product.lanes_mut(), x, row);
-        }
+        add_rows(product.lanes_mut(), x, &self.lanes);
         product
     }
 
@@ -301,7 +323,7 @@ impl Mul<&TaskVector> for &TaskMatrix {
     #[inline]
     fn mul(self, x: &TaskVector) -> TaskVector {
         let mut product = TaskVector::zeros(self.rows);
-        product.iter_mut().zip(self.row_lanes()).for_each(|(y, row)| *y = dot(row, x.lanes()));
+        rows_times(&self.lanes, x.lanes(), &mut product);
         product
     }
 }
@@ -311,12 +333,8 @@ impl Mul for &TaskMatrix {
 
     #[inline]
     fn mul(self, other: Self) -> TaskMatrix {
-        let mut product = TaskMatrix::zeros(self.rows, other.columns);
-        for i in 0..self.rows {
-            for (k, row) in other.row_lanes().enumerate() {
-                add_scaled(product.row_mut(i), self[i][k], row);
-            }
-        }
+        let mut product = TaskMatrix::default();
+        product.become_product(self, other);
         product
     }
 }

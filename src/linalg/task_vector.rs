@@ -1,37 +1,29 @@
 //! Vectors of the size of a task: stored in place, on the heap only where they are larger.
 
+use std::fmt;
 use std::ops::{Add, AddAssign, Deref, DerefMut, Mul, Neg, Sub, SubAssign};
 
-use smallvec::SmallVec;
-
 use super::Vector;
-use super::lanes::{LANES, Lanes, add_scaled, dot};
+use super::lanes::{LANES, Lanes, add_scaled, dot, groups};
 
-/// A column of up to 16 entries in place, of more on the heap.
-#[derive(Debug, PartialEq, Default)]
+/// Groups in place: a vector of 128 bytes is copied by a few moves, a larger one by a call.
+const NEAR: usize = 3;
+
+/// A column of up to 12 entries in place, of more on the heap.
+#[derive(Clone, PartialEq, Default)]
 pub struct TaskVector {
     len: usize,
-    lanes: SmallVec<[Lanes; 4]>,
-}
-
-impl Clone for TaskVector {
-    #[inline]
-    fn clone(&self) -> Self {
-        Self { len: self.len, lanes: SmallVec::from_slice(&self.lanes) }
-    }
+    near: [Lanes; NEAR],
+    /// All groups of a vector that has no room in place.
+    far: Box<[Lanes]>,
 }
 
 impl TaskVector {
     /// `len` zeros.
     #[inline]
     pub fn zeros(len: usize) -> Self {
-        Self { len, lanes: SmallVec::from_elem([0.0; LANES], len.div_ceil(LANES)) }
-    }
-
-    /// Becomes `len` zeros.
-    #[inline]
-    pub fn reset(&mut self, len: usize) {
-        *self = Self::zeros(len);
+        let far = if groups(len) > NEAR { vec![[0.0; LANES]; groups(len)].into() } else { Box::default() };
+        Self { len, near: [[0.0; LANES]; NEAR], far }
     }
 
     /// Entry by entry.
@@ -61,25 +53,22 @@ impl TaskVector {
     /// Adds an entry.
     #[inline]
     pub fn push(&mut self, entry: f64) {
-        self.len += 1;
-        self.lanes.resize(self.len.div_ceil(LANES), [0.0; LANES]);
+        if groups(self.len + 1) == groups(self.len) {
+            self.len += 1;
+        } else {
+            let mut longer = Self::zeros(self.len + 1);
+            longer[..self.len].copy_from_slice(self);
+            *self = longer;
+        }
         let last = self.len - 1;
         self[last] = entry;
     }
 
-    /// Keeps the first `len` entries.
+    /// The first `len` entries.
+    #[must_use]
     #[inline]
-    pub fn truncate(&mut self, len: usize) {
-        self[len..].fill(0.0);
-        self.len = len;
-        self.lanes.truncate(len.div_ceil(LANES));
-    }
-
-    /// Becomes a copy.
-    #[inline]
-    pub fn copy_from(&mut self, entries: &[f64]) {
-        self.reset(entries.len());
-        self.copy_from_slice(entries);
+    pub fn first(&self, len: usize) -> Self {
+        Self::from_slice(&self[..len])
     }
 
     /// As a vector of any size.
@@ -90,18 +79,20 @@ impl TaskVector {
 
     #[inline]
     pub(super) fn lanes(&self) -> &[Lanes] {
-        &self.lanes
+        let groups = groups(self.len);
+        if groups <= NEAR { &self.near[..groups] } else { &self.far }
     }
 
     #[inline]
     pub(super) fn lanes_mut(&mut self) -> &mut [Lanes] {
-        &mut self.lanes
+        let groups = groups(self.len);
+        if groups <= NEAR { &mut self.near[..groups] } else { &mut self.far }
     }
 
     /// Σ x_i y_i.
     #[inline]
     pub fn dot(&self, other: &Self) -> f64 {
-        dot(&self.lanes, &other.lanes)
+        dot(self.lanes(), other.lanes())
     }
 
     /// ‖x‖.
@@ -119,7 +110,7 @@ impl TaskVector {
     /// x ← x + factor y.
     #[inline]
     pub fn add_scaled(&mut self, factor: f64, y: &Self) {
-        add_scaled(&mut self.lanes, factor, &y.lanes);
+        add_scaled(self.lanes_mut(), factor, y.lanes());
     }
 
     /// The entries of both, one after the other.
@@ -140,19 +131,25 @@ impl TaskVector {
     }
 }
 
+impl fmt::Debug for TaskVector {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.debug_list().entries(self.iter()).finish()
+    }
+}
+
 impl Deref for TaskVector {
     type Target = [f64];
 
     #[inline]
     fn deref(&self) -> &[f64] {
-        &self.lanes.as_flattened()[..self.len]
+        &self.lanes().as_flattened()[..self.len]
     }
 }
 
 impl DerefMut for TaskVector {
     #[inline]
     fn deref_mut(&mut self) -> &mut [f64] {
-        &mut self.lanes.as_flattened_mut()[..self.len]
+        { let len = self.len; &mut self.lanes_mut().as_flattened_mut()[..len] }
     }
 }
 

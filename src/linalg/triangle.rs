@@ -1,44 +1,39 @@
 //! Singular values of triangles.
 #![allow(non_snake_case)]
 
-use super::lanes::{add_scaled, dot};
+use super::lanes::{LANES, add_rows, add_scaled, dot, groups};
 use super::{TaskMatrix, TaskVector};
 
-/// L⁻¹ of a lower triangle; without a meaning where a diagonal entry is zero.
-pub fn inverse(L: &TaskMatrix) -> TaskMatrix {
-    let n = L.nrows();
-    let mut X = TaskMatrix::zeros(n, n);
-    let mut row = TaskVector::zeros(n);
-    for i in 0..n {
-        row.reset(n);
-        row[i] = 1.0;
-        for j in 0..i {
-            add_scaled(row.lanes_mut(), -L[i][j], X.row(j));
-        }
-        let gain = 1.0 / L[i][i];
-        add_scaled(X.row_mut(i), gain, row.lanes());
+/// L ← L⁻¹ of a lower triangle; without a meaning where a diagonal entry is zero.
+pub fn invert(L: &mut TaskMatrix) {
+    for i in 0..L.nrows() {
+        let mut row = TaskVector::zeros(L.ncols());
+        let (above, from_i) = L.split_rows_mut(i);
+        let of_L = &mut from_i[..groups(row.len())];
+        add_rows(row.lanes_mut(), &of_L.as_flattened()[..i], above);
+        let gain = -1.0 / of_L.as_flattened()[i];
+        of_L.fill([0.0; LANES]);
+        add_scaled(of_L, gain, row.lanes());
+        of_L.as_flattened_mut()[i] = -gain;
     }
-    X
 }
 
-/// ‖X‖₂ of a square matrix, as the root of the largest eigenvalue of X Xᵀ: exact to rounding, for the squares lose digits
-/// of small values alone.
-pub fn spectral_norm(X: &TaskMatrix) -> f64 {
+/// ‖X‖₂ of a lower triangle, as the root of the largest eigenvalue of Xᵀ X: exact to rounding, for the squares lose digits
+/// of small values alone. `M` is room to work in.
+pub fn spectral_norm(X: &TaskMatrix, M: &mut TaskMatrix) -> f64 {
     let n = X.nrows();
     let size = X.norm();
     if !(size.is_normal() && n > 1) {
         return size;
     }
-    let scaled = X * (1.0 / size);
-    let mut M = TaskMatrix::zeros(n, n);
+    M.reset(n, n);
     for i in 0..n {
+        let row = &X.row_vector(i) * (1.0 / size);
         for j in 0..=i {
-            let product = dot(scaled.row(i), scaled.row(j));
-            M[i][j] = product;
-            M[j][i] = product;
+            add_scaled(M.row_mut(j), row[j], row.lanes());
         }
     }
-    let (diagonal, off_squared) = tridiagonal(&mut M);
+    let (diagonal, off_squared) = tridiagonal(M);
     size * largest_eigenvalue(&diagonal, &off_squared).sqrt()
 }
 
@@ -119,16 +114,16 @@ fn largest_eigenvalue(diagonal: &[f64], off_squared: &[f64]) -> f64 {
     x
 }
 
-/// Gershgorin's bound, or the trace where that is smaller.
+/// The least of Gershgorin's bound, the trace and the norm.
 fn upper_bound(diagonal: &[f64], off_squared: &[f64]) -> f64 {
-    let mut before = 0.0;
-    let mut most = 0.0_f64;
-    let mut trace = 0.0;
+    let (mut before, mut gershgorin) = (0.0, 0.0_f64);
+    let (mut trace, mut squares) = (0.0, 0.0);
     for (a, off_squared) in diagonal.iter().zip(off_squared) {
         let off = off_squared.sqrt();
-        most = most.max(a + before + off);
+        gershgorin = gershgorin.max(a + before + off);
         trace += a;
+        squares += a * a + 2.0 * off_squared;
         before = off;
     }
-    most.min(trace) * (1.0 + 1e-15)
+    gershgorin.min(trace).min(squares.sqrt()) * (1.0 + 1e-15)
 }

@@ -36,8 +36,10 @@ pub struct Stage {
     pub J_low_V: TaskMatrix,
     /// Decomposition of J_{k+1}^RP N, in that frame.
     pub spare: Decomposition,
-    /// Of J_k^RP = [J_k; J_{k+1}^RP].
-    pub conditioning: Conditioning,
+    /// Of J_k^RP = [J_k; J_{k+1}^RP], where something lies below or above.
+    conditioning: Conditioning,
+    /// ρ(J_k^RP).
+    rank: usize,
     /// μ_k, damping of the kinematic singularity of J_k.
     pub mu: f64,
     /// λ_k, damping of the conflict of task k with the lower ones.
@@ -50,37 +52,51 @@ impl Stage {
     /// Becomes the stage of `task` above `below`.
     fn update(&mut self, task: &Task, below: Option<&Self>, damping: Option<Damping>) {
         self.J_k.copy_from_matrix(&task.jacobian);
-        self.xdot_k.copy_from(task.velocity.as_slice());
+        self.xdot_k.clone_from(&TaskVector::from(&task.velocity));
         self.scaled = task.scaled;
         self.norm = self.J_k.norm();
-        self.J_low.reset(0, self.J_k.ncols());
-        if let Some(stage) = below {
-            self.J_low.copy_from(&stage.J_k);
-            self.J_low.push_rows(&stage.J_low);
-        }
-        self.norm_low = self.J_low.norm();
         self.own.decompose(&self.J_k, 0, self.norm);
         self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
+        match below {
+            Some(below) => self.stand_above(below, damping),
+            None => self.stand_alone(),
+        }
+    }
+
+    /// Nothing lies below.
+    fn spare_nothing(&mut self) {
+        self.J_low.reset(0, self.J_k.ncols());
+        self.J_low_V.reset(0, self.J_k.ncols());
+        self.norm_low = 0.0;
+        self.spare.decompose(&self.J_low_V, self.own.rank(), 0.0);
+    }
+
+    /// Nothing lies below: what holds of J_k holds of J_k^RP.
+    fn stand_alone(&mut self) {
+        self.spare_nothing();
+        (self.rank, self.lambda, self.algorithmic) = (self.own.rank(), self.mu, false);
+    }
+
+    fn stand_above(&mut self, below: &Self, damping: Option<Damping>) {
+        self.J_low.copy_from(&below.J_k);
+        self.J_low.push_rows(&below.J_low);
+        self.norm_low = below.norm.hypot(below.norm_low);
         self.J_low_V.copy_from(&self.J_low);
         self.own.rows_to_frame(&mut self.J_low_V);
         self.J_low_V.without_rounding(self.own.rank(), &self.J_low);
         self.spare.decompose(&self.J_low_V, self.own.rank(), self.norm_low);
-        let triangle =
-            if below.is_none() { self.own.triangle() } else { self.own.triangle_with(&self.J_low_V, &self.spare) };
-        self.conditioning = Conditioning::new(&self.J_rp(), triangle, damping);
+        self.condition(damping);
+        self.rank = self.conditioning.rank();
         self.lambda = self.conditioning.damping_factor(damping);
         if self.lambda > 0.0 {
             self.spare.decompose_singular(&self.J_low_V, self.own.rank(), self.norm_low);
         }
-        let low_rank = below.map_or(0, |stage| stage.conditioning.rank());
-        self.algorithmic = self.own.rank() + low_rank > self.conditioning.rank();
+        self.algorithmic = self.own.rank() + below.rank > self.rank;
     }
 
-    /// J_k^RP, task k and everything below it. Paper: Eq. (23).
-    pub fn J_rp(&self) -> TaskMatrix {
-        let mut J_rp = self.J_k.clone();
-        J_rp.push_rows(&self.J_low);
-        J_rp
+    fn condition(&mut self, damping: Option<Damping>) {
+        let norm = self.norm.hypot(self.norm_low);
+        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, &self.spare, damping);
     }
 }
 
@@ -91,14 +107,11 @@ pub fn damp(decomposition: &mut Decomposition, J: &TaskMatrix, scale: f64, dampi
     damping.factor(decomposition.smallest())
 }
 
-/// All J_k, highest priority on top, Σm_k × n, and all ẋ_k, in the same order.
-pub fn stacked(stages: &[Stage]) -> (TaskMatrix, TaskVector) {
-    let xdot = stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k));
-    let mut J = TaskMatrix::zeros(0, stages[0].J_k.ncols());
-    for stage in stages {
-        J.push_rows(&stage.J_k);
-    }
-    (J, xdot)
+/// All J_k, highest priority on top, Σm_k × n, which `J` becomes, and all ẋ_k, in the same order.
+pub fn stacked(stages: &[Stage], J: &mut TaskMatrix) -> TaskVector {
+    J.reset(0, stages[0].J_k.ncols());
+    stages.iter().for_each(|stage| J.push_rows(&stage.J_k));
+    stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k))
 }
 
 /// All stages, index 0 = highest priority.
@@ -116,16 +129,15 @@ impl Hierarchy {
             let (upper, lower) = self.stages.split_at_mut(k + 1);
             upper[k].update(task, lower.first(), damping);
         }
+        if let [only] = &mut self.stages[..] {
+            only.condition(damping);
+        }
     }
 
     /// Leaves the same stages with nothing below them to spare: reverse priority on these is Eq. (13).
     pub fn spare_nothing(&mut self) {
         for stage in &mut self.stages {
-            let n = stage.J_k.ncols();
-            stage.J_low.reset(0, n);
-            stage.J_low_V.reset(0, n);
-            stage.norm_low = 0.0;
-            stage.spare.decompose(&stage.J_low_V, stage.own.rank(), 0.0);
+            stage.spare_nothing();
         }
     }
 
@@ -135,11 +147,13 @@ impl Hierarchy {
     }
 
     /// How near the tasks are to singularities.
-    pub fn singularity(&self) -> Singularity {
+    pub fn singularity(&mut self) -> Singularity {
+        let algorithmic = self.stages.iter().any(|stage| stage.algorithmic);
+        let all = &mut self.stages[0].conditioning;
         Singularity {
-            smallest_singular_value: self.top().conditioning.smallest(),
-            manipulability: self.top().conditioning.manipulability(),
-            algorithmic: self.stages.iter().any(|stage| stage.algorithmic),
+            smallest_singular_value: all.smallest(),
+            manipulability: all.manipulability(),
+            algorithmic,
         }
     }
 }

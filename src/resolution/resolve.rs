@@ -1,10 +1,10 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
 #![allow(non_snake_case)]
 
-use super::closed_form::{self, ClosedForm};
-use super::hierarchy::{Hierarchy, Singularity, Stage, stacked};
+use super::closed_form::{self, ClosedForm, Descent, Stack};
+use super::hierarchy::{Hierarchy, Singularity, Stage};
 use super::problem::{Method, Problem, ProblemError, Solver};
-use super::qp_cascade::{self, ActiveSet, Cascade, Guesses, LevelSolver, Side};
+use super::qp_cascade::{ActiveSet, Cascade, CascadeSolver, Guesses, Side};
 use crate::linalg::{TaskVector, Vector};
 
 /// Relative optimality residual up to which an answer counts as optimal.
@@ -158,7 +158,15 @@ pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, Pro
 #[derive(Default)]
 pub struct Resolver {
     hierarchy: Hierarchy,
-    solver: LevelSolver,
+    formulas: Formulas,
+    cascade: CascadeSolver,
+}
+
+/// What closed forms work with.
+#[derive(Default)]
+struct Formulas {
+    stack: Stack,
+    descent: Descent,
 }
 
 impl Resolver {
@@ -171,51 +179,47 @@ impl Resolver {
     ) -> Result<(), ProblemError> {
         problem.check()?;
         self.hierarchy.update(&problem.tasks, problem.damping);
-        let singularity = self.hierarchy.singularity();
+        answer.singularity = self.hierarchy.singularity();
         if problem.method == Method::SingularityRobust {
             self.hierarchy.spare_nothing();
         }
-        let mut cascade = solve(problem, &self.hierarchy, guess, &mut self.solver);
-        let failed = !cascade.joint_velocity.iter().all(|v| v.is_finite());
-        if failed {
-            cascade = standstill(problem);
-        }
-        answer.report(problem, &cascade, &self.hierarchy);
-        answer.singularity = singularity;
-        if failed {
+        let cascade = self.solve(problem, guess);
+        if cascade.joint_velocity.iter().all(|v| v.is_finite()) {
+            answer.report(problem, &cascade, &self.hierarchy);
+        } else {
+            answer.report(problem, &standstill(problem), &self.hierarchy);
             answer.fail();
         }
         Ok(())
     }
-}
 
-fn solve(problem: &Problem, hierarchy: &Hierarchy, guess: &[ActiveSet], solver: &mut LevelSolver) -> Cascade {
-    match problem.solver {
-        Solver::ClosedForm => Cascade::from(closed_form(problem, hierarchy)),
-        Solver::Qp => qp_cascade::solve(problem, hierarchy, Guesses::NONE, solver),
-        Solver::Auto => {
-            let unlimited = closed_form(problem, hierarchy);
-            if problem.allows(&unlimited.joint_velocity) {
-                Cascade::from(unlimited)
-            } else {
-                qp_cascade::solve(problem, hierarchy, Guesses::of(guess), solver)
+    fn solve(&mut self, problem: &Problem, guess: &[ActiveSet]) -> Cascade {
+        let Self { hierarchy, formulas, cascade } = self;
+        match problem.solver {
+            Solver::ClosedForm => Cascade::from(formulas.solve(problem, hierarchy)),
+            Solver::Qp => cascade.solve(problem, hierarchy, Guesses::NONE),
+            Solver::Auto => {
+                let unlimited = formulas.solve(problem, hierarchy);
+                if problem.allows(&unlimited.joint_velocity) {
+                    Cascade::from(unlimited)
+                } else {
+                    cascade.solve(problem, hierarchy, Guesses::of(guess))
+                }
             }
         }
     }
 }
 
-fn closed_form(problem: &Problem, hierarchy: &Hierarchy) -> ClosedForm {
-    let (stages, zeta) = (&hierarchy.stages, problem.start());
-    let stack = |lambda| {
-        let (J, xdot) = stacked(stages);
-        closed_form::least_squares(&J, &xdot, &zeta, lambda)
-    };
-    match problem.method {
-        Method::Pseudoinverse => stack(0.0),
-        Method::DampedLeastSquares => stack(hierarchy.top().lambda),
-        Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(stages, zeta),
-        Method::StrictReversePriority | Method::TaskPriority => {
-            closed_form::strict_reverse_priority(stages, problem.damping, &zeta)
+impl Formulas {
+    fn solve(&mut self, problem: &Problem, hierarchy: &Hierarchy) -> ClosedForm {
+        let (stages, zeta) = (&hierarchy.stages, problem.start());
+        match problem.method {
+            Method::Pseudoinverse => self.stack.least_squares(stages, &zeta, 0.0),
+            Method::DampedLeastSquares => self.stack.least_squares(stages, &zeta, hierarchy.top().lambda),
+            Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(stages, zeta),
+            Method::StrictReversePriority | Method::TaskPriority => {
+                self.descent.strict_reverse_priority(stages, problem.damping, &zeta)
+            }
         }
     }
 }

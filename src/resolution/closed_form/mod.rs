@@ -4,9 +4,9 @@ mod least_squares;
 mod reverse_priority;
 mod strict;
 
-pub use least_squares::least_squares;
+pub use least_squares::Stack;
 pub use reverse_priority::reverse_priority;
-pub use strict::{damped_velocities, strict_reverse_priority};
+pub use strict::Descent;
 
 use crate::linalg::TaskVector;
 

@@ -4,8 +4,8 @@
 use smallvec::SmallVec;
 
 use super::level::Level;
-use crate::linalg::{Decomposition, TaskMatrix, TaskVector};
-use crate::resolution::certificate::relative;
+use super::minimiser::{Conditions, Minimiser};
+use crate::linalg::TaskVector;
 
 /// Which bound of a joint; inequalities have an upper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Side {
 
 impl Side {
     /// Direction in which the bound is met.
-    fn sign(self) -> f64 {
+    pub fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
             Self::Upper => 1.0,
@@ -36,11 +36,6 @@ const FEASIBILITY: f64 = 1e-13;
 ///
 /// Exact answers stay below 1e-14. Whatever is allowed here returns divided by the smallest singular value.
 const OPTIMALITY: f64 = 1e-12;
-
-/// Effect of a limit on ‖C z − d‖, relative to the norm of C, below which its multiplier is taken with a pinch of salt.
-///
-/// A multiplier carries rounding of 1e-16; the relief that it promises is the multiplier divided by this effect.
-const SENSITIVITY: f64 = 1e-3;
 
 /// Change of C z, relative to the level's size, that is rounding: a move that achieves no more is not made. In a corner it
 /// would run into limits that depend on the active ones.
@@ -76,24 +71,19 @@ impl Candidate {
         }
     }
 
-    fn new(level: &Level, minimiser: Minimiser, active: ActiveSet, conditions: &Conditions) -> Self {
-        let n = level.G.nrows();
-        let (mut multipliers, mut relief) = (TaskVector::zeros(n), TaskVector::zeros(n));
+    fn new(level: &Level, minimiser: &Minimiser, conditions: &Conditions) -> Self {
+        let Minimiser { z, active, .. } = minimiser;
+        let mut candidate = Self { z: z.clone(), active_set: active.clone(), ..Self::stay(level) };
         for (place, &(row, _)) in active.iter().enumerate() {
             if conditions.relief[place] > OPTIMALITY {
-                multipliers[row] = conditions.multipliers[place];
-                relief[row] = conditions.relief[place];
+                candidate.multipliers[row] = conditions.multipliers[place];
+                candidate.relief[row] = conditions.relief[place];
             }
         }
         let residual = conditions.relief.iter().fold(conditions.stationarity, |worst, relief| worst.max(-relief));
-        let feasible = level.constraints().all(|constraint| keeps(level, &minimiser.z, constraint));
-        Self {
-            kkt_residual: if feasible { residual } else { f64::INFINITY },
-            active_set: active,
-            multipliers,
-            relief,
-            z: minimiser.z,
-        }
+        let feasible = broken(level, z).next().is_none();
+        candidate.kkt_residual = if feasible { residual } else { f64::INFINITY };
+        candidate
     }
 
     /// Whether the point solves the level.
@@ -102,137 +92,86 @@ impl Candidate {
     }
 }
 
-/// The optimality conditions at a minimiser, measured as what could still be gained of ‖C z − d‖.
-///
-/// With the residual r = C z − d, a basis Q of the range of C N (what the set leaves open) and M = (I − Q Qᵀ) C G_W⁺
-/// (how r changes with each bound of the set), the conditions are Qᵀ r = 0 and multipliers m = −Mᵀ r that point
-/// outwards. Moving bound i alone changes ‖r‖ by m_i / ‖M_i‖ per unit of change in r: its relief. The usual gradient
-/// Cᵀ r in place of these shrinks with the square of a small singular value and would call wrong sets right.
-struct Conditions {
-    /// Signed multipliers, in the order of the set; positive: pressed upwards.
-    multipliers: TaskVector,
-    /// Relative relief, in the order of the set; negative where the multiplier points inwards.
-    relief: TaskVector,
-    /// ‖Qᵀ r‖_∞, relative.
-    stationarity: f64,
-}
-
-impl Conditions {
-    fn new(level: &Level, minimiser: &Minimiser, active: &ActiveSet) -> Self {
-        let (size, Q) = (level.size(&minimiser.z), &minimiser.range);
-        let residual = &(&level.C * &minimiser.z) - &level.d;
-        let mut conditions = Self {
-            multipliers: TaskVector::zeros(active.len()),
-            relief: TaskVector::zeros(active.len()),
-            stationarity: relative((Q * &residual).amax(), size),
-        };
-        for (place, &(_, side)) in active.iter().enumerate() {
-            let per_bound = minimiser.limits.solve(&TaskVector::unit(active.len(), place));
-            let mut M = &level.C * &per_bound;
-            M -= &Q.transposed_times(&(Q * &M));
-            let multiplier = -M.dot(&residual);
-            let effect = M.norm().max(SENSITIVITY * level.scale * per_bound.norm());
-            conditions.multipliers[place] = multiplier;
-            let outwards = side.sign() * multiplier;
-            conditions.relief[place] = relative(outwards.abs(), effect * size).copysign(outwards);
-        }
-        conditions
-    }
-}
-
-fn keeps(level: &Level, z: &TaskVector, (row, side, bound): (usize, Side, f64)) -> bool {
-    let excess = side.sign() * (level.value(row, z) - bound);
-    excess <= FEASIBILITY * (level.speed + z.norm())
-}
-
-/// G_W, the set's rows of G.
-fn active_rows(level: &Level, active: &ActiveSet) -> TaskMatrix {
-    let mut rows = TaskMatrix::zeros(0, level.unknowns());
-    active.iter().for_each(|&(row, _)| rows.push_row(&level.G[row]));
-    rows
-}
-
-fn active_bounds(level: &Level, active: &ActiveSet) -> TaskVector {
-    TaskVector::from_fn(active.len(), |i| level.bound(active[i].0, active[i].1))
-}
-
-/// The minimiser of ‖C z − d‖² with the limits of a set as equalities.
-struct Minimiser {
-    /// z, p; the one nearest to where the search began, if there are many.
-    z: TaskVector,
-    /// Decomposition of G_W.
-    limits: Decomposition,
-    /// Orthonormal basis of the range of C N, with N the null space of G_W, as rows.
-    range: TaskMatrix,
-}
-
-impl Minimiser {
-    fn new(level: &Level, near: &TaskVector, active: &ActiveSet) -> Self {
-        let G_W = active_rows(level, active);
-        let limits = Decomposition::with_scale(&G_W, 1.0);
-        let mut z = near + &limits.solve(&(&active_bounds(level, active) - &(&G_W * near)));
-        let mut C = level.C.clone();
-        limits.rows_to_frame(&mut C);
-        let mut open = Decomposition::default();
-        open.decompose(&C, limits.rank(), level.scale);
-        let mut way = open.solve(&(&level.d - &(&level.C * &z)));
-        limits.from_frame(&mut way);
-        z += &way;
-        Self { z, limits, range: open.range() }
-    }
-}
-
-/// The limits of a guess that are constraints of this level, without those that follow from the others.
-fn independent(level: &Level, guess: &ActiveSet) -> ActiveSet {
-    let known = |guess: (usize, Side)| level.constraints().any(|(row, side, _)| (row, side) == guess);
-    let mut active: ActiveSet = guess.iter().copied().filter(|&limit| known(limit)).collect();
-    let rank = |active: &ActiveSet| Decomposition::with_scale(&active_rows(level, active), 1.0).rank();
-    if rank(&active) < active.len() {
-        for limit in std::mem::take(&mut active) {
-            active.push(limit);
-            if rank(&active) < active.len() {
-                active.pop();
-            }
-        }
-    }
-    active
+/// Bounds that a point breaks.
+fn broken(level: &Level, z: &TaskVector) -> impl Iterator<Item = (usize, Side)> {
+    let (values, rounding) = (&level.G * z, FEASIBILITY * (level.speed + z.norm()));
+    (0..level.G.nrows()).filter(|&row| level.bounded[row]).filter_map(move |row| {
+        let above = !(values[row] - level.upper[row] <= rounding);
+        let below = !(level.lower[row] - values[row] <= rounding);
+        (above || below).then_some((row, if above { Side::Upper } else { Side::Lower }))
+    })
 }
 
 /// Solves the level on a guessed set, as near to z = 0 as it leaves open, and says whether the guess was right.
 ///
 /// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
-pub fn polish(level: &Level, guess: &ActiveSet) -> Candidate {
-    let active = independent(level, guess);
-    let minimiser = Minimiser::new(level, &TaskVector::zeros(level.unknowns()), &active);
-    let conditions = Conditions::new(level, &minimiser, &active);
-    Candidate::new(level, minimiser, active, &conditions)
+pub fn polish(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Candidate {
+    let known: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
+    minimiser.find(level, &TaskVector::zeros(level.unknowns()), &known);
+    let conditions = minimiser.conditions(level);
+    Candidate::new(level, minimiser, &conditions)
+}
+
+/// Sets that [`correct`] tries: most guesses are right or off by one limit, and some need a few more.
+const MOST_CORRECTIONS: usize = 8;
+
+/// Solves the level on a guessed set and, where it is not the right one, on the set that the answer suggests: without the
+/// limits whose multipliers point inwards, with those that are broken (a primal-dual active-set method).
+///
+/// `None` where that does not arrive: it need not, but where it does, the optimality conditions say so.
+pub fn correct(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Option<Candidate> {
+    #[cfg(test)]
+    if super::clarabel_level::fault::strikes() {
+        return None;
+    }
+    let near = TaskVector::zeros(level.unknowns());
+    let mut active: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
+    for _ in 0..MOST_CORRECTIONS {
+        minimiser.find(level, &near, &active);
+        let conditions = minimiser.conditions(level);
+        let candidate = Candidate::new(level, minimiser, &conditions);
+        if candidate.is_optimal() {
+            return Some(candidate);
+        }
+        let right = |place: usize| conditions.relief[place] >= -OPTIMALITY;
+        let tried = &candidate.active_set;
+        active = (0..tried.len()).filter(|&place| right(place)).map(|place| tried[place]).collect();
+        active.extend(broken(level, &candidate.z).filter(|&(row, _)| tried.iter().all(|&(held, _)| held != row)));
+        if active == *tried {
+            return None;
+        }
+        active.sort_by_key(|&(row, _)| row);
+    }
+    None
 }
 
 /// A primal active-set method from z = 0: exact, finite, used where a guess fails.
 ///
 /// Ties are broken by the smallest index (Bland), so that degenerate corners do not cycle.
-pub fn iterate(level: &Level) -> Candidate {
+pub fn iterate(level: &Level, minimiser: &mut Minimiser) -> Candidate {
     #[cfg(test)]
     if super::clarabel_level::fault::strikes_search() {
-        return polish(level, &ActiveSet::new());
+        return polish(level, &[], minimiser);
     }
     let mut z = TaskVector::zeros(level.unknowns());
     let mut active = ActiveSet::new();
     let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        let mut target = Minimiser::new(level, &z, &active);
-        if (&level.C * &(&target.z - &z)).norm() <= ARRIVED * level.size(&z) {
-            target.z = z.clone();
-        } else if let Some((step, limit)) = blocking(level, &z, &target.z, &active) {
-            z.add_scaled(step, &(&target.z - &z));
+        minimiser.find(level, &z, &active);
+        active.clone_from(&minimiser.active);
+        let target = &mut minimiser.z;
+        if (&level.C * &(&*target - &z)).norm() <= ARRIVED * level.size(&z) {
+            target.clone_from(&z);
+        } else if let Some((step, limit)) = blocking(level, &z, target, &active) {
+            z.add_scaled(step, &(&*target - &z));
             active.push(limit);
             active.sort_by_key(|&(row, _)| row);
             continue;
         }
-        z = target.z.clone();
-        let conditions = Conditions::new(level, &target, &active);
-        let candidate = Candidate::new(level, target, active.clone(), &conditions);
+        z.clone_from(target);
+        let conditions = minimiser.conditions(level);
+        let candidate = Candidate::new(level, minimiser, &conditions);
         if best.as_ref().is_none_or(|best| candidate.kkt_residual < best.kkt_residual) {
             best = Some(candidate);
         }
@@ -241,7 +180,7 @@ pub fn iterate(level: &Level) -> Candidate {
             None => break,
         }
     }
-    best.unwrap_or_else(|| polish(level, &active))
+    best.unwrap_or_else(|| polish(level, &active, minimiser))
 }
 
 /// The first limit met on the way from `z` to `target`, and how far along.

@@ -224,6 +224,10 @@ pub mod fault {
         }
     }
 
+    pub fn strikes() -> bool {
+        FAULT.get().is_some()
+    }
+
     pub fn strikes_search() -> bool {
         FAULT.get().is_some_and(|fault| fault.search)
     }
@@ -243,7 +247,7 @@ mod tests {
                 G: TaskMatrix::identity(2),
                 lower: TaskVector::from_slice(&[-width, -1.0]),
                 upper: TaskVector::from_slice(&[width, 1.0]),
-                bounded: [true; 2].as_slice().into(),
+                bounded: vec![true; 2],
                 speed: 1.0,
                 scale: 1.0,
                 base_size: 1.0,

@@ -3,11 +3,10 @@
 
 use crate::limits::{Inequality, VelocityBox};
 use crate::linalg::{TaskMatrix, TaskVector};
-use crate::resolution::problem::Problem;
 
 /// lower ≤ [x_1 … x_n; planes · x] ≤ upper: a row for each of the first n entries of x, the joints, then the planes,
 /// whose rows have length 1 and no lower bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Constraints {
     joints: usize,
     planes: TaskMatrix,
@@ -16,37 +15,26 @@ pub struct Constraints {
 }
 
 impl Constraints {
-    /// The box and the inequalities.
-    pub fn new(limits: &VelocityBox, inequalities: &[Inequality]) -> Self {
-        let mut constraints = Self {
-            joints: limits.joint_count(),
-            planes: TaskMatrix::zeros(0, limits.joint_count()),
-            lower: limits.lower().into(),
-            upper: limits.upper().into(),
-        };
+    /// Becomes the box and the inequalities.
+    pub fn become_those_of(&mut self, limits: &VelocityBox, inequalities: &[Inequality]) {
+        self.joints = limits.joint_count();
+        self.planes.reset(0, self.joints);
+        self.lower = limits.lower().into();
+        self.upper = limits.upper().into();
         for inequality in inequalities {
             // One without content has no length to be divided by.
             let norm = Some(inequality.coefficients().norm()).filter(|norm| *norm > 0.0).unwrap_or(1.0);
             let row = &TaskVector::from(inequality.coefficients()) * (1.0 / norm);
-            constraints.push(&row, inequality.bound() / norm);
+            self.push(&row, inequality.bound() / norm);
         }
-        constraints
     }
 
-    /// Those of a problem.
-    pub fn of(problem: &Problem) -> Self {
-        Self::new(&problem.limits, &problem.inequalities)
-    }
-
-    /// No constraint on n joints.
-    pub fn none(n: usize) -> Self {
-        let unbounded = |bound: f64| TaskVector::from_fn(n, |_| bound);
-        Self {
-            joints: n,
-            planes: TaskMatrix::zeros(0, n),
-            lower: unbounded(f64::NEG_INFINITY),
-            upper: unbounded(f64::INFINITY),
-        }
+    /// Become no constraint on n joints.
+    pub fn become_none(&mut self, n: usize) {
+        self.joints = n;
+        self.planes.reset(0, n);
+        self.lower = TaskVector::from_fn(n, |_| f64::NEG_INFINITY);
+        self.upper = TaskVector::from_fn(n, |_| f64::INFINITY);
     }
 
     /// Adds row · x ≤ bound; ‖row‖ = 1.
@@ -83,18 +71,21 @@ impl Constraints {
         &self.upper
     }
 
-    /// Rows per column of a matrix of as many rows as x has entries.
-    pub fn rows_of(&self, M: &TaskMatrix) -> TaskMatrix {
-        let mut rows = M.first_rows(self.joints);
+    /// Writes the rows per column of a matrix of as many rows as x has entries.
+    pub fn write_rows_of(&self, M: &TaskMatrix, rows: &mut TaskMatrix) {
+        rows.copy_from(M);
+        rows.truncate(self.joints);
         if self.planes.nrows() > 0 {
             rows.push_rows(&(&self.planes * M));
         }
-        rows
     }
 
     /// The rows' values at x.
     pub fn values(&self, x: &TaskVector) -> TaskVector {
-        TaskVector::from_slice(&x[..self.joints]).concatenated(&(&self.planes * x))
+        if self.planes.nrows() == 0 {
+            return x.clone();
+        }
+        x.first(self.joints).concatenated(&(&self.planes * x))
     }
 
     /// One row as a vector, of as many entries as x.

@@ -1,14 +1,14 @@
 //! One level in reduced form, and the ways to its solution.
 #![allow(non_snake_case)]
 
-use smallvec::SmallVec;
-
 use super::active_set::{self, ActiveSet, Candidate, Side};
 use super::clarabel_level::ClarabelLevels;
+use super::minimiser::Minimiser;
 use crate::linalg::{RANK_TOLERANCE, TaskMatrix, TaskVector};
 use crate::resolution::resolve::Path;
 
 /// min ‖C z − d‖² s.t. lower ≤ G z ≤ upper for the bounded rows; z = 0 is feasible.
+#[derive(Default)]
 pub struct Level {
     /// C, m × p.
     pub C: TaskMatrix,
@@ -21,7 +21,7 @@ pub struct Level {
     /// Room above, per row, ≥ 0.
     pub upper: TaskVector,
     /// Whether the row's bounds are constraints of this level.
-    pub bounded: SmallVec<[bool; 16]>,
+    pub bounded: Vec<bool>,
     /// ‖base‖, the speed from which z counts.
     pub speed: f64,
     /// ‖A‖ of the objective before reduction: C and products with it are rank-tested against this.
@@ -46,17 +46,17 @@ impl Level {
         self.C.norm() <= RANK_TOLERANCE * self.scale
     }
 
-    /// G z at a row.
-    pub fn value(&self, row: usize, z: &TaskVector) -> f64 {
-        self.G.row_times(row, z)
-    }
-
     /// Room of a row towards one side.
     pub fn bound(&self, row: usize, side: Side) -> f64 {
         match side {
             Side::Lower => self.lower[row],
             Side::Upper => self.upper[row],
         }
+    }
+
+    /// Whether a limit is a constraint of this level.
+    pub fn has(&self, (row, side): (usize, Side)) -> bool {
+        self.bounded.get(row) == Some(&true) && self.bound(row, side).is_finite()
     }
 
     /// The finite bounds: row, side, right-hand side.
@@ -86,23 +86,22 @@ pub struct LevelSolution {
     pub iterations: u32,
     /// Whether Clarabel failed, so that the active-set iteration stood in.
     pub failed: bool,
+    /// Whether the solver's last minimiser is this solution.
+    is_last: bool,
 }
 
 impl LevelSolution {
-    fn exact(candidate: Candidate) -> Self {
-        Self::new(candidate, Path::ActiveSet, 0, false)
-    }
-
-    fn new(candidate: Candidate, path: Path, iterations: u32, failed: bool) -> Self {
+    fn of(candidate: Candidate) -> Self {
         Self {
-            failed,
             z: candidate.z,
             multipliers: candidate.multipliers,
             active_set: candidate.active_set,
             kkt_residual: candidate.kkt_residual,
             relief: candidate.relief,
-            path,
-            iterations,
+            path: Path::ActiveSet,
+            iterations: 0,
+            failed: false,
+            is_last: true,
         }
     }
 
@@ -110,34 +109,55 @@ impl LevelSolution {
     pub fn proved_active(&self, proof: f64) -> impl Iterator<Item = usize> {
         self.relief.iter().enumerate().filter(move |(_, relief)| **relief > proof).map(|(row, _)| row)
     }
+
+    /// Whether all limits of the set are proved active.
+    fn proves_its_set(&self, proof: f64) -> bool {
+        self.active_set.iter().all(|&(row, _)| self.relief[row] > proof)
+    }
 }
 
 /// The ways to the solution of a level.
 #[derive(Default)]
 pub struct LevelSolver {
     clarabel: ClarabelLevels,
+    minimiser: Minimiser,
 }
 
 impl LevelSolver {
-    /// Solves the level: by the guessed active set if its optimality conditions hold, otherwise through Clarabel.
+    /// Solves the level: with a guess by active sets that start from it, if one is found whose optimality conditions hold,
+    /// otherwise through Clarabel.
     ///
     /// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
     /// be wrong, which happens at degenerate corners, or Clarabel fail, an active-set iteration from z = 0 finds the right
     /// one.
-    pub fn solve(&mut self, level: &Level, guess: Option<&ActiveSet>) -> LevelSolution {
+    pub fn solve(&mut self, level: &Level, guess: Option<&[(usize, Side)]>) -> LevelSolution {
+        let Self { clarabel, minimiser } = self;
         if level.is_decided() {
-            return LevelSolution::exact(Candidate::stay(level));
+            return LevelSolution { is_last: false, ..LevelSolution::of(Candidate::stay(level)) };
         }
-        if let Some(guess) = guess {
-            let candidate = active_set::polish(level, guess);
-            if candidate.is_optimal() {
-                return LevelSolution::exact(candidate);
-            }
+        if let Some(found) = guess.and_then(|guess| active_set::correct(level, guess, minimiser)) {
+            return LevelSolution::of(found);
         }
-        let (active_set, iterations) = self.clarabel.solve(level);
+        let (active_set, iterations) = clarabel.solve(level);
         let failed = active_set.is_none();
-        let polished = active_set.map(|set| active_set::polish(level, &set));
-        let candidate = polished.filter(Candidate::is_optimal).unwrap_or_else(|| active_set::iterate(level));
-        LevelSolution::new(candidate, Path::Qp, iterations, failed)
+        let polished = active_set.map(|set| active_set::polish(level, &set, minimiser));
+        let solution = match polished.filter(Candidate::is_optimal) {
+            Some(candidate) => LevelSolution::of(candidate),
+            None => {
+                let candidate = active_set::iterate(level, minimiser);
+                LevelSolution { is_last: false, ..LevelSolution::of(candidate) }
+            }
+        };
+        LevelSolution { path: Path::Qp, iterations, failed, ..solution }
+    }
+
+    /// Z ← Z N, with N what changes neither C z nor the limits that the solution proves active, where these are all of its
+    /// set; whether they are.
+    pub fn close(&self, solution: &LevelSolution, proof: f64, Z: &mut TaskMatrix) -> bool {
+        let known = solution.is_last && solution.proves_its_set(proof);
+        if known {
+            self.minimiser.close(Z);
+        }
+        known
     }
 }

@@ -10,6 +10,7 @@ mod clarabel_level;
 mod constraints;
 mod feasible_set;
 mod level;
+mod minimiser;
 mod objectives;
 mod relaxation;
 mod scaling;
@@ -20,14 +21,12 @@ pub use clarabel_level::fault;
 
 use smallvec::SmallVec;
 
-use constraints::Constraints;
 use feasible_set::FeasibleSet;
-use level::LevelSolution;
-pub use level::LevelSolver;
-use objectives::{Objective, stack_objectives, stage_objectives, strict_objectives};
+use level::{Level, LevelSolution, LevelSolver};
+use objectives::{Objective, Objectives};
 use scaling::{ScaledTask, Scaling};
 
-use super::closed_form::{self, ClosedForm};
+use super::closed_form::{self, ClosedForm, Descent};
 use super::hierarchy::Hierarchy;
 use super::problem::{Method, Problem};
 use super::resolve::Path;
@@ -69,7 +68,7 @@ impl From<ClosedForm> for Cascade {
     }
 }
 
-/// Active sets to try before Clarabel, one per level.
+/// Active sets to begin with before Clarabel is asked, one per level.
 #[derive(Clone, Copy)]
 pub struct Guesses<'a>(Option<&'a [ActiveSet]>);
 
@@ -77,13 +76,14 @@ impl<'a> Guesses<'a> {
     /// Ask Clarabel at every level.
     pub const NONE: Self = Self(None);
 
-    /// Try these first; levels beyond the last go to Clarabel.
+    /// Begin with these, and with none at levels beyond the last.
     pub fn of(sets: &'a [ActiveSet]) -> Self {
         Self(Some(sets))
     }
 
-    fn level(self, index: usize) -> Option<&'a ActiveSet> {
-        self.0.and_then(|sets| sets.get(index))
+    /// The set to begin with at a level, none of whose limits are known to hold where there is no guess.
+    fn level(self, index: usize) -> Guess<'a> {
+        self.0.map(|sets| sets.get(index).map_or(&[][..], |set| set.as_slice()))
     }
 
     /// Whether stages without limits, whose active set is empty for certain, may take the closed form.
@@ -92,37 +92,94 @@ impl<'a> Guesses<'a> {
     }
 }
 
-/// Solves the problem level by level.
-pub fn solve(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
-    let zeta = problem.start();
-    let stages = &hierarchy.stages;
-    let objectives = match problem.method {
-        Method::ReversePriority | Method::SingularityRobust => {
-            return reverse_priority(problem, hierarchy, guesses, solver);
-        }
-        Method::StrictReversePriority | Method::TaskPriority => strict_objectives(stages, problem.damping, &zeta),
-        Method::Pseudoinverse => stack_objectives(stages, 0.0, &zeta),
-        Method::DampedLeastSquares => stack_objectives(stages, hierarchy.top().lambda, &zeta),
-    };
-    descend(&objectives, Constraints::of(problem), guesses, solver)
+/// The active limits to begin with at one level; `None`: ask Clarabel.
+type Guess<'a> = Option<&'a [(usize, Side)]>;
+
+/// What the cascade works with, overwritten by each problem.
+#[derive(Default)]
+pub struct CascadeSolver {
+    objectives: Objectives,
+    descent: Descent,
+    set: FeasibleSet,
+    level: Level,
+    solver: LevelSolver,
 }
 
-/// Stages k = l … 2 without limits, then stage 1 with them.
-fn reverse_priority(problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
-    let (top, lower) = (hierarchy.top(), &hierarchy.stages[1..]);
-    let mut before = Cascade::from(ClosedForm { joint_velocity: problem.start(), kkt_residual: 0.0 });
-    if guesses.allowed() {
-        before = Cascade::from(closed_form::reverse_priority(lower, before.joint_velocity));
-    } else {
-        for stage in lower.iter().rev() {
-            let start = &before.joint_velocity;
-            let answer = descend(&stage_objectives(stage, start), Constraints::none(start.len()), guesses, solver);
-            before = answer.after(&before);
+impl CascadeSolver {
+    /// Solves the problem level by level.
+    pub fn solve(&mut self, problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Cascade {
+        let zeta = problem.start();
+        let stages = &hierarchy.stages;
+        match problem.method {
+            Method::ReversePriority | Method::SingularityRobust => {
+                return self.reverse_priority(problem, hierarchy, guesses);
+            }
+            Method::StrictReversePriority | Method::TaskPriority => {
+                self.objectives.become_strict(stages, problem.damping, &zeta, &mut self.descent);
+            }
+            Method::Pseudoinverse => self.objectives.become_stack(stages, 0.0, &zeta),
+            Method::DampedLeastSquares => self.objectives.become_stack(stages, hierarchy.top().lambda, &zeta),
         }
+        self.limit(problem);
+        self.descend(guesses)
     }
-    let start = &before.joint_velocity;
-    let answer = descend(&stage_objectives(top, start), Constraints::of(problem), guesses, solver);
-    answer.after(&before)
+
+    /// Stages k = l … 2 without limits, then stage 1 with them.
+    fn reverse_priority(&mut self, problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Cascade {
+        let (top, lower) = (hierarchy.top(), &hierarchy.stages[1..]);
+        let mut before = Cascade::from(ClosedForm { joint_velocity: problem.start(), kkt_residual: 0.0 });
+        if guesses.allowed() {
+            before = Cascade::from(closed_form::reverse_priority(lower, before.joint_velocity));
+        } else {
+            for stage in lower.iter().rev() {
+                self.objectives.become_stage(stage, &before.joint_velocity);
+                self.set.constraints.become_none(before.joint_velocity.len());
+                before = self.descend(guesses).after(&before);
+            }
+        }
+        self.objectives.become_stage(top, &before.joint_velocity);
+        self.limit(problem);
+        self.descend(guesses).after(&before)
+    }
+
+    fn limit(&mut self, problem: &Problem) {
+        self.set.constraints.become_those_of(&problem.limits, &problem.inequalities);
+    }
+
+    /// Goes down the levels of one stage, within the constraints of the set.
+    fn descend(&mut self, guesses: Guesses) -> Cascade {
+        let Self { objectives, set, level, solver, .. } = self;
+        set.open_all();
+        let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
+        cascade.multipliers = TaskVector::zeros(set.constraints.count());
+        // Levels that leave nothing to decide need no solver; those that do say which way they took.
+        cascade.path = if guesses.allowed() { Path::ActiveSet } else { Path::Qp };
+        let mut achieved: SmallVec<[TaskVector; 4]> = SmallVec::new();
+        let mut speed = set.base().norm();
+        for (index, objective) in objectives.iter().enumerate() {
+            let before = objective.scaled.then(|| set.clone());
+            let place = cascade.active_sets.len();
+            set.reduce(objective, level);
+            let solution = solver.solve(level, guesses.level(place));
+            set.keep(objective, level, &solution, solver);
+            let pinned = (index == 0).then(|| set.multipliers_of_pinned(objective));
+            cascade.scales.push(None);
+            match before {
+                None => cascade.add(solution, pinned),
+                Some(before) => {
+                    let task = ScaledTask::new(objective, &objectives[..index]);
+                    let scaling = task.solve(&before, set, guesses.of_scaling(place), solver);
+                    cascade.add_scaled(solution, pinned, scaling);
+                }
+            }
+            achieved.push(objective.kept_value(set.base()));
+            speed = speed.max(set.base().norm());
+        }
+        let drift = |(objective, value): (&Objective, &TaskVector)| objective.drift(value, set.base(), speed);
+        cascade.kkt_residual = objectives.iter().zip(&achieved).map(drift).fold(cascade.kkt_residual, f64::max);
+        cascade.joint_velocity = set.base().clone();
+        cascade
+    }
 }
 
 impl Cascade {
@@ -135,40 +192,6 @@ impl Cascade {
             ..self
         }
     }
-}
-
-/// Goes down the levels of one stage.
-fn descend(objectives: &[Objective], constraints: Constraints, guesses: Guesses, solver: &mut LevelSolver) -> Cascade {
-    let rows = constraints.count();
-    let mut set = FeasibleSet::new(constraints);
-    let mut cascade = Cascade::from(ClosedForm { joint_velocity: set.base().clone(), kkt_residual: 0.0 });
-    cascade.multipliers = TaskVector::zeros(rows);
-    // Levels that leave nothing to decide need no solver; those that do say which way they took.
-    cascade.path = if guesses.allowed() { Path::ActiveSet } else { Path::Qp };
-    let mut achieved: SmallVec<[TaskVector; 4]> = SmallVec::new();
-    let mut speed = set.base().norm();
-    for (index, objective) in objectives.iter().enumerate() {
-        let before = objective.scaled.then(|| set.clone());
-        let place = cascade.active_sets.len();
-        let solution = solver.solve(&set.reduce(objective), guesses.level(place));
-        set.keep(objective, &solution);
-        let pinned = (index == 0).then(|| set.multipliers_of_pinned(objective));
-        cascade.scales.push(None);
-        match before {
-            None => cascade.add(solution, pinned),
-            Some(before) => {
-                let task = ScaledTask::new(objective, &objectives[..index]);
-                let scaling = task.solve(&before, &mut set, guesses.of_scaling(place), solver);
-                cascade.add_scaled(solution, pinned, scaling);
-            }
-        }
-        achieved.push(objective.kept_value(set.base()));
-        speed = speed.max(set.base().norm());
-    }
-    let drift = objectives.iter().zip(&achieved).map(|(objective, value)| objective.drift(value, set.base(), speed));
-    cascade.kkt_residual = drift.fold(cascade.kkt_residual, f64::max);
-    cascade.joint_velocity = set.base().clone();
-    cascade
 }
 
 impl Cascade {

@@ -4,6 +4,7 @@
 use super::active_set;
 use super::constraints::Constraints;
 use super::level::Level;
+use super::minimiser::Minimiser;
 use crate::linalg::{TaskMatrix, TaskVector};
 
 /// A velocity inside the box that exceeds the inequalities as little as possible (sum of squares), near the slowest one.
@@ -18,7 +19,8 @@ pub fn least_excess(constraints: &Constraints, slowest: TaskVector, Z: &TaskMatr
         return slowest;
     }
     let (n, p, planes) = (constraints.joints(), Z.ncols(), excess.len());
-    let moved = constraints.rows_of(Z);
+    let mut moved = TaskMatrix::default();
+    constraints.write_rows_of(Z, &mut moved);
     let given = |i: usize, j: usize| if i >= n && i - n == j { -1.0 } else { 0.0 };
     let values = constraints.values(&slowest);
     let allowance = |i: usize| if i < n { 0.0 } else { excess[i - n] };
@@ -34,6 +36,6 @@ pub fn least_excess(constraints: &Constraints, slowest: TaskVector, Z: &TaskMatr
         base_size: excess.norm(),
         C,
     };
-    let z = active_set::iterate(&level).z;
+    let z = active_set::iterate(&level, &mut Minimiser::default()).z;
     constraints.clamp_joints(&slowest + &(Z * &TaskVector::from_slice(&z[..p])))
 }

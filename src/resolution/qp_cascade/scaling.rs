@@ -6,9 +6,9 @@
 #![allow(non_snake_case)]
 
 use super::feasible_set::FeasibleSet;
-use super::level::{LevelSolution, LevelSolver};
+use super::level::{Level, LevelSolution, LevelSolver};
 use super::objectives::Objective;
-use super::{ActiveSet, Guesses};
+use super::{Guess, Guesses};
 use crate::linalg::{Decomposition, TaskMatrix, TaskVector};
 use crate::resolution::certificate::relative;
 
@@ -49,8 +49,10 @@ impl<'a> ScaledTask<'a> {
         for level in higher {
             above.push_rows(&level.A);
         }
-        let open = Decomposition::new(&above).times_null_space(J);
-        Self { objective, reachable: Decomposition::with_scale(&open, objective.norm).range() }
+        let (mut open, mut reachable) = (J.clone(), TaskMatrix::default());
+        Decomposition::new(&above).to_null_space(&mut open);
+        Decomposition::with_scale(&open, objective.norm).write_range(&mut reachable);
+        Self { objective, reachable }
     }
 
     /// After the usual level was solved in `usual`: replaces its solution, found in `before`, if the limits bend the task.
@@ -58,7 +60,7 @@ impl<'a> ScaledTask<'a> {
         &self,
         before: &FeasibleSet,
         usual: &mut FeasibleSet,
-        guesses: [Option<&ActiveSet>; LEVELS],
+        guesses: [Guess; LEVELS],
         solver: &mut LevelSolver,
     ) -> Scaling {
         let Objective { A: J, b: xdot, norm, .. } = self.objective;
@@ -67,16 +69,15 @@ impl<'a> ScaledTask<'a> {
             return Scaling { factor: Some(1.0), levels: Vec::new() };
         }
         let mut scaled = before.with_scale();
+        let [first_guess, second_guess] = guesses;
         let direction = self.direction();
-        let first = solver.solve(&scaled.reduce(&direction), guesses[0]);
-        scaled.keep(&direction, &first);
+        let first = settle(&mut scaled, &direction, first_guess, solver);
         let size = direction.norm * scaled.base().norm().max(1.0);
         if xdot.norm() == 0.0 || relative((&direction.A * scaled.base()).amax(), size) > KEPT {
             return Scaling { factor: None, levels: vec![first] };
         }
         let magnitude = self.magnitude();
-        let second = solver.solve(&scaled.reduce(&magnitude), guesses[1]);
-        scaled.keep(&magnitude, &second);
+        let second = settle(&mut scaled, &magnitude, second_guess, solver);
         Scaling { factor: Some(usual.take_over(&scaled)), levels: vec![first, second] }
     }
 
@@ -98,9 +99,17 @@ impl<'a> ScaledTask<'a> {
     }
 }
 
-impl Guesses<'_> {
+fn settle(set: &mut FeasibleSet, objective: &Objective, guess: Guess, solver: &mut LevelSolver) -> LevelSolution {
+    let mut level = Level::default();
+    set.reduce(objective, &mut level);
+    let solution = solver.solve(&level, guess);
+    set.keep(objective, &level, &solution, solver);
+    solution
+}
+
+impl<'a> Guesses<'a> {
     /// The guesses of the levels that scaling adds after level `index`.
-    pub fn of_scaling(&self, index: usize) -> [Option<&ActiveSet>; LEVELS] {
+    pub fn of_scaling(self, index: usize) -> [Guess<'a>; LEVELS] {
         std::array::from_fn(|i| self.level(index + 1 + i))
     }
 }
