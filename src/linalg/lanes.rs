@@ -16,16 +16,24 @@ pub fn groups(entries: usize) -> usize {
     entries.div_ceil(LANES)
 }
 
-/// Does `work` with a number of groups that the compiler knows where it is a usual one.
-#[inline]
-fn with_known(groups: usize, work: impl FnOnce(usize)) {
-    match groups {
-        0 => {}
-        1 => work(1),
-        2 => work(2),
-        more => work(more),
-    }
+/// Does some work with a number of groups that the compiler knows, where it is a usual one.
+macro_rules! with_known {
+    ($groups:expr, |$known:ident| $work:expr) => {
+        match $groups {
+            0 => {}
+            1 => {
+                let $known = 1;
+                $work
+            }
+            2 => {
+                let $known = 2;
+                $work
+            }
+            $known => $work,
+        }
+    };
 }
+pub(super) use with_known;
 
 /// Σ a_i b_i.
 #[inline]
@@ -52,7 +60,7 @@ pub fn add_scaled(y: &mut [Lanes], factor: f64, x: &[Lanes]) {
 /// y ← A x, row by row.
 #[inline]
 pub fn rows_times(rows: &[Lanes], x: &[Lanes], y: &mut [f64]) {
-    with_known(x.len(), |groups| {
+    with_known!(x.len(), |groups| {
         rows.chunks_exact(groups).zip(y).for_each(|(row, y)| *y = dot(row, &x[..groups]));
     });
 }
@@ -60,26 +68,15 @@ pub fn rows_times(rows: &[Lanes], x: &[Lanes], y: &mut [f64]) {
 /// y ← y + Aᵀ x, row by row.
 #[inline]
 pub fn add_rows(y: &mut [Lanes], x: &[f64], rows: &[Lanes]) {
-    with_known(y.len(), |groups| {
+    with_known!(y.len(), |groups| {
         rows.chunks_exact(groups).zip(x).for_each(|(row, &x)| add_scaled(&mut y[..groups], x, row));
-    });
-}
-
-/// x ← (I − gain v vᵀ) x for each of some rows; `each` is given the row's number and the row.
-#[inline]
-pub fn reflect_rows(rows: &mut [Lanes], v: &[Lanes], gain: f64, mut each: impl FnMut(usize, &mut [Lanes])) {
-    with_known(v.len(), |groups| {
-        for (i, x) in rows.chunks_exact_mut(groups).enumerate() {
-            add_scaled(x, -gain * dot(&v[..groups], x), &v[..groups]);
-            each(i, x);
-        }
     });
 }
 
 /// x ← H x for one reflection after the other, `vs` their vectors.
 #[inline]
 pub fn reflect_all(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
-    with_known(x.len(), |groups| {
+    with_known!(x.len(), |groups| {
         let x = &mut x[..groups];
         for (v, gain) in vs.chunks_exact(groups).zip(gains) {
             add_scaled(x, -gain * dot(v, x), v);
@@ -90,7 +87,7 @@ pub fn reflect_all(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
 /// The same, the last reflection first.
 #[inline]
 pub fn reflect_all_back(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
-    with_known(x.len(), |groups| {
+    with_known!(x.len(), |groups| {
         let x = &mut x[..groups];
         for (v, gain) in vs.chunks_exact(groups).zip(gains).rev() {
             add_scaled(x, -gain * dot(v, x), v);

@@ -1,7 +1,7 @@
 //! Householder reflections, one after the other, and the triangle that they make of the rows of a matrix.
 #![allow(non_snake_case)]
 
-use super::lanes::{Lanes, add_scaled, dot, reflect_all, reflect_all_back, reflect_rows};
+use super::lanes::{Lanes, add_scaled, dot, groups, reflect_all, reflect_all_back, with_known};
 use super::{TaskMatrix, TaskVector};
 
 /// Fraction of a row's squared norm below which what is left of it is computed anew rather than by subtraction.
@@ -16,11 +16,11 @@ pub struct Reflections {
     pub first: usize,
     /// Rows of A in the order in which they were taken.
     pub order: Vec<usize>,
-    /// The rows in that order, in the coordinates that Q makes: lower trapezoidal from `first` on, up to what the
+    /// The rows in that order, in the coordinates that Q makes, lower trapezoidal from `first` on; without what the
     /// reflections leave of rows that they did not take.
     pub L: TaskMatrix,
-    /// v_k.
-    v: TaskMatrix,
+    /// v_k in place of the rows that were taken, and what the reflections leave of the others.
+    rest: TaskMatrix,
     /// g_k.
     gains: Vec<f64>,
     /// Squared norms of what is left of the rows, and as they were when last computed from entries.
@@ -42,29 +42,36 @@ impl Reflections {
     /// Takes the rows of `A` apart, as they are from the coordinate `first` on.
     pub fn make(&mut self, A: &TaskMatrix, first: usize, order: Order) {
         let (m, n) = (A.nrows(), A.ncols());
-        let most = m.min(n - first);
         self.first = first;
         self.order.clear();
         self.order.extend(0..m);
         self.gains.clear();
-        self.L.copy_from(A);
-        self.v.reset(most, n);
+        self.rest.copy_from(A);
+        self.L.reset(m, n);
+        for i in (0..m).filter(|_| first > 0) {
+            self.L[i][..first].swap_with_slice(&mut self.rest[i][..first]);
+        }
+        with_known!(groups(n), |groups| self.take(m.min(n - first), groups, order));
+        let left = (self.count()..m).map(|i| dot(self.rest.row(i), self.rest.row(i)));
+        self.left_over = left.sum::<f64>().sqrt();
+    }
+
+    /// Takes at most so many rows, `groups` groups each.
+    #[inline(always)]
+    fn take(&mut self, most: usize, groups: usize, order: Order) {
         self.squares.clear();
-        self.squares.extend((0..m).map(|i| [square(A.row(i), first); 2]));
+        self.squares.extend(self.rest.lanes().chunks_exact(groups).map(|row| [dot(row, row); 2]));
         for k in 0..most {
             if let Order::LongestAbove(_) = order {
                 self.bring_longest(k);
             }
-            let v = &mut self.v[k][first + k..];
-            v.copy_from_slice(&self.L[k][first + k..]);
-            let length = dot(self.v.row(k), self.v.row(k)).sqrt();
+            let row = &self.rest.lanes()[k * groups..][..groups];
+            let length = dot(row, row).sqrt();
             if matches!(order, Order::LongestAbove(limit) if !(length > limit)) {
                 break;
             }
-            self.reflect(k, length);
+            self.reflect(k, groups, length);
         }
-        let taken = self.count();
-        self.left_over = (taken..m).map(|i| square(self.L.row(i), first + taken)).sum::<f64>().sqrt();
     }
 
     /// r, the number of reflections.
@@ -73,48 +80,54 @@ impl Reflections {
     }
 
     /// Swaps the longest of the rows from place k on to place k.
+    #[inline(always)]
     fn bring_longest(&mut self, k: usize) {
-        let mut longest = k;
+        let (mut longest, mut most) = (k, self.squares[k][0]);
         for (place, square) in self.squares.iter().enumerate().skip(k + 1) {
-            if square[0] > self.squares[longest][0] {
-                longest = place;
+            if square[0] > most {
+                (longest, most) = (place, square[0]);
             }
         }
         if longest != k {
             self.order.swap(k, longest);
             self.squares.swap(k, longest);
             self.L.swap_rows(k, longest);
+            self.rest.swap_rows(k, longest);
         }
     }
 
-    /// Makes the row at place k, of which v_k is a copy, one of coordinate `first + k` alone, and reflects those after it.
-    fn reflect(&mut self, k: usize, length: f64) {
+    /// Makes the row at place k one of coordinate `first + k` alone, and takes that coordinate off the rows after it.
+    #[inline(always)]
+    fn reflect(&mut self, k: usize, groups: usize, length: f64) {
         let place = self.first + k;
-        let head = &mut self.v[k][place];
+        let (taken, rest) = self.rest.split_rows_mut(k + 1);
+        let (above, below) = self.L.split_rows_mut(k + 1);
+        let v = &mut taken[k * groups..][..groups];
+        let head = &mut v.as_flattened_mut()[place];
         let alpha = -length.copysign(*head);
         *head -= alpha;
         // ‖v‖²/2 = ‖x‖ (‖x‖ + |x_k|); nothing to do for no row at all.
         let half = length * head.abs();
         let gain = if half > 0.0 { 1.0 / half } else { 0.0 };
         self.gains.push(gain);
-        self.L[k][place..].fill(0.0);
-        self.L[k][place] = alpha;
-        let squares = &mut self.squares[k + 1..];
-        reflect_rows(self.L.rows_from_mut(k + 1), self.v.row(k), gain, |i, x| {
-            let [left, reference] = &mut squares[i];
-            let coordinate = x.as_flattened()[place];
+        above[k * groups..].as_flattened_mut()[place] = alpha;
+        let rows = rest.chunks_exact_mut(groups).zip(below.chunks_exact_mut(groups));
+        for ((x, coordinates), [left, reference]) in rows.zip(&mut self.squares[k + 1..]) {
+            add_scaled(x, -gain * dot(v, x), v);
+            let coordinate = std::mem::take(&mut x.as_flattened_mut()[place]);
+            coordinates.as_flattened_mut()[place] = coordinate;
             *left -= coordinate * coordinate;
             if *left < CANCELLED * *reference {
-                *left = square(x, place + 1);
+                *left = dot(x, x);
                 *reference = *left;
             }
-        });
+        }
     }
 
     /// The vectors v_k, one after the other.
     #[inline]
     fn vs(&self) -> &[Lanes] {
-        self.v.lanes()
+        &self.rest.lanes()[..self.count() * groups(self.rest.ncols())]
     }
 
     /// x ← Qᵀ x.
@@ -132,10 +145,14 @@ impl Reflections {
     /// x, n, of the coordinates of Q, with L x = b at the rows that were taken; zero elsewhere.
     pub fn solve(&self, b: &TaskVector) -> TaskVector {
         let mut x = TaskVector::zeros(self.L.ncols());
-        for (k, &row) in self.order.iter().enumerate().take(self.count()) {
-            let known = dot(self.L.row(k), x.lanes());
-            x[self.first + k] = (b[row] - known) / self.L[k][self.first + k];
-        }
+        with_known!(groups(self.L.ncols()), |groups| {
+            let (b, x) = (&b[..], &mut x.lanes_mut()[..groups]);
+            for (k, (&row, coordinates)) in self.order[..self.count()].iter().zip(self.L.lanes().chunks_exact(groups)).enumerate() {
+                let known = dot(coordinates, x);
+                let place = self.first + k;
+                x.as_flattened_mut()[place] = (b[row] - known) / coordinates.as_flattened()[place];
+            }
+        });
         x
     }
 
@@ -160,10 +177,4 @@ impl Reflections {
             }
         }
     }
-}
-
-/// Σ x_i² from the entry `first` on.
-#[inline]
-fn square(x: &[Lanes], first: usize) -> f64 {
-    x.as_flattened()[first..].iter().map(|x| x * x).sum()
 }

@@ -47,8 +47,9 @@ impl TaskMatrix {
     #[inline]
     pub fn copy_from_matrix(&mut self, other: &Matrix) {
         self.reset(other.nrows(), other.ncols());
-        for i in 0..self.rows {
-            self[i].iter_mut().enumerate().for_each(|(j, x)| *x = other[(i, j)]);
+        let (width, entries) = (LANES * self.stride, self.lanes.as_flattened_mut());
+        for (j, column) in other.as_slice().chunks_exact(self.rows.max(1)).enumerate() {
+            column.iter().enumerate().for_each(|(i, x)| entries[i * width + j] = *x);
         }
     }
 

@@ -10,19 +10,28 @@ use super::lanes::{LANES, Lanes, add_scaled, dot, groups};
 const NEAR: usize = 3;
 
 /// A column of up to 12 entries in place, of more on the heap.
-#[derive(Clone, PartialEq, Default)]
+#[derive(PartialEq, Default)]
 pub struct TaskVector {
     len: usize,
+    /// Zero beyond `len`, so that all of it can be added and multiplied.
     near: [Lanes; NEAR],
     /// All groups of a vector that has no room in place.
     far: Box<[Lanes]>,
+}
+
+impl Clone for TaskVector {
+    #[inline]
+    fn clone(&self) -> Self {
+        let far = if self.far.is_empty() { Box::default() } else { self.far.clone() };
+        Self { len: self.len, near: self.near, far }
+    }
 }
 
 impl TaskVector {
     /// `len` zeros.
     #[inline]
     pub fn zeros(len: usize) -> Self {
-        let far = if groups(len) > NEAR { vec![[0.0; LANES]; groups(len)].into() } else { Box::default() };
+        let far = if len > NEAR * LANES { vec![[0.0; LANES]; groups(len)].into() } else { Box::default() };
         Self { len, near: [[0.0; LANES]; NEAR], far }
     }
 
@@ -79,20 +88,18 @@ impl TaskVector {
 
     #[inline]
     pub(super) fn lanes(&self) -> &[Lanes] {
-        let groups = groups(self.len);
-        if groups <= NEAR { &self.near[..groups] } else { &self.far }
+        if self.far.is_empty() { &self.near[..groups(self.len)] } else { &self.far }
     }
 
     #[inline]
     pub(super) fn lanes_mut(&mut self) -> &mut [Lanes] {
-        let groups = groups(self.len);
-        if groups <= NEAR { &mut self.near[..groups] } else { &mut self.far }
+        if self.far.is_empty() { &mut self.near[..groups(self.len)] } else { &mut self.far }
     }
 
     /// Σ x_i y_i.
     #[inline]
     pub fn dot(&self, other: &Self) -> f64 {
-        dot(self.lanes(), other.lanes())
+        if self.far.is_empty() { dot(&self.near, &other.near) } else { dot(&self.far, &other.far) }
     }
 
     /// ‖x‖.
@@ -110,7 +117,11 @@ impl TaskVector {
     /// x ← x + factor y.
     #[inline]
     pub fn add_scaled(&mut self, factor: f64, y: &Self) {
-        add_scaled(self.lanes_mut(), factor, y.lanes());
+        if self.far.is_empty() {
+            add_scaled(&mut self.near, factor, &y.near);
+        } else {
+            add_scaled(&mut self.far, factor, &y.far);
+        }
     }
 
     /// The entries of both, one after the other.
@@ -142,14 +153,16 @@ impl Deref for TaskVector {
 
     #[inline]
     fn deref(&self) -> &[f64] {
-        &self.lanes().as_flattened()[..self.len]
+        let all = if self.far.is_empty() { self.near.as_flattened() } else { self.far.as_flattened() };
+        &all[..self.len]
     }
 }
 
 impl DerefMut for TaskVector {
     #[inline]
     fn deref_mut(&mut self) -> &mut [f64] {
-        { let len = self.len; &mut self.lanes_mut().as_flattened_mut()[..len] }
+        let all = if self.far.is_empty() { self.near.as_flattened_mut() } else { self.far.as_flattened_mut() };
+        &mut all[..self.len]
     }
 }
 

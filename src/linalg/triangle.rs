@@ -1,7 +1,7 @@
 //! Singular values of triangles.
 #![allow(non_snake_case)]
 
-use super::lanes::{LANES, add_rows, add_scaled, dot, groups};
+use super::lanes::{LANES, Lanes, add_rows, add_scaled, dot, groups, with_known};
 use super::{TaskMatrix, TaskVector};
 
 /// L ← L⁻¹ of a lower triangle; without a meaning where a diagonal entry is zero.
@@ -27,54 +27,60 @@ pub fn spectral_norm(X: &TaskMatrix, M: &mut TaskMatrix) -> f64 {
         return size;
     }
     M.reset(n, n);
-    for i in 0..n {
-        let row = &X.row_vector(i) * (1.0 / size);
-        for j in 0..=i {
-            add_scaled(M.row_mut(j), row[j], row.lanes());
+    let (mut diagonal, mut off_squared) = (TaskVector::zeros(n), TaskVector::zeros(n));
+    with_known!(groups(n), |groups| {
+        for (i, row) in X.lanes().chunks_exact(groups).enumerate() {
+            add_outer(M.rows_from_mut(0), row, &row.as_flattened()[..=i], size);
         }
-    }
-    let (diagonal, off_squared) = tridiagonal(M);
+        reduce(M.rows_from_mut(0), groups, &mut diagonal, &mut off_squared);
+    });
     size * largest_eigenvalue(&diagonal, &off_squared).sqrt()
 }
 
+/// M ← M + x xᵀ / size², where x ends with the entry that `entries` ends with.
+#[inline(always)]
+fn add_outer(M: &mut [Lanes], x: &[Lanes], entries: &[f64], size: f64) {
+    let unit = 1.0 / size;
+    for (row, entry) in M.chunks_exact_mut(x.len()).zip(entries) {
+        add_scaled(row, entry * unit * unit, x);
+    }
+}
+
 /// Diagonal and squared off-diagonal of the tridiagonal matrix that Householder reflections make of a symmetric one.
-fn tridiagonal(M: &mut TaskMatrix) -> (TaskVector, TaskVector) {
-    let n = M.nrows();
-    let mut diagonal = TaskVector::zeros(n);
-    let mut off_squared = TaskVector::zeros(n);
-    let mut v = TaskVector::zeros(n);
-    for k in 0..n.saturating_sub(2) {
-        diagonal[k] = M[k][k];
+#[inline(always)]
+fn reduce(M: &mut [Lanes], groups: usize, diagonal: &mut [f64], off_squared: &mut [f64]) {
+    let n = diagonal.len();
+    let (mut v, mut w) = (TaskVector::zeros(n), TaskVector::zeros(n));
+    let (v, w) = (&mut v.lanes_mut()[..groups], &mut w.lanes_mut()[..groups]);
+    for k in 0..n - 1 {
+        let (above, below) = M.split_at_mut((k + 1) * groups);
         // Row k beyond the diagonal; what is before it was taken off already.
-        v.lanes_mut().copy_from_slice(M.row(k));
-        v[..=k].fill(0.0);
-        let square = v.dot(&v);
+        v.copy_from_slice(&above[k * groups..]);
+        diagonal[k] = v.as_flattened()[k];
+        v.as_flattened_mut()[..=k].fill(0.0);
+        let square = dot(v, v);
         off_squared[k] = square;
         if square == 0.0 {
             continue;
         }
         let length = square.sqrt();
-        let head = v[k + 1];
-        v[k + 1] += length.copysign(head);
+        let head = v.as_flattened()[k + 1];
+        v.as_flattened_mut()[k + 1] += length.copysign(head);
         let gain = 1.0 / (length * (length + head.abs()));
         // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ on the rows and columns beyond k.
-        let mut w = TaskVector::zeros(n);
-        for i in k + 1..n {
-            w[i] = gain * dot(M.row(i), v.lanes());
+        w.fill([0.0; LANES]);
+        for (row, w) in below.chunks_exact(groups).zip(&mut w.as_flattened_mut()[k + 1..]) {
+            *w = gain * dot(row, v);
         }
-        let half = 0.5 * gain * w.dot(&v);
-        w.add_scaled(-half, &v);
-        for i in k + 1..n {
-            let (v_i, w_i) = (v[i], w[i]);
-            add_scaled(M.row_mut(i), -v_i, w.lanes());
-            add_scaled(M.row_mut(i), -w_i, v.lanes());
+        let half = 0.5 * gain * dot(w, v);
+        add_scaled(w, -half, v);
+        let entries = v.as_flattened()[k + 1..].iter().zip(&w.as_flattened()[k + 1..]);
+        for (row, (v_i, w_i)) in below.chunks_exact_mut(groups).zip(entries) {
+            add_scaled(row, -v_i, w);
+            add_scaled(row, -w_i, v);
         }
     }
-    for k in n.saturating_sub(2)..n {
-        diagonal[k] = M[k][k];
-    }
-    off_squared[n - 2] = M[n - 2][n - 1] * M[n - 2][n - 1];
-    (diagonal, off_squared)
+    diagonal[n - 1] = M.as_flattened()[(n - 1) * (LANES * groups + 1)];
 }
 
 /// Newton steps that a largest eigenvalue may take; Laguerre's take some four.

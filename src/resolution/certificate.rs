@@ -5,7 +5,7 @@
 /// Dividing by it makes residuals dimensionless: multiplying rows or velocities by a constant changes nothing.
 /// `a`, `x`, `b`: their norms.
 pub fn gradient_scale(a: f64, lambda: f64, x: f64, b: f64) -> f64 {
-    let norm = a.hypot(lambda);
+    let norm = if lambda > 0.0 { a.hypot(lambda) } else { a };
     norm * (norm * x + b)
 }
 
