@@ -1,7 +1,7 @@
 //! Rank, pseudo-inverse and null space of a matrix, with singular values where they are asked for.
 #![allow(non_snake_case)]
 
-use super::lanes::{Lanes, add_scaled, dot};
+use super::lanes::{add_scaled, dot};
 use super::reflections::{Order, Reflections};
 use super::singular::Singular;
 use super::{TaskMatrix, TaskVector, triangle};
@@ -161,7 +161,21 @@ impl Decomposition {
 
     /// x ← Vᵀ x: into the frame.
     pub fn to_frame(&self, x: &mut TaskVector) {
-        self.turn(x.lanes_mut());
+        self.reflections.turn(x.lanes_mut());
+        self.turn_core(x);
+    }
+
+    /// The rows of `B` in the frame, B V.
+    pub fn rows_to_frame(&self, B: &mut TaskMatrix) {
+        self.reflections.turn(B.rows_from_mut(0));
+        (0..B.nrows()).filter(|_| self.core == Core::Singular).for_each(|i| self.turn_core(&mut B[i]));
+    }
+
+    fn turn_core(&self, x: &mut [f64]) {
+        if let Some(singular) = self.by_values() {
+            let first = self.reflections.first;
+            singular.turn(&mut x[first..first + self.reflections.count()]);
+        }
     }
 
     /// x ← V x: out of the frame.
@@ -171,19 +185,6 @@ impl Decomposition {
             singular.turn_back(&mut x[first..first + self.reflections.count()]);
         }
         self.reflections.turn_back(x.lanes_mut());
-    }
-
-    /// The rows of `B` in the frame, B V.
-    pub fn rows_to_frame(&self, B: &mut TaskMatrix) {
-        (0..B.nrows()).for_each(|i| self.turn(B.row_mut(i)));
-    }
-
-    fn turn(&self, x: &mut [Lanes]) {
-        self.reflections.turn(x);
-        if let Some(singular) = self.by_values() {
-            let first = self.reflections.first;
-            singular.turn(&mut x.as_flattened_mut()[first..first + self.reflections.count()]);
-        }
     }
 
     /// Vᵀ A⁺ b: the shortest x that minimises ‖A x − b‖, in the frame.
@@ -257,22 +258,40 @@ impl Decomposition {
         N
     }
 
-    /// Becomes an orthonormal basis of {A x} as rows, rank × m.
-    pub fn write_range(&self, basis: &mut TaskMatrix) {
-        basis.reset(self.rank, self.rows);
-        for i in 0..self.rank {
-            if let Some(singular) = self.by_values() {
-                basis.row_mut(i).copy_from_slice(singular.left(i));
-                continue;
+    /// b without its part in {A x}: what no x reaches.
+    pub fn unreachable(&self, b: &TaskVector) -> TaskVector {
+        let mut left = b.clone();
+        match (self.core, self.across.as_deref(), self.by_values()) {
+            (Core::Across, Some(across), _) => {
+                across.turn(left.lanes_mut());
+                left[..self.rank].fill(0.0);
+                across.turn_back(left.lanes_mut());
             }
-            match self.across.as_deref().filter(|_| self.core == Core::Across) {
-                Some(across) => {
+            (Core::Singular, _, Some(singular)) => {
+                for i in 0..self.rank {
+                    let u = singular.left(i);
+                    add_scaled(left.lanes_mut(), -dot(u, b.lanes()), u);
+                }
+            }
+            _ => left.fill(0.0),
+        }
+        left
+    }
+
+    /// An orthonormal basis of {A x} as rows, rank × m.
+    pub fn range(&self) -> TaskMatrix {
+        let mut basis = TaskMatrix::zeros(self.rank, self.rows);
+        for i in 0..self.rank {
+            match (self.core, self.across.as_deref(), self.by_values()) {
+                (Core::Across, Some(across), _) => {
                     basis[i][i] = 1.0;
                     across.turn_back(basis.row_mut(i));
                 }
-                None => basis[i][i] = 1.0,
+                (Core::Singular, _, Some(singular)) => basis.row_mut(i).copy_from_slice(singular.left(i)),
+                _ => basis[i][i] = 1.0,
             }
         }
+        basis
     }
 
     /// Becomes a lower triangle with all singular values of [A; B]; whether there is one: where both see as many directions

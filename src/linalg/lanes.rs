@@ -73,18 +73,19 @@ pub fn add_rows(y: &mut [Lanes], x: &[f64], rows: &[Lanes]) {
     });
 }
 
-/// x ← H x for one reflection after the other, `vs` their vectors.
+/// x ← H x for one reflection after the other, `vs` their vectors, for each row x of as many groups.
 #[inline]
-pub fn reflect_all(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
-    with_known!(x.len(), |groups| {
-        let x = &mut x[..groups];
-        for (v, gain) in vs.chunks_exact(groups).zip(gains) {
-            add_scaled(x, -gain * dot(v, x), v);
+pub fn reflect_all(rows: &mut [Lanes], groups: usize, vs: &[Lanes], gains: &[f64]) {
+    with_known!(groups, |groups| {
+        for x in rows.chunks_exact_mut(groups) {
+            for (v, gain) in vs.chunks_exact(groups).zip(gains) {
+                add_scaled(x, -gain * dot(v, x), v);
+            }
         }
     });
 }
 
-/// The same, the last reflection first.
+/// The same for one x, the last reflection first.
 #[inline]
 pub fn reflect_all_back(x: &mut [Lanes], vs: &[Lanes], gains: &[f64]) {
     with_known!(x.len(), |groups| {

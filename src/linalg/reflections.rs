@@ -130,10 +130,10 @@ impl Reflections {
         &self.rest.lanes()[..self.count() * groups(self.rest.ncols())]
     }
 
-    /// x ← Qᵀ x.
+    /// x ← Qᵀ x, for one x or several, one after the other.
     #[inline]
     pub fn turn(&self, x: &mut [Lanes]) {
-        reflect_all(x, self.vs(), &self.gains);
+        reflect_all(x, groups(self.rest.ncols()), self.vs(), &self.gains);
     }
 
     /// x ← Q x.

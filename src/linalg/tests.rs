@@ -48,14 +48,16 @@ proptest! {
     #[test]
     fn null_space_and_range_are_orthonormal_and_complete(rows in any_matrix()) {
         for decomposition in both_ways(&rows) {
-            let (a, n, mut range) = (rows.to_matrix(), decomposition.null_space().to_matrix(), TaskMatrix::default());
-            decomposition.write_range(&mut range);
+            let (a, n, range) = (rows.to_matrix(), decomposition.null_space().to_matrix(), decomposition.range());
             prop_assert_eq!(n.ncols() + decomposition.rank(), a.ncols());
             prop_assert!((&a * &n).norm() < 1e-12);
             prop_assert!((n.transpose() * &n - Matrix::identity(n.ncols(), n.ncols())).norm() < 1e-12);
             let u = range.to_matrix();
             prop_assert!((&u * u.transpose() - Matrix::identity(u.nrows(), u.nrows())).norm() < 1e-12);
             prop_assert!((u.transpose() * &u * &a - &a).norm() < 1e-12);
+            let b = TaskVector::from_fn(rows.nrows(), |i| i as f64 - 1.5);
+            let left = &b - &range.transposed_times(&(&range * &b));
+            prop_assert!((&decomposition.unreachable(&b) - &left).norm() < 1e-12);
         }
     }
 

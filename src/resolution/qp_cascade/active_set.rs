@@ -73,7 +73,7 @@ impl Candidate {
 
     fn new(level: &Level, minimiser: &Minimiser, conditions: &Conditions) -> Self {
         let Minimiser { z, active, .. } = minimiser;
-        let mut candidate = Self { z: z.clone(), active_set: active.clone(), ..Self::stay(level) };
+        let mut candidate = Self { z: z.clone(), active_set: SmallVec::from_slice(active), ..Self::stay(level) };
         for (place, &(row, _)) in active.iter().enumerate() {
             if conditions.relief[place] > OPTIMALITY {
                 candidate.multipliers[row] = conditions.multipliers[place];
@@ -107,9 +107,19 @@ fn broken(level: &Level, z: &TaskVector) -> impl Iterator<Item = (usize, Side)> 
 /// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
 pub fn polish(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Candidate {
     let known: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
-    minimiser.find(level, &TaskVector::zeros(level.unknowns()), &known);
+    minimiser.find(level, None, &known);
     let conditions = minimiser.conditions(level);
     Candidate::new(level, minimiser, &conditions)
+}
+
+/// Solves the level from a guessed set on: by corrections where these arrive, which takes few sets, otherwise by
+/// [`iterate`]; `None` where neither finds an answer whose optimality conditions hold.
+pub fn search(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Option<Candidate> {
+    #[cfg(test)]
+    if super::clarabel_level::fault::strikes() {
+        return None;
+    }
+    correct(level, guess, minimiser).or_else(|| Some(iterate(level, minimiser)).filter(Candidate::is_optimal))
 }
 
 /// Sets that [`correct`] tries: most guesses are right or off by one limit, and some need a few more.
@@ -119,15 +129,10 @@ const MOST_CORRECTIONS: usize = 8;
 /// limits whose multipliers point inwards, with those that are broken (a primal-dual active-set method).
 ///
 /// `None` where that does not arrive: it need not, but where it does, the optimality conditions say so.
-pub fn correct(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Option<Candidate> {
-    #[cfg(test)]
-    if super::clarabel_level::fault::strikes() {
-        return None;
-    }
-    let near = TaskVector::zeros(level.unknowns());
+fn correct(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Option<Candidate> {
     let mut active: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
     for _ in 0..MOST_CORRECTIONS {
-        minimiser.find(level, &near, &active);
+        minimiser.find(level, None, &active);
         let conditions = minimiser.conditions(level);
         let candidate = Candidate::new(level, minimiser, &conditions);
         if candidate.is_optimal() {
@@ -158,7 +163,7 @@ pub fn iterate(level: &Level, minimiser: &mut Minimiser) -> Candidate {
     let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        minimiser.find(level, &z, &active);
+        minimiser.find(level, Some(&z), &active);
         active.clone_from(&minimiser.active);
         let target = &mut minimiser.z;
         if (&level.C * &(&*target - &z)).norm() <= ARRIVED * level.size(&z) {

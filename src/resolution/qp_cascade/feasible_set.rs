@@ -153,11 +153,11 @@ impl FeasibleSet {
     fn fix_decided_rows(&mut self) {
         let Self { constraints, Z, fixed, room, .. } = self;
         constraints.write_rows_of(Z, room);
-        for row in (0..fixed.len()).rev().filter(|&row| room.row_norm(row) <= RANK_TOLERANCE) {
-            fixed[row] = true;
-            let moved = room.row_vector(row);
-            if moved.iter().any(|&entry| entry != 0.0) {
-                Z.subtract_outer(&constraints.row(row), &moved);
+        for row in (0..fixed.len()).rev() {
+            let size = room.row_norm(row);
+            fixed[row] |= size <= RANK_TOLERANCE;
+            if fixed[row] && size > 0.0 {
+                Z.subtract_outer(&constraints.row(row), &room.row_vector(row));
             }
         }
     }

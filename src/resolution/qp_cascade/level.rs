@@ -3,6 +3,7 @@
 
 use super::active_set::{self, ActiveSet, Candidate, Side};
 use super::clarabel_level::ClarabelLevels;
+use super::Guess;
 use super::minimiser::Minimiser;
 use crate::linalg::{RANK_TOLERANCE, TaskMatrix, TaskVector};
 use crate::resolution::resolve::Path;
@@ -86,13 +87,15 @@ pub struct LevelSolution {
     pub iterations: u32,
     /// Whether Clarabel failed, so that the active-set iteration stood in.
     pub failed: bool,
-    /// Whether the solver's last minimiser is this solution.
+    /// Whether the solver's minimiser is on this set.
     is_last: bool,
 }
 
 impl LevelSolution {
-    fn of(candidate: Candidate) -> Self {
+    /// The candidate that was found last.
+    fn of(candidate: Candidate, minimiser: &Minimiser) -> Self {
         Self {
+            is_last: minimiser.active == candidate.active_set,
             z: candidate.z,
             multipliers: candidate.multipliers,
             active_set: candidate.active_set,
@@ -101,7 +104,6 @@ impl LevelSolution {
             path: Path::ActiveSet,
             iterations: 0,
             failed: false,
-            is_last: true,
         }
     }
 
@@ -130,24 +132,19 @@ impl LevelSolver {
     /// Clarabel's answer is worth its active set: the least-squares problem on that set is solved exactly. Should the set
     /// be wrong, which happens at degenerate corners, or Clarabel fail, an active-set iteration from z = 0 finds the right
     /// one.
-    pub fn solve(&mut self, level: &Level, guess: Option<&[(usize, Side)]>) -> LevelSolution {
+    pub fn solve(&mut self, level: &Level, guess: Guess) -> LevelSolution {
         let Self { clarabel, minimiser } = self;
         if level.is_decided() {
-            return LevelSolution { is_last: false, ..LevelSolution::of(Candidate::stay(level)) };
+            return LevelSolution { is_last: false, ..LevelSolution::of(Candidate::stay(level), minimiser) };
         }
-        if let Some(found) = guess.and_then(|guess| active_set::correct(level, guess, minimiser)) {
-            return LevelSolution::of(found);
+        if let Some(found) = guess.and_then(|guess| active_set::search(level, guess, minimiser)) {
+            return LevelSolution::of(found, minimiser);
         }
         let (active_set, iterations) = clarabel.solve(level);
         let failed = active_set.is_none();
         let polished = active_set.map(|set| active_set::polish(level, &set, minimiser));
-        let solution = match polished.filter(Candidate::is_optimal) {
-            Some(candidate) => LevelSolution::of(candidate),
-            None => {
-                let candidate = active_set::iterate(level, minimiser);
-                LevelSolution { is_last: false, ..LevelSolution::of(candidate) }
-            }
-        };
+        let candidate = polished.filter(Candidate::is_optimal).unwrap_or_else(|| active_set::iterate(level, minimiser));
+        let solution = LevelSolution::of(candidate, minimiser);
         LevelSolution { path: Path::Qp, iterations, failed, ..solution }
     }
 

@@ -24,32 +24,36 @@ pub struct Minimiser {
     /// C in that frame, and its decomposition from the first coordinate on that the set leaves open.
     C: TaskMatrix,
     open: Decomposition,
-    /// Orthonormal basis of the range of C N, with N the null space of G_W, as rows.
-    range: TaskMatrix,
 }
 
 /// The optimality conditions at a minimiser, measured as what could still be gained of ‖C z − d‖.
 ///
-/// With the residual r = C z − d, a basis Q of the range of C N (what the set leaves open) and M = (I − Q Qᵀ) C G_W⁺
-/// (how r changes with each bound of the set), the conditions are Qᵀ r = 0 and multipliers m = −Mᵀ r that point
-/// outwards. Moving bound i alone changes ‖r‖ by m_i / ‖M_i‖ per unit of change in r: its relief. The usual gradient
+/// With the residual r = C z − d, the projector P onto what C N (the part that the set leaves open) does not reach and
+/// M = P C G_W⁺ (how r changes with each bound of the set), the conditions are r = P r and multipliers m = −Mᵀ r that
+/// point outwards. Moving bound i alone changes ‖r‖ by m_i / ‖M_i‖ per unit of change in r: its relief. The usual gradient
 /// Cᵀ r in place of these shrinks with the square of a small singular value and would call wrong sets right.
 pub struct Conditions {
     /// Signed multipliers, in the order of the set; positive: pressed upwards.
     pub multipliers: TaskVector,
     /// Relative relief, in the order of the set; negative where the multiplier points inwards.
     pub relief: TaskVector,
-    /// ‖Qᵀ r‖_∞, relative.
+    /// ‖r − P r‖_∞, relative.
     pub stationarity: f64,
 }
 
 impl Minimiser {
-    /// Becomes the minimiser on a set of the level's constraints.
-    pub fn find(&mut self, level: &Level, near: &TaskVector, active: &[(usize, Side)]) {
+    /// Becomes the minimiser on a set of the level's constraints; `near`: where the search began, `None` for z = 0.
+    pub fn find(&mut self, level: &Level, near: Option<&TaskVector>, active: &[(usize, Side)]) {
         self.hold(level, active);
         let Self { z, active, G_W, limits, C, open, .. } = self;
-        let bounds = TaskVector::from_fn(active.len(), |i| level.bound(active[i].0, active[i].1));
-        *z = near + &limits.solve(&(&bounds - &(&*G_W * near)));
+        let mut bounds = TaskVector::from_fn(active.len(), |i| level.bound(active[i].0, active[i].1));
+        if let Some(near) = near {
+            bounds -= &(&*G_W * near);
+        }
+        *z = limits.solve(&bounds);
+        if let Some(near) = near {
+            *z += near;
+        }
         C.copy_from(&level.C);
         limits.rows_to_frame(C);
         open.decompose(C, limits.rank(), level.scale);
@@ -84,7 +88,7 @@ impl Minimiser {
     }
 
     /// The optimality conditions of the level at z.
-    pub fn conditions(&mut self, level: &Level) -> Conditions {
+    pub fn conditions(&self, level: &Level) -> Conditions {
         let size = level.size(&self.z);
         let residual = &(&level.C * &self.z) - &level.d;
         let count = self.active.len();
@@ -93,15 +97,13 @@ impl Minimiser {
             // What is open reaches all there is to reach: no limit costs anything.
             return Conditions { multipliers, relief, stationarity: relative(residual.amax(), size) };
         }
-        self.open.write_range(&mut self.range);
-        let Q = &self.range;
-        let stationarity = relative((Q * &residual).amax(), size);
+        let left = self.open.unreachable(&residual);
+        let stationarity = relative((&residual - &left).amax(), size);
         let mut conditions = Conditions { multipliers, relief, stationarity };
         for (place, &(_, side)) in self.active.iter().enumerate() {
-            let per_bound = self.limits.solve(&TaskVector::unit(count, place));
-            let mut M = &level.C * &per_bound;
-            M -= &Q.transposed_times(&(Q * &M));
-            let multiplier = -M.dot(&residual);
+            let per_bound = self.limits.solve_in_frame(&TaskVector::unit(count, place));
+            let M = self.open.unreachable(&(&self.C * &per_bound));
+            let multiplier = -M.dot(&left);
             let effect = M.norm().max(SENSITIVITY * level.scale * per_bound.norm());
             conditions.multipliers[place] = multiplier;
             let outwards = side.sign() * multiplier;

@@ -172,7 +172,9 @@ impl CascadeSolver {
                     cascade.add_scaled(solution, pinned, scaling);
                 }
             }
-            achieved.push(objective.kept_value(set.base()));
+            if index + 1 < objectives.len() {
+                achieved.push(objective.kept_value(set.base()));
+            }
             speed = speed.max(set.base().norm());
         }
         let drift = |(objective, value): (&Objective, &TaskVector)| objective.drift(value, set.base(), speed);

@@ -64,7 +64,8 @@ impl Objective {
 
     /// The entries of A q̇ that later levels must not change.
     pub fn kept_value(&self, qdot: &TaskVector) -> TaskVector {
-        (&self.A * qdot).first(self.kept)
+        let value = &self.A * qdot;
+        if self.is_exact() { value } else { value.first(self.kept) }
     }
 
     /// How far later levels moved them from `value`, relative to the size of the level at velocities up to ‖q̇‖ = `speed`.

@@ -49,10 +49,9 @@ impl<'a> ScaledTask<'a> {
         for level in higher {
             above.push_rows(&level.A);
         }
-        let (mut open, mut reachable) = (J.clone(), TaskMatrix::default());
+        let mut open = J.clone();
         Decomposition::new(&above).to_null_space(&mut open);
-        Decomposition::with_scale(&open, objective.norm).write_range(&mut reachable);
-        Self { objective, reachable }
+        Self { objective, reachable: Decomposition::with_scale(&open, objective.norm).range() }
     }
 
     /// After the usual level was solved in `usual`: replaces its solution, found in `before`, if the limits bend the task.
