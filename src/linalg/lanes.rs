@@ -4,6 +4,8 @@
 //! A matrix is its rows one after the other, each of as many groups as the vectors that it is multiplied with. Loops over
 //! rows are compiled once for each usual length, up to eight joints, and once for any other.
 
+use std::array;
+
 /// Entries that are treated together.
 pub const LANES: usize = 4;
 
@@ -51,9 +53,9 @@ pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
 #[inline]
 pub fn add_scaled(y: &mut [Lanes], factor: f64, x: &[Lanes]) {
     for (y, x) in y.iter_mut().zip(x) {
-        for lane in 0..LANES {
-            y[lane] += factor * x[lane];
-        }
+        // Both are read before one is written, which spares the question whether they overlap.
+        let (before, added) = (*y, *x);
+        *y = array::from_fn(|lane| before[lane] + factor * added[lane]);
     }
 }
 

@@ -182,7 +182,11 @@ impl TaskMatrix {
     pub(super) fn swap_rows(&mut self, i: usize, j: usize) {
         if i != j {
             let (upper, lower) = self.pair(i.min(j), i.max(j));
-            upper.swap_with_slice(lower);
+            for (x, y) in upper.iter_mut().zip(lower) {
+                let before = *x;
+                *x = *y;
+                *y = before;
+            }
         }
     }
 
