@@ -27,17 +27,17 @@ pub struct Conditioning {
 impl Conditioning {
     /// Becomes that of [A; B], whose Frobenius norm is `norm`.
     ///
-    /// `own` decomposes A, and `below`, with its rows, B in the frame of A from the first open coordinate on.
+    /// `own` decomposes A, and `next` what B is in the frame of A, `below`, from the first open coordinate on.
     pub fn update(
         &mut self,
         [A, B]: [&TaskMatrix; 2],
         norm: f64,
         own: &Decomposition,
-        below: &Decomposition,
+        (below, next): (&TaskMatrix, &Decomposition),
         damping: Option<Damping>,
     ) {
         let bound = damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm);
-        if own.write_triangle(below, &mut self.inverse) {
+        if own.write_triangle(below, next, &mut self.inverse) {
             self.rank = self.inverse.nrows();
             self.product = (0..self.rank).map(|i| self.inverse[i][i].abs()).product();
             triangle::invert(&mut self.inverse);

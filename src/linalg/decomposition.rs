@@ -84,8 +84,7 @@ impl Decomposition {
             self.decompose_singular(A, first, scale);
         } else if self.rank < self.rows {
             self.core = Core::Across;
-            self.reflections.write_upright(&mut self.room);
-            self.across.get_or_insert_default().make(&self.room, 0, Order::Given);
+            self.across.get_or_insert_default().make(&self.reflections.R, 0, Order::Given);
         }
     }
 
@@ -96,9 +95,8 @@ impl Decomposition {
         // A scale beyond the numbers leaves nothing above it.
         let zero = if cut.is_finite() { SMALLEST } else { cut };
         self.reflections.make(A, first, Order::LongestAbove(zero));
-        self.reflections.write_upright(&mut self.room);
         let singular = self.singular.get_or_insert_default();
-        singular.decompose(&self.room, self.rows.min(self.columns - first));
+        singular.decompose(&self.reflections.R, self.rows.min(self.columns - first));
         self.rank = singular.values().iter().filter(|&&sigma| sigma > cut).count();
         self.core = Core::Singular;
     }
@@ -129,17 +127,16 @@ impl Decomposition {
         if let Some(singular) = self.by_values() {
             return singular.values()[last] > bound;
         }
-        // Of a triangle of the longest rows first, σ_r ≥ 2^(1 − r) |L_rr| (Faddeev, Kublanovskaya and Faddeeva), and of
-        // any, σ_r ≥ 1/‖L⁻¹‖.
-        let corner = self.reflections.L[last][self.reflections.first + last].abs();
+        // Of a triangle of the longest rows first, σ_r ≥ 2^(1 − r) |R_rr| (Faddeev, Kublanovskaya and Faddeeva), and of
+        // any, σ_r ≥ 1/‖R⁻¹‖.
+        let corner = self.reflections.R[last][self.reflections.order[last]].abs();
         corner * (0..last).fold(1.0, |halves, _| 0.5 * halves) > bound || self.inverse_below(1.0 / bound)
     }
 
     /// Whether the leading triangle has an inverse shorter than `size`.
     fn inverse_below(&mut self, size: f64) -> bool {
-        let (L, first, r) = (&self.reflections.L, self.reflections.first, self.rank);
-        self.room.reset(r, r);
-        (0..r).for_each(|i| self.room[i][..=i].copy_from_slice(&L[i][first..=first + i]));
+        self.room.reset(self.rank, self.rank);
+        (0..self.rank).for_each(|i| fill(&mut self.room[i], self.reflections.row_of_triangle(i)));
         triangle::invert(&mut self.room);
         self.room.norm() < size
     }
@@ -190,12 +187,12 @@ impl Decomposition {
     /// Vᵀ A⁺ b: the shortest x that minimises ‖A x − b‖, in the frame.
     pub fn solve_in_frame(&self, b: &TaskVector) -> TaskVector {
         match (self.core, self.across.as_deref()) {
-            (Core::Triangle, _) => self.reflections.solve(b),
+            (Core::Triangle, _) => self.reflections.solve_transposed(b),
             (Core::Across, Some(across)) => {
                 let mut c = b.clone();
                 across.turn(c.lanes_mut());
                 let mut x = TaskVector::zeros(self.columns);
-                x[self.reflections.first..][..self.rank].copy_from_slice(&across.solve_transposed(&c));
+                x[self.reflections.first..][..self.rank].copy_from_slice(&across.solve(&c));
                 x
             }
             _ => self.damped_in_frame(b, 0.0),
@@ -297,17 +294,27 @@ impl Decomposition {
     /// Becomes a lower triangle with all singular values of [A; B]; whether there is one: where both see as many directions
     /// as they have rows.
     ///
-    /// `next` decomposes the rows of B in this frame, B V as [`Self::rows_to_frame`] gives them, from the first open
-    /// coordinate on.
-    pub(super) fn write_triangle(&self, next: &Self, L: &mut TaskMatrix) -> bool {
+    /// `next` decomposes the rows of B in this frame, B V = `below` as [`Self::rows_to_frame`] gives them, from the first
+    /// open coordinate on.
+    pub(super) fn write_triangle(&self, below: &TaskMatrix, next: &Self, L: &mut TaskMatrix) -> bool {
         let sees_all = |part: &Self| part.core == Core::Triangle && part.rank == part.rows;
-        let exists = sees_all(self) && sees_all(next) && self.reflections.first == 0;
-        if exists {
-            let parts = [(&self.reflections.L, self.rank), (&next.reflections.L, next.rank)];
-            L.become_corner(self.rank + next.rank, parts);
+        if !(sees_all(self) && sees_all(next) && self.reflections.first == 0) {
+            return false;
         }
-        exists
+        let r = self.rank;
+        L.reset(r + next.rank, r + next.rank);
+        (0..r).for_each(|i| fill(&mut L[i], self.reflections.row_of_triangle(i)));
+        for (i, &row) in next.reflections.order.iter().enumerate() {
+            L[r + i][..r].copy_from_slice(&below[row][..r]);
+            fill(&mut L[r + i][r..], next.reflections.row_of_triangle(i));
+        }
+        true
     }
+}
+
+/// Overwrites the first few entries.
+fn fill(entries: &mut [f64], with: impl Iterator<Item = f64>) {
+    entries.iter_mut().zip(with).for_each(|(entry, with)| *entry = with);
 }
 
 fn cut(scale: f64) -> f64 {

@@ -7,18 +7,18 @@ use super::{TaskMatrix, TaskVector};
 /// Fraction of a row's squared norm below which what is left of it is computed anew rather than by subtraction.
 const CANCELLED: f64 = 1e-3;
 
-/// A = L Qᵀ: each row of A as a combination of the first few columns of Q.
+/// A = Rᵀ Qᵀ: each row of A as a combination of the first few columns of Q.
 ///
-/// Q = H_1 H_2 … with H_k = I − v_k v_kᵀ g_k, acting on the coordinates from `first` on.
+/// Q = H_1 H_2 … with H_k = I − v_k v_kᵀ g_k, acting on the coordinates from `first` on. Column i of R has the
+/// coordinates of row i of A; with the rows in the order of `order` it is upper trapezoidal.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reflections {
     /// Coordinates before this one stay as they are.
     pub first: usize,
     /// Rows of A in the order in which they were taken.
     pub order: Vec<usize>,
-    /// The rows in that order, in the coordinates that Q makes, lower trapezoidal from `first` on; without what the
-    /// reflections leave of rows that they did not take.
-    pub L: TaskMatrix,
+    /// R, one row per reflection, one column per row of A.
+    pub R: TaskMatrix,
     /// v_k in place of the rows that were taken, and what the reflections leave of the others.
     rest: TaskMatrix,
     /// g_k.
@@ -47,13 +47,12 @@ impl Reflections {
         self.order.extend(0..m);
         self.gains.clear();
         self.rest.copy_from(A);
-        self.L.reset(m, n);
-        for i in (0..m).filter(|_| first > 0) {
-            self.L[i][..first].swap_with_slice(&mut self.rest[i][..first]);
-        }
+        (0..m).filter(|_| first > 0).for_each(|i| self.rest[i][..first].fill(0.0));
+        self.R.reset(m.min(n - first), m);
         with_known!(groups(n), |groups| self.take(m.min(n - first), groups, order));
         let left = (self.count()..m).map(|i| dot(self.rest.row(i), self.rest.row(i)));
         self.left_over = left.sum::<f64>().sqrt();
+        self.R.truncate(self.count());
     }
 
     /// Takes at most so many rows, `groups` groups each.
@@ -91,7 +90,6 @@ impl Reflections {
         if longest != k {
             self.order.swap(k, longest);
             self.squares.swap(k, longest);
-            self.L.swap_rows(k, longest);
             self.rest.swap_rows(k, longest);
         }
     }
@@ -101,8 +99,7 @@ impl Reflections {
     fn reflect(&mut self, k: usize, groups: usize, length: f64) {
         let place = self.first + k;
         let (taken, rest) = self.rest.split_rows_mut(k + 1);
-        let (above, below) = self.L.split_rows_mut(k + 1);
-        let v = &mut taken[k * groups..][..groups];
+        let (v, coordinates) = (&mut taken[k * groups..][..groups], &mut self.R[k]);
         let head = &mut v.as_flattened_mut()[place];
         let alpha = -length.copysign(*head);
         *head -= alpha;
@@ -110,12 +107,12 @@ impl Reflections {
         let half = length * head.abs();
         let gain = if half > 0.0 { 1.0 / half } else { 0.0 };
         self.gains.push(gain);
-        above[k * groups..].as_flattened_mut()[place] = alpha;
-        let rows = rest.chunks_exact_mut(groups).zip(below.chunks_exact_mut(groups));
-        for ((x, coordinates), [left, reference]) in rows.zip(&mut self.squares[k + 1..]) {
+        coordinates[self.order[k]] = alpha;
+        let places = self.order[k + 1..].iter().zip(&mut self.squares[k + 1..]);
+        for (x, (&row, [left, reference])) in rest.chunks_exact_mut(groups).zip(places) {
             add_scaled(x, -gain * dot(v, x), v);
             let coordinate = std::mem::take(&mut x.as_flattened_mut()[place]);
-            coordinates.as_flattened_mut()[place] = coordinate;
+            coordinates[row] = coordinate;
             *left -= coordinate * coordinate;
             if *left < CANCELLED * *reference {
                 *left = dot(x, x);
@@ -142,39 +139,31 @@ impl Reflections {
         reflect_all_back(x, self.vs(), &self.gains);
     }
 
-    /// x, n, of the coordinates of Q, with L x = b at the rows that were taken; zero elsewhere.
-    pub fn solve(&self, b: &TaskVector) -> TaskVector {
-        let mut x = TaskVector::zeros(self.L.ncols());
-        with_known!(groups(self.L.ncols()), |groups| {
-            let (b, x) = (&b[..], &mut x.lanes_mut()[..groups]);
-            for (k, (&row, coordinates)) in self.order[..self.count()].iter().zip(self.L.lanes().chunks_exact(groups)).enumerate() {
-                let known = dot(coordinates, x);
-                let place = self.first + k;
-                x.as_flattened_mut()[place] = (b[row] - known) / coordinates.as_flattened()[place];
+    /// x, n, in the coordinates of Q, with Rᵀ x = b at the rows that were taken; zero elsewhere.
+    pub fn solve_transposed(&self, b: &TaskVector) -> TaskVector {
+        let (mut left, mut x) = (b.clone(), TaskVector::zeros(self.rest.ncols()));
+        with_known!(groups(b.len()), |groups| {
+            let (left, x) = (&mut left.lanes_mut()[..groups], &mut x[self.first..]);
+            let rows = self.R.lanes().chunks_exact(groups).zip(&self.order);
+            for ((coordinates, &pivot), x) in rows.zip(x) {
+                *x = left.as_flattened()[pivot] / coordinates.as_flattened()[pivot];
+                add_scaled(left, -*x, coordinates);
             }
         });
         x
     }
 
-    /// y with Lᵀ y = c, c in the coordinates of Q, for as many rows as reflections.
-    pub fn solve_transposed(&self, c: &TaskVector) -> TaskVector {
-        let mut left = c.clone();
+    /// y with R y = c, for rows that were taken as they come and all of them.
+    pub fn solve(&self, c: &TaskVector) -> TaskVector {
         let mut y = TaskVector::zeros(self.count());
         for k in (0..self.count()).rev() {
-            y[k] = left[self.first + k] / self.L[k][self.first + k];
-            let (y_k, row) = (y[k], self.L.row(k));
-            add_scaled(left.lanes_mut(), -y_k, row);
+            y[k] = (c[k] - self.R.row_times(k, &y)) / self.R[k][k];
         }
         y
     }
 
-    /// Becomes the transpose of L as far as Q takes it: one row per reflection, one column per row of A, in A's order.
-    pub fn write_upright(&self, R: &mut TaskMatrix) {
-        R.reset(self.count(), self.order.len());
-        for (i, &row) in self.order.iter().enumerate() {
-            for k in 0..self.count().min(i + 1) {
-                R[k][row] = self.L[i][self.first + k];
-            }
-        }
+    /// Row i of the triangle: the coordinates of the row that was taken as the i-th.
+    pub fn row_of_triangle(&self, i: usize) -> impl Iterator<Item = f64> {
+        (0..=i).map(move |k| self.R[k][self.order[i]])
     }
 }

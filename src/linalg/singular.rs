@@ -1,8 +1,8 @@
 //! Singular values and vectors by one-sided Jacobi rotations.
 #![allow(non_snake_case)]
 
-use super::{TaskMatrix, TaskVector};
 use super::lanes::{Lanes, add_scaled, dot};
+use super::{TaskMatrix, TaskVector};
 
 /// Cosine of the angle between two rows that counts as rounding.
 const ORTHOGONAL: f64 = 1e-15;

@@ -259,18 +259,6 @@ impl TaskMatrix {
         self.lanes.truncate(self.rows * after);
     }
 
-    /// Becomes the first `columns` columns of the rows of `upper`, and then of those of `lower`.
-    #[inline]
-    pub(super) fn become_corner(&mut self, columns: usize, parts: [(&Self, usize); 2]) {
-        let stride = groups(columns);
-        (self.rows, self.columns, self.stride) = (0, columns, stride);
-        self.lanes.clear();
-        for (part, rows) in parts {
-            self.rows += rows;
-            (0..rows).for_each(|i| self.lanes.extend_from_slice(&part.row(i)[..stride]));
-        }
-    }
-
     /// Becomes A B.
     #[inline]
     pub fn become_product(&mut self, A: &Self, B: &Self) {

@@ -72,7 +72,7 @@ proptest! {
         let none = TaskMatrix::zeros(0, rows.ncols());
         let mut below = Decomposition::default();
         below.decompose(&none, reflected.rank(), 0.0);
-        conditioning.update([&rows, &none], rows.norm(), &reflected, &below, None);
+        conditioning.update([&rows, &none], rows.norm(), &reflected, (&none, &below), None);
         prop_assert_eq!(conditioning.rank(), singular.rank());
         prop_assert!((conditioning.smallest() - singular.smallest()).abs() < 1e-13 * values[0]);
     }

@@ -91,6 +91,7 @@ const MOST_STEPS: usize = 40;
 fn largest_eigenvalue(diagonal: &[f64], off_squared: &[f64]) -> f64 {
     let n = diagonal.len() as f64;
     let mut x = upper_bound(diagonal, off_squared);
+    let mut last_step = x;
     for _ in 0..MOST_STEPS {
         // p, p', p''/2 of the characteristic polynomial by its three-term recurrence.
         let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
@@ -113,9 +114,12 @@ fn largest_eigenvalue(diagonal: &[f64], off_squared: &[f64]) -> f64 {
         let root = ((n - 1.0) * (n * h - g * g)).max(0.0).sqrt();
         let step = n / (g + root);
         x -= step;
-        if step <= 1e-15 * x {
+        // Convergence is cubic, but linear on the way to roots that lie close together.
+        let ratio = step / last_step;
+        if step <= 1e-15 * x || (ratio < 1e-2 && ratio.powi(3) * step <= 1e-17 * x) {
             break;
         }
+        last_step = step;
     }
     x
 }

@@ -96,7 +96,7 @@ impl Stage {
 
     fn condition(&mut self, damping: Option<Damping>) {
         let norm = self.norm.hypot(self.norm_low);
-        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, &self.spare, damping);
+        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, (&self.J_low_V, &self.spare), damping);
     }
 }
 
@@ -150,10 +150,6 @@ impl Hierarchy {
     pub fn singularity(&mut self) -> Singularity {
         let algorithmic = self.stages.iter().any(|stage| stage.algorithmic);
         let all = &mut self.stages[0].conditioning;
-        Singularity {
-            smallest_singular_value: all.smallest(),
-            manipulability: all.manipulability(),
-            algorithmic,
-        }
+        Singularity { smallest_singular_value: all.smallest(), manipulability: all.manipulability(), algorithmic }
     }
 }

@@ -1,9 +1,9 @@
 //! One level in reduced form, and the ways to its solution.
 #![allow(non_snake_case)]
 
+use super::Guess;
 use super::active_set::{self, ActiveSet, Candidate, Side};
 use super::clarabel_level::ClarabelLevels;
-use super::Guess;
 use super::minimiser::Minimiser;
 use crate::linalg::{RANK_TOLERANCE, TaskMatrix, TaskVector};
 use crate::resolution::resolve::Path;
