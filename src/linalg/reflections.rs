@@ -1,5 +1,7 @@
 //! Householder reflections, one after the other, and the triangle that they make of the rows of a matrix.
 #![allow(non_snake_case)]
+// What the callers know of the number of groups reaches loops by inlining alone.
+#![expect(clippy::inline_always)]
 
 use super::lanes::{Lanes, add_scaled, dot, groups, reflect_all, reflect_all_back, with_known};
 use super::{TaskMatrix, TaskVector};

@@ -182,11 +182,7 @@ impl TaskMatrix {
     pub(super) fn swap_rows(&mut self, i: usize, j: usize) {
         if i != j {
             let (upper, lower) = self.pair(i.min(j), i.max(j));
-            for (x, y) in upper.iter_mut().zip(lower) {
-                let before = *x;
-                *x = *y;
-                *y = before;
-            }
+            upper.iter_mut().zip(lower).for_each(|(x, y)| std::mem::swap(x, y));
         }
     }
 

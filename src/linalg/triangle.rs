@@ -1,5 +1,7 @@
 //! Singular values of triangles.
 #![allow(non_snake_case)]
+// What the callers know of the number of groups reaches loops by inlining alone.
+#![expect(clippy::inline_always)]
 
 use super::lanes::{LANES, Lanes, add_rows, add_scaled, dot, groups, with_known};
 use super::{TaskMatrix, TaskVector};

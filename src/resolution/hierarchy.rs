@@ -110,7 +110,9 @@ pub fn damp(decomposition: &mut Decomposition, J: &TaskMatrix, scale: f64, dampi
 /// All J_k, highest priority on top, Σm_k × n, which `J` becomes, and all ẋ_k, in the same order.
 pub fn stacked(stages: &[Stage], J: &mut TaskMatrix) -> TaskVector {
     J.reset(0, stages[0].J_k.ncols());
-    stages.iter().for_each(|stage| J.push_rows(&stage.J_k));
+    for stage in stages {
+        J.push_rows(&stage.J_k);
+    }
     stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k))
 }
 
