@@ -233,15 +233,6 @@ impl Decomposition {
         loss
     }
 
-    /// x without its part in the null space of A.
-    pub fn seen(&self, x: &TaskVector) -> TaskVector {
-        let mut seen = x.clone();
-        self.to_frame(&mut seen);
-        seen[self.open()..].fill(0.0);
-        self.from_frame(&mut seen);
-        seen
-    }
-
     /// B ← B N with an orthonormal basis N of {x : A x = 0}, n × (n − rank).
     pub fn to_null_space(&self, B: &mut TaskMatrix) {
         self.rows_to_frame(B);

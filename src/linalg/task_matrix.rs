@@ -271,13 +271,6 @@ impl TaskMatrix {
         add_rows(product.lanes_mut(), x, &self.lanes);
         product
     }
-
-    /// Aᵀ.
-    #[must_use]
-    #[inline]
-    pub fn transposed(&self) -> Self {
-        Self::from_fn(self.columns, self.rows, |i, j| self[j][i])
-    }
 }
 
 impl Index<usize> for TaskMatrix {
