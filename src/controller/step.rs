@@ -106,7 +106,8 @@ impl Controller {
     }
 
     /// The same step, to the last bit, in a workspace of this controller that is used again and again: after the first
-    /// few periods nothing is allocated, but by Clarabel where it is asked, and for the names of active inequalities.
+    /// few periods nothing is allocated, but by Clarabel where it is asked, for tasks that limits scale, for the names of
+    /// active inequalities, and for vectors of more than 12 entries (joints, rows of all tasks together, limits).
     pub fn step_in<'a>(
         &self,
         workspace: &'a mut Workspace,

@@ -110,7 +110,7 @@ pub enum Path {
     /// Pseudo-inverses.
     #[default]
     ClosedForm,
-    /// The last active set, confirmed by its optimality conditions.
+    /// Active sets that start from the last one, until the optimality conditions hold.
     ActiveSet,
     /// Clarabel, polished.
     Qp,

@@ -104,7 +104,7 @@ pub struct JointView {
 pub struct PathCounts {
     /// By pseudo-inverses.
     pub closed_form: u64,
-    /// By the last active set.
+    /// By active sets that start from the last one.
     pub active_set: u64,
     /// By Clarabel.
     pub qp: u64,

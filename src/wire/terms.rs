@@ -98,7 +98,7 @@ pub enum Solver {
 pub enum Path {
     /// Pseudo-inverses.
     ClosedForm,
-    /// The last active set, confirmed.
+    /// Active sets that start from the last one, until one is confirmed.
     ActiveSet,
     /// Clarabel, polished.
     Qp,
