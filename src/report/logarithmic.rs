@@ -20,6 +20,8 @@ use super::{legend, markup, typeface};
 const TITLE_HEIGHT: u32 = 36;
 const PLOT_HEIGHT: u32 = 300;
 const BOTTOM: u32 = 14;
+/// Room for the ascenders of the label beside the axis.
+const LEFT_MARGIN: u32 = 8;
 /// Radius of the mark at a point (pixels).
 const MARK: u32 = 3;
 /// Over more decades than this, only powers of ten are labelled.
@@ -63,6 +65,7 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
     let curves: Vec<_> = curves.collect();
     let points = || curves.iter().flatten();
     let mut chart = ChartBuilder::on(area)
+        .margin_left(units(LEFT_MARGIN))
         .margin_right(units(RIGHT_MARGIN))
         .margin_bottom(units(BOTTOM))
         .x_label_area_size(units(42))
