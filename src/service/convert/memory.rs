@@ -14,10 +14,15 @@ use crate::wire;
 /// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
 const ROTATION: f64 = 1e-9;
 
-/// Reads the memory of a stateless step; `None` at the first. Pointers count from the top of the request.
-pub fn memory(request: &wire::StepRequest, controller: &Controller) -> Result<Option<Memory>, Problem> {
-    let Some(memory) = &request.memory else { return Ok(None) };
-    grows(memory.sequence, request.state.sequence).map_err(|problem| problem.inside("/state"))?;
+/// Reads the memory of a stateless step that has this number; `None` at the first. Pointers count from the top of the
+/// request.
+pub fn memory(
+    memory: Option<&wire::Memory>,
+    sequence: u64,
+    controller: &Controller,
+) -> Result<Option<Memory>, Problem> {
+    let Some(memory) = memory else { return Ok(None) };
+    grows(memory.sequence, sequence).map_err(|problem| problem.inside("/state"))?;
     read(memory, controller.config()).map(Some).map_err(|problem| problem.inside("/memory"))
 }
 
