@@ -4,6 +4,7 @@
 //! given a workspace for that one is found again by the text. Nothing depends on it but the time: no answer depends on
 //! what is in a workspace, and a text that is not known, or stands in MessagePack, is read as if there were no others.
 
+use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Deserialize;
@@ -57,7 +58,7 @@ struct Glance<'a> {
 
 /// The last controllers, the one that stepped last at the end.
 #[derive(Default)]
-pub struct Recent(Mutex<Vec<Box<Stepper>>>);
+pub struct Recent(Mutex<VecDeque<Box<Stepper>>>);
 
 impl Recent {
     /// Reads a request; its stepper is the caller's until it is given back by [`Self::keep`].
@@ -79,7 +80,7 @@ impl Recent {
     fn take(&self, text: &str) -> Option<Box<Stepper>> {
         let mut steppers = self.steppers();
         let place = steppers.iter().rposition(|stepper| stepper.text.as_deref() == Some(text))?;
-        Some(steppers.remove(place))
+        steppers.remove(place)
     }
 
     /// Keeps a stepper for the next request with its text, in the place of the one that was not used for longest.
@@ -89,12 +90,12 @@ impl Recent {
         }
         let mut steppers = self.steppers();
         if steppers.len() == MOST {
-            steppers.remove(0);
+            steppers.pop_front();
         }
-        steppers.push(stepper);
+        steppers.push_back(stepper);
     }
 
-    fn steppers(&self) -> MutexGuard<'_, Vec<Box<Stepper>>> {
+    fn steppers(&self) -> MutexGuard<'_, VecDeque<Box<Stepper>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
