@@ -20,7 +20,8 @@ const FIRST_SHARE: f64 = 0.01;
 /// How a step is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Call {
-    /// The controller and its memory travel with the state.
+    /// The controller and its memory travel with the state; the service knows the controller's text from the call before, as
+    /// it does in a loop.
     Stateless,
     /// The service keeps them.
     Session,
