@@ -24,6 +24,7 @@ use super::line::Line;
 use super::metrics::Metrics;
 use super::openapi::{self, ApiDoc};
 use super::problem::Problem;
+use super::recent::Recent;
 use super::resolve::MOST_BATCHES;
 use super::robots::Robots;
 use super::sessions::Sessions;
@@ -39,6 +40,7 @@ pub struct App {
     /// What an operator can tune.
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
+    pub(super) recent: Recent,
     pub(super) batches: Room,
     pub(super) margins: Room,
     pub(super) simulations: Simulations,
@@ -63,6 +65,7 @@ impl App {
         Self {
             robots: robots.ending_after(config.session_idle),
             sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
+            recent: Recent::default(),
             batches: Room::new(MOST_BATCHES),
             margins: Room::new(MOST_MARGINS),
             simulations: Simulations::default(),

@@ -40,6 +40,29 @@ const FORGOTTEN_LIMIT: usize = 15 << 20;
 /// Large answers of fewer bytes are not worth compressing.
 const SMALLEST_COMPRESSED: usize = 4 << 10;
 
+/// A body as it came.
+pub struct Unread {
+    /// How it is written.
+    pub format: Format,
+    /// All of it.
+    pub bytes: Vec<u8>,
+}
+
+impl Unread {
+    /// Reads it.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, Problem> {
+        self.format.read(&self.bytes)
+    }
+}
+
+impl FromRequest<Arc<App>> for Unread {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+        received(request, app, app.config.max_body_bytes).await
+    }
+}
+
 /// A body that has been read.
 pub struct Body<T>(pub T);
 
@@ -47,22 +70,20 @@ impl<T: DeserializeOwned> FromRequest<Arc<App>> for Body<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
-        let (format, bytes) = received(request, app, app.config.max_body_bytes).await?;
-        format.read(&bytes).map(Self)
+        Unread::from_request(request, app).await?.read().map(Self)
     }
 }
 
 /// A body that is still to be read, in another thread.
 pub struct LargeBody<T> {
-    format: Format,
-    bytes: Vec<u8>,
+    unread: Unread,
     value: PhantomData<fn() -> T>,
 }
 
 impl<T: DeserializeOwned> LargeBody<T> {
     /// Reads it.
     pub fn read(self) -> Result<T, Problem> {
-        self.format.read(&self.bytes)
+        self.unread.read()
     }
 }
 
@@ -70,15 +91,15 @@ impl<T> FromRequest<Arc<App>> for LargeBody<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
-        let (format, bytes) = received(request, app, app.config.max_batch_bytes).await?;
-        Ok(Self { format, bytes, value: PhantomData })
+        let unread = received(request, app, app.config.max_batch_bytes).await?;
+        Ok(Self { unread, value: PhantomData })
     }
 }
 
-async fn received(request: Request, app: &App, limit: usize) -> Result<(Format, Vec<u8>), Problem> {
+async fn received(request: Request, app: &App, limit: usize) -> Result<Unread, Problem> {
     let format = Format::of_body(request.headers()).ok_or_else(Problem::media_type)?;
     let bytes = tokio::time::timeout(app.config.body_timeout, collected(request.into_body(), app, limit));
-    Ok((format, bytes.await.map_err(|_| Problem::body_timeout())??))
+    Ok(Unread { format, bytes: bytes.await.map_err(|_| Problem::body_timeout())?? })
 }
 
 /// Collects a body up to the limit; what is too much is read and forgotten.

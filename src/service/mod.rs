@@ -97,6 +97,7 @@ mod line;
 mod metrics;
 mod openapi;
 mod problem;
+mod recent;
 mod resolve;
 mod robots;
 mod segment;

@@ -107,7 +107,7 @@ impl Robots {
 
     /// Removes a registered robot.
     pub fn remove(&self, name: &str) -> Result<(), RobotsError> {
-        if self.permanent.iter().any(|robot| robot.name() == name) {
+        if self.is_permanent(name) {
             return Err(RobotsError::Permanent(name.to_owned()));
         }
         let mut registered = self.registered();
@@ -115,6 +115,11 @@ impl Robots {
         let removed = place.map(|place| registered.remove(place));
         drop(registered);
         removed.map(drop).ok_or_else(|| self.unknown(name))
+    }
+
+    /// Whether the name belongs to a robot for good.
+    pub fn is_permanent(&self, name: &str) -> bool {
+        self.permanent.iter().any(|robot| robot.name() == name)
     }
 
     /// The robot of that name.

@@ -14,10 +14,14 @@ use crate::wire;
 /// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
 const STEP: &str = include_str!("../../../api/examples/step.json");
 
+/// T B_d / M_d of its force task: the share of its steady speed, (F_d − F) / B_d, that an arm at rest reaches in a period.
+const FIRST_SHARE: f64 = 0.01;
+
 /// How a step is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Call {
-    /// The controller and its memory travel with the state.
+    /// The controller and its memory travel with the state; the service knows the controller's text from the call before, as
+    /// it does in a loop.
     Stateless,
     /// The service keeps them.
     Session,
@@ -56,9 +60,7 @@ impl UnderTest {
     /// The service that runs already.
     pub fn on(server: RunningServer) -> Result<Self, BenchError> {
         let client = Client::new(&server.url());
-        let mut step: wire::StepRequest = serde_json::from_str(STEP).map_err(BenchError::defect)?;
-        step.memory = client.step(&step)?.memory;
-        step.state.sequence = NUMBER.parse().map_err(BenchError::defect)?;
+        let step = steady(&client, NUMBER.parse().map_err(BenchError::defect)?)?;
         let session = client.create_controller(&step.controller)?.id;
         let address = server.url().trim_start_matches("http://").parse().map_err(BenchError::defect)?;
         Ok(Self { address, _server: server, client, step, session })
@@ -119,6 +121,22 @@ impl UnderTest {
             Call::Session => Ok(self.request_of(&self.another_session()?)),
         }
     }
+}
+
+/// The example with an arm that moves as the force task would have it, so that the state can be sent again and again: the
+/// integrators stay where they are, and each period is a `closed_form` one without an active limit. Sent from rest they
+/// would run up to the limits within a second, and the confirmation of those be measured instead of the service.
+fn steady(client: &Client, sequence: u64) -> Result<wire::StepRequest, BenchError> {
+    let mut step: wire::StepRequest = serde_json::from_str(STEP).map_err(BenchError::defect)?;
+    let from_rest = client.step(&step)?.joint_velocity;
+    step.state.joint_velocity = Some(from_rest.iter().map(|speed| speed / FIRST_SHARE).collect::<Vec<_>>().into());
+    let answer = client.step(&step)?;
+    if answer.solver.path != wire::Path::ClosedForm {
+        return Err(BenchError::Defect("the steady state is at a limit".to_owned()));
+    }
+    step.memory = answer.memory;
+    step.state.sequence = sequence;
+    Ok(step)
 }
 
 /// As JSON; what comes from this crate's own types always can be written.

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::controller::controller;
-use super::numbers::numbers;
+use super::numbers::check_numbers;
 use crate::controller::Controller;
 use crate::service::problem::{Problem, escaped};
 use crate::service::robots::Robots;
@@ -39,7 +39,7 @@ pub fn control(order: &wire::SimulationControl) -> Result<(), Problem> {
     if order.step.is_some() && order.paused == Some(false) {
         return Err(Problem::invalid("/step", "a run pauses after a step; leave `paused` out"));
     }
-    order.external_force.map_or(Ok(()), |force| numbers(&force, "/external_force").map(drop))
+    order.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }
 
 /// The controller that the order asks for, `None` if it asks for none; it continues from the memory of `now`.

@@ -22,18 +22,18 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     if request.tasks.len() > MOST_TASKS {
         return Err(Problem::invalid("/tasks", format!("at most {MOST_TASKS} tasks")));
     }
-    let task = |(k, task): (usize, &wire::ControllerTask)| task_config(task, &robot, &format!("/tasks/{k}"));
+    let task = |(k, task): (usize, &wire::ControllerTask)| {
+        task_config(task, &robot).map_err(|problem| problem.inside(&format!("/tasks/{k}")))
+    };
     let motion = request.null_space_velocity.as_ref();
     let config = ControllerConfig {
         period_s: positive_period(request.period_s, "/period_s")?,
         method: terms::method(request.method),
         solver: terms::solver(request.solver),
-        damping: damping(request.damping, "/damping")?,
+        damping: damping(request.damping)?,
         limits: match &request.limits {
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
-            wire::Limits::Box { lower, upper } => {
-                Limits::Fixed(velocity_box(lower, upper, robot.joint_count(), "/limits")?)
-            }
+            wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
         },
         barriers: InequalityReader {
             robot: Some(&robot),

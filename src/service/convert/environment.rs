@@ -16,10 +16,7 @@ pub fn check(request: &wire::Controller) -> Result<(), Problem> {
     let Some(environment) = &request.environment else { return Ok(()) };
     for axis in AXES {
         if let Some(contact) = along(environment, axis) {
-            let at = |field: &str| format!("/environment/{axis}/{field}");
-            not_negative(contact.stiffness, &at("stiffness"))?;
-            not_negative(contact.damping, &at("damping"))?;
-            not_negative(contact.inertia, &at("inertia"))?;
+            check_contact(&contact).map_err(|problem| problem.inside(&format!("/environment/{axis}")))?;
         }
     }
     not_negative(environment.lag_s, "/environment/lag_s")?;
@@ -27,6 +24,13 @@ pub fn check(request: &wire::Controller) -> Result<(), Problem> {
         let detail = format!("at most {LONGEST_STATED_DELAY} periods; for longer delays ask POST /v1/stability");
         return Err(Problem::invalid("/environment/delay_periods", detail));
     }
+    Ok(())
+}
+
+fn check_contact(contact: &EnvironmentAxis) -> Result<(), Problem> {
+    not_negative(contact.stiffness, "/stiffness")?;
+    not_negative(contact.damping, "/damping")?;
+    not_negative(contact.inertia, "/inertia")?;
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! Linear inequalities beside the joint limits.
 
-use super::numbers::{joint_list, number, numbers};
+use super::numbers::{check_numbers, joint_list, number};
 use crate::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
 use crate::robot::RobotModel;
 use crate::service::problem::Problem;
@@ -28,7 +28,9 @@ impl InequalityReader<'_> {
         let barriers = list
             .iter()
             .enumerate()
-            .map(|(i, inequality)| self.barrier(i, inequality))
+            .map(|(i, inequality)| {
+                self.barrier(i, inequality).map_err(|problem| problem.inside(&format!("/inequalities/{i}")))
+            })
             .collect::<Result<Vec<_>, _>>()?;
         for (i, barrier) in barriers.iter().enumerate() {
             if barriers[..i].iter().any(|earlier| earlier.name() == barrier.name()) {
@@ -40,24 +42,23 @@ impl InequalityReader<'_> {
     }
 
     fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, Problem> {
-        let pointer = format!("/inequalities/{index}");
         let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
             wire::Inequality::Joints { name, coefficients, upper } => {
-                let coefficients = joint_list(coefficients, self.joints, &format!("{pointer}/coefficients"))?;
-                let upper = number(*upper, &format!("{pointer}/upper"))?;
+                let coefficients = joint_list(coefficients, self.joints, "/coefficients")?;
+                let upper = number(*upper, "/upper")?;
                 Inequality::new(named(name), coefficients, upper)
                     .map(Barrier::Fixed)
-                    .map_err(|error| Problem::invalid(format!("{pointer}/coefficients"), error))
+                    .map_err(|error| Problem::invalid("/coefficients", error))
             }
             wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
-                numbers(normal, &format!("{pointer}/normal"))?;
-                let offset = number(*offset_m, &format!("{pointer}/offset_m"))?;
-                let point = self.point(point, &format!("{pointer}/point"))?;
-                let rate = self.rate(*rate_per_s, &format!("{pointer}/rate_per_s"))?;
+                check_numbers(normal, "/normal")?;
+                let offset = number(*offset_m, "/offset_m")?;
+                let point = self.point(point, "/point")?;
+                let rate = self.rate(*rate_per_s, "/rate_per_s")?;
                 VirtualPlane::new(named(name), *normal, offset, point, rate)
                     .map(Barrier::Plane)
-                    .map_err(|error| Problem::invalid(format!("{pointer}/normal"), error))
+                    .map_err(|error| Problem::invalid("/normal", error))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 
-use super::numbers::{joint_list, numbers};
+use super::numbers::{check_numbers, joint_list, numbers};
 use super::terms;
 use crate::controller::{Controller, ControllerConfig, Memory};
 use crate::linalg::Vector;
@@ -14,20 +14,25 @@ use crate::wire;
 /// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
 const ROTATION: f64 = 1e-9;
 
-/// Reads the memory of a stateless step; `None` at the first. Pointers count from the top of the request.
-pub fn memory(request: &wire::StepRequest, controller: &Controller) -> Result<Option<Memory>, Problem> {
-    let Some(memory) = &request.memory else { return Ok(None) };
-    grows(memory.sequence, request.state.sequence).map_err(|problem| problem.inside("/state"))?;
+/// Reads the memory of a stateless step that has this number; `None` at the first. Pointers count from the top of the
+/// request.
+pub fn memory(
+    memory: Option<&wire::Memory>,
+    sequence: u64,
+    controller: &Controller,
+) -> Result<Option<Memory>, Problem> {
+    let Some(memory) = memory else { return Ok(None) };
+    grows(memory.sequence, sequence).map_err(|problem| problem.inside("/state"))?;
     read(memory, controller.config()).map(Some).map_err(|problem| problem.inside("/memory"))
 }
 
 fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, Problem> {
-    let vector = |values: &Vec<f64>, pointer: String| numbers(values, &pointer).map(Vector::from_vec);
-    let velocities = memory.task_velocities.iter().enumerate();
+    let velocity = |(k, values): (usize, &Vec<f64>)| {
+        let values = numbers(values, "").map_err(|problem| problem.inside(&format!("/task_velocities/{k}")));
+        values.map(Vector::from_vec)
+    };
     Ok(Memory {
-        task_velocities: velocities
-            .map(|(k, v)| vector(v, format!("/task_velocities/{k}")))
-            .collect::<Result<_, _>>()?,
+        task_velocities: memory.task_velocities.iter().enumerate().map(velocity).collect::<Result<_, _>>()?,
         initial_pose: pose(&memory.initial_pose)?,
         last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
             .map(Vector::from_vec)?,
@@ -36,7 +41,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, Prob
 }
 
 fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
-    numbers(&pose.position, "/initial_pose/position")?;
+    check_numbers(&pose.position, "/initial_pose/position")?;
     let [x, y, z] = pose.position;
     let matrix = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
     if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= ROTATION && matrix.determinant() > 0.0) {

@@ -6,9 +6,7 @@ use crate::robot::RobotModel;
 use crate::service::problem::Problem;
 use crate::wire;
 
-const POINTER: &str = "/null_space_velocity";
-
-/// What makes ζ̇ for `joints` joints; what depends on the posture needs a robot.
+/// What makes the ζ̇ at `/null_space_velocity` for `joints` joints; what depends on the posture needs a robot.
 pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,
@@ -16,17 +14,17 @@ pub fn null_space(
 ) -> Result<NullSpaceMotion, Problem> {
     let motion = match request {
         wire::NullSpaceVelocity::Constant(velocity) => {
-            return joint_vector_of(velocity, robot, joints, POINTER).map(NullSpaceMotion::Constant);
+            return joint_vector_of(velocity, robot, joints, "/null_space_velocity").map(NullSpaceMotion::Constant);
         }
         wire::NullSpaceVelocity::Motion(motion) => motion,
     };
     let robot =
         robot.ok_or_else(|| Problem::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
-    let gain = |gain: f64| not_negative(gain, &format!("{POINTER}/gain"));
+    let gain = |gain: f64| not_negative(gain, "/null_space_velocity/gain");
     Ok(match motion {
         wire::NullSpaceMotion::JointLimits { gain: k } => NullSpaceMotion::JointLimits { gain: gain(*k)? },
         wire::NullSpaceMotion::Posture { joint_position, gain: k } => NullSpaceMotion::Posture {
-            joint_position: joint_vector(joint_position, robot, &format!("{POINTER}/joint_position"))?,
+            joint_position: joint_vector(joint_position, robot, "/null_space_velocity/joint_position")?,
             gain: gain(*k)?,
         },
     })

@@ -28,10 +28,14 @@ pub fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
 
 /// A list of numbers of sensible size.
 pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, Problem> {
-    // Pointers are made for the refusal only: this runs over every number of every request.
+    check_numbers(values, pointer).map(|()| values.to_vec())
+}
+
+/// Refuses a list with a number that is not of sensible size.
+pub fn check_numbers(values: &[f64], pointer: &str) -> Result<(), Problem> {
     match values.iter().position(|value| !(value.abs() <= LARGEST)) {
-        Some(i) => number(values[i], &format!("{pointer}/{i}")).map(|_| Vec::new()),
-        None => Ok(values.to_vec()),
+        Some(i) => number(values[i], &format!("{pointer}/{i}")).map(drop),
+        None => Ok(()),
     }
 }
 
@@ -63,7 +67,9 @@ fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Resul
         ));
     }
     let value_of = |joint: &crate::robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
-        Some((name, value)) => number(*value, &format!("{pointer}/{}", escaped(name))),
+        Some((name, value)) => {
+            number(*value, "").map_err(|problem| problem.inside(&format!("{pointer}/{}", escaped(name))))
+        }
         None => Err(Problem::invalid(pointer, format!("joint `{}` is missing", joint.name))),
     };
     joints.iter().map(value_of).collect()
@@ -89,23 +95,23 @@ pub fn joint_vector_of(
     }
 }
 
-/// A damping law.
-pub fn damping(damping: Option<wire::Damping>, pointer: &str) -> Result<Option<Damping>, Problem> {
+/// The damping law at `/damping`.
+pub fn damping(damping: Option<wire::Damping>) -> Result<Option<Damping>, Problem> {
     let Some(wire::Damping { threshold, max_factor }) = damping else { return Ok(None) };
-    number(threshold, &format!("{pointer}/threshold"))?;
-    number(max_factor, &format!("{pointer}/max_factor"))?;
+    number(threshold, "/damping/threshold")?;
+    number(max_factor, "/damping/max_factor")?;
     match Damping::new(threshold, max_factor) {
         Some(damping) => Ok(Some(damping)),
-        None => Err(Problem::invalid(pointer, "`threshold` must be positive and `max_factor` must not be negative")),
+        None => Err(Problem::invalid("/damping", "`threshold` must be positive and `max_factor` must not be negative")),
     }
 }
 
-/// A box of joint velocities.
-pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize, pointer: &str) -> Result<VelocityBox, Problem> {
-    let lower = joint_list(lower, joints, &format!("{pointer}/lower"))?;
-    let upper = joint_list(upper, joints, &format!("{pointer}/upper"))?;
+/// The box of joint velocities at `/limits`.
+pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize) -> Result<VelocityBox, Problem> {
+    let lower = joint_list(lower, joints, "/limits/lower")?;
+    let upper = joint_list(upper, joints, "/limits/upper")?;
     VelocityBox::new(&lower, &upper).map_err(|error| match error {
-        VelocityBoxError::Empty { joint, .. } => Problem::invalid(format!("{pointer}/lower/{joint}"), error),
-        VelocityBoxError::Size { .. } => Problem::invalid(pointer, error),
+        VelocityBoxError::Empty { joint, .. } => Problem::invalid(format!("/limits/lower/{joint}"), error),
+        VelocityBoxError::Size { .. } => Problem::invalid("/limits", error),
     })
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
+use super::numbers::{check_numbers, damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::{task_frame, with_tool_offset};
 use super::terms;
@@ -60,7 +60,7 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
             inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
             method: terms::method(request.method),
             solver: terms::solver(request.solver),
-            damping: damping(request.damping, "/damping")?,
+            damping: damping(request.damping)?,
             null_space_velocity: zeta,
         },
         joints: joint_names(robot.map(Arc::as_ref), joints),
@@ -123,8 +123,9 @@ fn configuration(
 }
 
 fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack, Problem> {
-    let tasks: Vec<Task> =
-        request.tasks.iter().enumerate().map(|(k, t)| task(k, t, configuration)).collect::<Result<_, _>>()?;
+    let at_place =
+        |(k, asked)| task(k, asked, configuration).map_err(|problem: Problem| problem.inside(&format!("/tasks/{k}")));
+    let tasks: Vec<Task> = request.tasks.iter().enumerate().map(at_place).collect::<Result<_, _>>()?;
     if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MOST_ROWS {
         return Err(Problem::invalid("/tasks", format!("at most {MOST_ROWS} rows in all tasks together")));
     }
@@ -140,29 +141,28 @@ fn task_pointer(error: &TaskError) -> String {
 }
 
 fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration>) -> Result<Task, Problem> {
-    let pointer = format!("/tasks/{k}");
     let jacobian = match (&task.axes, &task.jacobian) {
         (Some(axes), None) => {
-            let axes = axis_selection(axes, &format!("{pointer}/axes"))?;
+            let axes = axis_selection(axes, "/axes")?;
             let detail = "axes need `robot` and `joint_position`; or give `jacobian` rows instead";
-            let configuration = configuration.ok_or_else(|| Problem::invalid(format!("{pointer}/axes"), detail))?;
-            let frame = task_frame(&task.frame, task.reference_point, &pointer)?;
+            let configuration = configuration.ok_or_else(|| Problem::invalid("/axes", detail))?;
+            let frame = task_frame(&task.frame, task.reference_point)?;
             axes.rows_of(&frame.at(configuration).jacobian())
         }
         (None, Some(_)) if task.frame != wire::Frame::Base => {
-            return Err(Problem::invalid(format!("{pointer}/frame"), "`jacobian` rows have no frame; it needs `axes`"));
+            return Err(Problem::invalid("/frame", "`jacobian` rows have no frame; it needs `axes`"));
         }
         (None, Some(_)) if task.reference_point.is_some() => {
             let detail = "`jacobian` rows have no point; it needs `axes`";
-            return Err(Problem::invalid(format!("{pointer}/reference_point"), detail));
+            return Err(Problem::invalid("/reference_point", detail));
         }
-        (None, Some(rows)) => matrix(rows, &format!("{pointer}/jacobian"))?,
-        _ => return Err(Problem::invalid(pointer, "give either `axes` or `jacobian`")),
+        (None, Some(rows)) => matrix(rows).map_err(|problem| problem.inside("/jacobian"))?,
+        _ => return Err(Problem::invalid("", "give either `axes` or `jacobian`")),
     };
     Ok(Task {
         name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
         jacobian,
-        velocity: Vector::from_vec(numbers(&task.velocity, &format!("{pointer}/velocity"))?),
+        velocity: Vector::from_vec(numbers(&task.velocity, "/velocity")?),
         scaled: task.scale,
     })
 }
@@ -173,18 +173,17 @@ pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelectio
     AxisSelection::new(&axes).map_err(|error| Problem::invalid(pointer, error))
 }
 
-fn matrix(rows: &[Vec<f64>], pointer: &str) -> Result<Matrix, Problem> {
+fn matrix(rows: &[Vec<f64>]) -> Result<Matrix, Problem> {
     let columns = rows.first().map_or(0, Vec::len);
     if columns == 0 || columns > MOST_JOINTS {
-        return Err(Problem::invalid(pointer, format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
+        return Err(Problem::invalid("", format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
     }
     for (i, row) in rows.iter().enumerate() {
-        let pointer = format!("{pointer}/{i}");
         if row.len() != columns {
             let detail = format!("{} numbers where the first row has {columns}", row.len());
-            return Err(Problem::invalid(pointer, detail));
+            return Err(Problem::invalid(format!("/{i}"), detail));
         }
-        numbers(row, &pointer)?;
+        check_numbers(row, "").map_err(|problem| problem.inside(&format!("/{i}")))?;
     }
     Ok(Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
 }
@@ -215,7 +214,7 @@ fn limits(
     let period = request.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
     let kind = match &request.limits {
         Some(wire::Limits::Box { lower, upper }) => {
-            let velocity_box = velocity_box(lower, upper, joints, "/limits")?;
+            let velocity_box = velocity_box(lower, upper, joints)?;
             return Ok(LimitedBox { velocity_box, conflicts: Vec::new() });
         }
         Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::arm::arm_view;
-use super::numbers::{joint_vector, number, numbers};
+use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
 use crate::controller::{Command, Controller, Measurement, StepError};
 use crate::kinematics::ConfigurationError;
@@ -38,8 +38,8 @@ fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64
             Some(task) => Err(Problem::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name))),
         };
     };
-    numbers(force, "/wrench/force")?;
-    numbers(torque, "/wrench/torque")?;
+    check_numbers(force, "/wrench/force")?;
+    check_numbers(torque, "/wrench/torque")?;
     Ok([force[0], force[1], force[2], torque[0], torque[1], torque[2]])
 }
 

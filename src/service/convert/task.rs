@@ -1,7 +1,7 @@
 //! Tasks of a controller.
 
 use super::pose::{pose, task_frame};
-use super::profile::PerRow;
+use super::profile::{PerRow, at_row};
 use super::resolve::axis_selection;
 use crate::controller::{JointRows, JointTarget, TargetPose, TaskConfig, TaskRows, ToolRows};
 use crate::kinematics::half_range;
@@ -10,37 +10,43 @@ use crate::robot::RobotModel;
 use crate::service::problem::Problem;
 use crate::wire::{self, PerAxis};
 
-/// Reads the task at a JSON pointer.
-pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel, pointer: &str) -> Result<TaskConfig, Problem> {
-    let law_pointer = format!("{pointer}/law");
+/// Reads a task.
+pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, Problem> {
     let (rows, law) = match &task.law {
         wire::Law::Posture { joints, gain, target_position } => {
-            not_for_postures(task, pointer)?;
-            let joints = joint_indices(joints.as_deref(), target_position, robot, &law_pointer)?;
-            let reader = LawReader(PerRow { rows: joints.len(), pointer: &law_pointer });
-            let target = match target_position {
-                wire::PostureTarget::MidRange => JointTarget::MidRange,
-                wire::PostureTarget::Profile(profile) => {
-                    JointTarget::Position(reader.profile(profile, "target_position")?)
-                }
-            };
-            (TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?)
+            not_for_postures(task)?;
+            posture(joints.as_deref(), gain, target_position, robot).map_err(|problem| problem.inside("/law"))?
         }
-        law => {
-            let axes_pointer = format!("{pointer}/axes");
-            let missing = || Problem::invalid(axes_pointer.clone(), "this law needs `axes`, the rows of the tool");
-            let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, &axes_pointer)?;
-            let reader = LawReader(PerRow { rows: axes.len(), pointer: &law_pointer });
-            let rows =
-                ToolRows { frame: task_frame(&task.frame, task.reference_point, pointer)?, ..ToolRows::new(axes) };
-            let (rows, law) = (reader.with_target(rows, law)?, reader.law(law)?);
-            (TaskRows::Tool(rows), law)
-        }
+        law => tool_task(task, law)?,
     };
     Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale })
 }
 
-fn not_for_postures(task: &wire::ControllerTask, pointer: &str) -> Result<(), Problem> {
+fn tool_task(task: &wire::ControllerTask, law: &wire::Law) -> Result<(TaskRows, Law), Problem> {
+    let missing = || Problem::invalid("/axes", "this law needs `axes`, the rows of the tool");
+    let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, "/axes")?;
+    let reader = LawReader(PerRow { rows: axes.len() });
+    let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
+    let read = || Ok((TaskRows::Tool(reader.with_target(rows, law)?), reader.law(law)?));
+    read().map_err(|problem: Problem| problem.inside("/law"))
+}
+
+fn posture(
+    joints: Option<&[String]>,
+    gain: &PerAxis<f64>,
+    target: &wire::PostureTarget,
+    robot: &RobotModel,
+) -> Result<(TaskRows, Law), Problem> {
+    let joints = joint_indices(joints, target, robot)?;
+    let reader = LawReader(PerRow { rows: joints.len() });
+    let target = match target {
+        wire::PostureTarget::MidRange => JointTarget::MidRange,
+        wire::PostureTarget::Profile(profile) => JointTarget::Position(reader.profile(profile, "/target_position")?),
+    };
+    Ok((TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?))
+}
+
+fn not_for_postures(task: &wire::ControllerTask) -> Result<(), Problem> {
     let given = [
         ("axes", task.axes.is_some()),
         ("frame", task.frame != wire::Frame::Base),
@@ -50,7 +56,7 @@ fn not_for_postures(task: &wire::ControllerTask, pointer: &str) -> Result<(), Pr
         Some((field, _)) => {
             let detail =
                 format!("the law `posture` is about joints and takes no `{field}`; choose among them by `joints`");
-            Err(Problem::invalid(format!("{pointer}/{field}"), detail))
+            Err(Problem::invalid(format!("/{field}"), detail))
         }
         None => Ok(()),
     }
@@ -61,7 +67,6 @@ fn joint_indices(
     names: Option<&[String]>,
     target: &wire::PostureTarget,
     robot: &RobotModel,
-    pointer: &str,
 ) -> Result<Vec<usize>, Problem> {
     let counts = |joint: &usize| {
         *target != wire::PostureTarget::MidRange || half_range(&robot.joints()[*joint].limits).is_some()
@@ -70,23 +75,25 @@ fn joint_indices(
     let index = |(i, name): (usize, &String)| {
         let known = robot.joints().iter().position(|joint| joint.name == *name);
         let detail = || format!("`{}` has no joint `{name}`", robot.name());
-        known.ok_or_else(|| Problem::invalid(format!("{pointer}/joints/{i}"), detail()))
+        known.ok_or_else(|| Problem::invalid(format!("/joints/{i}"), detail()))
     };
     names.iter().enumerate().map(index).collect()
 }
 
-/// Reads the law at a JSON pointer.
-struct LawReader<'a>(PerRow<'a>);
+/// Reads a law.
+struct LawReader(PerRow);
 
-impl LawReader<'_> {
+impl LawReader {
     /// Laws of the tool's rows.
     fn law(&self, law: &wire::Law) -> Result<Law, Problem> {
         Ok(match law {
-            wire::Law::Velocity { target_velocity } => Law::Velocity(self.profile(target_velocity, "target_velocity")?),
+            wire::Law::Velocity { target_velocity } => {
+                Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
+            }
             wire::Law::Pose { gain, .. } | wire::Law::Posture { gain, .. } => self.position(gain)?,
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;
-                let law = ForceLaw::new(gains, self.profile(target_force, "target_force")?);
+                let law = ForceLaw::new(gains, self.profile(target_force, "/target_force")?);
                 Law::Force(law.ok_or_else(|| self.mismatch())?)
             }
             wire::Law::Impedance { inertia, damping, stiffness, .. } => {
@@ -94,8 +101,8 @@ impl LawReader<'_> {
             }
             wire::Law::Hybrid { inertia, damping, stiffness, position_controlled, target_force, .. } => {
                 let gains = self.gains(inertia, damping, stiffness)?;
-                let force = self.profile(target_force, "target_force")?;
-                let law = HybridLaw::new(gains, force, self.0.each(position_controlled, "position_controlled")?);
+                let force = self.profile(target_force, "/target_force")?;
+                let law = HybridLaw::new(gains, force, self.0.each(position_controlled, "/position_controlled")?);
                 Law::Hybrid(law.ok_or_else(|| self.mismatch())?)
             }
         })
@@ -111,17 +118,19 @@ impl LawReader<'_> {
         };
         let target_pose = match target_pose {
             wire::TargetPose::Initial => TargetPose::Initial,
-            wire::TargetPose::Fixed(fixed) => TargetPose::Fixed(pose(fixed, &self.0.at("target_pose"))?),
+            wire::TargetPose::Fixed(fixed) => {
+                TargetPose::Fixed(pose(fixed).map_err(|problem| problem.inside("/target_pose"))?)
+            }
         };
         let displacement = target_displacement.as_ref();
         let target_displacement =
-            displacement.map(|profile| self.profile(profile, "target_displacement")).transpose()?;
+            displacement.map(|profile| self.profile(profile, "/target_displacement")).transpose()?;
         Ok(ToolRows { target_pose, target_displacement, ..rows })
     }
 
     fn position(&self, gain: &PerAxis<f64>) -> Result<Law, Problem> {
-        let law = PositionLaw::new(self.0.numbers(gain, "gain")?);
-        law.map(Law::Position).map_err(|error| Problem::invalid(self.0.at_row(gain, "gain", error.row), error))
+        let law = PositionLaw::new(self.0.numbers(gain, "/gain")?);
+        law.map(Law::Position).map_err(|error| Problem::invalid(at_row(gain, "/gain", error.row), error))
     }
 
     fn gains(
@@ -131,26 +140,26 @@ impl LawReader<'_> {
         stiffness: &PerAxis<f64>,
     ) -> Result<Gains, Problem> {
         let list = |values: &PerAxis<f64>, field: &str| self.0.numbers(values, field);
-        let (m, b, k) = (list(inertia, "inertia")?, list(damping, "damping")?, list(stiffness, "stiffness")?);
+        let (m, b, k) = (list(inertia, "/inertia")?, list(damping, "/damping")?, list(stiffness, "/stiffness")?);
         Gains::new(self.0.rows, &m, &b, &k).map_err(|error| match error {
-            GainError::Size { gain, .. } => Problem::invalid(self.0.at(gain), error),
+            GainError::Size { gain, .. } => Problem::invalid(format!("/{gain}"), error),
             GainError::Range { gain, row, .. } => {
                 let values = match gain {
                     "inertia" => inertia,
                     "damping" => damping,
                     _ => stiffness,
                 };
-                Problem::invalid(self.0.at_row(values, gain, row), error)
+                Problem::invalid(at_row(values, &format!("/{gain}"), row), error)
             }
         })
     }
 
     fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, Problem> {
-        PerRow { rows: self.0.rows, pointer: &self.0.at(field) }.profile(profile)
+        self.0.profile(profile).map_err(|problem| problem.inside(field))
     }
 
     /// Sizes are checked field by field; this is what is left to say if the law refuses all the same.
     fn mismatch(&self) -> Problem {
-        Problem::invalid(self.0.pointer, format!("the lists of a law have one value for each of {} rows", self.0.rows))
+        Problem::invalid("", format!("the lists of a law have one value for each of {} rows", self.0.rows))
     }
 }

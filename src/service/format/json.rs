@@ -1,7 +1,7 @@
 //! Bodies in JSON.
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
 
 use super::pointer;
@@ -20,10 +20,12 @@ pub fn write<T: Serialize + ?Sized>(value: &T) -> serde_json::Result<Vec<u8>> {
 
 /// Reads an object.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
-    match serde_json::from_slice(bytes) {
-        Ok(Object(value)) => Ok(value),
-        Err(_) => explain(bytes),
-    }
+    glance(bytes).map_or_else(|| explain(bytes), Ok)
+}
+
+/// Reads an object, without a word if that fails.
+pub fn glance<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
+    serde_json::from_slice(bytes).ok().map(|Object(value)| value)
 }
 
 /// Reads once more, keeping track of where: what a good body need not pay for.

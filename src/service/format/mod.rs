@@ -4,8 +4,8 @@ mod json;
 mod message_pack;
 
 use axum::http::{HeaderMap, HeaderValue, header};
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_path_to_error::Segment;
 
 use super::accept;
@@ -56,6 +56,14 @@ impl Format {
         match self {
             Self::Json => json::read(bytes),
             Self::MessagePack => message_pack::read(bytes),
+        }
+    }
+
+    /// Reads an object that may leave parts of the bytes unread, which JSON alone can; `None` if that fails.
+    pub fn glance<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Option<T> {
+        match self {
+            Self::Json => json::glance(bytes),
+            Self::MessagePack => None,
         }
     }
 

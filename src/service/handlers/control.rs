@@ -9,10 +9,11 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::Shared;
-use crate::service::body::{Answer, Body};
+use crate::service::body::{Answer, Body, Unread};
 use crate::service::drain::Draining;
 use crate::service::events::{Shown, latest};
 use crate::service::problem::Problem;
+use crate::service::recent::{StepCall, Stepper};
 use crate::service::segment::Segment;
 use crate::service::sessions::Answered;
 use crate::service::{convert, stream};
@@ -38,18 +39,18 @@ const WATCH_PAUSE: Duration = Duration::from_millis(33);
         (status = 409, description = "The sequence number does not grow: `sequence`.")
     )
 )]
-pub async fn step(
-    State(app): Shared,
-    Body(request): Body<wire::StepRequest>,
-) -> Result<Answer<wire::StepAnswer>, Problem> {
+pub async fn step(State(app): Shared, body: Unread) -> Result<Answer<wire::StepAnswer>, Problem> {
+    let StepCall { mut stepper, state, memory } = app.recent.read(&body, &app.robots)?;
     let start = Instant::now();
-    let controller = convert::controller(&request.controller, &app.robots).map_err(|p| p.inside("/controller"))?;
-    let measurement = convert::measurement(&request.state, &controller).map_err(|p| p.inside("/state"))?;
-    let mut memory = convert::memory(&request, &controller)?;
-    let command = controller.step(&mut memory, &measurement).map_err(|e| convert::step_problem(&e, "/state"))?;
-    let mut answer = convert::step_answer(&controller, request.state.sequence, &command, start);
+    let Stepper { controller, workspace, .. } = &mut *stepper;
+    let measurement = convert::measurement(&state, controller).map_err(|p| p.inside("/state"))?;
+    let mut memory = convert::memory(memory.as_ref(), state.sequence, controller)?;
+    let command = controller.step_in(workspace, &mut memory, &measurement);
+    let command = command.map_err(|e| convert::step_problem(&e, "/state"))?;
+    let mut answer = convert::step_answer(controller, state.sequence, command, start);
     app.metrics.solved(&answer.solver);
-    answer.memory = memory.map(|memory| convert::memory_answer(&controller, request.state.sequence, &memory));
+    answer.memory = memory.map(|memory| convert::memory_answer(controller, state.sequence, &memory));
+    app.recent.keep(stepper);
     Ok(Answer(answer))
 }
 
