@@ -32,7 +32,7 @@ pub struct Cycle {
     pub limited: f64,
     /// Largest joint speed on the way, rad/s.
     pub fastest: f64,
-    /// Share of the periods that the last active set answered.
+    /// Share of the periods that active sets answered.
     pub guessed: f64,
 }
 
@@ -136,7 +136,7 @@ fn with_limits(budget: Budget) -> Result<Vec<Row>, BenchError> {
             Subject::fallible("cycle, qp: Clarabel at every level", || qp.repeat()),
         ],
     )?;
-    let note = format!("{share:.0} % by the last active set");
+    let note = format!("{share:.0} % by active sets");
     Ok(vec![Row::of_times(&times[0], Some(&times[1])).with_note(note), Row::of_times(&times[1], None)])
 }
 

@@ -946,7 +946,7 @@ class PathCounts(Answer):
     """How many periods each way solved."""
 
     active_set: int
-    """By the last active set."""
+    """By active sets that start from the last one."""
     closed_form: int
     """By pseudo-inverses."""
     qp: int
