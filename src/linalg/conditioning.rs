@@ -14,7 +14,7 @@ const WELL_CONDITIONED: f64 = 1e-3;
 pub struct Conditioning {
     rank: usize,
     /// Whether L⁻¹ says enough; else σ_min was computed.
-    by_triangle: bool,
+    is_regular: bool,
     /// L⁻¹.
     inverse: TaskMatrix,
     smallest: f64,
@@ -41,18 +41,23 @@ impl Conditioning {
             self.rank = self.inverse.nrows();
             self.product = (0..self.rank).map(|i| self.inverse[i][i].abs()).product();
             triangle::invert(&mut self.inverse);
-            self.by_triangle = 1.0 / self.inverse.norm() >= bound;
-            if self.by_triangle {
+            self.is_regular = 1.0 / self.inverse.norm() >= bound;
+            if self.is_regular {
                 return;
             }
         }
-        self.by_triangle = false;
+        self.is_regular = false;
         self.room.copy_from(A);
         self.room.push_rows(B);
         self.decomposition.decompose_singular(&self.room, 0, norm);
         self.rank = self.decomposition.rank();
         self.smallest = self.decomposition.smallest();
         self.product = self.decomposition.singular_values().iter().product();
+    }
+
+    /// Whether the rows are independent, far from losing rank and above the threshold of damping.
+    pub fn is_regular(&self) -> bool {
+        self.is_regular
     }
 
     /// Number of singular values that count as non-zero.
@@ -63,14 +68,14 @@ impl Conditioning {
     /// λ that `damping` gives at σ_min; 0 without damping.
     pub fn damping_factor(&self, damping: Option<Damping>) -> f64 {
         match damping {
-            Some(damping) if !self.by_triangle => damping.factor(self.smallest),
+            Some(damping) if !self.is_regular => damping.factor(self.smallest),
             _ => 0.0,
         }
     }
 
     /// σ_min, the min(m, n)-th singular value; 0 for an empty matrix.
     pub fn smallest(&mut self) -> f64 {
-        if self.by_triangle { 1.0 / triangle::spectral_norm(&self.inverse, &mut self.room) } else { self.smallest }
+        if self.is_regular { 1.0 / triangle::spectral_norm(&self.inverse, &mut self.room) } else { self.smallest }
     }
 
     /// Product of the singular values, √det(A Aᵀ) for m ≤ n; the largest number where the product is larger.

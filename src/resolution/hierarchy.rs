@@ -36,7 +36,7 @@ pub struct Stage {
     pub J_low_V: TaskMatrix,
     /// Decomposition of J_{k+1}^RP N, in that frame.
     pub spare: Decomposition,
-    /// Of J_k^RP = [J_k; J_{k+1}^RP], where something lies below or above.
+    /// Of J_k^RP = [J_k; J_{k+1}^RP], at the top and where something may be singular.
     conditioning: Conditioning,
     /// ρ(J_k^RP).
     rank: usize,
@@ -49,42 +49,55 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Becomes the stage of `task` above `below`.
-    fn update(&mut self, task: &Task, below: Option<&Self>, damping: Option<Damping>) {
+    /// Becomes the stage of `task` above `below`, undamped.
+    fn take(&mut self, task: &Task, below: Option<&Self>) {
         self.J_k.copy_from_matrix(&task.jacobian);
         self.xdot_k.clone_from(&TaskVector::from(&task.velocity));
         self.scaled = task.scaled;
         self.norm = self.J_k.norm();
         self.own.decompose(&self.J_k, 0, self.norm);
-        self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
-        match below {
-            Some(below) => self.stand_above(below, damping),
-            None => self.stand_alone(),
-        }
-    }
-
-    /// Nothing lies below.
-    fn spare_nothing(&mut self) {
-        self.J_low.reset(0, self.J_k.ncols());
-        self.J_low_V.reset(0, self.J_k.ncols());
-        self.norm_low = 0.0;
-        self.spare.decompose(&self.J_low_V, self.own.rank(), 0.0);
-    }
-
-    /// Nothing lies below: what holds of J_k holds of J_k^RP.
-    fn stand_alone(&mut self) {
-        self.spare_nothing();
-        (self.rank, self.lambda, self.algorithmic) = (self.own.rank(), self.mu, false);
-    }
-
-    fn stand_above(&mut self, below: &Self, damping: Option<Damping>) {
+        let Some(below) = below else { return self.spare_nothing() };
         self.J_low.copy_from(&below.J_k);
         self.J_low.push_rows(&below.J_low);
         self.norm_low = below.norm.hypot(below.norm_low);
+        self.spare_low();
+    }
+
+    /// Decomposes what J_k leaves of the lower rows.
+    fn spare_low(&mut self) {
         self.J_low_V.copy_from(&self.J_low);
         self.own.rows_to_frame(&mut self.J_low_V);
         self.J_low_V.without_rounding(self.own.rank(), &self.J_low);
         self.spare.decompose(&self.J_low_V, self.own.rank(), self.norm_low);
+    }
+
+    /// Leaves nothing below.
+    fn spare_nothing(&mut self) {
+        self.J_low.reset(0, self.J_k.ncols());
+        self.norm_low = 0.0;
+        self.spare_low();
+    }
+
+    fn condition(&mut self, damping: Option<Damping>) {
+        let norm = self.norm.hypot(self.norm_low);
+        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, (&self.J_low_V, &self.spare), damping);
+    }
+
+    /// Nothing is singular: all rows are independent and nothing is damped.
+    fn be_regular(&mut self) {
+        self.rank = self.J_k.nrows() + self.J_low.nrows();
+        (self.mu, self.lambda, self.algorithmic) = (0.0, 0.0, false);
+    }
+
+    /// Finds out what is singular here, above `below`, and damps it.
+    fn examine(&mut self, below: Option<&Self>, damping: Option<Damping>) {
+        self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
+        let Some(below) = below else {
+            // What holds of J_k holds of J_k^RP.
+            (self.rank, self.lambda, self.algorithmic) = (self.own.rank(), self.mu, false);
+            return self.spare_low();
+        };
+        self.spare_low();
         self.condition(damping);
         self.rank = self.conditioning.rank();
         self.lambda = self.conditioning.damping_factor(damping);
@@ -92,11 +105,6 @@ impl Stage {
             self.spare.decompose_singular(&self.J_low_V, self.own.rank(), self.norm_low);
         }
         self.algorithmic = self.own.rank() + below.rank > self.rank;
-    }
-
-    fn condition(&mut self, damping: Option<Damping>) {
-        let norm = self.norm.hypot(self.norm_low);
-        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, (&self.J_low_V, &self.spare), damping);
     }
 }
 
@@ -124,15 +132,24 @@ pub struct Hierarchy {
 
 impl Hierarchy {
     /// Decomposes every J_k and J_k^RP.
+    ///
+    /// Where all rows together are far from a singularity, so are those of each stage: taking rows away makes no singular
+    /// value smaller than the smallest.
     pub fn update(&mut self, tasks: &TaskStack, damping: Option<Damping>) {
         let tasks = tasks.tasks();
         self.stages.resize_with(tasks.len(), Stage::default);
         for (k, task) in tasks.iter().enumerate().rev() {
             let (upper, lower) = self.stages.split_at_mut(k + 1);
-            upper[k].update(task, lower.first(), damping);
+            upper[k].take(task, lower.first());
         }
-        if let [only] = &mut self.stages[..] {
-            only.condition(damping);
+        let top = &mut self.stages[0];
+        top.condition(damping);
+        if top.conditioning.is_regular() {
+            return self.stages.iter_mut().for_each(Stage::be_regular);
+        }
+        for k in (0..tasks.len()).rev() {
+            let (upper, lower) = self.stages.split_at_mut(k + 1);
+            upper[k].examine(lower.first(), damping);
         }
     }
 
