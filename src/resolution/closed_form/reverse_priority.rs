@@ -32,30 +32,50 @@ pub fn reverse_priority(stages: &[Stage], zeta: TaskVector) -> ClosedForm {
 
 /// q̇_k from q̇_{k+1}.
 pub fn next(stage: &Stage, below: ClosedForm) -> ClosedForm {
-    let Stage { J_k, xdot_k, J_low, J_low_V, own, spare, mu, lambda, .. } = stage;
+    let Stage { J_k, xdot_k, J_low_V, own, spare, mu, lambda, .. } = stage;
     let mut qdot = below.joint_velocity;
     let e_k = xdot_k - &(J_k * &qdot);
     // All in the frame V = [V_r, N] of J_k, in which N z are the coordinates from the rank on.
     let reach = if *mu > 0.0 { own.damped_in_frame(&e_k, *mu) } else { own.solve_in_frame(&e_k) };
-    let asked = J_low_V * &reach;
-    let mut spared = if *lambda > 0.0 { spare.damped_in_frame(&asked, *lambda) } else { spare.solve_in_frame(&asked) };
-    spare.from_frame(&mut spared);
-    let mut delta = &reach - &spared;
+    let mut delta = reach.clone();
+    if J_low_V.nrows() > 0 {
+        let asked = J_low_V * &reach;
+        let mut spared =
+            if *lambda > 0.0 { spare.damped_in_frame(&asked, *lambda) } else { spare.solve_in_frame(&asked) };
+        spare.from_frame(&mut spared);
+        delta -= &spared;
+    }
     own.from_frame(&mut delta);
-
-    let mut reaching = J_k.transposed_times(&(&(J_k * &delta) - &e_k));
-    own.to_frame(&mut reaching);
-    reaching.add_scaled(mu * mu, &reach);
-    let mut sparing = J_low.transposed_times(&(J_low * &delta));
-    sparing.add_scaled(lambda * lambda, &delta);
-    own.to_frame(&mut sparing);
-    let open = &sparing[own.rank()..];
-    let sparing = open.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let (size, speed) = (reach.norm(), qdot.norm());
-    let residual = relative(reaching.amax(), gradient_scale(stage.norm, *mu, speed + size, xdot_k.norm()))
-        .max(relative(sparing, gradient_scale(stage.norm_low, *lambda, size + spared.norm(), 0.0)));
+    let reaching =
+        relative(reaching(stage, &delta, &e_k, &reach), gradient_scale(stage.norm, *mu, speed + size, xdot_k.norm()));
+    // ‖Δ‖² = ‖J_k^# e_k‖² + ‖N z‖², so that this is the size of the terms whose difference Δ is.
+    let sparing = relative(sparing(stage, &delta), gradient_scale(stage.norm_low, *lambda, size + delta.norm(), 0.0));
     qdot += &delta;
-    ClosedForm { joint_velocity: qdot, kkt_residual: below.kkt_residual.max(residual) }
+    ClosedForm { joint_velocity: qdot, kkt_residual: below.kkt_residual.max(reaching).max(sparing) }
+}
+
+/// ‖J_kᵀ(J_k Δ − e_k) + μ² J_k^# e_k‖_∞, `reach` being J_k^# e_k in the frame.
+fn reaching(stage: &Stage, delta: &TaskVector, e_k: &TaskVector, reach: &TaskVector) -> f64 {
+    let Stage { J_k, own, mu, .. } = stage;
+    let mut gradient = J_k.transposed_times(&(&(J_k * delta) - e_k));
+    if *mu > 0.0 {
+        own.to_frame(&mut gradient);
+        gradient.add_scaled(mu * mu, reach);
+    }
+    gradient.amax()
+}
+
+/// ‖Nᵀ (J_{k+1}^RPᵀ J_{k+1}^RP Δ + λ² Δ)‖_∞; 0 where nothing lies below.
+fn sparing(stage: &Stage, delta: &TaskVector) -> f64 {
+    let Stage { J_low, own, lambda, .. } = stage;
+    if J_low.nrows() == 0 {
+        return 0.0;
+    }
+    let mut gradient = J_low.transposed_times(&(J_low * delta));
+    gradient.add_scaled(lambda * lambda, delta);
+    own.to_frame(&mut gradient);
+    gradient[own.rank()..].iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 #[cfg(test)]
