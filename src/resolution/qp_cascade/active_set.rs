@@ -107,7 +107,7 @@ fn broken(level: &Level, z: &TaskVector) -> impl Iterator<Item = (usize, Side)> 
 /// Limits of the guess that are no constraints of this level, or follow from the others, are left out.
 pub fn polish(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Candidate {
     let known: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
-    minimiser.find(level, None, &known);
+    minimiser.try_set(level, &known);
     let conditions = minimiser.conditions(level);
     Candidate::new(level, minimiser, &conditions)
 }
@@ -122,6 +122,10 @@ pub fn search(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser)
     correct(level, guess, minimiser).or_else(|| Some(iterate(level, minimiser)).filter(Candidate::is_optimal))
 }
 
+/// Residual up to which a set that was guessed counts as the right one: stricter than [`OPTIMALITY`], for among many sets
+/// some are wrong by little.
+const CONFIRMED: f64 = 1e-13;
+
 /// Sets that [`correct`] tries: most guesses are right or off by one limit, and some need a few more.
 const MOST_CORRECTIONS: usize = 8;
 
@@ -132,13 +136,13 @@ const MOST_CORRECTIONS: usize = 8;
 fn correct(level: &Level, guess: &[(usize, Side)], minimiser: &mut Minimiser) -> Option<Candidate> {
     let mut active: ActiveSet = guess.iter().copied().filter(|&limit| level.has(limit)).collect();
     for _ in 0..MOST_CORRECTIONS {
-        minimiser.find(level, None, &active);
+        minimiser.try_set(level, &active);
         let conditions = minimiser.conditions(level);
         let candidate = Candidate::new(level, minimiser, &conditions);
-        if candidate.is_optimal() {
+        if candidate.kkt_residual <= CONFIRMED {
             return Some(candidate);
         }
-        let right = |place: usize| conditions.relief[place] >= -OPTIMALITY;
+        let right = |place: usize| conditions.relief[place] >= -CONFIRMED;
         let tried = &candidate.active_set;
         active = (0..tried.len()).filter(|&place| right(place)).map(|place| tried[place]).collect();
         active.extend(broken(level, &candidate.z).filter(|&(row, _)| tried.iter().all(|&(held, _)| held != row)));
@@ -163,8 +167,7 @@ pub fn iterate(level: &Level, minimiser: &mut Minimiser) -> Candidate {
     let mut best: Option<Candidate> = None;
     // Far more than the 2n changes that problems of this size take; only rounding could ask for more.
     for _ in 0..20 * (level.G.nrows() + 1) {
-        minimiser.find(level, Some(&z), &active);
-        active.clone_from(&minimiser.active);
+        minimiser.find(level, &z, &active);
         let target = &mut minimiser.z;
         if (&level.C * &(&*target - &z)).norm() <= ARRIVED * level.size(&z) {
             target.clone_from(&z);

@@ -16,7 +16,7 @@ const SENSITIVITY: f64 = 1e-3;
 pub struct Minimiser {
     /// z, p; the one nearest to where the search began, if there are many.
     pub z: TaskVector,
-    /// The set, without limits that follow from the others.
+    /// The set.
     pub active: ActiveSet,
     /// G_W, the set's rows of G, and its decomposition.
     G_W: TaskMatrix,
@@ -42,9 +42,30 @@ pub struct Conditions {
 }
 
 impl Minimiser {
-    /// Becomes the minimiser on a set of the level's constraints; `near`: where the search began, `None` for z = 0.
-    pub fn find(&mut self, level: &Level, near: Option<&TaskVector>, active: &[(usize, Side)]) {
+    /// Becomes the minimiser nearest to z = 0 on a set that was guessed, without limits that follow from those before them.
+    pub fn try_set(&mut self, level: &Level, guess: &[(usize, Side)]) {
+        self.hold(level, guess);
+        if self.limits.rank() < guess.len() {
+            self.active.clear();
+            for &limit in guess {
+                self.active.push(limit);
+                self.decompose_limits(level);
+                if self.limits.rank() < self.active.len() {
+                    self.active.pop();
+                }
+            }
+            self.decompose_limits(level);
+        }
+        self.minimise(level, None);
+    }
+
+    /// Becomes the minimiser nearest to `near` on a set of limits that hold there.
+    pub fn find(&mut self, level: &Level, near: &TaskVector, active: &[(usize, Side)]) {
         self.hold(level, active);
+        self.minimise(level, Some(near));
+    }
+
+    fn minimise(&mut self, level: &Level, near: Option<&TaskVector>) {
         let Self { z, active, G_W, limits, C, open, .. } = self;
         let mut bounds = TaskVector::from_fn(active.len(), |i| level.bound(active[i].0, active[i].1));
         if let Some(near) = near {
@@ -62,22 +83,9 @@ impl Minimiser {
         *z += &way;
     }
 
-    /// Decomposes the limits of a set, without those that follow from the ones before.
     fn hold(&mut self, level: &Level, active: &[(usize, Side)]) {
         self.active.clear();
         self.active.extend_from_slice(active);
-        self.decompose_limits(level);
-        if self.limits.rank() == active.len() {
-            return;
-        }
-        self.active.clear();
-        for &limit in active {
-            self.active.push(limit);
-            self.decompose_limits(level);
-            if self.limits.rank() < self.active.len() {
-                self.active.pop();
-            }
-        }
         self.decompose_limits(level);
     }
 
