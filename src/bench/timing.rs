@@ -8,6 +8,9 @@ use super::BenchError;
 /// A sample lasts at least this long: many times the resolution of the clock.
 const SHORTEST_SAMPLE: Duration = Duration::from_micros(1);
 
+/// Warming up ends after this.
+const LONGEST_WARM_UP: Duration = Duration::from_millis(100);
+
 /// Samples to learn how long the clock itself takes.
 const CLOCK_SAMPLES: usize = 10_000;
 
@@ -133,13 +136,22 @@ fn sample(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
 /// So many calls that a sample is long enough; warms up meanwhile.
 fn calls_per_sample(subject: &mut Subject) -> Result<u32, BenchError> {
     let mut calls = 1;
-    loop {
-        let samples: Vec<Duration> = (0..20).map(|_| sample(subject, calls)).collect::<Result<_, _>>()?;
-        if samples.into_iter().min() >= Some(SHORTEST_SAMPLE) {
-            return Ok(calls);
-        }
+    while shortest(subject, calls)? < SHORTEST_SAMPLE {
         calls *= 2;
     }
+    Ok(calls)
+}
+
+/// The shortest of some samples; of one where it takes long, for another subject's connection must not lie idle meanwhile.
+fn shortest(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
+    let (start, mut shortest) = (Instant::now(), sample(subject, calls)?);
+    for _ in 1..20 {
+        if start.elapsed() > LONGEST_WARM_UP {
+            break;
+        }
+        shortest = shortest.min(sample(subject, calls)?);
+    }
+    Ok(shortest)
 }
 
 /// What reading the clock twice takes, s.
