@@ -16,6 +16,7 @@ const PROOF: f64 = 1e-7;
 /// {base + Z z : lo ≤ rows · (base + Z z) ≤ hi}, with `base` inside and the columns of Z orthonormal.
 #[derive(Clone, Default)]
 pub struct FeasibleSet {
+    /// lo, hi and the rows; to be set before [`Self::open_all`].
     pub constraints: Constraints,
     base: TaskVector,
     Z: TaskMatrix,
@@ -23,6 +24,7 @@ pub struct FeasibleSet {
     pinned: Vec<usize>,
     /// Rows whose value is decided, by their bounds or by a level.
     fixed: Vec<bool>,
+    /// Room to work in.
     room: TaskMatrix,
     decomposition: Decomposition,
 }
