@@ -33,9 +33,11 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
   let silence: RevprioError | undefined;
   let refusal: unknown;
   let call: Promise<void> | undefined;
+  let isOver = false;
   const ask = async (measurement: Measurement, measuredAtMs: number, period: number) => {
     try {
       const answer = await stepping.step({ time_s: (measuredAtMs - startMs) / 1e3, ...measurement });
+      if (isOver || signal.aborted) return;
       silence = undefined;
       if (watchdog.obey(answer, measuredAtMs, performance.now()) && period === report.periods) report.answered++;
     } catch (error) {
@@ -59,6 +61,7 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
     }
     return report;
   } finally {
+    isOver = true;
     watchdog.expire(performance.now());
     while (!watchdog.isAtRest(performance.now())) {
       arm.write(watchdog.command(performance.now()));

@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { suite, test } from "node:test";
-import { Client, drive, LateAnswerError, NoAnswerError, ProblemError, Watchdog, type Robot, type Scenario, type Stepping } from "../src/index.js";
-import { AT_REST, CONTROLLER, lineTo, patient, POSTURE, serve, SLOW } from "./service.js";
+import { setTimeout } from "node:timers/promises";
+import { Client, drive, LateAnswerError, NoAnswerError, ProblemError, Stepping, Watchdog } from "../src/index.js";
+import type { Robot, Scenario, State, StepAnswer } from "../src/index.js";
+import { AT_REST, CONTROLLER, example, lineTo, patient, POSTURE, serve, SLOW } from "./service.js";
 
 /** Commands of a loop with a spring of 1000 N per rad of the first joint. */
 async function run(controller: Stepping): Promise<number[][]> {
@@ -137,8 +139,11 @@ suite("a loop in real time", () => {
       return speeds.indexOf(Math.max(...speeds));
     }
 
-    /** After what happened no joint speeds up or brakes harder than its limit, and all end at rest. */
-    assertBraked(limits: number[], since = this.happenedAt) {
+    /**
+     * From a command on no joint speeds up or brakes harder than its limit, and all end at rest. What was under way when
+     * the line broke may be heard yet, so it is the fastest command from which all must brake, but for an order to end.
+     */
+    assertBraked(limits: number[], since: number | undefined = this.fastest()) {
       assert.ok(this.happenedAt !== undefined && since !== undefined);
       assert.ok(this.told.at(-1)!.every((velocity) => velocity === 0));
       for (let k = since + 1; k < this.told.length; k++) {
@@ -161,7 +166,21 @@ suite("a loop in real time", () => {
     const arm = new Arm(() => abort.abort());
     const report = await drive(await client.session(SLOW), arm, watchdog, abort.signal);
     assert.ok(report.answered > 0 && report.answered <= report.periods);
-    arm.assertBraked(LIMITS);
+    arm.assertBraked(LIMITS, arm.happenedAt);
+  });
+
+  test("an answer that comes after the end does not count", async () => {
+    class Late extends Stepping {
+      override async stepState({ sequence }: State): Promise<StepAnswer> {
+        const isFirst = sequence === 0;
+        await setTimeout(isFirst ? 0 : 25);
+        return { ...example("answers/step"), joint_velocity: LIMITS.map(() => (isFirst ? 0.4 : 0.5)), valid_for_ms: 100 };
+      }
+    }
+    const abort = new AbortController();
+    const arm = new Arm(() => abort.abort());
+    await drive(new Late(SLOW.period_s), arm, new Watchdog(LIMITS), abort.signal);
+    arm.assertBraked(LIMITS, arm.happenedAt);
   });
 
   test("the arm comes to rest within its limits when answers stop", async (t) => {
@@ -186,7 +205,6 @@ suite("a loop in real time", () => {
     const arm = new Arm(() => (arm.read = () => ({ ...AT_REST, joint_position: [1] })));
     const session = await client.session(SLOW);
     await assert.rejects(drive(session, arm, new Watchdog(LIMITS), new AbortController().signal), ProblemError);
-    // States that were sent before the wrong one may be answered yet.
-    arm.assertBraked(LIMITS, arm.fastest());
+    arm.assertBraked(LIMITS);
   });
 });
