@@ -79,7 +79,9 @@ impl AxisSelection {
 
     /// The selected entries of a twist or wrench, m.
     pub fn entries_of(&self, six: &[f64; 6]) -> TaskVector {
-        TaskVector::from_fn(self.len(), |row| six[self.0[row].index()])
+        let mut entries = TaskVector::zeros(self.len());
+        entries.iter_mut().zip(&self.0).for_each(|(entry, axis)| *entry = six[axis.index()]);
+        entries
     }
 
     /// A twist or wrench with these entries (m) on the selected axes and zero on the others.

@@ -33,9 +33,19 @@ pub enum ConfigurationError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     joint_position: Vec<f64>,
-    joints: Vec<(JointKind, IsometryMatrix3<f64>)>,
+    joints: Vec<JointLine>,
     tool_pose: IsometryMatrix3<f64>,
     jacobian: Jacobian,
+}
+
+/// Where a joint is: what it turns about or slides along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct JointLine {
+    kind: JointKind,
+    /// m, base frame.
+    origin: Vector3<f64>,
+    /// Unit vector, base axes.
+    axis: Vector3<f64>,
 }
 
 impl Configuration {
@@ -44,7 +54,7 @@ impl Configuration {
         let n = robot.joint_count();
         let mut configuration = Self {
             joint_position: vec![0.0; n],
-            joints: robot.joints().iter().map(|joint| (joint.kind, IsometryMatrix3::identity())).collect(),
+            joints: robot.joints().iter().map(|joint| JointLine::along_base_z(joint.kind)).collect(),
             tool_pose: IsometryMatrix3::identity(),
             jacobian: Jacobian::zeros(n),
         };
@@ -57,16 +67,17 @@ impl Configuration {
         check(robot, joint_position)?;
         self.joint_position.copy_from_slice(joint_position);
         let mut frame = IsometryMatrix3::identity();
-        for ((joint, &q), (_, placed)) in robot.joints().iter().zip(joint_position).zip(&mut self.joints) {
+        for ((joint, &q), line) in robot.joints().iter().zip(joint_position).zip(&mut self.joints) {
             frame *= joint.placement;
-            *placed = frame;
+            line.origin = frame.translation.vector;
+            line.axis = frame.rotation.matrix().column(2).into();
             move_along(&mut frame, joint.kind, q);
         }
         self.tool_pose = frame * robot.tool();
         let tool_point = self.tool_pose.translation.vector;
         let columns = self.jacobian.as_mut_slice().chunks_exact_mut(6);
-        for (entries, (kind, frame)) in columns.zip(&self.joints) {
-            let (linear, angular) = column(*kind, frame, &tool_point);
+        for (entries, line) in columns.zip(&self.joints) {
+            let (linear, angular) = line.velocity_of(&tool_point);
             entries[..3].copy_from_slice(linear.as_slice());
             entries[3..].copy_from_slice(angular.as_slice());
         }
@@ -94,10 +105,10 @@ impl Configuration {
     ///
     /// If the robot has no such joint.
     pub fn joint_origin(&self, joint: usize) -> (Vector3<f64>, Matrix3xX<f64>) {
-        let origin = self.joints[joint].1.translation.vector;
+        let origin = self.joints[joint].origin;
         let mut jacobian = Matrix3xX::zeros(self.joints.len());
-        for (i, (kind, frame)) in self.joints[..joint].iter().enumerate() {
-            jacobian.set_column(i, &column(*kind, frame, &origin).0);
+        for (i, line) in self.joints[..joint].iter().enumerate() {
+            jacobian.set_column(i, &line.velocity_of(&origin).0);
         }
         (origin, jacobian)
     }
@@ -141,12 +152,18 @@ pub(super) fn move_along(frame: &mut IsometryMatrix3<f64>, kind: JointKind, q: f
     }
 }
 
-/// One column of the geometric Jacobian: what unit speed of the joint gives the tool point.
-fn column(kind: JointKind, frame: &IsometryMatrix3<f64>, tool_point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let z = frame.rotation.matrix().column(2).into_owned();
-    match kind {
-        JointKind::Revolute => (z.cross(&(tool_point - frame.translation.vector)), z),
-        JointKind::Prismatic => (z, Vector3::zeros()),
+impl JointLine {
+    fn along_base_z(kind: JointKind) -> Self {
+        Self { kind, origin: Vector3::zeros(), axis: Vector3::z() }
+    }
+
+    /// One column of the geometric Jacobian: linear and angular velocity that unit speed of the joint gives a point (m, base
+    /// frame) of the tool.
+    fn velocity_of(&self, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        match self.kind {
+            JointKind::Revolute => (self.axis.cross(&(point - self.origin)), self.axis),
+            JointKind::Prismatic => (self.axis, Vector3::zeros()),
+        }
     }
 }
 

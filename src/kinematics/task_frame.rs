@@ -80,9 +80,10 @@ impl PlacedFrame<'_> {
 
     /// Overwrites `rows`, m × n, with the selected rows of J.
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut Matrix) {
-        for (mut row_entries, column) in rows.column_iter_mut().zip(self.configuration.jacobian().column_iter()) {
-            let twist = self.twist(&std::array::from_fn(|row| column[row]));
-            row_entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+        let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
+        for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
+            let twist = self.twist(column);
+            entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
         }
     }
 

@@ -29,7 +29,8 @@ pub struct Decomposition {
     rank: usize,
     reflections: Reflections,
     core: Core,
-    /// Of the core where the rank is below the number of rows: its own reflections.
+    /// Of the core where the rank is below the number of rows: its own reflections. They act on the rows in the order in
+    /// which they were taken, so that what is asked of rows of nothing is not mixed into the others.
     across: Option<Box<Reflections>>,
     singular: Option<Box<Singular>>,
     /// Room to work in.
@@ -84,7 +85,8 @@ impl Decomposition {
             self.decompose_singular(A, first, scale);
         } else if self.rank < self.rows {
             self.core = Core::Across;
-            self.across.get_or_insert_default().make(&self.reflections.R, 0, Order::Given);
+            self.room.columns_in_order(&self.reflections.R, &self.reflections.order);
+            self.across.get_or_insert_default().make(&self.room, 0, Order::Given);
         }
     }
 
@@ -135,8 +137,7 @@ impl Decomposition {
 
     /// Whether the leading triangle has an inverse shorter than `size`.
     fn inverse_below(&mut self, size: f64) -> bool {
-        self.room.reset(self.rank, self.rank);
-        (0..self.rank).for_each(|i| fill(&mut self.room[i], self.reflections.row_of_triangle(i)));
+        self.reflections.write_triangle(&mut self.room);
         triangle::invert(&mut self.room);
         self.room.norm() < size
     }
@@ -189,8 +190,7 @@ impl Decomposition {
         match (self.core, self.across.as_deref()) {
             (Core::Triangle, _) => self.reflections.solve_transposed(b),
             (Core::Across, Some(across)) => {
-                let mut c = b.clone();
-                across.turn(c.lanes_mut());
+                let c = self.to_core(b, across);
                 let mut x = TaskVector::zeros(self.columns);
                 x[self.reflections.first..][..self.rank].copy_from_slice(&across.solve(&c));
                 x
@@ -233,6 +233,20 @@ impl Decomposition {
         loss
     }
 
+    /// The coordinates of b, m, of which A reaches the first r.
+    fn to_core(&self, b: &TaskVector, across: &Reflections) -> TaskVector {
+        let mut c = TaskVector::zeros(self.rows);
+        c.iter_mut().zip(&self.reflections.order).for_each(|(entry, &row)| *entry = b[row]);
+        across.turn(c.lanes_mut());
+        c
+    }
+
+    /// Overwrites b, m, with what has these coordinates.
+    fn from_core(&self, mut c: TaskVector, across: &Reflections, b: &mut [f64]) {
+        across.turn_back(c.lanes_mut());
+        self.reflections.order.iter().zip(c.iter()).for_each(|(&row, entry)| b[row] = *entry);
+    }
+
     /// B ← B N with an orthonormal basis N of {x : A x = 0}, n × (n − rank).
     pub fn to_null_space(&self, B: &mut TaskMatrix) {
         self.rows_to_frame(B);
@@ -251,9 +265,9 @@ impl Decomposition {
         let mut left = b.clone();
         match (self.core, self.across.as_deref(), self.by_values()) {
             (Core::Across, Some(across), _) => {
-                across.turn(left.lanes_mut());
-                left[..self.rank].fill(0.0);
-                across.turn_back(left.lanes_mut());
+                let mut c = self.to_core(b, across);
+                c[..self.rank].fill(0.0);
+                self.from_core(c, across, &mut left);
             }
             (Core::Singular, _, Some(singular)) => {
                 for i in 0..self.rank {
@@ -272,8 +286,7 @@ impl Decomposition {
         for i in 0..self.rank {
             match (self.core, self.across.as_deref(), self.by_values()) {
                 (Core::Across, Some(across), _) => {
-                    basis[i][i] = 1.0;
-                    across.turn_back(basis.row_mut(i));
+                    self.from_core(TaskVector::unit(self.rows, i), across, &mut basis[i]);
                 }
                 (Core::Singular, _, Some(singular)) => basis.row_mut(i).copy_from_slice(singular.left(i)),
                 _ => basis[i][i] = 1.0,
@@ -282,30 +295,15 @@ impl Decomposition {
         basis
     }
 
-    /// Becomes a lower triangle with all singular values of [A; B]; whether there is one: where both see as many directions
-    /// as they have rows.
-    ///
-    /// `next` decomposes the rows of B in this frame, B V = `below` as [`Self::rows_to_frame`] gives them, from the first
-    /// open coordinate on.
-    pub(super) fn write_triangle(&self, below: &TaskMatrix, next: &Self, L: &mut TaskMatrix) -> bool {
-        let sees_all = |part: &Self| part.core == Core::Triangle && part.rank == part.rows;
-        if !(sees_all(self) && sees_all(next) && self.reflections.first == 0) {
-            return false;
+    /// Becomes the lower triangle whose rows are those of A in this frame, in the order in which they were taken; whether
+    /// that is what this decomposition has.
+    pub(super) fn write_triangle(&self, L: &mut TaskMatrix) -> bool {
+        let has = self.core == Core::Triangle;
+        if has {
+            self.reflections.write_triangle(L);
         }
-        let r = self.rank;
-        L.reset(r + next.rank, r + next.rank);
-        (0..r).for_each(|i| fill(&mut L[i], self.reflections.row_of_triangle(i)));
-        for (i, &row) in next.reflections.order.iter().enumerate() {
-            L[r + i][..r].copy_from_slice(&below[row][..r]);
-            fill(&mut L[r + i][r..], next.reflections.row_of_triangle(i));
-        }
-        true
+        has
     }
-}
-
-/// Overwrites the first few entries.
-fn fill(entries: &mut [f64], with: impl Iterator<Item = f64>) {
-    entries.iter_mut().zip(with).for_each(|(entry, with)| *entry = with);
 }
 
 fn cut(scale: f64) -> f64 {

@@ -3,7 +3,7 @@
 // What the callers know of the number of groups reaches loops by inlining alone.
 #![expect(clippy::inline_always)]
 
-use super::lanes::{Lanes, add_scaled, dot, groups, reflect_all, reflect_all_back, with_known};
+use super::lanes::{LANES, Lanes, add_scaled, dot, groups, reflect_all, reflect_all_back, with_known};
 use super::{TaskMatrix, TaskVector};
 
 /// Fraction of a row's squared norm below which what is left of it is computed anew rather than by subtraction.
@@ -164,8 +164,13 @@ impl Reflections {
         y
     }
 
-    /// Row i of the triangle: the coordinates of the row that was taken as the i-th.
-    pub fn row_of_triangle(&self, i: usize) -> impl Iterator<Item = f64> {
-        (0..=i).map(move |k| self.R[k][self.order[i]])
+    /// Overwrites `L` with the lower triangle whose row i has the coordinates of the row that was taken as the i-th.
+    pub fn write_triangle(&self, L: &mut TaskMatrix) {
+        L.reset(self.count(), self.count());
+        let (entries, width) = (self.R.lanes().as_flattened(), LANES * groups(self.R.ncols()));
+        for (i, &row) in self.order.iter().enumerate().take(self.count()) {
+            let column = entries.chunks_exact(width).map(|coordinates| coordinates[row]);
+            L[i][..=i].iter_mut().zip(column).for_each(|(to, from)| *to = from);
+        }
     }
 }

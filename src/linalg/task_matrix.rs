@@ -241,6 +241,15 @@ impl TaskMatrix {
         Self { rows: count, columns: self.columns, stride: self.stride, lanes }
     }
 
+    /// Becomes A with its columns in another order.
+    #[inline]
+    pub(super) fn columns_in_order(&mut self, A: &Self, order: &[usize]) {
+        self.reset(A.rows, A.columns);
+        for i in 0..A.rows {
+            self[i].iter_mut().zip(order).for_each(|(x, &column)| *x = A[i][column]);
+        }
+    }
+
     /// Keeps the columns from `first` on.
     #[inline]
     pub fn keep_columns_from(&mut self, first: usize) {

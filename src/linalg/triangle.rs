@@ -3,21 +3,28 @@
 // What the callers know of the number of groups reaches loops by inlining alone.
 #![expect(clippy::inline_always)]
 
-use super::lanes::{LANES, Lanes, add_rows, add_scaled, dot, groups, with_known};
+use super::lanes::{LANES, Lanes, add_scaled, dot, groups, with_known};
 use super::{TaskMatrix, TaskVector};
 
 /// L ← L⁻¹ of a lower triangle; without a meaning where a diagonal entry is zero.
 pub fn invert(L: &mut TaskMatrix) {
-    for i in 0..L.nrows() {
-        let mut row = TaskVector::zeros(L.ncols());
-        let (above, from_i) = L.split_rows_mut(i);
-        let of_L = &mut from_i[..groups(row.len())];
-        add_rows(row.lanes_mut(), &of_L.as_flattened()[..i], above);
-        let gain = -1.0 / of_L.as_flattened()[i];
-        of_L.fill([0.0; LANES]);
-        add_scaled(of_L, gain, row.lanes());
-        of_L.as_flattened_mut()[i] = -gain;
+    let n = L.nrows();
+    with_known!(groups(n), |groups| (0..n).for_each(|i| invert_row(L, i, groups)));
+}
+
+/// Row i of the inverse in place of that of L, after the rows above it.
+#[inline(always)]
+fn invert_row(L: &mut TaskMatrix, i: usize, groups: usize) {
+    let (above, of_L) = L.split_rows_mut(i);
+    let of_L = &mut of_L[..groups];
+    let gain = 1.0 / of_L.as_flattened()[i];
+    let mut row = TaskVector::zeros(LANES * groups);
+    let row = &mut row.lanes_mut()[..groups];
+    for (above, entry) in above.chunks_exact(groups).zip(of_L.as_flattened()) {
+        add_scaled(row, -gain * entry, above);
     }
+    of_L.copy_from_slice(row);
+    of_L.as_flattened_mut()[i] = gain;
 }
 
 /// ‖X‖₂ of a lower triangle, as the root of the largest eigenvalue of Xᵀ X: exact to rounding, for the squares lose digits
@@ -30,12 +37,19 @@ pub fn spectral_norm(X: &TaskMatrix, M: &mut TaskMatrix) -> f64 {
     }
     M.reset(n, n);
     let (mut diagonal, mut off_squared) = (TaskVector::zeros(n), TaskVector::zeros(n));
-    with_known!(groups(n), |groups| {
-        for (i, row) in X.lanes().chunks_exact(groups).enumerate() {
-            add_outer(M.rows_from_mut(0), row, &row.as_flattened()[..=i], size);
+    let M = M.rows_from_mut(0);
+    with_known!(groups(n), |width| {
+        for (i, row) in X.lanes().chunks_exact(width).enumerate() {
+            add_outer(M, row, &row.as_flattened()[..=i], size);
         }
-        reduce(M.rows_from_mut(0), groups, &mut diagonal, &mut off_squared);
+        for k in (1..n).rev() {
+            let (before, row) = M.split_at_mut(k * width);
+            diagonal[k] = row.as_flattened()[k];
+            // The entries before the diagonal.
+            with_known!(groups(k), |used| off_squared[k - 1] = reduce(before, width, &mut row[..used], k));
+        }
     });
+    diagonal[0] = M.as_flattened()[0];
     size * largest_eigenvalue(&diagonal, &off_squared).sqrt()
 }
 
@@ -48,41 +62,34 @@ fn add_outer(M: &mut [Lanes], x: &[Lanes], entries: &[f64], size: f64) {
     }
 }
 
-/// Diagonal and squared off-diagonal of the tridiagonal matrix that Householder reflections make of a symmetric one.
+/// A reflection of the first k rows and columns of a symmetric matrix, `M`, leaves of row k before the diagonal, which `v`
+/// begins with, the last entry alone; its square.
 #[inline(always)]
-fn reduce(M: &mut [Lanes], groups: usize, diagonal: &mut [f64], off_squared: &mut [f64]) {
-    let n = diagonal.len();
-    let (mut v, mut w) = (TaskVector::zeros(n), TaskVector::zeros(n));
-    let (v, w) = (&mut v.lanes_mut()[..groups], &mut w.lanes_mut()[..groups]);
-    for k in 0..n - 1 {
-        let (above, below) = M.split_at_mut((k + 1) * groups);
-        // Row k beyond the diagonal; what is before it was taken off already.
-        v.copy_from_slice(&above[k * groups..]);
-        diagonal[k] = v.as_flattened()[k];
-        v.as_flattened_mut()[..=k].fill(0.0);
-        let square = dot(v, v);
-        off_squared[k] = square;
-        if square == 0.0 {
-            continue;
-        }
-        let length = square.sqrt();
-        let head = v.as_flattened()[k + 1];
-        v.as_flattened_mut()[k + 1] += length.copysign(head);
-        let gain = 1.0 / (length * (length + head.abs()));
-        // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ on the rows and columns beyond k.
-        w.fill([0.0; LANES]);
-        for (row, w) in below.chunks_exact(groups).zip(&mut w.as_flattened_mut()[k + 1..]) {
-            *w = gain * dot(row, v);
-        }
-        let half = 0.5 * gain * dot(w, v);
-        add_scaled(w, -half, v);
-        let entries = v.as_flattened()[k + 1..].iter().zip(&w.as_flattened()[k + 1..]);
-        for (row, (v_i, w_i)) in below.chunks_exact_mut(groups).zip(entries) {
-            add_scaled(row, -v_i, w);
-            add_scaled(row, -w_i, v);
-        }
+fn reduce(M: &mut [Lanes], groups: usize, v: &mut [Lanes], k: usize) -> f64 {
+    v.as_flattened_mut()[k..].fill(0.0);
+    let square = dot(v, v);
+    if square == 0.0 || k == 1 {
+        return square;
     }
-    diagonal[n - 1] = M.as_flattened()[(n - 1) * (LANES * groups + 1)];
+    let length = square.sqrt();
+    let head = v.as_flattened()[k - 1];
+    v.as_flattened_mut()[k - 1] += length.copysign(head);
+    let gain = 1.0 / (length * (length + head.abs()));
+    // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
+    let mut w = TaskVector::zeros(LANES * v.len());
+    let w = &mut w.lanes_mut()[..v.len()];
+    for (row, w) in M.chunks_exact(groups).zip(w.as_flattened_mut()) {
+        *w = gain * dot(&row[..v.len()], v);
+    }
+    let half = 0.5 * gain * dot(w, v);
+    add_scaled(w, -half, v);
+    let entries = v.as_flattened().iter().zip(w.as_flattened());
+    for (row, (v_i, w_i)) in M.chunks_exact_mut(groups).zip(entries) {
+        let row = &mut row[..v.len()];
+        add_scaled(row, -v_i, w);
+        add_scaled(row, -w_i, v);
+    }
+    square
 }
 
 /// Newton steps that a largest eigenvalue may take; Laguerre's take some four.

@@ -36,10 +36,10 @@ pub struct Stage {
     pub J_low_V: TaskMatrix,
     /// Decomposition of J_{k+1}^RP N, in that frame.
     pub spare: Decomposition,
-    /// Of J_k^RP = [J_k; J_{k+1}^RP], at the top and where something may be singular.
-    conditioning: Conditioning,
-    /// ρ(J_k^RP).
-    rank: usize,
+    /// ρ(J_k).
+    pub rank: usize,
+    /// ρ(J_k^RP) of J_k^RP = [J_k; J_{k+1}^RP].
+    rank_below: usize,
     /// μ_k, damping of the kinematic singularity of J_k.
     pub mu: f64,
     /// λ_k, damping of the conflict of task k with the lower ones.
@@ -49,18 +49,28 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Becomes the stage of `task` above `below`, undamped.
+    /// Becomes the stage of `task` above `below`, regular until it is examined.
     fn take(&mut self, task: &Task, below: Option<&Self>) {
         self.J_k.copy_from_matrix(&task.jacobian);
         self.xdot_k.clone_from(&TaskVector::from(&task.velocity));
         self.scaled = task.scaled;
         self.norm = self.J_k.norm();
+        self.J_low.reset(0, self.J_k.ncols());
+        self.norm_low = 0.0;
+        if let Some(below) = below {
+            self.J_low.copy_from(&below.J_k);
+            self.J_low.push_rows(&below.J_low);
+            self.norm_low = below.norm.hypot(below.norm_low);
+        }
+        self.rank = self.J_k.nrows();
+        (self.mu, self.lambda, self.algorithmic) = (0.0, 0.0, false);
+    }
+
+    /// Decomposes J_k, and finds out whether it is singular.
+    fn decompose(&mut self, damping: Option<Damping>) {
         self.own.decompose(&self.J_k, 0, self.norm);
-        let Some(below) = below else { return self.spare_nothing() };
-        self.J_low.copy_from(&below.J_k);
-        self.J_low.push_rows(&below.J_low);
-        self.norm_low = below.norm.hypot(below.norm_low);
-        self.spare_low();
+        self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
+        self.rank = self.own.rank();
     }
 
     /// Decomposes what J_k leaves of the lower rows.
@@ -78,33 +88,16 @@ impl Stage {
         self.spare_low();
     }
 
-    fn condition(&mut self, damping: Option<Damping>) {
-        let norm = self.norm.hypot(self.norm_low);
-        self.conditioning.update([&self.J_k, &self.J_low], norm, &self.own, (&self.J_low_V, &self.spare), damping);
-    }
-
-    /// Nothing is singular: all rows are independent and nothing is damped.
-    fn be_regular(&mut self) {
-        self.rank = self.J_k.nrows() + self.J_low.nrows();
-        (self.mu, self.lambda, self.algorithmic) = (0.0, 0.0, false);
-    }
-
-    /// Finds out what is singular here, above `below`, and damps it.
-    fn examine(&mut self, below: Option<&Self>, damping: Option<Damping>) {
-        self.mu = damp(&mut self.own, &self.J_k, self.norm, damping);
-        let Some(below) = below else {
-            // What holds of J_k holds of J_k^RP.
-            (self.rank, self.lambda, self.algorithmic) = (self.own.rank(), self.mu, false);
-            return self.spare_low();
-        };
+    /// Finds out what is singular here, above `below`, and damps it; `all`: of J_k^RP.
+    fn examine(&mut self, all: &Conditioning, below: Option<&Self>, damping: Option<Damping>) {
+        self.decompose(damping);
+        self.rank_below = all.decomposition().rank();
+        self.lambda = all.damping_factor(damping);
         self.spare_low();
-        self.condition(damping);
-        self.rank = self.conditioning.rank();
-        self.lambda = self.conditioning.damping_factor(damping);
-        if self.lambda > 0.0 {
+        if self.lambda > 0.0 && below.is_some() {
             self.spare.decompose_singular(&self.J_low_V, self.own.rank(), self.norm_low);
         }
-        self.algorithmic = self.own.rank() + below.rank > self.rank;
+        self.algorithmic = below.is_some_and(|below| self.rank + below.rank_below > self.rank_below);
     }
 }
 
@@ -115,23 +108,46 @@ pub fn damp(decomposition: &mut Decomposition, J: &TaskMatrix, scale: f64, dampi
     damping.factor(decomposition.smallest())
 }
 
-/// All J_k, highest priority on top, Σm_k × n, which `J` becomes, and all ẋ_k, in the same order.
-pub fn stacked(stages: &[Stage], J: &mut TaskMatrix) -> TaskVector {
-    J.reset(0, stages[0].J_k.ncols());
-    for stage in stages {
-        J.push_rows(&stage.J_k);
-    }
-    stages.iter().fold(TaskVector::zeros(0), |above, stage| above.concatenated(&stage.xdot_k))
+/// Rows of one task after the other, highest priority on top.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    /// J, Σm_k × n.
+    pub J: TaskMatrix,
+    /// ‖J‖.
+    pub norm: f64,
+    /// ẋ, Σm_k.
+    pub xdot: TaskVector,
 }
 
-/// All stages, index 0 = highest priority.
+impl Rows {
+    /// Becomes those of these stages.
+    pub fn stack(&mut self, stages: &[Stage]) {
+        self.J.copy_from(&stages[0].J_k);
+        self.xdot = stages[0].xdot_k.clone();
+        for stage in &stages[1..] {
+            self.J.push_rows(&stage.J_k);
+            self.xdot = self.xdot.concatenated(&stage.xdot_k);
+        }
+        self.norm = self.J.norm();
+    }
+}
+
+/// All stages.
 #[derive(Debug, Clone, Default)]
 pub struct Hierarchy {
+    /// Index 0 = highest priority. They are decomposed where not all rows are independent.
     pub stages: Vec<Stage>,
+    /// The rows of all stages.
+    pub all: Rows,
+    /// Of these.
+    pub conditioning: Conditioning,
+    /// Whether all tasks can be met at once: all rows are independent and nothing is damped. Then no task gives way, and
+    /// every hierarchy ends at the same vector.
+    pub is_compatible: bool,
 }
 
 impl Hierarchy {
-    /// Decomposes every J_k and J_k^RP.
+    /// Finds out what gives way, if anything, and decomposes every J_k and J_k^RP if so.
     ///
     /// Where all rows together are far from a singularity, so are those of each stage: taking rows away makes no singular
     /// value smaller than the smallest.
@@ -142,22 +158,39 @@ impl Hierarchy {
             let (upper, lower) = self.stages.split_at_mut(k + 1);
             upper[k].take(task, lower.first());
         }
-        let top = &mut self.stages[0];
-        top.condition(damping);
-        if top.conditioning.is_regular() {
-            return self.stages.iter_mut().for_each(Stage::be_regular);
-        }
-        for k in (0..tasks.len()).rev() {
-            let (upper, lower) = self.stages.split_at_mut(k + 1);
-            upper[k].examine(lower.first(), damping);
+        self.condition(0, damping);
+        self.is_compatible = self.conditioning.is_regular();
+        if !self.is_compatible {
+            self.examine(damping);
         }
     }
 
-    /// Leaves the same stages with nothing below them to spare: reverse priority on these is Eq. (13).
-    pub fn spare_nothing(&mut self) {
+    /// The rows from stage k on become `all`.
+    fn condition(&mut self, k: usize, damping: Option<Damping>) {
+        let Self { stages, all, conditioning, .. } = self;
+        all.stack(&stages[k..]);
+        conditioning.update(&all.J, all.norm, damping);
+    }
+
+    /// Decomposes every stage, from the lowest to the highest.
+    fn examine(&mut self, damping: Option<Damping>) {
+        for k in (0..self.stages.len()).rev() {
+            self.condition(k, damping);
+            let (upper, lower) = self.stages.split_at_mut(k + 1);
+            upper[k].examine(&self.conditioning, lower.first(), damping);
+        }
+    }
+
+    /// Leaves the same stages with nothing below them to spare, so that lower tasks disturb higher ones: reverse priority on
+    /// these is Eq. (13).
+    pub fn spare_nothing(&mut self, damping: Option<Damping>) {
         for stage in &mut self.stages {
+            if self.is_compatible {
+                stage.decompose(damping);
+            }
             stage.spare_nothing();
         }
+        self.is_compatible = false;
     }
 
     /// The highest stage, which contains all rows.
@@ -168,7 +201,40 @@ impl Hierarchy {
     /// How near the tasks are to singularities.
     pub fn singularity(&mut self) -> Singularity {
         let algorithmic = self.stages.iter().any(|stage| stage.algorithmic);
-        let all = &mut self.stages[0].conditioning;
+        let all = &mut self.conditioning;
         Singularity { smallest_singular_value: all.smallest(), manipulability: all.manipulability(), algorithmic }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::linalg::{Matrix, Vector};
+    use crate::resolution::closed_form::{Descent, least_squares, reverse_priority};
+
+    proptest! {
+        #[test]
+        fn where_nothing_gives_way_every_hierarchy_ends_at_the_pseudo_inverse(
+            entries in prop::collection::vec(-1.0..1.0_f64, 6 * 7 + 6 + 7),
+        ) {
+            let mut entries = entries.into_iter();
+            let mut vector = |m: usize| Vector::from_iterator(m, entries.by_ref().take(m));
+            let zeta = TaskVector::from(&vector(7));
+            let mut any = |m: usize| Task::new("", Matrix::from_column_slice(m, 7, vector(m * 7).as_slice()), vector(m));
+            let tasks = TaskStack::new(vec![any(1), any(3), any(2)]).unwrap();
+            let mut hierarchy = Hierarchy::default();
+            hierarchy.update(&tasks, Some(Damping::STANDARD));
+            prop_assume!(hierarchy.is_compatible);
+            let expected = least_squares(&hierarchy.all, hierarchy.conditioning.decomposition(), &zeta, 0.0);
+            hierarchy.examine(Some(Damping::STANDARD));
+            let recursion = reverse_priority(&hierarchy.stages, zeta.clone());
+            let strict = Descent::default().strict_reverse_priority(&hierarchy.stages, None, &zeta);
+            for found in [recursion, strict] {
+                let error = (&found.joint_velocity - &expected.joint_velocity).norm();
+                prop_assert!(error <= 1e-12 * expected.joint_velocity.norm(), "{error:e}");
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
 #![allow(non_snake_case)]
 
-use super::closed_form::{self, ClosedForm, Descent, Stack};
+use super::closed_form::{ClosedForm, Descent, least_squares, reverse_priority};
 use super::hierarchy::{Hierarchy, Singularity, Stage};
 use super::problem::{Method, Problem, ProblemError, Solver};
 use super::qp_cascade::{ActiveSet, Cascade, CascadeSolver, Guesses, Side};
@@ -158,15 +158,8 @@ pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, Pro
 #[derive(Default)]
 pub struct Resolver {
     hierarchy: Hierarchy,
-    formulas: Formulas,
-    cascade: CascadeSolver,
-}
-
-/// What closed forms work with.
-#[derive(Default)]
-struct Formulas {
-    stack: Stack,
     descent: Descent,
+    cascade: CascadeSolver,
 }
 
 impl Resolver {
@@ -181,7 +174,7 @@ impl Resolver {
         self.hierarchy.update(&problem.tasks, problem.damping);
         answer.singularity = self.hierarchy.singularity();
         if problem.method == Method::SingularityRobust {
-            self.hierarchy.spare_nothing();
+            self.hierarchy.spare_nothing(problem.damping);
         }
         let cascade = self.solve(problem, guess);
         if cascade.joint_velocity.iter().all(|v| v.is_finite()) {
@@ -194,12 +187,12 @@ impl Resolver {
     }
 
     fn solve(&mut self, problem: &Problem, guess: &[ActiveSet]) -> Cascade {
-        let Self { hierarchy, formulas, cascade } = self;
+        let Self { hierarchy, descent, cascade } = self;
         match problem.solver {
-            Solver::ClosedForm => Cascade::from(formulas.solve(problem, hierarchy)),
+            Solver::ClosedForm => Cascade::from(closed_form(problem, hierarchy, descent)),
             Solver::Qp => cascade.solve(problem, hierarchy, Guesses::NONE),
             Solver::Auto => {
-                let unlimited = formulas.solve(problem, hierarchy);
+                let unlimited = closed_form(problem, hierarchy, descent);
                 if problem.allows(&unlimited.joint_velocity) {
                     Cascade::from(unlimited)
                 } else {
@@ -210,16 +203,17 @@ impl Resolver {
     }
 }
 
-impl Formulas {
-    fn solve(&mut self, problem: &Problem, hierarchy: &Hierarchy) -> ClosedForm {
-        let (stages, zeta) = (&hierarchy.stages, problem.start());
-        match problem.method {
-            Method::Pseudoinverse => self.stack.least_squares(stages, &zeta, 0.0),
-            Method::DampedLeastSquares => self.stack.least_squares(stages, &zeta, hierarchy.top().lambda),
-            Method::ReversePriority | Method::SingularityRobust => closed_form::reverse_priority(stages, zeta),
-            Method::StrictReversePriority | Method::TaskPriority => {
-                self.descent.strict_reverse_priority(stages, problem.damping, &zeta)
-            }
+/// The answer without limits.
+fn closed_form(problem: &Problem, hierarchy: &Hierarchy, descent: &mut Descent) -> ClosedForm {
+    let (stages, zeta) = (&hierarchy.stages, problem.start());
+    let all = |lambda| least_squares(&hierarchy.all, hierarchy.conditioning.decomposition(), &zeta, lambda);
+    match problem.method {
+        Method::Pseudoinverse => all(0.0),
+        Method::DampedLeastSquares => all(hierarchy.top().lambda),
+        _ if hierarchy.is_compatible => all(0.0),
+        Method::ReversePriority | Method::SingularityRobust => reverse_priority(stages, zeta),
+        Method::StrictReversePriority | Method::TaskPriority => {
+            descent.strict_reverse_priority(stages, problem.damping, &zeta)
         }
     }
 }
@@ -269,7 +263,7 @@ impl TaskOutcome {
     fn report(&mut self, stage: &Stage, qdot: &TaskVector) {
         let achieved = &stage.J_k * qdot;
         self.residual_norm = (&achieved - &stage.xdot_k).norm();
-        self.rank = stage.own.rank();
+        self.rank = stage.rank;
         self.algorithmic = stage.algorithmic;
         assign(&mut self.achieved, &achieved);
     }

@@ -90,7 +90,8 @@ impl TaskStack {
         let mut sound = Ok(());
         for (task, Task { jacobian, velocity, .. }) in self.tasks.iter_mut().enumerate() {
             write(task, jacobian, velocity);
-            if sound.is_ok() && !jacobian.iter().chain(velocity.iter()).all(|entry| entry.is_finite()) {
+            let finite = |entries: &[f64]| entries.iter().all(|entry| entry.is_finite());
+            if sound.is_ok() && !(finite(jacobian.as_slice()) && finite(velocity.as_slice())) {
                 sound = Err(TaskError::NotFinite { task });
             }
         }

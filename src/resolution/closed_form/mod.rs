@@ -4,7 +4,7 @@ mod least_squares;
 mod reverse_priority;
 mod strict;
 
-pub use least_squares::Stack;
+pub use least_squares::least_squares;
 pub use reverse_priority::reverse_priority;
 pub use strict::Descent;
 

@@ -13,6 +13,9 @@
 //!
 //! That is the same vector without the product J_k T_k, in which small rows appear squared: rank decisions stay right
 //! for rows of very different size. A test holds it to the printed form.
+//!
+//! Where all rows are independent and nothing is damped, every T_k changes no lower task, so that all tasks are met by the
+//! vector nearest to ζ̇: [`super::least_squares`], which takes one decomposition, is asked there.
 #![allow(non_snake_case)]
 
 use super::ClosedForm;

@@ -26,11 +26,11 @@ use level::{Level, LevelSolution, LevelSolver};
 use objectives::{Objective, Objectives};
 use scaling::{ScaledTask, Scaling};
 
-use super::closed_form::{self, ClosedForm, Descent};
-use super::hierarchy::Hierarchy;
+use super::closed_form::{ClosedForm, Descent, least_squares, reverse_priority};
+use super::hierarchy::{Hierarchy, Rows, Stage};
 use super::problem::{Method, Problem};
 use super::resolve::Path;
-use crate::linalg::TaskVector;
+use crate::linalg::{Decomposition, TaskVector};
 
 /// What the cascade, or a closed form in its place, found.
 pub struct Cascade {
@@ -100,6 +100,9 @@ type Guess<'a> = Option<&'a [(usize, Side)]>;
 pub struct CascadeSolver {
     objectives: Objectives,
     descent: Descent,
+    /// Of the stages below the highest one.
+    rows: Rows,
+    decomposition: Decomposition,
     set: FeasibleSet,
     level: Level,
     solver: LevelSolver,
@@ -117,8 +120,8 @@ impl CascadeSolver {
             Method::StrictReversePriority | Method::TaskPriority => {
                 self.objectives.become_strict(stages, problem.damping, &zeta, &mut self.descent);
             }
-            Method::Pseudoinverse => self.objectives.become_stack(stages, 0.0, &zeta),
-            Method::DampedLeastSquares => self.objectives.become_stack(stages, hierarchy.top().lambda, &zeta),
+            Method::Pseudoinverse => self.objectives.become_stack(hierarchy, 0.0, &zeta),
+            Method::DampedLeastSquares => self.objectives.become_stack(hierarchy, hierarchy.top().lambda, &zeta),
         }
         self.limit(problem);
         self.descend(guesses)
@@ -128,8 +131,8 @@ impl CascadeSolver {
     fn reverse_priority(&mut self, problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Cascade {
         let (top, lower) = (hierarchy.top(), &hierarchy.stages[1..]);
         let mut before = Cascade::from(ClosedForm { joint_velocity: problem.start(), kkt_residual: 0.0 });
-        if guesses.allowed() {
-            before = Cascade::from(closed_form::reverse_priority(lower, before.joint_velocity));
+        if guesses.allowed() && !lower.is_empty() {
+            before = Cascade::from(self.below(lower, hierarchy.is_compatible, before.joint_velocity));
         } else {
             for stage in lower.iter().rev() {
                 self.objectives.become_stage(stage, &before.joint_velocity);
@@ -140,6 +143,17 @@ impl CascadeSolver {
         self.objectives.become_stage(top, &before.joint_velocity);
         self.limit(problem);
         self.descend(guesses).after(&before)
+    }
+
+    /// The stages below the highest one in closed form.
+    fn below(&mut self, lower: &[Stage], is_compatible: bool, zeta: TaskVector) -> ClosedForm {
+        if !is_compatible {
+            return reverse_priority(lower, zeta);
+        }
+        let Self { rows, decomposition, .. } = self;
+        rows.stack(lower);
+        decomposition.decompose(&rows.J, 0, rows.norm);
+        least_squares(rows, decomposition, &zeta, 0.0)
     }
 
     fn limit(&mut self, problem: &Problem) {

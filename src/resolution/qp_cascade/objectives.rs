@@ -3,10 +3,10 @@
 
 use std::ops::Deref;
 
-use crate::linalg::{Damping, Decomposition, TaskMatrix, TaskVector};
+use crate::linalg::{Damping, TaskMatrix, TaskVector};
 use crate::resolution::certificate::relative;
 use crate::resolution::closed_form::Descent;
-use crate::resolution::hierarchy::{Stage, stacked};
+use crate::resolution::hierarchy::{Hierarchy, Stage};
 
 /// One level: minimise ‖A q̇ − b‖², then keep the first `kept` entries of A q̇.
 #[derive(Default)]
@@ -108,16 +108,16 @@ impl Objectives {
     ///
     /// A stack of which a task is to be scaled is scaled as a whole: it has one velocity. Damping then forms that velocity
     /// first, J (ζ̇ + J^# (ẋ − J ζ̇)).
-    pub fn become_stack(&mut self, stages: &[Stage], factor: f64, zeta: &TaskVector) {
+    pub fn become_stack(&mut self, hierarchy: &Hierarchy, factor: f64, zeta: &TaskVector) {
         self.count = 0;
+        let Hierarchy { stages, all, conditioning, .. } = hierarchy;
         let reach = self.add();
-        let xdot = stacked(stages, &mut reach.A);
         if stages.iter().any(|stage| stage.scaled) {
-            let J = &reach.A;
-            let given_up = Decomposition::singular(J, J.norm()).damping_loss(&(&xdot - &(J * zeta)), factor);
-            reach.aim(&xdot - &given_up, true);
+            let error = &all.xdot - &(&all.J * zeta);
+            let given_up = conditioning.decomposition().damping_loss(&error, factor);
+            reach.reach(&all.J, &all.xdot - &given_up, true);
         } else {
-            reach.aim(xdot, false);
+            reach.reach(&all.J, all.xdot.clone(), false);
             reach.damp(factor, zeta);
         }
         self.add().stay_near(zeta);
@@ -133,8 +133,11 @@ impl Objectives {
     pub fn become_stage(&mut self, stage: &Stage, qdot_low: &TaskVector) {
         let Stage { J_k, xdot_k, scaled, J_low, own, mu, lambda, .. } = stage;
         self.count = 0;
-        let given_up = own.damping_loss(&(xdot_k - &(J_k * qdot_low)), *mu);
-        self.add().reach(J_k, xdot_k - &given_up, *scaled);
+        let mut xdot = xdot_k.clone();
+        if *mu > 0.0 {
+            xdot -= &own.damping_loss(&(xdot_k - &(J_k * qdot_low)), *mu);
+        }
+        self.add().reach(J_k, xdot, *scaled);
         if J_low.nrows() > 0 {
             let spare = self.add();
             spare.reach(J_low, J_low * qdot_low, false);
