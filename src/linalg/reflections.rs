@@ -6,9 +6,6 @@
 use super::lanes::{LANES, Lanes, add_scaled, dot, groups, reflect_all, reflect_all_back, with_known};
 use super::{TaskMatrix, TaskVector};
 
-/// Fraction of a row's squared norm below which what is left of it is computed anew rather than by subtraction.
-const CANCELLED: f64 = 1e-3;
-
 /// A = Rᵀ Qᵀ: each row of A as a combination of the first few columns of Q.
 ///
 /// Q = H_1 H_2 … with H_k = I − v_k v_kᵀ g_k, acting on the coordinates from `first` on. Column i of R has the
@@ -25,8 +22,8 @@ pub struct Reflections {
     rest: TaskMatrix,
     /// g_k.
     gains: Vec<f64>,
-    /// Squared norms of what is left of the rows, and as they were when last computed from entries.
-    squares: Vec<[f64; 2]>,
+    /// Squared norms of what is left of the rows.
+    squares: Vec<f64>,
     /// √Σ of the squares that the reflections leave of the rows.
     pub left_over: f64,
 }
@@ -48,26 +45,24 @@ impl Reflections {
         self.order.clear();
         self.order.extend(0..m);
         self.gains.clear();
+        self.squares.clear();
         self.rest.copy_from(A);
         (0..m).filter(|_| first > 0).for_each(|i| self.rest[i][..first].fill(0.0));
         self.R.reset(m.min(n - first), m);
         with_known!(groups(n), |groups| self.take(m.min(n - first), groups, order));
-        let left = (self.count()..m).map(|i| dot(self.rest.row(i), self.rest.row(i)));
-        self.left_over = left.sum::<f64>().sqrt();
+        self.left_over = self.squares[self.count()..].iter().sum::<f64>().sqrt();
         self.R.truncate(self.count());
     }
 
     /// Takes at most so many rows, `groups` groups each.
     #[inline(always)]
     fn take(&mut self, most: usize, groups: usize, order: Order) {
-        self.squares.clear();
-        self.squares.extend(self.rest.lanes().chunks_exact(groups).map(|row| [dot(row, row); 2]));
+        self.squares.extend(self.rest.lanes().chunks_exact(groups).map(|row| dot(row, row)));
         for k in 0..most {
             if let Order::LongestAbove(_) = order {
                 self.bring_longest(k);
             }
-            let row = &self.rest.lanes()[k * groups..][..groups];
-            let length = dot(row, row).sqrt();
+            let length = self.squares[k].sqrt();
             if matches!(order, Order::LongestAbove(limit) if !(length > limit)) {
                 break;
             }
@@ -83,10 +78,10 @@ impl Reflections {
     /// Swaps the longest of the rows from place k on to place k.
     #[inline(always)]
     fn bring_longest(&mut self, k: usize) {
-        let (mut longest, mut most) = (k, self.squares[k][0]);
-        for (place, square) in self.squares.iter().enumerate().skip(k + 1) {
-            if square[0] > most {
-                (longest, most) = (place, square[0]);
+        let (mut longest, mut most) = (k, self.squares[k]);
+        for (place, &square) in self.squares.iter().enumerate().skip(k + 1) {
+            if square > most {
+                (longest, most) = (place, square);
             }
         }
         if longest != k {
@@ -111,15 +106,10 @@ impl Reflections {
         self.gains.push(gain);
         coordinates[self.order[k]] = alpha;
         let places = self.order[k + 1..].iter().zip(&mut self.squares[k + 1..]);
-        for (x, (&row, [left, reference])) in rest.chunks_exact_mut(groups).zip(places) {
+        for (x, (&row, square)) in rest.chunks_exact_mut(groups).zip(places) {
             add_scaled(x, -gain * dot(v, x), v);
-            let coordinate = std::mem::take(&mut x.as_flattened_mut()[place]);
-            coordinates[row] = coordinate;
-            *left -= coordinate * coordinate;
-            if *left < CANCELLED * *reference {
-                *left = dot(x, x);
-                *reference = *left;
-            }
+            coordinates[row] = std::mem::take(&mut x.as_flattened_mut()[place]);
+            *square = dot(x, x);
         }
     }
 
