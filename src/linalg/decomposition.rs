@@ -190,7 +190,7 @@ impl Decomposition {
         match (self.core, self.across.as_deref()) {
             (Core::Triangle, _) => self.reflections.solve_transposed(b),
             (Core::Across, Some(across)) => {
-                let c = self.to_core(b, across);
+                let c = self.enter_core(b, across);
                 let mut x = TaskVector::zeros(self.columns);
                 x[self.reflections.first..][..self.rank].copy_from_slice(&across.solve(&c));
                 x
@@ -234,7 +234,7 @@ impl Decomposition {
     }
 
     /// The coordinates of b, m, of which A reaches the first r.
-    fn to_core(&self, b: &TaskVector, across: &Reflections) -> TaskVector {
+    fn enter_core(&self, b: &TaskVector, across: &Reflections) -> TaskVector {
         let mut c = TaskVector::zeros(self.rows);
         c.iter_mut().zip(&self.reflections.order).for_each(|(entry, &row)| *entry = b[row]);
         across.turn(c.lanes_mut());
@@ -242,7 +242,7 @@ impl Decomposition {
     }
 
     /// Overwrites b, m, with what has these coordinates.
-    fn from_core(&self, mut c: TaskVector, across: &Reflections, b: &mut [f64]) {
+    fn leave_core(&self, mut c: TaskVector, across: &Reflections, b: &mut [f64]) {
         across.turn_back(c.lanes_mut());
         self.reflections.order.iter().zip(c.iter()).for_each(|(&row, entry)| b[row] = *entry);
     }
@@ -265,9 +265,9 @@ impl Decomposition {
         let mut left = b.clone();
         match (self.core, self.across.as_deref(), self.by_values()) {
             (Core::Across, Some(across), _) => {
-                let mut c = self.to_core(b, across);
+                let mut c = self.enter_core(b, across);
                 c[..self.rank].fill(0.0);
-                self.from_core(c, across, &mut left);
+                self.leave_core(c, across, &mut left);
             }
             (Core::Singular, _, Some(singular)) => {
                 for i in 0..self.rank {
@@ -286,7 +286,7 @@ impl Decomposition {
         for i in 0..self.rank {
             match (self.core, self.across.as_deref(), self.by_values()) {
                 (Core::Across, Some(across), _) => {
-                    self.from_core(TaskVector::unit(self.rows, i), across, &mut basis[i]);
+                    self.leave_core(TaskVector::unit(self.rows, i), across, &mut basis[i]);
                 }
                 (Core::Singular, _, Some(singular)) => basis.row_mut(i).copy_from_slice(singular.left(i)),
                 _ => basis[i][i] = 1.0,
