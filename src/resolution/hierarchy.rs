@@ -135,7 +135,7 @@ impl Rows {
 /// All stages.
 #[derive(Debug, Clone, Default)]
 pub struct Hierarchy {
-    /// Index 0 = highest priority. They are decomposed where not all rows are independent.
+    /// Index 0 = highest priority. They are decomposed unless all tasks can be met at once.
     pub stages: Vec<Stage>,
     /// The rows of all stages.
     pub all: Rows,
@@ -144,6 +144,8 @@ pub struct Hierarchy {
     /// Whether all tasks can be met at once: all rows are independent and nothing is damped. Then no task gives way, and
     /// every hierarchy ends at the same vector.
     pub is_compatible: bool,
+    /// The rows from a lower stage on, and their conditioning: room to work in.
+    lower: (Rows, Conditioning),
 }
 
 impl Hierarchy {
@@ -158,26 +160,27 @@ impl Hierarchy {
             let (upper, lower) = self.stages.split_at_mut(k + 1);
             upper[k].take(task, lower.first());
         }
-        self.condition(0, damping);
+        self.all.stack(&self.stages);
+        self.conditioning.update(&self.all.J, self.all.norm, damping);
         self.is_compatible = self.conditioning.is_regular();
         if !self.is_compatible {
             self.examine(damping);
         }
     }
 
-    /// The rows from stage k on become `all`.
-    fn condition(&mut self, k: usize, damping: Option<Damping>) {
-        let Self { stages, all, conditioning, .. } = self;
-        all.stack(&stages[k..]);
-        conditioning.update(&all.J, all.norm, damping);
-    }
-
     /// Decomposes every stage, from the lowest to the highest.
     fn examine(&mut self, damping: Option<Damping>) {
+        let (rows, lower) = &mut self.lower;
         for k in (0..self.stages.len()).rev() {
-            self.condition(k, damping);
-            let (upper, lower) = self.stages.split_at_mut(k + 1);
-            upper[k].examine(&self.conditioning, lower.first(), damping);
+            let all = if k == 0 {
+                &self.conditioning
+            } else {
+                rows.stack(&self.stages[k..]);
+                lower.update(&rows.J, rows.norm, damping);
+                &*lower
+            };
+            let (upper, below) = self.stages.split_at_mut(k + 1);
+            upper[k].examine(all, below.first(), damping);
         }
     }
 
