@@ -152,3 +152,22 @@ fn singular_values_of_thirty_joints_converge() {
     let p = pseudo_inverse(&decomposition, 64);
     assert!((p * rows.to_matrix() - Matrix::identity(30, 30)).amax() < 1e-11);
 }
+
+#[test]
+fn what_is_asked_of_rows_of_nothing_reaches_no_other_row() {
+    // Dependent rows, a row of zeros among them, and a small singular value to divide rounding by.
+    let rows = [
+        [1.0, 1.0, 0.0, 1.0, 2.0, 2.0, 2.0],
+        [2.0, 2.0, 0.0, 2.0, 4.0, 4.0, 4.0],
+        [0.0; 7],
+        [0.0, 1.0, 0.0, 0.0, 1.0, -2.0, -2.0],
+        [0.0, 1.0, 0.0, 0.0, 1.0, -2.0, -2.0],
+        [1.002, 0.999, 0.0, 1.0, 1.999, 2.001, 2.001],
+    ];
+    let a = TaskMatrix::from_fn(6, 7, |i, j| rows[i][j]);
+    let asked = &TaskVector::unit(6, 2) * 2.0;
+    for decomposition in both_ways(&a) {
+        assert_eq!(decomposition.solve(&asked).amax(), 0.0);
+        assert_eq!(*decomposition.unreachable(&asked), *asked);
+    }
+}

@@ -39,7 +39,7 @@ pub struct Stage {
     /// ρ(J_k).
     pub rank: usize,
     /// ρ(J_k^RP) of J_k^RP = [J_k; J_{k+1}^RP].
-    rank_below: usize,
+    rank_all: usize,
     /// μ_k, damping of the kinematic singularity of J_k.
     pub mu: f64,
     /// λ_k, damping of the conflict of task k with the lower ones.
@@ -91,13 +91,13 @@ impl Stage {
     /// Finds out what is singular here, above `below`, and damps it; `all`: of J_k^RP.
     fn examine(&mut self, all: &Conditioning, below: Option<&Self>, damping: Option<Damping>) {
         self.decompose(damping);
-        self.rank_below = all.decomposition().rank();
+        self.rank_all = all.decomposition().rank();
         self.lambda = all.damping_factor(damping);
         self.spare_low();
         if self.lambda > 0.0 && below.is_some() {
             self.spare.decompose_singular(&self.J_low_V, self.own.rank(), self.norm_low);
         }
-        self.algorithmic = below.is_some_and(|below| self.rank + below.rank_below > self.rank_below);
+        self.algorithmic = below.is_some_and(|below| self.rank + below.rank_all > self.rank_all);
     }
 }
 
@@ -115,7 +115,7 @@ pub struct Rows {
     pub J: TaskMatrix,
     /// ‖J‖.
     pub norm: f64,
-    /// ẋ, Σm_k.
+    /// ẋ, Σm_k, m/s and rad/s.
     pub xdot: TaskVector,
 }
 
@@ -135,14 +135,14 @@ impl Rows {
 /// All stages.
 #[derive(Debug, Clone, Default)]
 pub struct Hierarchy {
-    /// Index 0 = highest priority. They are decomposed unless all tasks can be met at once.
+    /// Index 0 = highest priority. They are decomposed unless `is_compatible`.
     pub stages: Vec<Stage>,
     /// The rows of all stages.
     pub all: Rows,
     /// Of these.
     pub conditioning: Conditioning,
-    /// Whether all tasks can be met at once: all rows are independent and nothing is damped. Then no task gives way, and
-    /// every hierarchy ends at the same vector.
+    /// Whether no task gives way: all rows are independent, nothing is damped, and every stage spares the lower ones. Then
+    /// all tasks are met, by the same vector in every hierarchy.
     pub is_compatible: bool,
     /// The rows from a lower stage on, and their conditioning: room to work in.
     lower: (Rows, Conditioning),

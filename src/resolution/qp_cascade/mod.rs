@@ -100,7 +100,7 @@ type Guess<'a> = Option<&'a [(usize, Side)]>;
 pub struct CascadeSolver {
     objectives: Objectives,
     descent: Descent,
-    /// Of the stages below the highest one.
+    /// The rows of the stages below the highest one, and their decomposition.
     rows: Rows,
     decomposition: Decomposition,
     set: FeasibleSet,

@@ -22,7 +22,8 @@ export interface Drive {
  * Runs a controller in real time: once per period read, call, write. `write` is heard in every period, with what the
  * watchdog allows, however late an answer is. While the service is silent the arm ramps to rest; if it answers before
  * that, the loop goes on. It ends with the arm at rest: when the signal says so, which is the ordinary way; when silence
- * has led to rest, with the last error; when the service refuses a state, with that error; and when `read` throws.
+ * has led to rest, with the last error; when the service refuses a state, with that error; and when `read` throws. Answers
+ * that come after that do not count.
  *
  * Timers of JavaScript are good for some 250 Hz; a page in the background gets one a second.
  */
