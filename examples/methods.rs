@@ -2,10 +2,10 @@
 //!
 //! `cargo run --example methods` prints the numbers of `docs/methods.md` and draws its picture, `docs/methods.svg`.
 
-use revprio::linalg::{Damping, Matrix, Vector};
-use revprio::report::figure::{Colour, Curve, Figure, Panel, Stroke};
-use revprio::resolution::{Method, Problem, Resolution, Solver, resolve};
-use revprio::task::{Task, TaskStack};
+use revprio_core::linalg::{Damping, Matrix, Vector};
+use revprio_core::resolution::{Method, Problem, Resolution, Solver, resolve};
+use revprio_core::task::{Task, TaskStack};
+use revprio_lab::report::figure::{Colour, Curve, Figure, Panel, Stroke};
 
 /// Undamped speeds grow like 1/ε; the picture ends here, rad/s.
 const CUT: f64 = 60.0;
@@ -92,7 +92,7 @@ fn picture() -> Result<String, Error> {
             panel("(c) What task 2 lacks", "residual (rad/s)", |answer| answer.tasks[1].residual_norm)?,
         ],
     };
-    Ok(revprio::report::svg(&figure)?)
+    Ok(revprio_lab::report::svg(&figure)?)
 }
 
 fn numbers() -> Result<(), Error> {

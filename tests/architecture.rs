@@ -219,10 +219,10 @@ fn names(code: &str, name: &str) -> bool {
 #[test]
 fn the_reader_of_this_test_sees_every_form_of_import() {
     let imports = |code: &str| Line { file: PathBuf::new(), number: 1, code: code.to_owned() }.imports();
-    assert_eq!(imports("use crate::wire;"), ["wire"]);
-    assert_eq!(imports("use crate::simulator::recording::{Recording, Sample};"), ["simulator::recording"]);
+    assert_eq!(imports("use revprio_api::wire;"), ["wire"]);
+    assert_eq!(imports("use revprio_lab::simulator::recording::{Recording, Sample};"), ["simulator::recording"]);
     assert_eq!(imports("use crate::{wire, client::Client};"), ["wire", "client::Client"]);
-    assert_eq!(imports("fn f(a: &crate::task::Task, b: crate::law::Law)"), ["task::Task", "law::Law"]);
+    assert_eq!(imports("fn f(a: &revprio_core::task::Task, b: revprio_core::law::Law)"), ["task::Task", "law::Law"]);
     assert!(names("use clarabel::solver;", "clarabel") && names("let a = clarabel::b();", "clarabel"));
     assert!(!names("use super::clarabel::level;", "clarabel") && !names("my_clarabel::level", "clarabel"));
 }

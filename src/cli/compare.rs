@@ -4,15 +4,16 @@ use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use revprio_api::wire::{Method, Solver};
+use revprio_lab::report::experiment::{Experiment, Run};
+use revprio_lab::report::table::{Row, side_by_side};
+use revprio_lab::report::{self, Output, Report};
+use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::experiment::{Laboratory, make_directory, program, report as report_beside, store};
+use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
-use crate::report::experiment::{Experiment, Run};
-use crate::report::table::{Row, side_by_side};
-use crate::report::{self, Output, Report};
-use crate::simulator::{CallMode, Scenario};
-use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -20,10 +21,10 @@ pub struct Options {
     #[arg(required = true, value_name = "SCENARIO")]
     scenarios: Vec<String>,
     /// Methods to compare, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = DEFAULT_METHODS)]
+    #[arg(long, value_parser = one_of(&Method::ALL), value_delimiter = ',', default_values_t = DEFAULT_METHODS)]
     methods: Vec<Method>,
     /// Solvers to compare, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Solver::Auto])]
+    #[arg(long, value_parser = one_of(&Solver::ALL), value_delimiter = ',', default_values_t = [Solver::Auto])]
     solvers: Vec<Solver>,
     /// What is printed
     #[arg(long, value_enum, default_value_t = Format::Table)]

@@ -3,12 +3,13 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
+use revprio_api::wire::{Method, Solver};
+use revprio_lab::report::experiment::Experiment;
+use revprio_lab::report::table;
+use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS};
+
 use super::experiment::{Laboratory, leave, make_directory, program};
 use super::{CliError, traces};
-use crate::report::experiment::Experiment;
-use crate::report::table;
-use crate::simulator::{CallMode, PAPER_SCENARIOS};
-use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

@@ -6,16 +6,17 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
+use revprio_api::client::ClientError;
+use revprio_api::wire::Problem;
+use revprio_lab::report::experiment::{Experiment, Program, Run, store};
+use revprio_lab::report::{self, Output, Report};
+use revprio_lab::simulator::recording::Recording;
+use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
+use revprio_robot::RobotModel;
+
 use super::robot::{Registration, RobotArgument};
 use super::{CliError, Target, progress_bar, traces};
-use crate::client::ClientError;
-use crate::report::experiment::{Experiment, Program, Run, store};
-use crate::report::{self, Output, Report};
-use crate::robot::RobotModel;
 use crate::service::{Robots, robot_answer};
-use crate::simulator::recording::Recording;
-use crate::simulator::{CallMode, Scenario, built_in_robot, run_robot};
-use crate::wire::Problem;
 
 /// The service that runs call, and the arm that they move instead of the scenario's.
 pub struct Laboratory {

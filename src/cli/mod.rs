@@ -1,11 +1,10 @@
 //! The command line.
 
-mod bench;
 mod compare;
 mod config;
 mod demo;
 mod experiment;
-mod load;
+mod one_of;
 mod openapi;
 mod replay;
 mod report;
@@ -17,23 +16,23 @@ mod settings;
 mod simulate;
 mod stability;
 mod sweep;
+mod tool;
 mod traces;
 
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
+use revprio_api::client::{Client, ClientError};
+use revprio_lab::simulator::recording::{ReadError, WriteError};
+use revprio_lab::simulator::replay::ReplayError;
+use revprio_lab::simulator::{RunError, ScenarioError};
+use revprio_robot::RobotFileError;
 
 use self::settings::SettingsError;
-use crate::bench::BenchError;
-use crate::client::{Client, ClientError};
-use crate::robot::RobotFileError;
 use crate::service::{
     App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
 };
-use crate::simulator::recording::{ReadError, WriteError};
-use crate::simulator::replay::ReplayError;
-use crate::simulator::{RunError, ScenarioError};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
 #[derive(Debug, Parser)]
@@ -89,15 +88,16 @@ enum Command {
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
-    /// Measure how fast this machine is at all of it, beside other programs that do the same.
-    Bench(bench::Options),
+    /// Measure speed, side by side with other programs (`cargo run --release -p revprio-bench -- --help`).
+    #[command(disable_help_flag = true)]
+    Bench(tool::Arguments),
     /// Print the OpenAPI document of the HTTP interface.
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
     Asyncapi,
-    /// Load a server of its own with 1, 2 and 10 times what it takes, and with slow clients.
-    #[command(hide = true)]
-    Load(load::Options),
+    /// Load a server with 1, 2 and 10 times its capacity, and with slow clients.
+    #[command(hide = true, disable_help_flag = true)]
+    Load(tool::Arguments),
 }
 
 /// Why a command failed.
@@ -109,12 +109,9 @@ pub enum CliError {
     /// The settings are wrong.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The server under load did something that it must not.
-    #[error("under load: {0}")]
-    Load(String),
-    /// Nothing was measured.
+    /// The benchmark program is not there.
     #[error(transparent)]
-    Bench(#[from] BenchError),
+    Tool(#[from] tool::ToolError),
     /// A robot file is refused.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -145,7 +142,7 @@ pub enum CliError {
     Client(#[from] ClientError),
     /// The report cannot be written.
     #[error(transparent)]
-    Report(#[from] crate::report::Error),
+    Report(#[from] revprio_lab::report::Error),
     /// No run got to its end.
     #[error("there is nothing to compare: {0}")]
     NothingToCompare(String),
@@ -214,7 +211,7 @@ impl Cli {
             Command::Serve(options) => serve::run(&options),
             Command::Config(options) => config::run(&options),
             Command::Completions { shell } => config::completions(shell),
-            Command::Load(options) => load::run(&options),
+            Command::Load(arguments) => Ok(tool::run("load", &arguments)?),
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
             Command::Compare(options) => compare::run(&options),
@@ -223,7 +220,7 @@ impl Cli {
             Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
-            Command::Bench(options) => bench::run(&options),
+            Command::Bench(arguments) => Ok(tool::run("bench", &arguments)?),
             Command::Openapi => openapi::run(openapi_document()),
             Command::Asyncapi => openapi::run(asyncapi_document()),
         }

@@ -4,12 +4,13 @@ use std::io::{Write as _, stdout};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use revprio_lab::simulator::CallMode;
+use revprio_lab::simulator::recording::{Value, cell_text, read};
+use revprio_lab::simulator::replay::{Difference, Replay, replay};
+
 use super::robot::RobotArgument;
 use super::{CliError, Target, progress_bar};
 use crate::service::Robots;
-use crate::simulator::CallMode;
-use crate::simulator::recording::{Value, cell_text, read};
-use crate::simulator::replay::{Difference, Replay, replay};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

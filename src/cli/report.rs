@@ -3,10 +3,11 @@
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
+use revprio_lab::report::experiment::store;
+use revprio_lab::report::{self, Output, Report};
+
 use super::CliError;
 use super::compare::{Format, print};
-use crate::report::experiment::store;
-use crate::report::{self, Output, Report};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

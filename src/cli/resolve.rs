@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
+use revprio_api::client::Client;
+use revprio_api::wire::{ResolveAnswer, ResolveRequest, TaskOutcome};
+
 use super::{CliError, Target};
-use crate::client::Client;
-use crate::wire::{ResolveAnswer, ResolveRequest, TaskOutcome};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use revprio_api::client::{Client, ClientError};
+use revprio_api::wire::RobotRegistration;
+use revprio_robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
 use serde::{Deserialize, Serialize};
 
 use super::CliError;
-use crate::client::{Client, ClientError};
-use crate::robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
 use crate::service::robot_answer;
-use crate::wire::RobotRegistration;
 
 /// A file with a robot, and what the file leaves open.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,8 +2,9 @@
 
 use std::io::{Write as _, stdout};
 
+use revprio_lab::simulator::ScenarioList;
+
 use super::CliError;
-use crate::simulator::ScenarioList;
 
 pub fn run() -> Result<(), CliError> {
     let scenarios = ScenarioList::built_in()?.scenarios;

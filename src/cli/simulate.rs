@@ -3,15 +3,15 @@
 use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
-use clap::ValueEnum;
+use revprio_api::wire::{Method, Solver};
+use revprio_lab::report::experiment::Experiment;
+use revprio_lab::report::table;
+use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::experiment::{Laboratory, leave, make_directory, program};
+use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
-use crate::report::experiment::Experiment;
-use crate::report::table;
-use crate::simulator::{CallMode, Scenario};
-use crate::wire::{Method, Solver};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -24,10 +24,10 @@ pub struct Options {
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
     /// Method, instead of the scenario's
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = one_of(&Method::ALL))]
     method: Option<Method>,
     /// Solver, instead of the scenario's
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = one_of(&Solver::ALL))]
     solver: Option<Solver>,
     /// Let the controller's memory travel with every request instead of keeping a session
     #[arg(long)]
@@ -70,21 +70,3 @@ fn command(options: &Options, scenario: &Scenario) -> String {
     let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
     format!("revprio simulate {}{robot} --method {method} --solver {solver}{stateless}", options.scenario)
 }
-
-/// The words of the interface as values of options.
-macro_rules! value_enum {
-    ($word:ty: $($variant:ident),+) => {
-        impl ValueEnum for $word {
-            fn value_variants<'a>() -> &'a [Self] {
-                &[$(Self::$variant),+]
-            }
-
-            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
-                Some(clap::builder::PossibleValue::new(self.to_string()))
-            }
-        }
-    };
-}
-
-value_enum!(Method: Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority);
-value_enum!(Solver: ClosedForm, Qp, Auto);

@@ -2,8 +2,9 @@
 
 use std::io::{Write as _, stdout};
 
+use revprio_api::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
+
 use super::{CliError, Target};
-use crate::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
 /// Linear axes in kg, N·s/m and N/m, angular ones in kg·m², N·m·s/rad and N·m/rad.
 #[derive(Debug, clap::Args)]

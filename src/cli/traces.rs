@@ -2,32 +2,21 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
+use revprio_lab::simulator::recording::{Format, Recording};
 
 use super::CliError;
-use crate::simulator::recording::{Format, Recording};
+use super::one_of::one_of;
 
 #[derive(Debug, clap::Args)]
 // Not a group of its own: flattened into options of the same name.
 #[group(skip)]
 pub struct Options {
     /// Formats of the traces, such as `csv,mcap`
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "csv")]
+    #[arg(long, value_parser = one_of(&Format::ALL), value_delimiter = ',', default_value = "csv")]
     traces: Vec<Format>,
     /// Also record how long each call took, which differs from run to run
     #[arg(long)]
     timings: bool,
-}
-
-impl ValueEnum for Format {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.ending()))
-    }
 }
 
 impl Options {

@@ -16,7 +16,6 @@ use utoipa_axum::routes;
 use super::background::Room;
 use super::config::ServiceConfig;
 use super::connection::Connections;
-use super::dashboard;
 use super::drain::Drain;
 use super::gate::{RequestIds, gate};
 use super::handlers;
@@ -91,8 +90,8 @@ pub struct Service {
 pub fn router(app: App) -> Service {
     let (routes, _) = described().split_for_parts();
     let routes = routes
-        .route("/", get(dashboard::home))
-        .route("/dashboard/{file}", get(dashboard::file))
+        .route("/", get(handlers::page::home))
+        .route("/dashboard/{file}", get(handlers::page::file))
         .route("/docs", get(openapi::docs_home))
         .route("/docs/", get(openapi::docs_page))
         .route("/docs/{file}", get(openapi::docs_file));

@@ -16,8 +16,8 @@ use futures_util::FutureExt;
 use super::access;
 use super::app::App;
 use super::body;
-use super::dashboard;
 use super::problem::Problem;
+use crate::dashboard;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 

@@ -7,6 +7,8 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use revprio_api::wire::{self, object};
+use revprio_core::controller::{Controller, Workspace};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
@@ -15,8 +17,6 @@ use super::convert;
 use super::format::Format;
 use super::problem::Problem;
 use super::robots::Robots;
-use crate::controller::{Controller, Workspace};
-use crate::wire::{self, object};
 
 /// Controllers that are kept, each with its text: those of as many loops, in a megabyte or two.
 const MOST: usize = 16;
@@ -116,7 +116,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::robot::{RobotModel, built_in};
+    use revprio_robot::{RobotModel, built_in};
 
     const STEP: &str = include_str!("../../api/examples/step.json");
 

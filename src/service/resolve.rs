@@ -4,12 +4,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use revprio_api::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
+
 use super::app::App;
 use super::background::{Abandoned, on_all_cores};
 use super::body::LargeBody;
 use super::convert;
 use super::problem::Problem;
-use crate::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
 
 /// Problems in a batch.
 pub const MOST_ITEMS: usize = 10_000;
@@ -24,7 +25,7 @@ const WORTH_A_THREAD: usize = 16;
 pub fn one(request: &ResolveRequest, app: &App) -> Result<ResolveAnswer, Problem> {
     let start = Instant::now();
     let question = convert::question(request, &app.robots)?;
-    let resolution = crate::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
+    let resolution = revprio_core::resolution::resolve(&question.problem, &[]).map_err(convert::resolution_problem)?;
     let answer = convert::resolve_answer(&question, &resolution, start);
     app.metrics.solved(&answer.solver);
     Ok(answer)

@@ -3,8 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use revprio_robot::{RobotModel, built_in};
+
 use super::config::ServiceConfig;
-use crate::robot::{RobotModel, built_in};
 
 /// Registered robots at a time; each holds at most some 100 kilobytes, mostly names.
 const MOST_REGISTERED: usize = 64;

@@ -195,7 +195,7 @@ impl RunningServer {
 
     /// The same with so many threads, each with connections of its own: for measurements, as the line of waiting requests
     /// is measured for one.
-    pub(crate) fn start_on(threads: usize, service: &Service) -> Result<Self, ServeError> {
+    pub fn start_on(threads: usize, service: &Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
         let worker = |_| Worker::start(listener.try_clone()?, service.clone());

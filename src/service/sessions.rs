@@ -4,6 +4,9 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use revprio_api::wire;
+use revprio_core::controller::{Controller, Memory, Workspace};
+use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
 use tokio::sync::watch;
 use uuid::Uuid;
@@ -11,9 +14,6 @@ use uuid::Uuid;
 use super::convert;
 use super::metrics::Metrics;
 use super::problem::Problem;
-use crate::controller::{Controller, Memory, Workspace};
-use crate::linalg::Vector;
-use crate::wire;
 
 /// A step that comes more than so many periods after the one before missed one.
 const LATE_PERIODS: f64 = 1.5;

@@ -1,9 +1,7 @@
 //! The program as its users run it.
 
-mod bench;
 mod compare;
 mod demo;
-mod load;
 mod openapi;
 mod program;
 mod replay;

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use revprio::client::{Client, ClientError};
-use revprio::simulator::recording::{Recording, Sample};
-use revprio::simulator::{CallMode, RunError, Scenario, run};
+use revprio_api::client::{Client, ClientError};
+use revprio_lab::simulator::recording::{Recording, Sample};
+use revprio_lab::simulator::{CallMode, RunError, Scenario, run};
 
 use crate::serve::Server;
 

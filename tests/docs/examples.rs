@@ -2,12 +2,12 @@
 
 use revprio::service::{App, Robots, RunningServer, router};
 
-#[path = "../../examples/client.rs"]
+#[path = "../../api/rust/examples/client.rs"]
 #[expect(dead_code, reason = "its main function reads the arguments of the program")]
 mod client;
-#[path = "../../examples/controller.rs"]
+#[path = "../../crates/core/examples/controller.rs"]
 mod controller;
-#[path = "../../examples/library.rs"]
+#[path = "../../crates/core/examples/library.rs"]
 mod library;
 
 #[test]

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use revprio::client::Client;
-use revprio::simulator::{CallMode, Scenario, run};
+use revprio_api::client::Client;
+use revprio_lab::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, numbers, without};

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use revprio::client::Client;
-use revprio::simulator::recording::Format;
-use revprio::simulator::{CallMode, Scenario, run};
+use revprio_api::client::Client;
+use revprio_lab::simulator::recording::Format;
+use revprio_lab::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example};
@@ -76,7 +76,7 @@ fn a_run_here_is_the_run_of_any_client() {
     assert!(status["metrics"]["peak_force_n"].as_f64().unwrap() > 0.0);
 
     let mut scenario: Scenario = serde_json::from_value(scenario).unwrap();
-    scenario.controller.solver = revprio::wire::Solver::Qp;
+    scenario.controller.solver = revprio_api::wire::Solver::Qp;
     let recording =
         run(&scenario, &Client::new(&service.url()), CallMode::Stateless, |_| ControlFlow::Continue(())).unwrap();
     let scratch = tempfile(&format!("simulation-{}", std::process::id()));

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use revprio::wire;
+use revprio_api::wire;
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example};

@@ -1,9 +1,10 @@
 //! An arm as it is drawn.
 
+use revprio_api::wire;
+use revprio_core::controller::ControllerConfig;
+use revprio_robot::kinematics::link_frames;
+
 use super::pose::pose_answer;
-use crate::controller::ControllerConfig;
-use crate::kinematics::link_frames;
-use crate::wire;
 
 /// The arm at a posture, with the velocities that its limits allow there; `None` where there is no such posture.
 ///

@@ -1,13 +1,13 @@
 //! `POST /v1/simulations/{id}/control`.
 
+use revprio_api::wire;
+use revprio_core::controller::Controller;
 use serde_json::Value;
 
 use super::controller::controller;
 use super::numbers::check_numbers;
-use crate::controller::Controller;
 use crate::service::problem::{Problem, escaped};
 use crate::service::robots::Robots;
-use crate::wire;
 
 /// Slowest and fastest pace, simulated seconds per second.
 pub const SLOWEST: f64 = 0.001;

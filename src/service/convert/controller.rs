@@ -1,5 +1,8 @@
 //! Controllers.
 
+use revprio_api::wire;
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
+
 use super::environment;
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
@@ -8,10 +11,8 @@ use super::pose::with_tool_offset;
 use super::resolve::{known_robot, positive_period};
 use super::task::task_config;
 use super::terms;
-use crate::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::wire;
 
 /// Most tasks of a controller.
 pub const MOST_TASKS: usize = 64;

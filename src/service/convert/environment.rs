@@ -1,10 +1,11 @@
 //! Warnings about loops that the stated environment makes unstable.
 
+use revprio_api::wire::{self, Axis, EnvironmentAxis, Law};
+use revprio_core::controller::{ContactLoop, Margin};
+use revprio_core::linalg::EigenvalueError;
+
 use super::numbers::not_negative;
-use crate::controller::{ContactLoop, Margin};
-use crate::linalg::EigenvalueError;
 use crate::service::problem::Problem;
-use crate::wire::{self, Axis, EnvironmentAxis, Law};
 
 /// Longest delay that a controller may state: the cost of a warning grows with its cube, and others wait meanwhile.
 pub const LONGEST_STATED_DELAY: usize = 8;

@@ -1,10 +1,11 @@
 //! Linear inequalities beside the joint limits.
 
+use revprio_api::wire;
+use revprio_core::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
+use revprio_robot::RobotModel;
+
 use super::numbers::{check_numbers, joint_list, number};
-use crate::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
-use crate::wire;
 
 /// Most inequalities of a request.
 pub const MOST_INEQUALITIES: usize = 64;

@@ -1,15 +1,15 @@
 //! `POST /v1/kinematics`.
 
 use nalgebra::IsometryMatrix3;
+use revprio_api::wire;
+use revprio_core::linalg::{Decomposition, TaskMatrix};
+use revprio_robot::kinematics::{Configuration, link_frames};
 
 use super::numbers::joint_vector;
 use super::pose::pose_answer;
 use super::resolve::known_robot;
-use crate::kinematics::{Configuration, link_frames};
-use crate::linalg::{Decomposition, TaskMatrix};
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::wire;
 
 /// Answers a request.
 pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, Problem> {
@@ -22,7 +22,7 @@ pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<
     let rows = TaskMatrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]);
     let decomposition = Decomposition::singular(&rows, rows.norm());
     let singular_values = decomposition.singular_values();
-    let link = |(joint, frame): (&crate::robot::Joint, &IsometryMatrix3<f64>)| wire::LinkFrame {
+    let link = |(joint, frame): (&revprio_robot::Joint, &IsometryMatrix3<f64>)| wire::LinkFrame {
         joint: joint.name.clone(),
         pose: pose_answer(frame),
     };

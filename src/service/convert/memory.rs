@@ -1,15 +1,15 @@
 //! Memory that travels with the request.
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
+use revprio_api::wire;
+use revprio_core::controller::{Controller, ControllerConfig, Memory};
+use revprio_core::linalg::Vector;
+use revprio_core::resolution::{ActiveSet, Side};
 
 use super::numbers::{check_numbers, joint_list, numbers};
 use super::terms;
-use crate::controller::{Controller, ControllerConfig, Memory};
-use crate::linalg::Vector;
-use crate::resolution::{ActiveSet, Side};
 use crate::service::problem::Problem;
 use crate::service::sessions::grows;
-use crate::wire;
 
 /// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
 const ROTATION: f64 = 1e-9;

@@ -1,10 +1,11 @@
 //! Null-space velocities.
 
+use revprio_api::wire;
+use revprio_core::controller::NullSpaceMotion;
+use revprio_robot::RobotModel;
+
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
-use crate::controller::NullSpaceMotion;
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
-use crate::wire;
 
 /// What makes the ζ̇ at `/null_space_velocity` for `joints` joints; what depends on the posture needs a robot.
 pub fn null_space(

@@ -1,10 +1,11 @@
 //! Numbers, lists of numbers, joints.
 
-use crate::limits::{VelocityBox, VelocityBoxError};
-use crate::linalg::{Damping, Vector};
-use crate::robot::RobotModel;
+use revprio_api::wire::{self, JointVector};
+use revprio_core::limits::{VelocityBox, VelocityBoxError};
+use revprio_core::linalg::{Damping, Vector};
+use revprio_robot::RobotModel;
+
 use crate::service::problem::{Problem, escaped};
-use crate::wire::{self, JointVector};
 
 /// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
 pub const LARGEST: f64 = 1e9;
@@ -66,7 +67,7 @@ fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Resul
             format!("`{}` has no joint `{name}`; its joints are {}", robot.name(), joint_names(robot)),
         ));
     }
-    let value_of = |joint: &crate::robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
+    let value_of = |joint: &revprio_robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
         Some((name, value)) => {
             number(*value, "").map_err(|problem| problem.inside(&format!("{pointer}/{}", escaped(name))))
         }

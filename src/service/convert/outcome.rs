@@ -1,8 +1,9 @@
 //! The parts that every answer with joint velocities has.
 
+use revprio_api::wire;
+use revprio_core::resolution::Resolution;
+
 use super::terms;
-use crate::resolution::Resolution;
-use crate::wire;
 
 /// A resolution in the words of the interface.
 pub struct Outcome<'a> {
@@ -23,7 +24,7 @@ impl Outcome<'_> {
         &self,
         describe: impl Fn(usize) -> (String, Vec<f64>, Option<Vec<Option<f64>>>),
     ) -> Vec<wire::TaskOutcome> {
-        let outcome = |(k, outcome): (usize, &crate::resolution::TaskOutcome)| {
+        let outcome = |(k, outcome): (usize, &revprio_core::resolution::TaskOutcome)| {
             let (name, requested, target_force) = describe(k);
             wire::TaskOutcome {
                 name,
@@ -41,7 +42,7 @@ impl Outcome<'_> {
 
     /// Limits that hold the answer back.
     pub fn active_limits(&self) -> Vec<wire::ActiveLimit> {
-        let limit = |limit: &crate::resolution::ActiveLimit| wire::ActiveLimit {
+        let limit = |limit: &revprio_core::resolution::ActiveLimit| wire::ActiveLimit {
             joint: self.joints[limit.joint].to_owned(),
             side: terms::side_answer(limit.side),
             value: limit.value,
@@ -52,7 +53,7 @@ impl Outcome<'_> {
 
     /// Limits that the answer breaks.
     pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
-        let violation = |violation: &crate::resolution::LimitViolation| wire::ViolatedLimit {
+        let violation = |violation: &revprio_core::resolution::LimitViolation| wire::ViolatedLimit {
             joint: self.joints[violation.joint].to_owned(),
             side: terms::side_answer(violation.side),
             limit: violation.limit,
@@ -63,7 +64,7 @@ impl Outcome<'_> {
 
     /// Inequalities that hold the answer back.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
-        let active = |active: &crate::resolution::ActiveInequality| wire::ActiveInequality {
+        let active = |active: &revprio_core::resolution::ActiveInequality| wire::ActiveInequality {
             name: active.name.clone(),
             bound: active.bound,
             multiplier: active.multiplier,
@@ -73,7 +74,7 @@ impl Outcome<'_> {
 
     /// Inequalities that the answer breaks.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
-        let violation = |violation: &crate::resolution::InequalityViolation| wire::ViolatedInequality {
+        let violation = |violation: &revprio_core::resolution::InequalityViolation| wire::ViolatedInequality {
             name: violation.name.clone(),
             bound: violation.bound,
             value: violation.value,

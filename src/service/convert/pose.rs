@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
+use revprio_api::wire;
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{Frame, TaskFrame, pose as pose_of};
 
 use super::numbers::check_numbers;
-use crate::kinematics::{Frame, TaskFrame, pose as pose_of};
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
-use crate::wire;
 
 /// A pose.
 pub fn pose(pose: &wire::Pose) -> Result<IsometryMatrix3<f64>, Problem> {

@@ -1,9 +1,10 @@
 //! Values per axis and set-points over time.
 
+use revprio_api::wire::{self, PerAxis};
+use revprio_core::law::{Point, Profile, ProfileError};
+
 use super::numbers::{check_numbers, number};
-use crate::law::{Point, Profile, ProfileError};
 use crate::service::problem::Problem;
-use crate::wire::{self, PerAxis};
 
 /// Most points of a profile: what is far beyond any path of one task would only hold up others.
 pub const MOST_POINTS: usize = 1000;

@@ -3,22 +3,23 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use revprio_api::wire;
+use revprio_core::controller::{Limits, NullSpaceMotion};
+use revprio_core::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
+use revprio_core::linalg::{Matrix, Vector};
+use revprio_core::resolution::{Problem as Question, ProblemError, Resolution};
+use revprio_core::task::{Task, TaskError, TaskStack};
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{AxisSelection, Configuration, joint_limit_index};
+
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
 use super::numbers::{check_numbers, damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::{task_frame, with_tool_offset};
 use super::terms;
-use crate::controller::{Limits, NullSpaceMotion};
-use crate::kinematics::{AxisSelection, Configuration, joint_limit_index};
-use crate::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
-use crate::linalg::{Matrix, Vector};
-use crate::resolution::{Problem as Question, ProblemError, Resolution};
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::task::{Task, TaskError, TaskStack};
-use crate::wire;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
 pub const MOST_ROWS: usize = 64;

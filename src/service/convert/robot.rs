@@ -1,11 +1,12 @@
 //! Robots.
 
+use revprio_api::wire;
+use revprio_robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
+
 use super::resolve::MOST_JOINTS;
 use super::terms;
-use crate::robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
 use crate::service::problem::Problem;
 use crate::service::robots::RobotsError;
-use crate::wire;
 
 /// Reads a robot to be registered.
 pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, Problem> {

@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
+use revprio_api::wire;
+use revprio_lab::report::metrics::Metrics;
+use revprio_lab::simulator::{NamedScenario, Scenario, SimulationRequest};
+use revprio_robot::RobotModel;
+
 use super::controller::controller;
 use super::numbers::joint_list;
 use super::resolve::known_robot;
-use crate::report::metrics::Metrics;
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::simulator::{NamedScenario, Scenario, SimulationRequest};
-use crate::wire;
 
 /// Reads a request: a scenario that the service can run, and the arm that it is about.
 pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), Problem> {

@@ -1,11 +1,12 @@
 //! `POST /v1/stability`.
 
+use revprio_api::wire;
+use revprio_core::controller::{ContactLoop, LONGEST_DELAY, Margin};
+
 use super::environment::UNJUDGED;
 use super::numbers::{not_negative, number};
 use super::resolve::positive_period;
-use crate::controller::{ContactLoop, LONGEST_DELAY, Margin};
 use crate::service::problem::Problem;
-use crate::wire;
 
 /// Reads a request.
 pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Problem> {

@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
+use revprio_api::wire;
+use revprio_core::controller::{Command, Controller, Measurement, StepError};
+use revprio_robot::kinematics::ConfigurationError;
+
 use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
-use crate::controller::{Command, Controller, Measurement, StepError};
-use crate::kinematics::ConfigurationError;
 use crate::service::problem::Problem;
 use crate::service::sessions::Step;
-use crate::wire;
 
 /// Without a newer answer, clients ramp to zero after this time: some periods of a slow loop.
 const VALID_FOR_MS: u64 = 100;

@@ -1,14 +1,15 @@
 //! Tasks of a controller.
 
+use revprio_api::wire::{self, PerAxis};
+use revprio_core::controller::{JointRows, JointTarget, TargetPose, TaskConfig, TaskRows, ToolRows};
+use revprio_core::law::{ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::half_range;
+
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve::axis_selection;
-use crate::controller::{JointRows, JointTarget, TargetPose, TaskConfig, TaskRows, ToolRows};
-use crate::kinematics::half_range;
-use crate::law::{ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
-use crate::robot::RobotModel;
 use crate::service::problem::Problem;
-use crate::wire::{self, PerAxis};
 
 /// Reads a task.
 pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, Problem> {

@@ -1,11 +1,11 @@
 //! Words of the interface and their meaning in the library.
 
-use crate::controller::{WrenchConvention, WrenchFrame};
-use crate::kinematics::Axis;
-use crate::limits::LimitKind;
-use crate::resolution::{Method, Path, Side, Solver, Status};
-use crate::robot::JointKind;
-use crate::wire;
+use revprio_api::wire;
+use revprio_core::controller::{WrenchConvention, WrenchFrame};
+use revprio_core::limits::LimitKind;
+use revprio_core::resolution::{Method, Path, Side, Solver, Status};
+use revprio_robot::JointKind;
+use revprio_robot::kinematics::Axis;
 
 /// Pairs the variants of two enums of the same words.
 macro_rules! same_words {

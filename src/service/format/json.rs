@@ -1,12 +1,12 @@
 //! Bodies in JSON.
 
+use revprio_api::wire::Object;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
 
 use super::pointer;
 use crate::service::problem::Problem;
-use crate::wire::Object;
 
 /// Room for an answer to a step: growing towards it in small steps took a third of the instructions of writing it.
 const USUAL_LENGTH: usize = 2048;

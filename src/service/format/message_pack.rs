@@ -6,13 +6,13 @@
 use std::fmt;
 use std::io::Cursor;
 
+use revprio_api::wire::Object;
 use rmp_serde::decode::{Deserializer, Error};
 use serde::de::{DeserializeOwned, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use super::pointer;
 use crate::service::problem::Problem;
-use crate::wire::Object;
 
 /// Depth of nesting that is read, as in JSON.
 const DEEPEST: usize = 128;
@@ -125,14 +125,14 @@ impl Visitor<'_> for Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::State;
+    use revprio_api::wire::State;
 
     /// The map {"a": …} around some bytes.
     fn inside(bytes: &[u8]) -> Vec<u8> {
         [&[0x81, 0xa1, b'a'], bytes].concat()
     }
 
-    fn refusal(bytes: &[u8]) -> crate::wire::Problem {
+    fn refusal(bytes: &[u8]) -> revprio_api::wire::Problem {
         read::<State>(bytes).unwrap_err().into_wire()
     }
 

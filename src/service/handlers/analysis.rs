@@ -1,12 +1,12 @@
 //! Kinematics and stability.
 
 use axum::extract::State;
+use revprio_api::wire;
 
 use super::Shared;
 use crate::service::body::{Answer, Body};
 use crate::service::convert;
 use crate::service::problem::Problem;
-use crate::wire;
 
 /// Tells how stable a contact is.
 ///

@@ -7,6 +7,7 @@ use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use revprio_api::wire;
 
 use super::Shared;
 use crate::service::body::{Answer, Body, Unread};
@@ -17,7 +18,6 @@ use crate::service::recent::{StepCall, Stepper};
 use crate::service::segment::Segment;
 use crate::service::sessions::Answered;
 use crate::service::{convert, stream};
-use crate::wire;
 
 /// Between two periods that are shown to a watcher: 30 a second, as often as an eye needs.
 const WATCH_PAUSE: Duration = Duration::from_millis(33);

@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod control;
 pub mod operation;
+pub mod page;
 pub mod resolve;
 pub mod robots;
 pub mod simulation;

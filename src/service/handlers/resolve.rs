@@ -1,12 +1,12 @@
 //! One problem, or many.
 
 use axum::extract::State;
+use revprio_api::wire;
 
 use super::Shared;
 use crate::service::body::{Answer, Body, LargeAnswer, LargeBody};
 use crate::service::problem::Problem;
 use crate::service::resolve;
-use crate::wire;
 
 /// Resolves one problem.
 ///

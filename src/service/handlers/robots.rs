@@ -5,13 +5,13 @@ use std::sync::Arc;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::IntoResponse;
+use revprio_api::wire;
 
 use super::Shared;
 use crate::service::body::{Answer, Body};
 use crate::service::convert;
 use crate::service::problem::Problem;
 use crate::service::segment::Segment;
-use crate::wire;
 
 /// Lists the robots.
 ///

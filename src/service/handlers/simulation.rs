@@ -6,6 +6,8 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use revprio_api::wire;
+use revprio_lab::simulator::{Scenario, ScenarioList, SimulationRequest};
 
 use super::Shared;
 use crate::service::body::{Answer, Body, LargeAnswer};
@@ -15,8 +17,6 @@ use crate::service::problem::Problem;
 use crate::service::segment::Segment;
 use crate::service::simulations::Desk;
 use crate::service::{convert, simulations};
-use crate::simulator::{Scenario, ScenarioList, SimulationRequest};
-use crate::wire;
 
 /// Between two events of a simulation's progress.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(100);

@@ -14,11 +14,11 @@ use std::sync::LazyLock;
 
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
+use revprio_api::wire;
 use serde_json::{Value, json};
 use utoipa::OpenApi;
 
 use super::app::described;
-use crate::wire;
 
 pub use asyncapi::asyncapi;
 pub use docs::{docs_file, docs_home, docs_page};

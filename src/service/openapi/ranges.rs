@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use revprio_core::controller::LONGEST_DELAY;
 use serde_json::{Value, json};
 
 use super::schemas::{variants, visit};
-use crate::controller::LONGEST_DELAY;
 use crate::service::convert::{
     FASTEST, LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS,
     MOST_POINTS, MOST_ROWS, MOST_STEPS, MOST_TASKS, SHORTEST_PERIOD_S, SLOWEST,
@@ -34,7 +34,7 @@ enum Range {
 use Range::{Between, Items, NotNegative, Positive, Rows, UniqueItems, UpTo};
 
 /// As far as a component of a unit quaternion may be from zero.
-const UNIT: f64 = 1.0 + crate::kinematics::UNIT_LENGTH;
+const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH;
 
 /// Schemas with their fields, whether in the schema itself or in one of its alternatives.
 const RANGES: &[(&str, &[(&str, Range)])] = &[

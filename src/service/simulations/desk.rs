@@ -4,17 +4,17 @@ use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use revprio_api::wire;
+use revprio_core::controller::Controller;
+use revprio_lab::simulator::{Ending, Influence, Observed, Operator};
 use tokio::sync::watch;
 
 use super::job::Job;
 use super::live::{Camera, Live, Picture};
-use crate::controller::Controller;
 use crate::service::background::Abandoned;
 use crate::service::convert;
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
-use crate::simulator::{Ending, Influence, Observed, Operator};
-use crate::wire;
 
 /// A push ends this long after it was last ordered: the page that orders it may be gone.
 const PUSH_TIME: Duration = Duration::from_secs(1);

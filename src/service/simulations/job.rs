@@ -4,22 +4,22 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use revprio_api::client::Client;
+use revprio_api::wire::{Simulation, SimulationMetrics, SimulationState};
+use revprio_lab::report::metrics::Metrics;
+use revprio_lab::simulator::recording::Recording;
+use revprio_lab::simulator::{CallMode, Scenario, run_operated, run_robot};
+use revprio_robot::RobotModel;
 use tokio::sync::{Semaphore, watch};
 use uuid::Uuid;
 
 use super::desk::Desk;
-use crate::client::Client;
-use crate::report::metrics::Metrics;
-use crate::robot::RobotModel;
 use crate::service::app::{App, router};
 use crate::service::background::{Abandoned, background};
 use crate::service::convert;
 use crate::service::problem::Problem;
 use crate::service::robots::Robots;
 use crate::service::server::RunningServer;
-use crate::simulator::recording::Recording;
-use crate::simulator::{CallMode, Scenario, run_operated, run_robot};
-use crate::wire::{Simulation, SimulationMetrics, SimulationState};
 
 /// Steps in which watchers see the run go on.
 const VISIBLE_STEPS: u64 = 500;

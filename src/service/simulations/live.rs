@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use revprio_api::wire;
+use revprio_core::controller::ControllerConfig;
+use revprio_lab::simulator::Observed;
 use tokio::sync::watch;
 
-use crate::controller::ControllerConfig;
 use crate::service::convert::{arm_view, finite, single};
-use crate::simulator::Observed;
-use crate::wire;
 
 /// Between two pictures.
 const FRAME_TIME: Duration = Duration::from_millis(50);

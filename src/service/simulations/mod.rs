@@ -18,8 +18,8 @@ pub use job::Job;
 pub use trace::trace;
 
 use super::problem::Problem;
-use crate::robot::RobotModel;
-use crate::simulator::Scenario;
+use revprio_lab::simulator::Scenario;
+use revprio_robot::RobotModel;
 
 /// Runs at work at a time; each keeps about one core busy.
 const MOST_RUNNING: usize = 2;

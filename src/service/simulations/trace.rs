@@ -10,11 +10,11 @@ use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use futures_util::stream;
+use revprio_lab::simulator::recording::{Format, Recording, WriteError, Writer, write_object};
 
 use crate::service::accept;
 use crate::service::background::background;
 use crate::service::problem::Problem;
-use crate::simulator::recording::{Format, Recording, WriteError, Writer, write_object};
 
 /// How a trace can be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,34 @@
+//! A controller as a library, without any server: a measured state in, a command out, a thousand times a second.
+//!
+//! `cargo run --example controller`: the tool presses on a spring of 1000 N/m until it feels 30 N.
+
+use std::sync::Arc;
+
+use revprio_core::controller::{Controller, ControllerConfig, Measurement, TaskConfig, TaskRows, ToolRows};
+use revprio_core::law::{ForceLaw, Gains, Law, Profile};
+use revprio_core::robot::built_in;
+use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
+
+/// Three seconds of pressing, with an arm that follows at once.
+pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (sawyer, period) = (Arc::clone(&built_in()[0]), 0.001);
+    let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
+    let law = ForceLaw::new(gains, Profile::constant(vec![30.0])?).ok_or("gains and force differ in size")?;
+    let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
+    let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
+    let controller = Controller::new(ControllerConfig::new(Arc::clone(&sawyer), period, vec![push]))?;
+
+    let mut q = vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+    let surface = Configuration::new(&sawyer, &q)?.tool_pose().translation.x;
+    let (mut memory, mut force) = (None, 0.0);
+    for cycle in 0..3000 {
+        force = 1000.0 * (Configuration::new(&sawyer, &q)?.tool_pose().translation.x - surface);
+        let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // on the environment
+        let time_s = period * f64::from(cycle);
+        let measured = Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench };
+        let command = controller.step(&mut memory, &measured)?;
+        q.iter_mut().zip(&command.resolution.joint_velocity).for_each(|(q, speed)| *q += period * speed);
+    }
+    println!("force after 3 s: {force:.2} N");
+    Ok(())
+}

@@ -1,0 +1,52 @@
+//! The controller: one call per control period, measurement in, command out.
+//!
+//! A [`ControllerConfig`] is checked once, by [`Controller::new`]; a [`Measurement`] each time. What is remembered from
+//! one period to the next is a [`Memory`] that the caller keeps: the controller itself never changes.
+//!
+//! ```
+//! use revprio_core::controller::{Controller, ControllerConfig, Measurement, TaskConfig, TaskRows, ToolRows};
+//! use revprio_robot::kinematics::{Axis, AxisSelection};
+//! use revprio_core::law::{ForceLaw, Gains, Law, Profile};
+//! use revprio_robot::built_in;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
+//! let law = ForceLaw::new(gains, Profile::constant(vec![30.0])?).ok_or("sizes differ")?; // N
+//! let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
+//! let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
+//! let controller = Controller::new(ControllerConfig::new(built_in()[0].clone(), 0.001, vec![push]))?;
+//!
+//! let measured = Measurement {
+//!     time_s: 0.0,
+//!     joint_position: vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2],
+//!     joint_velocity: None,
+//!     wrench: [0.0; 6],
+//! };
+//! let mut memory = None;
+//! let command = controller.step(&mut memory, &measured)?;
+//! // At rest and untouched: ẋ = T F_d / M_d after one period.
+//! assert!((command.resolution.tasks[0].achieved[0] - 0.001 * 30.0 / 15.0).abs() < 1e-12);
+//! assert!(memory.is_some());
+//! # Ok(())
+//! # }
+//! ```
+
+mod config;
+mod joint_rows;
+mod memory;
+mod null_space;
+mod stability;
+mod step;
+mod task;
+mod tool_rows;
+mod workspace;
+
+pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
+pub use joint_rows::{JointRows, JointTarget};
+pub use memory::{Memory, MemoryError};
+pub use null_space::{NullSpaceError, NullSpaceMotion};
+pub use stability::{ContactLoop, LONGEST_DELAY, Margin};
+pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
+pub use task::{TaskConfig, TaskConfigError, TaskRows};
+pub use tool_rows::{TargetPose, ToolRows};
+pub use workspace::Workspace;

@@ -1,0 +1,95 @@
+//! What the joints do where the tasks leave them free.
+
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{half_range, joint_limit_slopes};
+
+use crate::linalg::Vector;
+
+/// Makes ζ̇, the joint velocity that the tasks leave untouched as far as they can.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NullSpaceMotion {
+    /// The same velocity for ever, n, rad/s or m/s.
+    Constant(Vector),
+    /// −k ∇H, away from the ends of the joints' ranges. Paper: Eq. (8).
+    JointLimits {
+        /// k, rad²/s or m²/s.
+        gain: f64,
+    },
+    /// K (q_d − q), towards a posture.
+    Posture {
+        /// q_d, n, rad or m.
+        joint_position: Vec<f64>,
+        /// K, 1/s.
+        gain: f64,
+    },
+}
+
+/// Why a null-space motion is refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NullSpaceError {
+    /// Not one finite number per joint.
+    #[error("the null-space motion needs {expected} finite entries, one per joint")]
+    Size {
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// Negative or not finite.
+    #[error("{0} is out of range; a gain must not be negative")]
+    Gain(f64),
+    /// From period to period it would overshoot more than it corrects.
+    #[error("a gain of {gain} overshoots from period to period; it must stay below {bound}")]
+    Unstable {
+        /// The gain.
+        gain: f64,
+        /// The smallest one that swings for ever.
+        bound: f64,
+    },
+}
+
+impl NullSpaceMotion {
+    /// ζ̇ at a posture (`joint_position`: q, n), n, rad/s or m/s.
+    pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
+        let mut velocity = Vector::zeros(robot.joint_count());
+        self.write(robot, joint_position, &mut velocity);
+        velocity
+    }
+
+    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q), n each, rad/s or m/s.
+    pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
+        match self {
+            Self::Constant(constant) => velocity.copy_from(constant),
+            Self::JointLimits { gain } => {
+                let slopes = joint_limit_slopes(robot, joint_position);
+                velocity.iter_mut().zip(slopes).for_each(|(speed, slope)| *speed = slope * -gain);
+            }
+            Self::Posture { joint_position: target, gain } => {
+                for (speed, (target, q)) in velocity.iter_mut().zip(target.iter().zip(joint_position)) {
+                    *speed = (target - q) * gain;
+                }
+            }
+        }
+    }
+
+    /// Checks that the motion fits the robot and settles at this period (s).
+    pub(super) fn check(&self, robot: &RobotModel, period: f64) -> Result<(), NullSpaceError> {
+        let expected = robot.joint_count();
+        let fits = |values: &[f64]| values.len() == expected && values.iter().all(|value| value.is_finite());
+        let (gain, rate) = match self {
+            Self::Constant(velocity) if fits(velocity.as_slice()) => return Ok(()),
+            Self::Posture { joint_position, gain } if fits(joint_position) => (*gain, 1.0),
+            Self::Constant(_) | Self::Posture { .. } => return Err(NullSpaceError::Size { expected }),
+            Self::JointLimits { gain } => (*gain, (0..expected).map(|i| mid_range_rate(robot, i)).fold(0.0, f64::max)),
+        };
+        if !(gain.is_finite() && gain >= 0.0) {
+            return Err(NullSpaceError::Gain(gain));
+        }
+        let bound = 2.0 / (rate * period);
+        if gain < bound { Ok(()) } else { Err(NullSpaceError::Unstable { gain, bound }) }
+    }
+}
+
+/// ∂²H/∂q_i², 1/rad² or 1/m²: the rate, per unit of gain, at which −k ∇H leads a joint to the middle of its range.
+pub(super) fn mid_range_rate(robot: &RobotModel, joint: usize) -> f64 {
+    let half = half_range(&robot.joints()[joint].limits);
+    half.map_or(0.0, |half| 1.0 / (robot.joint_count() as f64 * half * half))
+}

@@ -1,0 +1,145 @@
+//! A control period allocates nothing once the first few are over, unless Clarabel is asked, which `auto` hardly ever does.
+
+use std::sync::Arc;
+
+use allocation_counter::measure;
+use revprio_core::controller::{
+    Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion, TaskConfig,
+    TaskRows, ToolRows, Workspace,
+};
+use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
+use revprio_core::limits::LimitKind;
+use revprio_core::resolution::{Method, Path, Solver};
+use revprio_robot::kinematics::{Axis, AxisSelection};
+use revprio_robot::{RobotModel, built_in};
+
+const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+const PERIOD: f64 = 1e-3;
+
+fn sawyer() -> Arc<RobotModel> {
+    Arc::clone(&built_in()[0])
+}
+
+/// Push along x, swinging; hold the other directions.
+fn tasks() -> Vec<TaskConfig> {
+    let rows = |axes: &[Axis]| TaskRows::Tool(ToolRows::new(AxisSelection::new(axes).unwrap()));
+    let gains = Gains::new(1, &[15.0], &[150.0], &[0.0]).unwrap();
+    let push = Profile::sine(vec![0.0], vec![60.0], 6.0, 0.3).unwrap();
+    let push = Law::Force(ForceLaw::new(gains, push).unwrap());
+    let hold = Law::Position(PositionLaw::new(vec![5.0; 5]).unwrap());
+    let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    [("push", rows(&[Axis::X]), push), ("hold", rows(&others), hold)]
+        .map(|(name, rows, law)| TaskConfig { name: name.to_owned(), rows, law, scaled: false })
+        .into()
+}
+
+fn config(solver: Solver, limits: Limits) -> ControllerConfig {
+    ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), PERIOD, tasks()) }
+}
+
+/// An arm that follows its commands exactly.
+struct Loop {
+    controller: Controller,
+    workspace: Workspace,
+    memory: Option<Memory>,
+    measured: Measurement,
+}
+
+/// What a run of periods came to.
+#[derive(Debug, Default)]
+struct Tally {
+    /// Allocations of periods that Clarabel had no part in.
+    own: u64,
+    /// Periods with an active limit, found by active sets.
+    guessed: u32,
+    /// Periods that asked Clarabel.
+    asked: u32,
+}
+
+impl Loop {
+    fn new(config: ControllerConfig) -> Self {
+        let controller = Controller::new(config).unwrap();
+        let workspace = controller.workspace().unwrap();
+        let measured =
+            Measurement { time_s: 0.0, joint_position: NOMINAL.to_vec(), joint_velocity: None, wrench: [0.0; 6] };
+        Self { controller, workspace, memory: None, measured }
+    }
+
+    fn run(&mut self, periods: u32) -> Tally {
+        let mut tally = Tally::default();
+        for _ in 0..periods {
+            let mut path = Path::default();
+            let counted = measure(|| {
+                let command = self.controller.step_in(&mut self.workspace, &mut self.memory, &self.measured).unwrap();
+                path = command.resolution.solver.path;
+                let speeds = command.resolution.joint_velocity.iter();
+                self.measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += PERIOD * speed);
+            });
+            self.measured.time_s += PERIOD;
+            tally.asked += u32::from(path == Path::Qp);
+            tally.guessed += u32::from(path == Path::ActiveSet);
+            if path != Path::Qp {
+                tally.own += counted.count_total;
+            }
+        }
+        tally
+    }
+}
+
+/// Allocations of 2000 periods after as many to grow warm.
+fn after_warming_up(config: ControllerConfig) -> Tally {
+    let mut arm = Loop::new(config);
+    arm.run(2000);
+    arm.run(2000)
+}
+
+#[test]
+fn a_step_without_a_workspace_allocates_and_is_counted() {
+    let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
+    let counted = measure(|| drop(arm.controller.step(&mut arm.memory, &arm.measured)));
+    assert!(counted.count_total > 10);
+}
+
+#[test]
+fn closed_forms_allocate_nothing() {
+    for method in [
+        Method::ReversePriority,
+        Method::StrictReversePriority,
+        Method::TaskPriority,
+        Method::SingularityRobust,
+        Method::DampedLeastSquares,
+        Method::Pseudoinverse,
+    ] {
+        let config = config(Solver::ClosedForm, Limits::Robot(LimitKind::PositionVelocity));
+        let tally = after_warming_up(ControllerConfig { method, ..config });
+        assert_eq!((tally.own, tally.asked, tally.guessed), (0, 0, 0), "{method:?}");
+    }
+}
+
+#[test]
+fn auto_inside_the_limits_allocates_nothing() {
+    let tally = after_warming_up(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
+    assert_eq!((tally.own, tally.asked, tally.guessed), (0, 0, 0));
+}
+
+#[test]
+fn auto_with_active_limits_allocates_nothing() {
+    let slow = revprio_core::limits::VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap();
+    for method in [Method::ReversePriority, Method::StrictReversePriority] {
+        let config = ControllerConfig { method, ..config(Solver::Auto, Limits::Fixed(slow.clone())) };
+        let tally = after_warming_up(config);
+        assert!(tally.guessed > 200, "limits hardly ever act: {tally:?}");
+        assert_eq!((tally.own, tally.asked), (0, 0), "{method:?}: {tally:?}");
+    }
+}
+
+#[test]
+fn joints_and_null_space_motions_allocate_nothing() {
+    let posture = JointRows { joints: vec![1, 4], target: JointTarget::MidRange };
+    let law = Law::Position(PositionLaw::new(vec![1.0; 2]).unwrap());
+    let centre = TaskConfig { name: "centre".to_owned(), rows: TaskRows::Joints(posture), law, scaled: false };
+    let config = config(Solver::Auto, Limits::Robot(LimitKind::PositionVelocityAcceleration));
+    let tasks = config.tasks.iter().take(1).cloned().chain([centre]).collect();
+    let null_space = Some(NullSpaceMotion::JointLimits { gain: 0.5 });
+    assert_eq!(after_warming_up(ControllerConfig { tasks, null_space, ..config }).own, 0);
+}

@@ -1,0 +1,175 @@
+//! Arms, tasks and controllers that the tests share, and an arm that follows its commands.
+
+use std::sync::Arc;
+
+use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
+use revprio_core::controller::{
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows, ToolRows,
+    WrenchConvention, WrenchFrame,
+};
+use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
+use revprio_core::limits::LimitKind;
+use revprio_core::linalg::Damping;
+use revprio_core::resolution::{Method, Solver};
+use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
+use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
+
+/// T, s.
+pub const PERIOD: f64 = 1e-3;
+/// A posture of Sawyer far from limits and singularities.
+pub const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+
+pub fn sawyer() -> Arc<RobotModel> {
+    Arc::clone(&built_in()[0])
+}
+
+/// Slides along x, y, z: its Jacobian is the identity wherever it stands, so that laws are seen undisturbed.
+pub fn gantry(limits: JointLimits) -> Arc<RobotModel> {
+    let along = |axis: Vector3<f64>| Rotation3::rotation_between(&Vector3::z(), &axis).unwrap();
+    let mut before = Rotation3::identity();
+    let mut joints = Vec::new();
+    for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
+        let placement = IsometryMatrix3::from_parts(Vector3::zeros().into(), before.inverse() * along(axis));
+        before = along(axis);
+        joints.push(Joint {
+            name: name.to_owned(),
+            kind: JointKind::Prismatic,
+            placement,
+            limits,
+            published_range: None,
+            denavit_hartenberg: None,
+        });
+    }
+    Arc::new(RobotModel::new("gantry", "", joints, IsometryMatrix3::identity()).unwrap())
+}
+
+/// The paper's gains on these axes: M_d and B_d; stiffness as given.
+pub fn gains(axes: &[Axis], stiffness: f64) -> Gains {
+    let by_kind = |linear: f64, angular: f64| {
+        axes.iter().map(|axis| if axis.index() < 3 { linear } else { angular }).collect::<Vec<_>>()
+    };
+    let stiffness = vec![stiffness; axes.len()];
+    Gains::new(axes.len(), &by_kind(15.0, 80.0), &by_kind(150.0, 280.0), &stiffness).unwrap()
+}
+
+pub fn constant(value: &[f64]) -> Profile {
+    Profile::constant(value.to_vec()).unwrap()
+}
+
+pub fn force(axes: &[Axis], target: &[f64]) -> Law {
+    Law::Force(ForceLaw::new(gains(axes, 0.0), constant(target)).unwrap())
+}
+
+pub fn impedance(axes: &[Axis], stiffness: f64) -> Law {
+    Law::Impedance(ImpedanceLaw::new(gains(axes, stiffness)))
+}
+
+/// Towards X_d with the same gain on every row.
+pub fn position(rows: usize, gain: f64) -> Law {
+    Law::Position(PositionLaw::new(vec![gain; rows]).unwrap())
+}
+
+pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled: &[bool]) -> Law {
+    Law::Hybrid(HybridLaw::new(gains(axes, stiffness), constant(target), position_controlled.to_vec()).unwrap())
+}
+
+pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
+    let name = axes.iter().map(|axis| format!("{axis:?}")).collect::<Vec<_>>().concat();
+    TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law, scaled: false }
+}
+
+/// Base axes at the tool point, about the initial pose.
+pub fn tool_rows(axes: &[Axis]) -> ToolRows {
+    ToolRows::new(AxisSelection::new(axes).unwrap())
+}
+
+/// Reverse priority, `auto`, standard damping, without limits.
+pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConfig {
+    ControllerConfig {
+        robot: Arc::clone(robot),
+        period_s: PERIOD,
+        method: Method::ReversePriority,
+        solver: Solver::Auto,
+        damping: Some(Damping::STANDARD),
+        limits: Limits::Robot(LimitKind::None),
+        barriers: Vec::new(),
+        wrench_convention: WrenchConvention::OnEnvironment,
+        wrench_frame: WrenchFrame::Base,
+        null_space: None,
+        tasks,
+    }
+}
+
+pub fn controller(config: ControllerConfig) -> Controller {
+    Controller::new(config).unwrap()
+}
+
+pub fn measurement(joint_position: &[f64]) -> Measurement {
+    Measurement { time_s: 0.0, joint_position: joint_position.to_vec(), joint_velocity: None, wrench: [0.0; 6] }
+}
+
+/// An arm that does what it is told, and the memory of what steers it.
+#[derive(Clone)]
+pub struct Loop {
+    pub q: Vec<f64>,
+    pub memory: Option<Memory>,
+    periods: u32,
+}
+
+impl Loop {
+    pub fn at_rest(q: &[f64]) -> Self {
+        Self { q: q.to_vec(), memory: None, periods: 0 }
+    }
+
+    pub fn measurement(&self, period: f64, wrench: [f64; 6]) -> Measurement {
+        Measurement { time_s: f64::from(self.periods) * period, wrench, ..measurement(&self.q) }
+    }
+
+    /// One period of the controller under a wrench on the environment.
+    pub fn step(&mut self, controller: &Controller, wrench: [f64; 6]) -> Command {
+        let period = controller.config().period_s;
+        let measurement = self.measurement(period, wrench);
+        let command = controller.step(&mut self.memory, &measurement).unwrap();
+        self.follow(&command, period);
+        command
+    }
+
+    pub fn follow(&mut self, command: &Command, period: f64) {
+        for (q, qdot) in self.q.iter_mut().zip(&command.resolution.joint_velocity) {
+            *q += period * qdot;
+        }
+        self.periods += 1;
+    }
+
+    pub fn configuration(&self, robot: &RobotModel) -> Configuration {
+        Configuration::new(robot, &self.q).unwrap()
+    }
+
+    /// Ẋ = J q̇ with the last command.
+    pub fn twist(&self, robot: &RobotModel) -> [f64; 6] {
+        let resting = vec![0.0; self.q.len()];
+        let qdot = self.memory.as_ref().map_or(resting.as_slice(), |memory| memory.last_command.as_slice());
+        self.configuration(robot).twist(qdot)
+    }
+}
+
+/// Reproducible numbers, uniform in −1 … 1 (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn signed(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    pub fn below(&mut self, count: usize) -> usize {
+        let scaled = (self.bits() >> 32) * count as u64;
+        usize::try_from(scaled >> 32).unwrap()
+    }
+}

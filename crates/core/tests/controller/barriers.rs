@@ -1,0 +1,136 @@
+//! Virtual walls and tasks that are slowed down, in closed loop.
+
+use revprio_core::controller::{ControllerConfig, Limits, TaskConfig};
+use revprio_core::limits::{Barrier, Inequality, LimitKind, PlanePoint, VelocityBox, VirtualPlane};
+use revprio_core::linalg::Vector;
+use revprio_core::resolution::{Solver, Status};
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{Axis, Configuration};
+
+use super::arms::{Loop, NOMINAL, PERIOD, config, controller, force, impedance, sawyer, task};
+
+/// Metres, of a point that obeys the inequality to first order of its way in one period.
+const SECOND_ORDER: f64 = 1e-6;
+
+fn height(robot: &RobotModel, q: &[f64], point: PlanePoint) -> f64 {
+    let configuration = Configuration::new(robot, q).unwrap();
+    match point {
+        PlanePoint::Tool => configuration.tool_pose().translation.z,
+        PlanePoint::Joint(joint) => configuration.joint_origin(joint).0.z,
+    }
+}
+
+/// An arm that pushes upwards with 100 N, nothing in its way but a ceiling some metres above `point`.
+fn pushed_to_a_ceiling(point: PlanePoint, distance: f64) {
+    let robot = sawyer();
+    let ceiling = height(&robot, &NOMINAL, point) + distance;
+    let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 2.0], ceiling, point, 10.0).unwrap();
+    let up = task(&[Axis::Z], force(&[Axis::Z], &[100.0]));
+    let controller = controller(ControllerConfig {
+        barriers: vec![Barrier::Plane(plane)],
+        limits: Limits::Robot(LimitKind::PositionVelocity),
+        ..config(&robot, vec![up, task(&[Axis::X, Axis::Y], impedance(&[Axis::X, Axis::Y], 500.0))])
+    });
+    let mut arm = Loop::at_rest(&NOMINAL);
+    let mut held_back = 0;
+    for _ in 0..2000 {
+        let before = ceiling - height(&robot, &arm.q, point);
+        let command = arm.step(&controller, [0.0; 6]);
+        let after = ceiling - height(&robot, &arm.q, point);
+        assert!(after >= (1.0 - 10.0 * PERIOD) * before - SECOND_ORDER, "from {before} m to {after} m in one period");
+        assert_eq!(command.resolution.solver.status, Status::Optimal);
+        held_back += usize::from(command.resolution.active_inequalities.iter().any(|active| active.name == "ceiling"));
+    }
+    let left = ceiling - height(&robot, &arm.q, point);
+    assert!((-SECOND_ORDER..0.01).contains(&left), "{left} m left");
+    assert!(held_back > 500, "the ceiling mattered in {held_back} periods");
+}
+
+#[test]
+fn a_virtual_wall_is_approached_exponentially_and_never_passed() {
+    pushed_to_a_ceiling(PlanePoint::Tool, 0.05);
+}
+
+#[test]
+fn an_elbow_is_held_back_like_the_tool() {
+    pushed_to_a_ceiling(PlanePoint::Joint(3), 0.02);
+}
+
+#[test]
+fn an_arm_found_beyond_a_wall_comes_back() {
+    let robot = sawyer();
+    let ceiling = height(&robot, &NOMINAL, PlanePoint::Tool) - 0.03;
+    let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], ceiling, PlanePoint::Tool, 10.0).unwrap();
+    let controller = controller(ControllerConfig {
+        barriers: vec![Barrier::Plane(plane)],
+        limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
+        ..config(&robot, vec![task(&[Axis::Z], force(&[Axis::Z], &[100.0]))])
+    });
+    let mut arm = Loop::at_rest(&NOMINAL);
+    let first = arm.step(&controller, [0.0; 6]).resolution;
+    // From rest, the acceleration limit allows less than the wall asks for: it gives way and is named.
+    assert_eq!(first.violated_inequalities[0].name, "ceiling");
+    assert!(first.violated_limits.is_empty());
+    (0..1500).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
+    let above = height(&robot, &arm.q, PlanePoint::Tool) - ceiling;
+    assert!(above.abs() < 1e-4, "{above} m above the ceiling");
+}
+
+#[test]
+fn where_no_joint_moves_the_point_a_wall_asks_for_nothing() {
+    let robot = sawyer();
+    let wall = VirtualPlane::new("base", [1.0, 0.0, 0.0], -1.0, PlanePoint::Joint(0), 10.0).unwrap();
+    let controller = controller(ControllerConfig {
+        barriers: vec![Barrier::Plane(wall)],
+        ..config(&robot, vec![task(&[Axis::X], force(&[Axis::X], &[30.0]))])
+    });
+    let answer = Loop::at_rest(&NOMINAL).step(&controller, [0.0; 6]).resolution;
+    assert!(answer.violated_inequalities.is_empty() && answer.tasks[0].residual_norm < 1e-12, "{answer:?}");
+}
+
+#[test]
+fn a_fixed_inequality_couples_joints_and_its_set_is_remembered() {
+    let robot = sawyer();
+    let mut coefficients = vec![0.0; 7];
+    (coefficients[1], coefficients[3]) = (1.0, 1.0);
+    let coupling = Inequality::new("coupling", coefficients, 0.0).unwrap();
+    let tasks = vec![task(&[Axis::Z], force(&[Axis::Z], &[50.0])), task(&[Axis::X], impedance(&[Axis::X], 500.0))];
+    let config = ControllerConfig { barriers: vec![Barrier::Fixed(coupling.clone())], ..config(&robot, tasks) };
+    let (auto, qp) = (controller(config.clone()), controller(ControllerConfig { solver: Solver::Qp, ..config }));
+    let (mut arm, mut other) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL));
+    let mut spared = 0;
+    for _ in 0..300 {
+        let command = arm.step(&auto, [0.0; 6]);
+        let by_qp = other.step(&qp, [0.0; 6]);
+        let difference = (&command.resolution.joint_velocity - &by_qp.resolution.joint_velocity).amax();
+        assert!(difference <= 1e-9, "off by {difference:e}");
+        assert!(coupling.violation(&command.resolution.joint_velocity) <= 1e-12);
+        let active = !command.resolution.active_inequalities.is_empty();
+        spared += usize::from(active && command.resolution.solver.iterations == 0);
+    }
+    assert!(spared > 100, "the remembered set spared Clarabel in {spared} periods");
+}
+
+#[test]
+fn a_scaled_push_keeps_its_direction_at_the_limits() {
+    let robot = sawyer();
+    let axes = [Axis::X, Axis::Y, Axis::Z];
+    let direction = Vector::from_vec(vec![300.0, 200.0, -100.0]);
+    let push = task(&axes, force(&axes, direction.as_slice()));
+    let of = |scaled: bool| {
+        let push = TaskConfig { scaled, ..push.clone() };
+        let slow = VelocityBox::new(&[-0.3; 7], &[0.3; 7]).unwrap();
+        controller(ControllerConfig { limits: Limits::Fixed(slow), ..config(&robot, vec![push]) })
+    };
+    let bend = |scaled: bool| {
+        let (controller, mut arm, mut worst) = (of(scaled), Loop::at_rest(&NOMINAL), 0.0_f64);
+        for _ in 0..150 {
+            let command = arm.step(&controller, [0.0; 6]);
+            let achieved = &command.resolution.tasks[0].achieved;
+            worst = worst.max(1.0 - direction.dot(achieved) / (direction.norm() * achieved.norm()));
+        }
+        worst
+    };
+    assert!(bend(true) <= 1e-8, "bent by {}", bend(true));
+    assert!(bend(false) > 1e-3, "the limits do not matter");
+}

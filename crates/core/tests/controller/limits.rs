@@ -1,0 +1,263 @@
+//! Position, velocity and acceleration limits in closed loop, against tasks that want to break them.
+
+use std::sync::Arc;
+
+use revprio_core::controller::{
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows,
+};
+use revprio_core::limits::{LimitKind, robot_box};
+use revprio_core::linalg::{Damping, Vector};
+use revprio_core::resolution::{Method, Path, Status};
+use revprio_robot::kinematics::Axis;
+use revprio_robot::{Joint, JointLimits, RobotModel};
+
+use super::arms::{Loop, NOMINAL, PERIOD, Random, config, controller, force, impedance, measurement, sawyer, task};
+
+const ALL_LIMITS: Limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+
+/// A controller that nobody would want: random axes in random order, split anywhere, forces of a tonne.
+fn adversary(robot: &Arc<RobotModel>, random: &mut Random) -> Controller {
+    let mut axes = Axis::ALL.to_vec();
+    (1..6).for_each(|i| axes.swap(i, random.below(i + 1)));
+    axes.truncate(1 + random.below(6));
+    let split = random.below(axes.len());
+    let tasks = [&axes[..split], &axes[split..]].into_iter().filter(|axes| !axes.is_empty());
+    let mut law = |axes: &[Axis]| match random.below(3) {
+        0 => impedance(axes, 10f64.powf(3.0 + random.signed())),
+        _ => force(axes, &axes.iter().map(|_| 1e4 * random.signed()).collect::<Vec<_>>()),
+    };
+    let tasks = tasks.map(|axes| task(axes, law(axes))).collect();
+    let method = [Method::ReversePriority, Method::StrictReversePriority, Method::DampedLeastSquares][random.below(3)];
+    controller(ControllerConfig {
+        method,
+        damping: (random.below(4) > 0).then_some(Damping::STANDARD),
+        period_s: [1e-3, 2e-3, 1e-2][random.below(3)],
+        limits: ALL_LIMITS,
+        ..config(robot, tasks)
+    })
+}
+
+/// Sawyer with joints of very different limits: ranges down to 3 %, speeds and accelerations from 1 % to tenfold.
+fn odd_arm(random: &mut Random) -> Arc<RobotModel> {
+    let sawyer = sawyer();
+    let mut factor = |from: f64, to: f64| 10_f64.powf(from + (to - from) * 0.5 * (1.0 + random.signed()));
+    let mut joints = sawyer.joints().to_vec();
+    for joint in &mut joints {
+        let middle = 0.5 * (joint.limits.lower + joint.limits.upper);
+        let half = 0.5 * (joint.limits.upper - joint.limits.lower) * factor(-1.5, 0.0);
+        joint.limits = JointLimits {
+            lower: middle - half,
+            upper: middle + half,
+            velocity: joint.limits.velocity * factor(-2.0, 1.0),
+            acceleration: joint.limits.acceleration * factor(-2.0, 1.0),
+        };
+    }
+    Arc::new(RobotModel::new("odd", "", joints, *sawyer.tool()).unwrap())
+}
+
+/// Joint positions at rest: inside, exactly on a limit, or, where allowed, outside.
+fn start(robot: &RobotModel, random: &mut Random, outside: bool) -> Vec<f64> {
+    let mut position = |limits: &JointLimits| match random.below(if outside { 5 } else { 4 }) {
+        0 => limits.lower,
+        1 => limits.upper,
+        2 | 3 => 0.5 * (limits.lower + limits.upper + random.signed() * (limits.upper - limits.lower)),
+        _ if random.signed() < 0.0 => limits.lower - 0.3 * random.signed().abs(),
+        _ => limits.upper + 0.3 * random.signed().abs(),
+    };
+    robot.joints().iter().map(|joint| position(&joint.limits)).collect()
+}
+
+/// How far each joint is outside its range, rad.
+fn outside(robot: &RobotModel, q: &[f64]) -> Vec<f64> {
+    let beyond = |(joint, q): (&Joint, &f64)| (q - joint.limits.upper).max(joint.limits.lower - q).max(0.0);
+    robot.joints().iter().zip(q).map(beyond).collect()
+}
+
+/// A fresh memory for a controller that takes over a moving arm.
+fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
+    let robot = &controller.config().robot;
+    let (configuration, twist) = (arm.configuration(robot), arm.twist(robot));
+    let moving = |task: &TaskConfig| match &task.rows {
+        TaskRows::Tool(rows) => {
+            Vector::from_iterator(rows.axes.len(), rows.axes.axes().iter().map(|axis| twist[axis.index()]))
+        }
+        TaskRows::Joints(_) => unreachable!("the adversary has no postures"),
+    };
+    Memory {
+        task_velocities: controller.config().tasks.iter().map(moving).collect(),
+        initial_pose: *configuration.tool_pose(),
+        last_command: arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone()),
+        active_set: Vec::new(),
+    }
+}
+
+/// Largest excess over any limit, and how often limits mattered.
+#[derive(Debug, Default)]
+struct Watch {
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+    cycles: usize,
+    held_back: usize,
+    at_position_limit: usize,
+    clarabel: usize,
+    not_certified: usize,
+}
+
+impl Watch {
+    /// `outside`: how far each joint was outside at the start.
+    fn see(&mut self, robot: &RobotModel, outside: &[f64], last: &[f64], command: &Command, arm: &Loop, period: f64) {
+        let mut near = false;
+        for (i, joint) in robot.joints().iter().enumerate() {
+            let (q, qdot, limits) = (arm.q[i], command.resolution.joint_velocity[i], joint.limits);
+            self.position = self.position.max((q - limits.upper).max(limits.lower - q) - outside[i]);
+            self.velocity = self.velocity.max(qdot.abs() - limits.velocity);
+            self.acceleration = self.acceleration.max((qdot - last[i]).abs() / period - limits.acceleration);
+            near |= (limits.upper - q).min(q - limits.lower) < 1e-3;
+        }
+        self.cycles += 1;
+        self.held_back += usize::from(!command.resolution.active_limits.is_empty());
+        self.at_position_limit += usize::from(near);
+        self.clarabel += usize::from(command.resolution.solver.path == Path::Qp);
+        self.not_certified += usize::from(command.resolution.solver.status != Status::Optimal);
+        assert!(command.limit_conflicts.is_empty(), "cycle {}: {:?}", self.cycles, command.limit_conflicts);
+        assert!(command.resolution.violated_limits.is_empty(), "cycle {}", self.cycles);
+    }
+
+    fn assert_nothing_broken(&self) {
+        println!("{self:?}");
+        assert!(self.position <= 1e-9 && self.velocity <= 1e-9 && self.acceleration <= 1e-9, "{self:?}");
+        assert!(self.held_back > self.cycles / 2 && self.at_position_limit > self.cycles / 20, "harmless: {self:?}");
+        assert!(self.not_certified == 0, "{self:?}");
+    }
+}
+
+fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
+    let kind = LimitKind::PositionVelocityAcceleration;
+    let limited = robot_box(&controller.config().robot, kind, &arm.q, last, controller.config().period_s);
+    let (lower, upper) = (limited.velocity_box.lower(), limited.velocity_box.upper());
+    assert!(lower.iter().zip(upper).all(|(lower, upper)| lower <= upper), "{limited:?}");
+}
+
+/// `cycles` of adversarial tasks under pushes that change their sign at will; a new arm at a new start every 2500.
+fn torment(seed: u64, cycles: usize, from_outside: bool) -> Watch {
+    let (mut random, mut watch) = (Random(seed), Watch::default());
+    while watch.cycles < cycles {
+        let robot = if random.below(2) == 0 { sawyer() } else { odd_arm(&mut random) };
+        let mut arm = Loop::at_rest(&start(&robot, &mut random, from_outside));
+        let outside_at_start = outside(&robot, &arm.q);
+        for _ in 0..5 {
+            let controller = adversary(&robot, &mut random);
+            arm.memory = Some(taken_over(&arm, &controller));
+            let period = controller.config().period_s;
+            for _ in 0..500 {
+                let last = arm.memory.as_ref().unwrap().last_command.as_slice().to_vec();
+                assert_box_not_empty(&controller, &arm, &last);
+                let push = [0.0; 6].map(|_: f64| 3e3 * random.signed());
+                let command = arm.step(&controller, push);
+                watch.see(&robot, &outside_at_start, &last, &command, &arm, period);
+            }
+        }
+        let outside_at_end = outside(&robot, &arm.q);
+        for (i, (start, end)) in outside_at_start.iter().zip(&outside_at_end).enumerate() {
+            assert!(*end <= 1e-9 || end < start, "joint {i} does not come back: {start} rad outside, then {end}");
+        }
+    }
+    watch
+}
+
+/// A quarter of the 10⁶ cycles, so that the test harness can share them out.
+fn quarter(seed: u64) {
+    torment(seed, 250_000, false).assert_nothing_broken();
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_first_quarter_of_1e6_adversarial_cycles() {
+    quarter(2);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_second_quarter_of_1e6_adversarial_cycles() {
+    quarter(3);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_third_quarter_of_1e6_adversarial_cycles() {
+    quarter(5);
+}
+
+#[test]
+fn no_limit_is_ever_broken_in_the_last_quarter_of_1e6_adversarial_cycles() {
+    quarter(7);
+}
+
+#[test]
+fn joints_found_outside_come_back_within_velocity_and_acceleration_whatever_the_tasks_ask() {
+    torment(11, 100_000, true).assert_nothing_broken();
+}
+
+/// An arm under a steady push in x, its joints moving.
+fn moving_arm(controller: &Controller) -> Loop {
+    let mut arm = Loop::at_rest(&NOMINAL);
+    (0..200).for_each(|_| drop(arm.step(controller, [0.0; 6])));
+    arm
+}
+
+#[test]
+fn a_jump_of_the_measured_position_reports_the_conflict_and_position_wins() {
+    let robot = sawyer();
+    let limited =
+        ControllerConfig { limits: ALL_LIMITS, ..config(&robot, vec![task(&[Axis::X], force(&[Axis::X], &[300.0]))]) };
+    let controller = controller(limited);
+    let arm = moving_arm(&controller);
+    let last = arm.memory.as_ref().unwrap().last_command.clone();
+    let joint = last.iamax();
+    let limits = robot.joints()[joint].limits;
+    assert!(last[joint].abs() > 2.0 * limits.acceleration * PERIOD, "the joint can not stop in one period");
+
+    let mut jumped = arm.clone();
+    jumped.q[joint] = if last[joint] > 0.0 { limits.upper } else { limits.lower };
+    let at_limit = jumped.step(&controller, [0.0; 6]);
+    assert_eq!(at_limit.limit_conflicts, [joint]);
+    let qdot = at_limit.resolution.joint_velocity[joint];
+    assert!(qdot * last[joint].signum() <= 0.0, "no further outwards: {qdot} rad/s");
+    assert!(at_limit.resolution.violated_limits.is_empty());
+
+    let mut undisturbed = arm;
+    assert!(undisturbed.step(&controller, [0.0; 6]).limit_conflicts.is_empty());
+}
+
+#[test]
+fn an_arm_found_outside_its_limits_comes_back_and_stays() {
+    let robot = sawyer();
+    let outwards = vec![task(&Axis::ALL, force(&Axis::ALL, &[300.0; 6]))];
+    let controller = controller(ControllerConfig { limits: ALL_LIMITS, ..config(&robot, outwards) });
+    let mut arm = Loop::at_rest(&NOMINAL);
+    let limits = robot.joints()[3].limits;
+    arm.q[3] = limits.upper + 0.1;
+    let outside = |arm: &Loop| arm.q[3] - limits.upper;
+    let mut last = 0.0;
+    for _ in 0..1000 {
+        let command = arm.step(&controller, [0.0; 6]);
+        let qdot = command.resolution.joint_velocity[3];
+        assert!((qdot - last).abs() <= limits.acceleration * PERIOD + 1e-9 && qdot.abs() <= limits.velocity + 1e-9);
+        assert!(command.limit_conflicts.is_empty());
+        last = qdot;
+    }
+    assert!(outside(&arm) <= 1e-4, "still {} rad outside", outside(&arm));
+}
+
+#[test]
+fn the_measured_velocity_of_the_first_period_counts_against_the_acceleration_limit() {
+    let robot = sawyer();
+    let tasks = vec![task(&Axis::ALL, force(&Axis::ALL, &[-1e4; 6]))];
+    let controller = controller(ControllerConfig { limits: ALL_LIMITS, ..config(&robot, tasks) });
+    let moving = [0.1, -0.2, 0.05, 0.3, -0.1, 0.2, 0.4];
+    let measured = Measurement { joint_velocity: Some(moving.to_vec()), ..measurement(&NOMINAL) };
+    let command = controller.step(&mut None, &measured).unwrap();
+    assert!(!command.resolution.active_limits.is_empty());
+    for (i, joint) in robot.joints().iter().enumerate() {
+        let change = (command.resolution.joint_velocity[i] - moving[i]).abs();
+        assert!(change <= joint.limits.acceleration * PERIOD + 1e-12, "joint {}", joint.name);
+    }
+}

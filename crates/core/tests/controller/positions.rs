@@ -1,0 +1,234 @@
+//! Laws and null-space motions that lead to poses and postures.
+
+use std::sync::Arc;
+
+use nalgebra::{Rotation3, Vector3};
+use revprio_core::controller::{
+    ConfigError, Controller, ControllerConfig, JointRows, JointTarget, NullSpaceError, NullSpaceMotion, TargetPose,
+    TaskConfig, TaskConfigError, TaskRows, ToolRows,
+};
+use revprio_core::law::Law;
+use revprio_core::linalg::Vector;
+use revprio_robot::kinematics::{Axis, joint_limit_gradient, joint_limit_index, orientation_error};
+use revprio_robot::{JointLimits, RobotModel};
+
+use super::arms::{
+    Loop, NOMINAL, PERIOD, config, constant, controller, force, gantry, position, sawyer, task, tool_rows,
+};
+
+fn joints(joints: &[usize], target: JointTarget, law: Law) -> TaskConfig {
+    let rows = TaskRows::Joints(JointRows { joints: joints.to_vec(), target });
+    TaskConfig { name: "posture".to_owned(), rows, law, scaled: false }
+}
+
+fn to_pose(goal: nalgebra::IsometryMatrix3<f64>, axes: &[Axis], gain: f64) -> TaskConfig {
+    let rows = ToolRows { target_pose: TargetPose::Fixed(goal), ..tool_rows(axes) };
+    TaskConfig { rows: TaskRows::Tool(rows), ..task(axes, position(axes.len(), gain)) }
+}
+
+/// A pose 7 cm and 0.3 rad away from the nominal one.
+fn nearby_goal() -> nalgebra::IsometryMatrix3<f64> {
+    let mut goal = *Loop::at_rest(&NOMINAL).configuration(&sawyer()).tool_pose();
+    goal.translation.vector += Vector3::new(0.03, -0.05, 0.04);
+    goal.rotation = Rotation3::new(Vector3::new(0.2, -0.1, 0.2)) * goal.rotation;
+    goal
+}
+
+#[test]
+fn closed_loop_inverse_kinematics_on_a_gantry_is_the_power_of_one_minus_gain_times_period() {
+    let axes = [Axis::X, Axis::Y, Axis::Z];
+    let goal = nalgebra::IsometryMatrix3::translation(0.4, -0.1, 0.2);
+    let controller = controller(config(&gantry(JointLimits::NONE), vec![to_pose(goal, &axes, 20.0)]));
+    let mut arm = Loop::at_rest(&[0.0; 3]);
+    for i in 1..=500 {
+        arm.step(&controller, [0.0; 6]);
+        let left = (1.0 - 20.0 * PERIOD).powi(i);
+        for (q, goal) in arm.q.iter().zip([0.4, -0.1, 0.2]) {
+            assert!((q - goal * (1.0 - left)).abs() < 1e-14, "period {i}: {q}");
+        }
+    }
+}
+
+#[test]
+fn closed_loop_inverse_kinematics_on_sawyer_converges_exponentially_at_its_gain() {
+    let (robot, goal) = (sawyer(), nearby_goal());
+    let controller = controller(config(&robot, vec![to_pose(goal, &Axis::ALL, 4.0)]));
+    let mut arm = Loop::at_rest(&NOMINAL);
+    let distance = |arm: &Loop| {
+        let pose = *arm.configuration(&robot).tool_pose();
+        let turn = orientation_error(&pose.rotation, &goal.rotation).norm();
+        ((pose.translation.vector - goal.translation.vector).norm(), turn)
+    };
+    let (way, turn) = distance(&arm);
+    for second in 1..=5 {
+        (0..1000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
+        let left = (-4.0 * f64::from(second)).exp();
+        let now = distance(&arm);
+        // Steps of 1 ms along straight joint paths: some percent over e^-20.
+        assert!((now.0 / (way * left) - 1.0).abs() < 0.06, "{second} s: {} of {}", now.0, way * left);
+        assert!((now.1 / (turn * left) - 1.0).abs() < 0.06, "{second} s: {} of {}", now.1, turn * left);
+    }
+}
+
+#[test]
+fn a_posture_of_chosen_joints_leads_them_exponentially_and_leaves_the_others() {
+    let target = [-0.2, 1.0];
+    let posture = joints(&[1, 4], JointTarget::Position(constant(&target)), position(2, 3.0));
+    let controller = controller(config(&sawyer(), vec![posture]));
+    let mut arm = Loop::at_rest(&NOMINAL);
+    for i in 1..=1000 {
+        arm.step(&controller, [0.0; 6]);
+        let left = (1.0 - 3.0 * PERIOD).powi(i);
+        for (joint, q) in arm.q.iter().enumerate() {
+            let goal = [1, 4].iter().position(|chosen| *chosen == joint).map_or(NOMINAL[joint], |row| target[row]);
+            assert!((q - goal - (NOMINAL[joint] - goal) * left).abs() < 1e-13, "period {i}, joint {joint}: {q}");
+        }
+    }
+}
+
+#[test]
+fn a_moving_posture_is_followed_without_lag() {
+    let ramp = revprio_core::law::Profile::ramp(vec![NOMINAL[3]], vec![NOMINAL[3] + 0.5], 0.0, 1.0).unwrap();
+    let controller = controller(config(&sawyer(), vec![joints(&[3], JointTarget::Position(ramp), position(1, 5.0))]));
+    let mut arm = Loop::at_rest(&NOMINAL);
+    for i in 1..=1000 {
+        arm.step(&controller, [0.0; 6]);
+        assert!((arm.q[3] - NOMINAL[3] - 0.5e-3 * f64::from(i)).abs() < 1e-12, "period {i}");
+    }
+}
+
+#[test]
+fn a_posture_towards_mid_range_descends_the_joint_limit_index() {
+    let robot = sawyer();
+    let all: Vec<usize> = (0..7).collect();
+    let controller = controller(config(&robot, vec![joints(&all, JointTarget::MidRange, position(7, 2.0))]));
+    let mut arm = Loop::at_rest(&NOMINAL);
+    let command = arm.step(&controller, [0.0; 6]);
+    let expected = joint_limit_gradient(&robot, &NOMINAL) * -2.0;
+    assert!((&command.resolution.joint_velocity - expected).amax() < 1e-15);
+    let mut before = joint_limit_index(&robot, &NOMINAL);
+    assert_eq!(command.joint_limit_index, before);
+    for _ in 0..1000 {
+        arm.step(&controller, [0.0; 6]);
+        let now = joint_limit_index(&robot, &arm.q);
+        assert!(now < before);
+        before = now;
+    }
+}
+
+/// The arm after 8 s of holding its pose with this motion in the null space.
+fn held_with(motion: NullSpaceMotion) -> Loop {
+    let robot = sawyer();
+    let start = *Loop::at_rest(&NOMINAL).configuration(&robot).tool_pose();
+    let hold = to_pose(start, &Axis::ALL, 10.0);
+    let controller = controller(ControllerConfig { null_space: Some(motion), ..config(&robot, vec![hold]) });
+    let mut arm = Loop::at_rest(&NOMINAL);
+    for _ in 0..8000 {
+        arm.step(&controller, [0.0; 6]);
+        let now = *arm.configuration(&robot).tool_pose();
+        assert!((now.to_homogeneous() - start.to_homogeneous()).amax() < 1e-4, "the tool holds still: {now}");
+    }
+    arm
+}
+
+/// The one direction of joint motion that the tool does not feel, length 1.
+fn free_direction(robot: &RobotModel, q: &[f64]) -> Vector {
+    let configuration = revprio_robot::kinematics::Configuration::new(robot, q).unwrap();
+    let jacobian = revprio_core::linalg::TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
+    let null_space = revprio_core::linalg::Decomposition::new(&jacobian).null_space();
+    Vector::from_fn(7, |i, _| null_space[i][0])
+}
+
+#[test]
+fn joint_limits_in_the_null_space_descend_the_index_as_far_as_a_still_tool_allows() {
+    let robot = sawyer();
+    let arm = held_with(NullSpaceMotion::JointLimits { gain: 100.0 });
+    assert!(joint_limit_index(&robot, &arm.q) < joint_limit_index(&robot, &NOMINAL) - 1e-3);
+    let slope = |q: &[f64]| joint_limit_gradient(&robot, q).dot(&free_direction(&robot, q)).abs();
+    assert!(slope(&arm.q) < 1e-3 * slope(&NOMINAL), "{} {}", slope(&arm.q), slope(&NOMINAL));
+}
+
+#[test]
+fn a_posture_in_the_null_space_draws_near_as_far_as_a_still_tool_allows() {
+    let robot = sawyer();
+    let mut wanted = NOMINAL.to_vec();
+    wanted[0] -= 0.4;
+    let arm = held_with(NullSpaceMotion::Posture { joint_position: wanted.clone(), gain: 5.0 });
+    let left = Vector::from_vec(wanted) - Vector::from_row_slice(&arm.q);
+    assert!(left.norm() < 0.399);
+    assert!(left.dot(&free_direction(&robot, &arm.q)).abs() < 1e-4);
+}
+
+#[test]
+fn a_constant_null_space_velocity_moves_the_joints_and_not_the_tool() {
+    let free = free_direction(&sawyer(), &NOMINAL);
+    let hold = task(&Axis::ALL, Law::Velocity(constant(&[0.0; 6])));
+    let null_space = Some(NullSpaceMotion::Constant(&free * 0.3));
+    let controller = controller(ControllerConfig { null_space, ..config(&sawyer(), vec![hold]) });
+    let command = Loop::at_rest(&NOMINAL).step(&controller, [0.0; 6]);
+    assert!((command.resolution.joint_velocity - free * 0.3).amax() < 1e-12);
+}
+
+fn refusal(config: ControllerConfig) -> ConfigError {
+    Controller::new(config).unwrap_err()
+}
+
+fn task_refusal(robot: &Arc<RobotModel>, task: TaskConfig) -> TaskConfigError {
+    match refusal(config(robot, vec![task])) {
+        ConfigError::Task { task: 0, source } => source,
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn gains_that_would_overshoot_for_ever_are_refused_and_those_just_below_settle() {
+    let (robot, axes) = (gantry(JointLimits::NONE), [Axis::X]);
+    let goal = nalgebra::IsometryMatrix3::translation(1.0, 0.0, 0.0);
+    let refused = task_refusal(&robot, to_pose(goal, &axes, 2000.0));
+    assert_eq!(refused, TaskConfigError::Unstable { row: 0, gain: 2000.0, bound: 2000.0 });
+    let controller = controller(config(&robot, vec![to_pose(goal, &axes, 1990.0)]));
+    let mut arm = Loop::at_rest(&[0.0; 3]);
+    (0..3000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
+    assert!((arm.q[0] - 1.0).abs() < 1e-9, "{}", arm.q[0]);
+    let with =
+        |motion| ControllerConfig { null_space: Some(motion), ..config(&robot, vec![to_pose(goal, &axes, 1.0)]) };
+    let swinging = NullSpaceMotion::Posture { joint_position: vec![0.0; 3], gain: 2000.0 };
+    assert!(matches!(refusal(with(swinging)), ConfigError::NullSpace(NullSpaceError::Unstable { .. })));
+}
+
+#[test]
+fn the_bound_of_a_gain_towards_mid_range_counts_the_range() {
+    // 1/(n half²) = 1/(3 · 0.01): the gain that swings for ever is 2 · 0.03 / T.
+    let limits = JointLimits { lower: -0.1, upper: 0.1, ..JointLimits::NONE };
+    let robot = gantry(limits);
+    let with = |gain: f64| joints(&[0], JointTarget::MidRange, position(1, gain));
+    assert!(matches!(task_refusal(&robot, with(60.001)), TaskConfigError::Unstable { .. }));
+    let controller = controller(config(&robot, vec![with(59.9)]));
+    let mut arm = Loop::at_rest(&[0.05, 0.0, 0.0]);
+    (0..10_000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
+    assert!(arm.q[0].abs() < 1e-9, "{}", arm.q[0]);
+    let null_space = |gain| ControllerConfig {
+        null_space: Some(NullSpaceMotion::JointLimits { gain }),
+        ..config(&robot, vec![with(1.0)])
+    };
+    assert!(matches!(refusal(null_space(60.001)), ConfigError::NullSpace(NullSpaceError::Unstable { .. })));
+    assert!(Controller::new(null_space(59.9)).is_ok());
+}
+
+#[test]
+fn joint_rows_that_mean_nothing_are_refused() {
+    let robot = gantry(JointLimits::NONE);
+    for chosen in [vec![], vec![3], vec![1, 1]] {
+        let target = JointTarget::Position(constant(&vec![0.0; chosen.len()]));
+        let law = position(chosen.len(), 1.0);
+        assert_eq!(task_refusal(&robot, joints(&chosen, target, law)), TaskConfigError::Joints, "{chosen:?}");
+    }
+    let rangeless = joints(&[0], JointTarget::MidRange, position(1, 1.0));
+    assert_eq!(task_refusal(&robot, rangeless), TaskConfigError::Joints);
+    let pushed = joints(&[0], JointTarget::Position(constant(&[0.0])), force(&[Axis::X], &[1.0]));
+    assert_eq!(task_refusal(&robot, pushed), TaskConfigError::JointLaw);
+    let short = joints(&[0, 1], JointTarget::Position(constant(&[0.0])), position(2, 1.0));
+    assert_eq!(task_refusal(&robot, short), TaskConfigError::Rows { expected: 2, given: 1 });
+    let wide = joints(&[0, 1], JointTarget::Position(constant(&[0.0; 2])), position(3, 1.0));
+    assert_eq!(task_refusal(&robot, wide), TaskConfigError::Rows { expected: 2, given: 3 });
+}

@@ -1,0 +1,188 @@
+//! The closed forms against the equations as printed, and against each other.
+
+use proptest::prelude::*;
+use revprio_core::limits::VelocityBox;
+use revprio_core::linalg::{Damping, Matrix, Vector, stack};
+use revprio_core::resolution::{Method, Problem, Solver, resolve};
+use revprio_core::task::{Task, TaskStack};
+
+use crate::problems::{Family, Random, SMALL, damping, problem};
+use crate::reference::{Level, levels, pinv_own, unlimited};
+
+fn solve(tasks: &TaskStack, method: Method, damping: Option<Damping>) -> Vector {
+    let limits = VelocityBox::unbounded(tasks.joint_count());
+    let solver = Solver::ClosedForm;
+    let problem = Problem { limits, method, solver, damping, ..Problem::new(tasks.clone()) };
+    resolve(&problem, &[]).unwrap().joint_velocity
+}
+
+fn task(rows: Matrix, velocity: Vector) -> Task {
+    Task::new("", rows, velocity)
+}
+
+fn row(entries: &[f64], velocity: f64) -> Task {
+    task(Matrix::from_row_slice(1, entries.len(), entries), Vector::from_element(1, velocity))
+}
+
+/// Rows drawn until none of the matrices that Eq. (29) inverts is nearly singular.
+fn well_conditioned(random: &mut Random) -> TaskStack {
+    loop {
+        let n = 2 + random.below(7);
+        let count = 1 + random.below(4);
+        let mut any = || {
+            let m = 1 + random.below(2);
+            task(Matrix::from_fn(m, n, |_, _| random.unit()), Vector::from_fn(m, |_, _| random.unit()))
+        };
+        let tasks = TaskStack::new((0..count).map(|_| any()).collect()).unwrap();
+        let sigma = tasks.stacked_jacobian().singular_values();
+        if tasks.stacked_jacobian().nrows() <= n && sigma.min() > 0.1 {
+            return tasks;
+        }
+    }
+}
+
+/// λ for the singular values of `J`, 0 without damping.
+fn factor(J: &Matrix, damping: Option<Damping>) -> f64 {
+    damping.map_or(0.0, |damping| damping.factor(J.singular_values().min()))
+}
+
+/// Jᵀ(J Jᵀ + λ² I)⁻¹.
+fn damped_inverse(J: &Matrix, lambda: f64) -> Matrix {
+    if lambda == 0.0 {
+        return pinv_own(J);
+    }
+    let m = J.nrows();
+    J.transpose() * (J * J.transpose() + Matrix::identity(m, m) * (lambda * lambda)).try_inverse().unwrap()
+}
+
+/// Eq. (29) as it stands: q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}), with J_k J_k^# before the bracket if damped.
+fn printed(tasks: &TaskStack, damping: Option<Damping>) -> Vector {
+    let mut qdot = Vector::zeros(tasks.joint_count());
+    let mut J_low = Matrix::zeros(0, tasks.joint_count());
+    for Task { jacobian: J_k, velocity: xdot_k, .. } in tasks.tasks().iter().rev() {
+        let J_rp = stack(J_k, &J_low);
+        let T_k = damped_inverse(&J_rp, factor(&J_rp, damping)).columns(0, J_k.nrows()).into_owned();
+        let reach = J_k * damped_inverse(J_k, factor(J_k, damping));
+        qdot += &T_k * pinv_own(&(J_k * &T_k)) * reach * (xdot_k - J_k * &qdot);
+        J_low = J_rp;
+    }
+    qdot
+}
+
+/// Eq. (11) for two tasks: q̇ = J_1⁺ẋ_1 + (J_2 N_1)⁺(ẋ_2 − J_2 J_1⁺ẋ_1).
+fn task_priority(first: &Task, second: &Task) -> Vector {
+    let n = first.jacobian.ncols();
+    let J1_inverse = pinv_own(&first.jacobian);
+    let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
+    let q1 = J1_inverse * &first.velocity;
+    // Rank relative to J_2: the product with the projector may be rounding alone.
+    let inverse = crate::reference::pinv(&(&second.jacobian * N1), 1e-10 * second.jacobian.norm());
+    &q1 + inverse * (&second.velocity - &second.jacobian * &q1)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn reverse_priority_equals_the_printed_equation(seed in any::<u64>()) {
+        let mut random = Random::new(seed);
+        let tasks = well_conditioned(&mut random);
+        let (shipped, printed) = (solve(&tasks, Method::ReversePriority, None), printed(&tasks, None));
+        prop_assert!((&shipped - &printed).amax() <= 1e-10 * (1.0 + printed.amax()), "{shipped} {printed}");
+    }
+
+    #[test]
+    fn damped_reverse_priority_equals_the_printed_equation(seed in any::<u64>()) {
+        let mut random = Random::new(seed);
+        let tasks = well_conditioned(&mut random);
+        let damping = Some(damping(&mut random));
+        let (shipped, printed) = (solve(&tasks, Method::ReversePriority, damping), printed(&tasks, damping));
+        prop_assert!((&shipped - &printed).amax() <= 1e-9 * (1.0 + printed.amax()), "{shipped} {printed}");
+    }
+
+    #[test]
+    fn two_tasks_equal_task_priority_and_the_lexicographic_solution(seed in any::<u64>()) {
+        let mut random = Random::new(seed);
+        // Exactly dependent rows, but no nearly dependent ones: those amplify rounding.
+        let family = Family { nearness: &[], ..SMALL };
+        let mut any = problem(&mut random, family, Method::StrictReversePriority);
+        any.null_space_velocity = None;
+        any.tasks = TaskStack::new(any.tasks.tasks().iter().take(2).cloned().collect()).unwrap();
+        let [first, second] = any.tasks.tasks() else { return Ok(()) };
+        let expected = task_priority(first, second);
+        let n = any.tasks.joint_count();
+        let others = [
+            solve(&any.tasks, Method::ReversePriority, None),
+            solve(&any.tasks, Method::TaskPriority, None),
+            solve(&any.tasks, Method::StrictReversePriority, None),
+            unlimited(&levels(&any), n),
+        ];
+        for other in others {
+            prop_assert!((&other - &expected).amax() <= 1e-9 * (1.0 + expected.amax()), "{other} {expected}");
+        }
+    }
+}
+
+/// Eq. (13) as it stands.
+fn singularity_robust(first: &Task, second: &Task) -> Vector {
+    let n = first.jacobian.ncols();
+    let J1_inverse = pinv_own(&first.jacobian);
+    let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
+    J1_inverse * &first.velocity + N1 * pinv_own(&second.jacobian) * &second.velocity
+}
+
+#[test]
+fn the_singularity_robust_form_equals_the_printed_equation_and_its_cascade() {
+    let mut random = Random::new(13);
+    for _ in 0..500 {
+        let tasks = well_conditioned(&mut random);
+        let [first, second] = tasks.tasks() else { continue };
+        let expected = singularity_robust(first, second);
+        for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
+            let limits = VelocityBox::unbounded(tasks.joint_count());
+            let (tasks, method) = (tasks.clone(), Method::SingularityRobust);
+            let problem = Problem { limits, method, solver, ..Problem::new(tasks) };
+            let answer = resolve(&problem, &[]).unwrap();
+            assert!((&answer.joint_velocity - &expected).amax() < 1e-10, "{solver:?}");
+            assert!(answer.tasks[0].residual_norm < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn three_tasks_show_that_the_recursion_is_strict_for_the_top_task_only() {
+    let tasks = TaskStack::new(vec![row(&[1.0, 1.0], 1.0), row(&[1.0, 0.0], 0.0), row(&[0.0, 1.0], 0.0)]).unwrap();
+    let residuals = |method| {
+        let qdot = solve(&tasks, method, None);
+        tasks.tasks().iter().map(|task| (&task.jacobian * &qdot - &task.velocity).norm()).collect::<Vec<_>>()
+    };
+    let close = |a: Vec<f64>, b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
+    assert!(close(residuals(Method::ReversePriority), [0.0, 0.5, 0.5]));
+    assert!(close(residuals(Method::StrictReversePriority), [0.0, 0.0, 1.0]));
+}
+
+#[test]
+fn undamped_conflicts_blow_up_and_damped_ones_stay_bounded() {
+    for exponent in 1..8 {
+        let epsilon = 10_f64.powi(-exponent);
+        let tasks = TaskStack::new(vec![row(&[1.0, 0.0], 1.0), row(&[1.0, epsilon], -1.0)]).unwrap();
+        let undamped = solve(&tasks, Method::ReversePriority, None).norm();
+        assert!((undamped * epsilon - 2.0).abs() < epsilon, "|q̇| = {undamped:e} at ε = {epsilon:e}");
+        let damped = solve(&tasks, Method::ReversePriority, Some(Damping::STANDARD));
+        assert!((damped[0] - 1.0).abs() < 1e-12, "task 1 stays exact");
+        assert!(damped.norm() < 25.0, "|q̇| = {:e} at ε = {epsilon:e}", damped.norm());
+    }
+}
+
+#[test]
+fn one_task_of_independent_rows_needs_the_pseudo_inverse_alone() {
+    let mut random = Random::new(1);
+    for _ in 0..100 {
+        let tasks = well_conditioned(&mut random);
+        let one = Level { A: tasks.stacked_jacobian(), b: tasks.stacked_velocity() };
+        let expected = pinv_own(&one.A) * &one.b;
+        for method in [Method::Pseudoinverse, Method::ReversePriority, Method::StrictReversePriority] {
+            assert!((solve(&tasks, method, None) - &expected).amax() < 1e-10, "{method:?}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Inequalities a·q̇ ≤ b beside the box.
+#![allow(non_snake_case)]
+
+use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::linalg::{Matrix, Vector};
+use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
+use revprio_core::task::{Task, TaskStack};
+
+use crate::problems::{Random, SMALL, problem, speed, with};
+use crate::reference::{enumerate, levels};
+
+const METHODS: [Method; 2] = [Method::ReversePriority, Method::StrictReversePriority];
+
+/// A random rotation of n joints.
+fn rotation(random: &mut Random, n: usize) -> Matrix {
+    Matrix::from_fn(n, n, |_, _| random.unit()).qr().q()
+}
+
+/// The problem in turned coordinates x = R q̇: its box becomes inequalities, its own box is unbounded.
+fn turned(problem: &Problem, R: &Matrix, random: &mut Random) -> Problem {
+    let task = |task: &Task| Task { jacobian: &task.jacobian * R.transpose(), ..task.clone() };
+    let tasks = TaskStack::new(problem.tasks.tasks().iter().map(task).collect()).unwrap();
+    let bounds = problem.limits.lower().iter().map(|lower| (-1.0, -lower)).enumerate();
+    let bounds = bounds.chain(problem.limits.upper().iter().map(|upper| (1.0, *upper)).enumerate());
+    let mut inequality = |(joint, (sign, bound)): (usize, (f64, f64))| {
+        let length = sign * 10_f64.powf(random.unit());
+        let row: Vec<f64> = R.column(joint).iter().map(|entry| length * entry).collect();
+        Inequality::new(format!("{joint} {sign}"), row, length.abs() * bound).unwrap()
+    };
+    let inequalities = bounds.filter(|(_, (_, bound))| bound.is_finite()).map(&mut inequality).collect();
+    let null_space_velocity = problem.null_space_velocity.as_ref().map(|zeta| R * zeta);
+    let limits = VelocityBox::unbounded(tasks.joint_count());
+    Problem { tasks, limits, inequalities, null_space_velocity, ..problem.clone() }
+}
+
+#[test]
+fn a_turned_box_gives_the_turned_answer() {
+    let mut worst = 0.0_f64;
+    for seed in 0..4000 {
+        let mut random = Random::new(seed);
+        let problem = problem(&mut random, SMALL, METHODS[(seed % 2) as usize]);
+        let exact = enumerate(&levels(&problem), problem.limits.lower(), problem.limits.upper());
+        let R = rotation(&mut random, exact.len());
+        let turned = turned(&problem, &R, &mut random);
+        let size = exact.amax().max(speed(&problem)).max(1.0);
+        for solver in [Solver::Qp, Solver::Auto] {
+            let answer = resolve(&with(&turned, solver), &[]).unwrap();
+            let error = (R.transpose() * &answer.joint_velocity - &exact).amax() / size;
+            worst = worst.max(error);
+            assert!(error <= 1e-8, "seed {seed}, {solver:?}: off by {error:e}: {answer:?}");
+            assert_eq!(answer.solver.status, Status::Optimal, "seed {seed}");
+            for inequality in &turned.inequalities {
+                let excess = inequality.violation(&answer.joint_velocity);
+                assert!(excess <= 1e-12 * size, "seed {seed}: {excess:e} beyond {inequality:?}, {answer:?}");
+            }
+        }
+    }
+    println!("largest error {worst:e}");
+}
+
+fn push(velocity: f64) -> TaskStack {
+    let rows = Matrix::from_row_slice(1, 2, &[1.0, 1.0]);
+    TaskStack::new(vec![Task::new("push", rows, Vector::from_element(1, velocity))]).unwrap()
+}
+
+fn box_of(lower: [f64; 2], upper: [f64; 2]) -> VelocityBox {
+    VelocityBox::new(&lower, &upper).unwrap()
+}
+
+#[test]
+fn an_active_inequality_is_named_with_what_it_costs() {
+    // ½(q̇₁ + q̇₂ − 2)² with 2 q̇₁ + 2 q̇₂ ≤ 1 leaves ½ 1.5²; per unit of 1 it would fall by 1.5/2.
+    let inequalities = vec![Inequality::new("wall", vec![2.0, 2.0], 1.0).unwrap()];
+    for solver in [Solver::Qp, Solver::Auto] {
+        let problem = Problem { inequalities: inequalities.clone(), solver, ..Problem::new(push(2.0)) };
+        let answer = resolve(&problem, &[]).unwrap();
+        assert!((&answer.joint_velocity - Vector::repeat(2, 0.25)).amax() <= 1e-14, "{answer:?}");
+        assert!(answer.violated_inequalities.is_empty() && answer.active_limits.is_empty());
+        let active = &answer.active_inequalities[..];
+        assert!(active.len() == 1 && active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
+        let again = resolve(&with(&problem, Solver::Auto), &answer.active_set).unwrap();
+        assert_eq!((again.solver.iterations, &again.joint_velocity), (0, &answer.joint_velocity));
+    }
+}
+
+#[test]
+fn the_closed_form_reports_the_inequalities_that_it_breaks() {
+    let inequalities = vec![Inequality::new("wall", vec![1.0, 0.0], 0.5).unwrap()];
+    let answer =
+        resolve(&Problem { inequalities, solver: Solver::ClosedForm, ..Problem::new(push(2.0)) }, &[]).unwrap();
+    assert_eq!(answer.violated_inequalities.len(), 1);
+    let broken = &answer.violated_inequalities[0];
+    assert!(broken.name == "wall" && broken.bound == 0.5 && (broken.value - 1.0).abs() < 1e-14, "{broken:?}");
+}
+
+#[test]
+fn where_inequalities_contradict_the_box_it_holds_and_they_are_broken_least() {
+    // q̇₁ + q̇₂ ≥ 4 and q̇₁ − q̇₂ ≥ 3 in a box of ±1: least squares of (4 − s, 3 − d) at the corner (1, −½ …) of s and d.
+    let inequalities = vec![
+        Inequality::new("sum", vec![-1.0, -1.0], -4.0).unwrap(),
+        Inequality::new("difference", vec![-1.0, 1.0], -3.0).unwrap(),
+    ];
+    let limits = box_of([-1.0; 2], [1.0; 2]);
+    for solver in [Solver::Qp, Solver::Auto] {
+        let inequalities = inequalities.clone();
+        let problem = Problem { inequalities, limits: limits.clone(), solver, ..Problem::new(push(0.0)) };
+        let answer = resolve(&problem, &[]).unwrap();
+        // min (4 − 1 − y)² + (3 − 1 + y)²: y = ½.
+        assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-12, "{answer:?}");
+        let broken: Vec<&str> = answer.violated_inequalities.iter().map(|broken| &*broken.name).collect();
+        assert_eq!(broken, ["sum", "difference"]);
+        assert_eq!(answer.solver.status, Status::Optimal);
+    }
+}
+
+#[test]
+fn a_start_that_an_inequality_forbids_is_moved_to_one_that_it_allows() {
+    let inequalities = vec![Inequality::new("back", vec![1.0, 0.0], -0.3).unwrap()];
+    let limits = box_of([-1.0; 2], [1.0; 2]);
+    let answer = resolve(&Problem { inequalities, limits, ..Problem::new(push(0.0)) }, &[]).unwrap();
+    assert!((&answer.joint_velocity - Vector::from_vec(vec![-0.3, 0.3])).amax() <= 1e-14, "{answer:?}");
+}

@@ -1,0 +1,124 @@
+//! Tasks that limits slow down instead of bending.
+#![allow(non_snake_case)]
+
+use revprio_core::limits::VelocityBox;
+use revprio_core::linalg::{Matrix, Vector, stack};
+use revprio_core::resolution::{Method, Problem, Resolution, Solver, Status, resolve};
+use revprio_core::task::{Task, TaskStack};
+
+use crate::problems::{Random, SMALL, problem, scaled, speed, with};
+use crate::reference::{Level, enumerate, levels, pinv, pinv_own};
+
+/// The levels with the velocities of scaled tasks multiplied by `factors`.
+fn slowed(problem: &Problem, factors: &[Option<f64>]) -> Vec<Level> {
+    let mut levels = levels(problem);
+    for (level, factor) in levels.iter_mut().zip(factors) {
+        level.b *= factor.unwrap_or(1.0);
+    }
+    levels
+}
+
+fn factors(answer: &Resolution) -> Vec<Option<f64>> {
+    answer.tasks.iter().map(|task| task.scale).collect()
+}
+
+/// Residual of level k of the exact solution, in the directions that the levels above leave open.
+fn residual(problem: &Problem, levels: &[Level], k: usize) -> f64 {
+    let exact = enumerate(levels, problem.limits.lower(), problem.limits.upper());
+    let n = exact.len();
+    let above = levels[..k].iter().fold(Matrix::zeros(0, n), |rows, level| stack(&rows, &level.A));
+    let open = &levels[k].A * (Matrix::identity(n, n) - pinv_own(&above) * above);
+    let reachable = &open * pinv(&open, 1e-10 * levels[k].A.norm());
+    (reachable * (&levels[k].A * exact - &levels[k].b)).norm()
+}
+
+/// Independent of how scaling is solved: the factors, taken as given, make an ordinary hierarchy whose solution by
+/// enumeration is the answer; a larger factor would leave a larger residual.
+fn examine(seed: u64, method: Method) -> usize {
+    let mut random = Random::new(seed);
+    let problem = problem(&mut random, SMALL, method);
+    let choice = random.bits();
+    let problem = scaled(&problem, |k| k == 0 || choice >> k & 1 == 1);
+    let answer = resolve(&with(&problem, Solver::Qp), &[]).unwrap();
+    assert_eq!(answer.solver.status, Status::Optimal, "seed {seed}: {answer:?}");
+    let auto = resolve(&with(&problem, Solver::Auto), &answer.active_set).unwrap();
+    let size = answer.joint_velocity.amax().max(speed(&problem)).max(1.0);
+    assert!((&auto.joint_velocity - &answer.joint_velocity).amax() <= 1e-8 * size, "seed {seed}");
+
+    let factors = factors(&answer);
+    let exact = enumerate(&slowed(&problem, &factors), problem.limits.lower(), problem.limits.upper());
+    let error = (&answer.joint_velocity - exact).amax() / size;
+    assert!(error <= 1e-7, "seed {seed}: off by {error:e}, {factors:?}");
+
+    let mut cut = 0;
+    for (k, factor) in factors.iter().enumerate() {
+        let Some(factor) = factor.filter(|factor| *factor < 1.0) else { continue };
+        cut += 1;
+        let more = |step: f64| {
+            let mut factors = factors.clone();
+            factors[k] = Some(factor + step);
+            residual(&problem, &slowed(&problem, &factors), k)
+        };
+        let asked = problem.tasks.tasks()[k].velocity.norm();
+        let (now, then) = (more(0.0), more(1e-4));
+        assert!(then > now + 1e-9 * asked, "seed {seed}: task {k} could be faster than {factor}: {now:e}, {then:e}");
+    }
+    cut
+}
+
+#[test]
+fn a_scaled_task_keeps_its_direction_at_the_largest_speed() {
+    let cut: usize = (0..1500).map(|seed| examine(seed, Method::StrictReversePriority)).sum();
+    assert!(cut > 300, "limits cut only {cut} tasks");
+    let cut: usize = (0..1500).map(|seed| examine(seed, Method::ReversePriority)).sum();
+    assert!(cut > 200, "limits cut only {cut} tasks");
+}
+
+fn plane_task(velocity: [f64; 2], scaled: bool) -> Problem {
+    let task = Task::new("move", Matrix::identity(2, 2), Vector::from_row_slice(&velocity));
+    let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
+    Problem { limits, ..Problem::new(TaskStack::new(vec![Task { scaled, ..task }]).unwrap()) }
+}
+
+#[test]
+fn limits_bend_a_task_unless_it_is_scaled() {
+    let answer = resolve(&plane_task([2.0, 1.0], false), &[]).unwrap();
+    assert_eq!((answer.joint_velocity.as_slice(), answer.tasks[0].scale), (&[1.0, 1.0][..], None));
+    for method in [
+        Method::Pseudoinverse,
+        Method::DampedLeastSquares,
+        Method::TaskPriority,
+        Method::SingularityRobust,
+        Method::ReversePriority,
+        Method::StrictReversePriority,
+    ] {
+        let answer = resolve(&Problem { method, ..plane_task([2.0, 1.0], true) }, &[]).unwrap();
+        assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-13, "{answer:?}");
+        assert!((answer.tasks[0].scale.unwrap() - 0.5).abs() <= 1e-13);
+        // ½(1 − s)²‖ẋ‖² = ½(2 − hi)²·5/4: per unit of the limit it falls by 5/4.
+        assert!((answer.active_limits[0].multiplier - 1.25).abs() <= 1e-10, "{answer:?}");
+    }
+}
+
+#[test]
+fn a_task_that_the_limits_leave_alone_has_the_factor_one() {
+    for solver in [Solver::ClosedForm, Solver::Qp, Solver::Auto] {
+        let answer = resolve(&with(&plane_task([0.5, 1.0], true), solver), &[]).unwrap();
+        assert_eq!(answer.tasks[0].scale, Some(1.0), "{solver:?}");
+    }
+}
+
+#[test]
+fn where_limits_exclude_every_factor_the_least_residual_remains() {
+    let limits = VelocityBox::new(&[-1.0, 0.5], &[0.2, 1.0]).unwrap();
+    let answer = resolve(&Problem { limits, ..plane_task([1.0, 0.5], true) }, &[]).unwrap();
+    assert_eq!((answer.joint_velocity.as_slice(), answer.tasks[0].scale), (&[0.2, 0.5][..], None));
+    assert_eq!(answer.solver.status, Status::Optimal);
+}
+
+#[test]
+fn a_joint_that_is_held_fast_slows_the_whole_task() {
+    let limits = VelocityBox::new(&[-1.0, 0.0], &[1.0, 0.0]).unwrap();
+    let answer = resolve(&Problem { limits, ..plane_task([1.0, 0.5], true) }, &[]).unwrap();
+    assert!(answer.joint_velocity.amax() <= 1e-14 && answer.tasks[0].scale.unwrap() <= 1e-14, "{answer:?}");
+}

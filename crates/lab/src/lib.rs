@@ -1,0 +1,4 @@
+//! placeholder
+pub mod report;
+pub mod simulator;
+pub mod sweep;

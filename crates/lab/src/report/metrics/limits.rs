@@ -1,0 +1,192 @@
+//! What a run made of the robot's limits. Whether they were broken is read off the trace, not off what the solver says.
+
+use revprio_api::wire::{LimitKind, Limits, RobotJoint};
+use serde::Serialize;
+
+use crate::simulator::recording::{AtLimit, Recording, Sample};
+
+/// An excess below this, times 1 or the size of the value, is rounding.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// Time at limits, and by how much they were broken. Limits are those that the controller is told to keep; the solver
+/// `closed_form` ignores them all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct LimitUse {
+    /// Time (s) in which a limit held at least one joint back, or was broken, as the answers say.
+    pub at_limits_s: f64,
+    /// Largest excess of a position (rad or m); 0 when the limits held, as for the others.
+    pub position_excess: f64,
+    /// Largest excess of a commanded speed (rad/s or m/s).
+    pub velocity_excess: f64,
+    /// Largest excess of a commanded acceleration (rad/s² or m/s²).
+    pub acceleration_excess: f64,
+    /// Largest `|q̇_i|` as a fraction of that joint's limit; 0 where no joint has one.
+    pub speed_use: f64,
+}
+
+impl LimitUse {
+    /// Measures a run of an arm with these joints, whose controller is told to keep these limits.
+    #[must_use]
+    pub fn of(recording: &Recording, joints: &[RobotJoint], limits: &Limits) -> Self {
+        let bounds: Vec<Bounds> = joints.iter().enumerate().map(|(i, joint)| Bounds::of(joint, limits, i)).collect();
+        let mut sum = Self::default();
+        let mut before: Option<&Sample> = None;
+        for sample in &recording.samples {
+            for (i, bounds) in bounds.iter().enumerate() {
+                sum.take(bounds, Joint::of(sample, before, i, recording.period_s));
+            }
+            let at_limit = sample.limits.iter().any(|limit| *limit != AtLimit::Free);
+            sum.at_limits_s += if at_limit { recording.period_s } else { 0.0 };
+            before = Some(sample);
+        }
+        sum
+    }
+
+    /// Whether every limit held.
+    #[must_use]
+    pub fn kept(&self) -> bool {
+        [self.position_excess, self.velocity_excess, self.acceleration_excess].iter().all(|excess| *excess == 0.0)
+    }
+
+    /// Counts one joint in one period.
+    fn take(&mut self, bounds: &Bounds, joint: Joint) {
+        let meet = |excess: &mut f64, value: f64, (low, high): (f64, f64)| {
+            let beyond = (value - high).max(low - value);
+            if beyond > TOLERANCE * (1.0 + value.abs()) {
+                *excess = excess.max(beyond);
+            }
+        };
+        meet(&mut self.position_excess, joint.position, bounds.position);
+        meet(&mut self.velocity_excess, joint.velocity, bounds.velocity);
+        meet(&mut self.acceleration_excess, joint.acceleration, bounds.acceleration);
+        let limit = if joint.velocity < 0.0 { -bounds.velocity.0 } else { bounds.velocity.1 };
+        if limit.is_finite() && limit > 0.0 {
+            self.speed_use = self.speed_use.max(joint.velocity.abs() / limit);
+        }
+    }
+}
+
+/// Bounds of one joint; infinite where none counts.
+struct Bounds {
+    position: (f64, f64),
+    velocity: (f64, f64),
+    acceleration: (f64, f64),
+}
+
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+impl Bounds {
+    fn of(joint: &RobotJoint, limits: &Limits, index: usize) -> Self {
+        let symmetric = |limit: Option<f64>| limit.map_or(FREE, |limit| (-limit, limit));
+        let kind = match limits {
+            Limits::Robot(kind) => *kind,
+            Limits::Box { lower, upper } => {
+                let velocity = lower.get(index).copied().zip(upper.get(index).copied()).unwrap_or(FREE);
+                return Self { position: FREE, velocity, acceleration: FREE };
+            }
+        };
+        let counts = |from: LimitKind| kind_rank(kind) >= kind_rank(from);
+        let position = joint.position_limit.filter(|_| counts(LimitKind::PositionVelocity));
+        let velocity = joint.velocity_limit.filter(|_| counts(LimitKind::Velocity));
+        let acceleration = joint.acceleration_limit.filter(|_| counts(LimitKind::PositionVelocityAcceleration));
+        Self {
+            position: position.map_or(FREE, |[low, high]| (low, high)),
+            velocity: symmetric(velocity),
+            acceleration: symmetric(acceleration),
+        }
+    }
+}
+
+/// Each kind counts what the one before does, and more.
+const fn kind_rank(kind: LimitKind) -> u8 {
+    match kind {
+        LimitKind::None => 0,
+        LimitKind::Velocity => 1,
+        LimitKind::PositionVelocity => 2,
+        LimitKind::PositionVelocityAcceleration => 3,
+    }
+}
+
+/// What one joint did in one period.
+#[derive(Clone, Copy)]
+struct Joint {
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+impl Joint {
+    /// The first command of a run starts from rest.
+    fn of(sample: &Sample, before: Option<&Sample>, i: usize, period_s: f64) -> Self {
+        let entry = |list: &[f64]| list.get(i).copied().unwrap_or(0.0);
+        let velocity = entry(&sample.joint_velocity);
+        let last = before.map_or(0.0, |before| entry(&before.joint_velocity));
+        Self { position: entry(&sample.joint_position), velocity, acceleration: (velocity - last) / period_s }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use revprio_api::wire::JointKind;
+
+    fn joint() -> RobotJoint {
+        RobotJoint {
+            name: "a".to_owned(),
+            kind: JointKind::Revolute,
+            unit: "rad".to_owned(),
+            position_limit: Some([-1.0, 2.0]),
+            velocity_limit: Some(0.5),
+            acceleration_limit: Some(10.0),
+            published_range: None,
+            denavit_hartenberg: None,
+        }
+    }
+
+    /// One sample per period of 0.1 s: position and commanded velocity of one joint.
+    fn measured(samples: &[(f64, f64)], limits: &Limits) -> LimitUse {
+        let sample = |&(position, velocity): &(f64, f64)| Sample {
+            joint_position: vec![position],
+            joint_velocity: vec![velocity],
+            ..Sample::at_rest()
+        };
+        let samples = samples.iter().map(sample).collect();
+        LimitUse::of(&Recording { period_s: 0.1, samples, ..Recording::empty() }, &[joint()], limits)
+    }
+
+    fn near(value: f64, expected: f64) -> bool {
+        (value - expected).abs() < 1e-12
+    }
+
+    #[test]
+    fn a_run_inside_its_limits_breaks_none_even_on_them() {
+        let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+        let run = measured(&[(2.0, 0.5), (-1.0, -0.5)], &limits);
+        assert!(run.kept(), "{run:?}");
+        assert!(near(run.speed_use, 1.0));
+    }
+
+    #[test]
+    fn the_largest_excess_of_each_kind_is_told_where_it_counts() {
+        let trace = [(-1.25, -0.75), (2.5, 1.0)];
+        let all = measured(&trace, &Limits::Robot(LimitKind::PositionVelocityAcceleration));
+        assert!(near(all.position_excess, 0.5) && near(all.velocity_excess, 0.5) && near(all.acceleration_excess, 7.5));
+        let velocity = measured(&trace, &Limits::Robot(LimitKind::Velocity));
+        assert!(velocity.position_excess == 0.0 && near(velocity.velocity_excess, 0.5) && !velocity.kept());
+        assert!(measured(&trace, &Limits::Robot(LimitKind::None)).kept());
+    }
+
+    #[test]
+    fn a_box_of_the_controllers_own_counts_instead_of_the_robots() {
+        let limits = Limits::Box { lower: vec![-0.1], upper: vec![2.0] };
+        assert!(near(measured(&[(9.0, -0.3), (9.0, 1.9)], &limits).velocity_excess, 0.2));
+    }
+
+    #[test]
+    fn time_at_limits_is_what_the_answers_say() {
+        let sample = |limit| Sample { limits: vec![AtLimit::Free, limit], ..Sample::at_rest() };
+        let samples = [AtLimit::Free, AtLimit::Upper, AtLimit::Below].map(sample).to_vec();
+        let run = Recording { period_s: 0.1, samples, ..Recording::empty() };
+        assert!(near(LimitUse::of(&run, &[], &Limits::Robot(LimitKind::Velocity)).at_limits_s, 0.2));
+    }
+}

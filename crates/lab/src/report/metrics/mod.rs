@@ -1,0 +1,262 @@
+//! The numbers of the results table, each computed from one [`Recording`].
+
+pub mod limits;
+
+use std::collections::BTreeMap;
+
+use revprio_api::wire::{Path, Status};
+use serde::Serialize;
+
+use crate::simulator::recording::{Recording, Sample};
+
+/// A run longer than this (s) is judged on its steady part only.
+pub const LONG_RUN_S: f64 = 10.0;
+/// Where the steady part of a long run begins (s).
+pub const STEADY_FROM_S: f64 = 5.0;
+/// Half width of the settling band, as a fraction of the target.
+pub const SETTLING_BAND: f64 = 0.05;
+/// How long (s) a force has to stay inside the band to count as settled. A stiff contact rings at
+/// some 80 rad/s; one whole period of that is 0.08 s, so a ringing force cannot pass by ending the
+/// run as it crosses the band.
+pub const SETTLED_FOR_S: f64 = 0.1;
+/// The last part of a run, as a fraction of its samples, on which the steady error is the mean.
+pub const STEADY_PART: f64 = 0.1;
+
+/// By how much a force exceeded its target, in the direction of the target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Overshoot {
+    /// Largest excess over the target of the same instant (N), at least 0.
+    pub newton: f64,
+    /// The same as a percentage of the target of that instant; infinite where that target is 0.
+    pub percent: f64,
+}
+
+/// What the commands of a run lacked of one task's velocity, `‖J_k q̇ − ẋ_k‖` (m/s and rad/s).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Residual {
+    /// Root mean square over all samples.
+    pub rms: f64,
+    /// Largest.
+    pub largest: f64,
+}
+
+/// Measures of one run. `F` is the force along one axis, x unless said otherwise. The tool is *in contact* while its
+/// distance to the wall is not positive or, without a wall, while a force is measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Root mean square of `F_x − F_d,x` (N) from [`evaluation_start`] on; `None` when x has no
+    /// target or nothing was touched.
+    pub rmse_fx: Option<f64>,
+    /// The same for y (N).
+    pub rmse_fy: Option<f64>,
+    /// The same for z (N).
+    pub rmse_fz: Option<f64>,
+    /// Overshoot of `F` from the first contact on; `None` without target or contact.
+    pub overshoot: Option<Overshoot>,
+    /// Simulated time (s) from which `F` stays within [`SETTLING_BAND`] of its target until the
+    /// end, and for [`SETTLED_FOR_S`] at least; `None` when it does not settle.
+    pub settling_time_s: Option<f64>,
+    /// Mean of `F − F_d` (N) over the last [`STEADY_PART`] of the run; `None` without target or contact.
+    pub steady_error: Option<f64>,
+    /// `F` of the last sample (N); `None` for an empty run.
+    pub final_force: Option<f64>,
+    /// Largest `F` (N) in the direction of its target, at least 0.
+    pub peak_force: f64,
+    /// Simulated time of the first contact (s).
+    pub first_contact_s: Option<f64>,
+    /// Number of separate intervals in contact.
+    pub contacts: usize,
+    /// Largest `|q̇_i|` of any joint (rad/s).
+    pub max_joint_speed: f64,
+    /// What each task lacked, highest priority first.
+    pub residuals: Vec<Residual>,
+    /// Control periods per second of real time; `None` when the run took no measurable time.
+    pub calls_per_second: Option<f64>,
+    /// How many answers each solve path gave.
+    pub paths: BTreeMap<Path, usize>,
+    /// How many answers had each status.
+    pub statuses: BTreeMap<Status, usize>,
+    /// Largest KKT residual that an answer carried; `None` when none did.
+    pub largest_kkt_residual: Option<f64>,
+    /// Periods without an answer.
+    pub unanswered: usize,
+}
+
+impl Metrics {
+    /// Measures a run, `F` along x.
+    #[must_use]
+    pub fn of(recording: &Recording) -> Self {
+        Self::along(recording, 0)
+    }
+
+    /// Measures a run, `F` along an axis of the base (0 = x).
+    #[must_use]
+    pub fn along(recording: &Recording, axis: usize) -> Self {
+        let samples = &recording.samples;
+        let touched = from_first_contact(samples);
+        let answered = samples.iter().filter(|s| s.answered);
+        Self {
+            rmse_fx: rmse(recording, 0),
+            rmse_fy: rmse(recording, 1),
+            rmse_fz: rmse(recording, 2),
+            overshoot: overshoot(touched, axis),
+            settling_time_s: settling_time(touched, axis),
+            steady_error: steady_error(samples, axis).filter(|_| !touched.is_empty()),
+            final_force: samples.last().map(|s| s.force[axis]),
+            peak_force: samples.iter().map(|s| s.force[axis] * direction(s, axis)).fold(0.0, larger),
+            first_contact_s: touched.first().map(|s| s.time_s),
+            contacts: contacts(samples),
+            max_joint_speed: max_joint_speed(samples),
+            residuals: residuals(samples),
+            calls_per_second: calls_per_second(recording),
+            paths: counts(answered.clone().map(|s| s.path)),
+            statuses: counts(answered.map(|s| s.status)),
+            largest_kkt_residual: samples.iter().filter_map(|s| s.kkt_residual).reduce(larger),
+            unanswered: samples.iter().filter(|s| !s.answered).count(),
+        }
+    }
+}
+
+/// The axis that a run is about: the first one whose force has a target, x without any.
+#[must_use]
+pub fn main_axis(recording: &Recording) -> usize {
+    let targets = recording.samples.first().map_or([None; 3], |sample| sample.target_force);
+    targets.iter().position(Option::is_some).unwrap_or(0)
+}
+
+/// Largest difference of two runs' commands, `max_i ‖q̇_a,i − q̇_b,i‖∞` (rad/s).
+///
+/// Infinite when the runs have a different number of samples or joints, or a command is not a
+/// number: runs that cannot be compared must not look alike.
+#[must_use]
+pub fn largest_difference(a: &Recording, b: &Recording) -> f64 {
+    if a.samples.len() != b.samples.len() {
+        return f64::INFINITY;
+    }
+    a.samples
+        .iter()
+        .zip(&b.samples)
+        .map(|(a, b)| command_difference(&a.joint_velocity, &b.joint_velocity))
+        .fold(0.0, larger)
+}
+
+/// Start of the part that the RMSE judges (s): [`STEADY_FROM_S`] for a run longer than
+/// [`LONG_RUN_S`], otherwise the first contact; `None` when a short run touches nothing.
+#[must_use]
+pub fn evaluation_start(recording: &Recording) -> Option<f64> {
+    let (first, last) = (recording.samples.first()?, recording.samples.last()?);
+    if last.time_s - first.time_s > LONG_RUN_S {
+        return Some(STEADY_FROM_S);
+    }
+    from_first_contact(&recording.samples).first().map(|s| s.time_s)
+}
+
+/// `F − F_d` on one axis (N); `None` where the axis has no target.
+#[must_use]
+pub fn force_error(sample: &Sample, axis: usize) -> Option<f64> {
+    sample.target_force[axis].map(|target| sample.force[axis] - target)
+}
+
+fn in_contact(sample: &Sample) -> bool {
+    match sample.wall_distance {
+        Some(distance) => distance <= 0.0,
+        None => sample.force.iter().any(|f| f.abs() > 0.0),
+    }
+}
+
+fn from_first_contact(samples: &[Sample]) -> &[Sample] {
+    let start = samples.iter().position(in_contact).unwrap_or(samples.len());
+    &samples[start..]
+}
+
+fn contacts(samples: &[Sample]) -> usize {
+    samples.chunk_by(|a, b| in_contact(a) == in_contact(b)).filter(|run| in_contact(&run[0])).count()
+}
+
+fn rmse(recording: &Recording, axis: usize) -> Option<f64> {
+    let start = evaluation_start(recording)?;
+    let judged = recording.samples.iter().filter(|s| s.time_s >= start);
+    mean_square(judged.filter_map(|s| force_error(s, axis))).map(f64::sqrt)
+}
+
+fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = errors.fold((0.0, 0.0), |(sum, count), e| (e.mul_add(e, sum), count + 1.0));
+    (count > 0.0).then_some(sum / count)
+}
+
+/// The direction in which a force is asked for, ±1; + without a target.
+fn direction(sample: &Sample, axis: usize) -> f64 {
+    sample.target_force[axis].map_or(1.0, f64::signum)
+}
+
+fn overshoot(samples: &[Sample], axis: usize) -> Option<Overshoot> {
+    let excess = |s: &Sample| {
+        let target = s.target_force[axis]?;
+        Some(((s.force[axis] - target) * target.signum(), target.abs()))
+    };
+    let (newton, target) = samples.iter().filter_map(excess).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if newton <= 0.0 {
+        return Some(Overshoot { newton: 0.0, percent: 0.0 });
+    }
+    Some(Overshoot { newton, percent: 100.0 * newton / target })
+}
+
+fn settling_time(samples: &[Sample], axis: usize) -> Option<f64> {
+    let end = samples.last()?.time_s;
+    let settled = samples.iter().rev().take_while(|s| in_band(s, axis)).last()?.time_s;
+    (end - settled >= SETTLED_FOR_S).then_some(settled)
+}
+
+fn in_band(sample: &Sample, axis: usize) -> bool {
+    let within = |target: f64| (sample.force[axis] - target).abs() <= SETTLING_BAND * target.abs();
+    sample.target_force[axis].is_some_and(within)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count below that of the samples")]
+fn steady_error(samples: &[Sample], axis: usize) -> Option<f64> {
+    let part = (STEADY_PART * samples.len() as f64).ceil() as usize;
+    let errors: Option<Vec<f64>> = samples.iter().rev().take(part).map(|s| force_error(s, axis)).collect();
+    let errors = errors.filter(|errors| !errors.is_empty())?;
+    Some(errors.iter().sum::<f64>() / errors.len() as f64)
+}
+
+fn residuals(samples: &[Sample]) -> Vec<Residual> {
+    let tasks = samples.first().map_or(0, |s| s.residual_norms.len());
+    let of_task = |k: usize| samples.iter().filter_map(move |s| s.residual_norms.get(k).copied());
+    let residual =
+        |k| Residual { rms: mean_square(of_task(k)).map_or(0.0, f64::sqrt), largest: of_task(k).fold(0.0, larger) };
+    (0..tasks).map(residual).collect()
+}
+
+fn max_joint_speed(samples: &[Sample]) -> f64 {
+    samples.iter().flat_map(|s| &s.joint_velocity).map(|v| v.abs()).fold(0.0, larger)
+}
+
+fn calls_per_second(recording: &Recording) -> Option<f64> {
+    let calls = recording.samples.len() as f64;
+    (recording.wall_time_s > 0.0).then(|| calls / recording.wall_time_s)
+}
+
+fn counts<T: Ord>(values: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
+    let mut counts = BTreeMap::new();
+    for value in values {
+        *counts.entry(value).or_default() += 1;
+    }
+    counts
+}
+
+fn command_difference(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() != b.len() {
+        return f64::INFINITY;
+    }
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
+}
+
+/// The larger of two numbers. A value that is not a number counts as infinite, where `f64::max`
+/// would drop it and so hide the worst sample.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,185 @@
+//! All that the tool touches: Eq. (36) along each direction.
+
+use nalgebra::Vector3;
+
+use super::contact::Contact;
+use super::energy::Energy;
+use super::flaw::Flaw;
+use super::surface::Surface;
+
+/// Most contacts of a scenario.
+const MOST_CONTACTS: usize = 100;
+
+/// All contacts at work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    surfaces: Vec<Surface>,
+    start: Vector3<f64>,
+}
+
+impl Environment {
+    /// Contacts placed relative to the tool's start position (base frame, m).
+    pub fn new(contacts: &[Contact], start: [f64; 3]) -> Result<Self, Flaw> {
+        if contacts.len() > MOST_CONTACTS {
+            return Err(Flaw::new("/contacts", format!("are more than {MOST_CONTACTS}")));
+        }
+        let surface = |(i, contact)| Surface::new(contact, &format!("/contacts/{i}"));
+        let surfaces = contacts.iter().enumerate().map(surface).collect::<Result<_, _>>()?;
+        Ok(Self { surfaces, start: start.into() })
+    }
+
+    /// F_e on the environment (N, base axes) at a tool position (m) and velocity (m/s), at a time (s) that is `dt` (s)
+    /// after that of the last step.
+    pub fn step(&mut self, position: [f64; 3], velocity: [f64; 3], time_s: f64, dt: f64) -> [f64; 3] {
+        let way = Vector3::from(position) - self.start;
+        let forces = self.surfaces.iter_mut().map(|surface| surface.step(way, velocity.into(), time_s, dt));
+        forces.sum::<Vector3<f64>>().into()
+    }
+
+    /// Way to the nearest wall or plane, m, negative in contact, at the last step; `None` without one.
+    pub fn wall_distance(&self) -> Option<f64> {
+        self.surfaces.iter().filter_map(Surface::distance).min_by(f64::total_cmp)
+    }
+
+    /// What all contacts took and kept so far.
+    pub fn energy(&self) -> Energy {
+        self.surfaces.iter().map(Surface::energy).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::contact::{ContactKind, Friction};
+    use super::*;
+    use revprio_api::wire::{PerAxis, Profile};
+
+    fn contact(kind: ContactKind, offset_m: f64) -> Contact {
+        Contact {
+            axis: Some(0),
+            normal: None,
+            kind,
+            offset_m,
+            motion: None,
+            stiffness: 1000.0,
+            damping: 10.0,
+            inertia: 2.0,
+            friction: None,
+        }
+    }
+
+    fn environment(contact: Contact, start: [f64; 3]) -> Environment {
+        Environment::new(&[contact], start).unwrap()
+    }
+
+    #[test]
+    fn a_spring_pushes_and_pulls() {
+        let mut spring = environment(contact(ContactKind::Spring, 0.0), [1.0, 2.0, 3.0]);
+        assert!((spring.step([0.9, 2.5, 3.0], [0.0; 3], 0.0, 0.01)[0] + 100.0).abs() < 1e-9);
+        let force = spring.step([1.1, 2.5, 3.0], [0.5, 9.0, 0.0], 0.01, 0.01);
+        assert!((force[0] - (100.0 + 5.0 + 2.0 * 50.0)).abs() < 1e-9);
+        assert_eq!(force[1..], [0.0, 0.0]);
+        assert_eq!(spring.wall_distance(), None);
+    }
+
+    #[test]
+    fn a_wall_never_pulls_on_either_side() {
+        for side in [1.0, -1.0] {
+            let mut wall = environment(contact(ContactKind::Wall, 0.05 * side), [0.0; 3]);
+            let mut step = |x: f64, v: f64| wall.step([x * side, 0.0, 0.0], [v * side, 0.0, 0.0], 0.0, 0.01)[0];
+            assert_eq!(step(0.04, 0.0), 0.0);
+            assert!((step(0.06, 0.0) - 10.0 * side).abs() < 1e-9);
+            // Fast withdrawal: damping alone would pull.
+            assert_eq!(step(0.051, -1.0), 0.0);
+            step(0.02, 0.0);
+            assert!((wall.wall_distance().unwrap() - 0.03).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_plane_across_an_axis_is_the_wall_across_it() {
+        let wall = contact(ContactKind::Wall, -0.05);
+        let plane = Contact {
+            axis: None,
+            normal: Some([3.0, 0.0, 0.0]),
+            kind: ContactKind::Plane,
+            offset_m: 0.05,
+            ..wall.clone()
+        };
+        let force = |contact: &Contact| {
+            environment(contact.clone(), [0.0; 3]).step([-0.07, 1.0, 2.0], [-0.1, 0.0, 0.0], 0.0, 0.01)
+        };
+        assert_eq!(force(&plane), force(&wall));
+    }
+
+    #[test]
+    fn a_wall_that_moves_is_where_its_motion_says() {
+        let motion =
+            Profile::Ramp { start: PerAxis::All(0.0), end: PerAxis::All(-0.03), start_time_s: 0.0, duration_s: 1.0 };
+        let mut wall =
+            environment(Contact { motion: Some(motion), inertia: 0.0, ..contact(ContactKind::Wall, 0.05) }, [0.0; 3]);
+        assert_eq!(wall.step([0.04, 0.0, 0.0], [0.0; 3], 0.1, 0.1)[0], 0.0);
+        // 5 mm deep, and coming with 0.03 m/s.
+        assert!((wall.step([0.04, 0.0, 0.0], [0.0; 3], 0.5, 0.4)[0] - (5.0 + 0.3)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn friction_drags_against_the_slide_and_not_at_rest() {
+        let friction = Friction { coulomb: 0.5, viscous: 2.0, sticking_speed_m_s: 1e-6 };
+        let floor = Contact { friction: Some(friction), damping: 0.0, inertia: 0.0, ..contact(ContactKind::Wall, 0.0) };
+        let force = |y: f64| environment(floor.clone(), [0.0; 3]).step([0.01, 0.0, 0.0], [0.0, y, 0.0], 0.0, 0.01);
+        assert!((force(0.1)[1] - (0.5 * 10.0 + 0.2)).abs() < 1e-6);
+        assert!((force(-0.1)[1] + 5.2).abs() < 1e-6);
+        assert_eq!(force(0.0)[1], 0.0);
+    }
+
+    /// A tool that runs into a wall, slides along it, and comes out again, in so many steps of a second: the forces at each
+    /// hundredth of it, and the energy.
+    fn bounce(steps: u32) -> (Vec<f64>, Energy) {
+        let dt = 1.0 / f64::from(steps);
+        let friction = Friction { coulomb: 0.3, viscous: 1.0, sticking_speed_m_s: 1e-2 };
+        let wall =
+            Contact { stiffness: 1e4, damping: 20.0, friction: Some(friction), ..contact(ContactKind::Wall, 0.01) };
+        let mut wall = environment(wall, [0.0; 3]);
+        let mut forces = Vec::new();
+        for step in 0..=steps {
+            let t = f64::from(step) * dt;
+            let position = [0.02 * (std::f64::consts::TAU * t).sin(), 0.1 * t, 0.0];
+            let velocity = [0.02 * std::f64::consts::TAU * (std::f64::consts::TAU * t).cos(), 0.1, 0.0];
+            let force = wall.step(position, velocity, t, dt);
+            if step % (steps / 100) == 0 {
+                forces.push(force[0]);
+            }
+        }
+        (forces, wall.energy())
+    }
+
+    #[test]
+    fn finer_steps_lead_to_the_same_forces() {
+        let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let [coarse, fine, finest] = [1000, 10_000, 100_000].map(|steps| bounce(steps).0);
+        assert!(distance(&coarse, &finest) < 0.1, "{}", distance(&coarse, &finest));
+        assert!(distance(&fine, &finest) < 0.2 * distance(&coarse, &finest));
+    }
+
+    #[test]
+    fn work_is_stored_or_dissipated_the_better_the_finer_the_steps() {
+        let [coarse, fine] = [1000, 10_000].map(|steps| bounce(steps).1);
+        assert!(coarse.work_j > 0.01 && coarse.dissipated_j > 0.01, "{coarse:?}");
+        assert!(coarse.imbalance_j().abs() < 0.02 * coarse.work_j, "{coarse:?}");
+        assert!(fine.imbalance_j().abs() < 0.002 * fine.work_j, "{fine:?}");
+        // Outside again: nothing is left in the wall.
+        assert_eq!(coarse.stored_j, 0.0);
+    }
+
+    #[test]
+    fn a_tool_that_leaves_faster_than_the_surface_follows_leaves_its_energy_there() {
+        let mut wall = environment(Contact { inertia: 0.0, ..contact(ContactKind::Wall, 0.0) }, [0.0; 3]);
+        wall.step([0.01, 0.0, 0.0], [-5.0, 0.0, 0.0], 0.0, 1e-3);
+        for step in 1..=20 {
+            let t = f64::from(step) * 1e-3;
+            wall.step([0.01 - 5.0 * t, 0.0, 0.0], [-5.0, 0.0, 0.0], t, 1e-3);
+        }
+        let energy = wall.energy();
+        assert!(energy.dissipated_j > 0.7 * 0.5 * 1000.0 * 1e-4 && energy.stored_j == 0.0, "{energy:?}");
+    }
+}

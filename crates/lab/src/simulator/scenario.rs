@@ -1,0 +1,298 @@
+//! Experiments as files.
+
+use std::path::Path;
+
+use revprio_api::wire::{self, object};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::arm::VelocityLoop;
+use super::contact::Contact;
+use super::environment::Environment;
+use super::faults::Faults;
+use super::flaw::{Flaw, between, number, positive};
+use super::plant::external_profile;
+use super::sensors::{Sensing, Sensors};
+use super::toml_lines;
+
+/// Most steps of a period.
+const MOST_SUBSTEPS: usize = 1000;
+
+/// Largest seed: what every client can write exactly.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
+
+/// An experiment: a controller, where the arm starts, what it touches, for how long.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Name, as in `force_tracking`.
+    pub name: String,
+    /// What it is about, one line.
+    pub description: String,
+    /// What is to be seen, in words.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub expectation: String,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// q at the start, n, rad or m.
+    pub start_joint_position: Vec<f64>,
+    /// How the arm follows its commands.
+    #[serde(default, deserialize_with = "object::deserialize")]
+    pub velocity_loop: VelocityLoop,
+    /// What the tool touches.
+    #[serde(default, deserialize_with = "object::list")]
+    pub contacts: Vec<Contact>,
+    /// Force and torque with which somebody pushes the tool, base axes, at the tool point, N and N·m: six values over time.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub external_wrench: Option<wire::Profile>,
+    /// What the arm's sensors make of the truth.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
+    pub sensors: Sensors,
+    /// What goes wrong between the arm and the service.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
+    pub faults: Faults,
+    /// Seed of noise and faults: the same seed, the same run.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub seed: u64,
+    /// Steps of arm and contacts in a period.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub substeps: usize,
+    /// The controller, as in a request.
+    #[serde(deserialize_with = "object::deserialize")]
+    pub controller: wire::Controller,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+fn one() -> usize {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_one(value: &usize) -> bool {
+    *value == 1
+}
+
+/// Why a scenario is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Not TOML, or not the fields of a scenario; says the line.
+    #[error("{path}: {source}")]
+    Toml {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: Box<toml::de::Error>,
+    },
+    /// Not JSON, or not the fields of a scenario; says the line.
+    #[error("{path}: {source}")]
+    Json {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// A quantity makes no sense; says the line of a TOML file.
+    #[error("{path}{}: {flaw}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
+    Field {
+        /// The file.
+        path: String,
+        /// The line, from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        flaw: Flaw,
+    },
+    /// Neither a scenario that ships with the crate nor a file.
+    #[error("there is no scenario `{name}`; known: {known}; or give a file (.toml or .json)")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+}
+
+macro_rules! built_in {
+    ($($name:literal),+) => { [$(($name, include_str!(concat!("../../scenarios/", $name, ".toml")))),+] };
+}
+
+/// The scenarios that ship with the crate: name and TOML text, those of the paper first.
+pub const BUILT_IN_SCENARIOS: [(&str, &str); 18] = built_in![
+    "force_tracking",
+    "force_tracking_singular",
+    "stiff_wall",
+    "stiff_wall_singular",
+    "stiff_wall_limits",
+    "stiff_wall_limits_clamped",
+    "stiff_wall_lag",
+    "stiff_wall_lag_damped",
+    "stiff_wall_acceleration",
+    "stiff_wall_acceleration_slow",
+    "joint_limits",
+    "task_conflict",
+    "moving_wall",
+    "polishing",
+    "human_push",
+    "ur5e_wall",
+    "noisy_sensors",
+    "lossy_line"
+];
+
+/// Names of those with which the paper compares methods.
+pub const PAPER_SCENARIOS: [&str; 4] =
+    ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
+
+impl Scenario {
+    /// A scenario that ships with the crate; never a file.
+    pub fn built_in(name: &str) -> Option<Result<Self, ScenarioError>> {
+        let (name, text) = BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name)?;
+        Some(Self::parse(text, name))
+    }
+
+    /// Names of the scenarios that ship with the crate.
+    pub fn names() -> String {
+        BUILT_IN_SCENARIOS.map(|(name, _)| name).join(", ")
+    }
+
+    /// A scenario that ships with the crate, by name, or a file, by path.
+    pub fn find(name_or_path: &str) -> Result<Self, ScenarioError> {
+        if let Some(scenario) = Self::built_in(name_or_path) {
+            return scenario;
+        }
+        let is_file = Path::new(name_or_path).extension().is_some_and(|ending| ending == "toml" || ending == "json");
+        if !is_file {
+            return Err(ScenarioError::Unknown { name: name_or_path.to_owned(), known: Self::names() });
+        }
+        let text = std::fs::read_to_string(name_or_path)
+            .map_err(|source| ScenarioError::Read { path: name_or_path.to_owned(), source })?;
+        Self::parse(&text, name_or_path)
+    }
+
+    /// Reads a scenario; JSON if `path` ends so, TOML otherwise.
+    pub fn parse(text: &str, path: &str) -> Result<Self, ScenarioError> {
+        let scenario: Self = if Path::new(path).extension().is_some_and(|ending| ending == "json") {
+            serde_json::from_str(text).map_err(|source| ScenarioError::Json { path: path.to_owned(), source })?
+        } else {
+            toml::from_str(text)
+                .map_err(|source| ScenarioError::Toml { path: path.to_owned(), source: Box::new(source) })?
+        };
+        match scenario.flaw() {
+            None => Ok(scenario),
+            Some(flaw) => {
+                let line = toml_lines::line_of(text, &flaw.pointer);
+                Err(ScenarioError::Field { path: path.to_owned(), line, flaw })
+            }
+        }
+    }
+
+    /// The controller with the scenario's own contacts and velocity loop as its environment, where it states none, so
+    /// that the service can warn. Several contacts on an axis add up; of an oblique plane each axis sees its part.
+    pub fn controller_in_environment(&self) -> wire::Controller {
+        let along = |axis: usize| {
+            let shares = self.contacts.iter().map(|contact| (contact, contact.share_along(axis)));
+            shares.filter(|(_, share)| *share > 0.0).fold(
+                None,
+                |sum: Option<wire::EnvironmentAxis>, (contact, share)| {
+                    let sum = sum.unwrap_or(wire::EnvironmentAxis { stiffness: 0.0, damping: 0.0, inertia: 0.0 });
+                    Some(wire::EnvironmentAxis {
+                        stiffness: sum.stiffness + share * contact.stiffness,
+                        damping: sum.damping + share * contact.damping,
+                        inertia: sum.inertia + share * contact.inertia,
+                    })
+                },
+            )
+        };
+        let environment = wire::Environment {
+            x: along(0),
+            y: along(1),
+            z: along(2),
+            rx: None,
+            ry: None,
+            rz: None,
+            lag_s: self.velocity_loop.lag_s,
+            delay_periods: self.velocity_loop.delay_periods,
+            velocity_measured: true,
+        };
+        let stated = self.controller.environment.or(Some(environment));
+        wire::Controller { environment: stated, ..self.controller.clone() }
+    }
+
+    /// T, s.
+    pub fn period_s(&self) -> f64 {
+        self.controller.period_s
+    }
+
+    /// Control periods of a run.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked: 1 to 10^8 periods")]
+    pub fn cycles(&self) -> u64 {
+        (self.duration_s / self.period_s()).round() as u64
+    }
+
+    /// The first quantity that makes no sense, and why; numbers of the controller itself are the service's to judge.
+    pub fn flaw(&self) -> Option<Flaw> {
+        self.check().err()
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        positive(self.period_s(), "/controller/period_s")?;
+        if !(0.5..=1e8).contains(&(self.duration_s / self.period_s())) {
+            return Err(Flaw::new("/duration_s", "must be positive and at most 10^8 periods"));
+        }
+        for (i, q) in self.start_joint_position.iter().enumerate() {
+            number(*q, &format!("/start_joint_position/{i}"))?;
+        }
+        self.velocity_loop.check("/velocity_loop")?;
+        Environment::new(&self.contacts, [0.0; 3])?;
+        self.external_wrench.as_ref().map(external_profile).transpose()?;
+        Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
+        self.faults.check("/faults")?;
+        if self.seed > LARGEST_SEED {
+            return Err(Flaw::new("/seed", "must be at most 2^53 - 1"));
+        }
+        between(self.substeps, 1, MOST_SUBSTEPS, "/substeps").map(drop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_built_in_scenarios_are_read_and_named_after_their_files() {
+        for (name, _) in BUILT_IN_SCENARIOS {
+            assert_eq!(Scenario::find(name).unwrap().name, name);
+        }
+    }
+
+    #[test]
+    fn errors_say_the_line_or_the_field() {
+        let (_, text) = BUILT_IN_SCENARIOS[0];
+        let refusal = |from: &str, to: &str| {
+            assert!(text.contains(from));
+            Scenario::parse(&text.replacen(from, to, 1), "mine.toml").unwrap_err().to_string()
+        };
+        assert!(refusal("duration_s", "durations").contains("line "));
+        assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("mine.toml, line 5: `duration_s` must be"));
+        let stiffness = refusal("stiffness = 1000.0", "stiffness = -1.0");
+        assert!(stiffness.contains("line 11: `contacts.0.stiffness` must not be negative"), "{stiffness}");
+        assert!(Scenario::find("force_trackin").unwrap_err().to_string().contains("known: force_tracking,"));
+        assert!(Scenario::find("no_such.toml").unwrap_err().to_string().contains("cannot read no_such.toml"));
+    }
+
+    #[test]
+    fn a_scenario_in_json_is_the_same() {
+        let scenario = Scenario::find("stiff_wall").unwrap();
+        let json = serde_json::to_string(&scenario).unwrap();
+        assert_eq!(Scenario::parse(&json, "mine.json").unwrap(), scenario);
+    }
+}

@@ -1,0 +1,139 @@
+//! What the arm's sensors make of the truth.
+
+use revprio_api::wire::{PerAxis, object};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::chance::{Chance, Purpose};
+use super::flaw::{Flaw, not_negative, number, per_row};
+use super::recording::Sensed;
+
+/// Sensors of the arm; perfect if nothing is set.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sensors {
+    /// q, rad or m; per joint.
+    #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
+    pub joint_position: Sensor,
+    /// q̇, rad/s or m/s; per joint.
+    #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
+    pub joint_velocity: Sensor,
+    /// Force along the sensor's x, y and z, N.
+    #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
+    pub force: Sensor,
+    /// Torque about them, N·m.
+    #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
+    pub torque: Sensor,
+    /// τ of a first-order low-pass filter of force and torque, s; none if 0.
+    pub wrench_filter_s: f64,
+}
+
+/// What a sensor adds: quantum · round((value + bias + noise)/quantum). One number for all values, or one for each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sensor {
+    /// Standard deviation of normally distributed noise, new in each period.
+    pub noise: PerAxis<f64>,
+    /// Added to the value.
+    pub bias: PerAxis<f64>,
+    /// Step of the values that it can tell apart; any if 0.
+    pub quantum: PerAxis<f64>,
+}
+
+impl Default for Sensor {
+    fn default() -> Self {
+        Self { noise: PerAxis::All(0.0), bias: PerAxis::All(0.0), quantum: PerAxis::All(0.0) }
+    }
+}
+
+impl Sensor {
+    fn is_perfect(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Sensors at work.
+#[derive(Debug, Clone)]
+pub struct Sensing {
+    joint_position: Channel,
+    joint_velocity: Channel,
+    force: Channel,
+    torque: Channel,
+    is_perfect: bool,
+    chance: Chance,
+}
+
+impl Sensing {
+    /// Sensors of an arm with so many joints, which measure once per period T (s).
+    pub fn new(sensors: &Sensors, joints: usize, period_s: f64, seed: u64) -> Result<Self, Flaw> {
+        let tau = not_negative(sensors.wrench_filter_s, "/sensors/wrench_filter_s")?;
+        let gain = if tau > 0.0 { -(-period_s / tau).exp_m1() } else { 1.0 };
+        let channel = |sensor, rows, name, gain| Channel::new(sensor, rows, &format!("/sensors/{name}"), gain);
+        Ok(Self {
+            joint_position: channel(&sensors.joint_position, joints, "joint_position", 1.0)?,
+            joint_velocity: channel(&sensors.joint_velocity, joints, "joint_velocity", 1.0)?,
+            force: channel(&sensors.force, 3, "force", gain)?,
+            torque: channel(&sensors.torque, 3, "torque", gain)?,
+            is_perfect: *sensors == Sensors::default(),
+            chance: Chance::new(seed, Purpose::Sensors),
+        })
+    }
+
+    /// Whether all sensors tell the truth.
+    pub fn is_perfect(&self) -> bool {
+        self.is_perfect
+    }
+
+    /// Makes of the truth what the sensors tell, once per period.
+    pub fn sense(&mut self, state: &mut Sensed) {
+        self.joint_position.sense(&mut state.joint_position, &mut self.chance);
+        self.joint_velocity.sense(&mut state.joint_velocity, &mut self.chance);
+        self.force.sense(&mut state.force, &mut self.chance);
+        self.torque.sense(&mut state.torque, &mut self.chance);
+    }
+}
+
+/// One sensor of several values.
+#[derive(Debug, Clone)]
+struct Channel {
+    noise: Vec<f64>,
+    bias: Vec<f64>,
+    quantum: Vec<f64>,
+    /// Part of the difference to the new value that the filter lets pass in a period.
+    gain: f64,
+    filtered: Option<Vec<f64>>,
+}
+
+impl Channel {
+    fn new(sensor: &Sensor, rows: usize, pointer: &str, gain: f64) -> Result<Self, Flaw> {
+        let at = |field: &str| format!("{pointer}/{field}");
+        Ok(Self {
+            noise: per_row(&sensor.noise, rows, &at("noise"), not_negative)?,
+            bias: per_row(&sensor.bias, rows, &at("bias"), number)?,
+            quantum: per_row(&sensor.quantum, rows, &at("quantum"), not_negative)?,
+            gain,
+            filtered: None,
+        })
+    }
+
+    fn sense(&mut self, values: &mut [f64], chance: &mut Chance) {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value += self.bias[i];
+            if self.noise[i] > 0.0 {
+                *value += self.noise[i] * chance.normal();
+            }
+        }
+        if self.gain < 1.0 {
+            let filtered = self.filtered.get_or_insert_with(|| values.to_vec());
+            for (kept, value) in filtered.iter_mut().zip(values.iter_mut()) {
+                *kept += self.gain * (*value - *kept);
+                *value = *kept;
+            }
+        }
+        for (value, &quantum) in values.iter_mut().zip(&self.quantum) {
+            if quantum > 0.0 {
+                *value = (*value / quantum).round() * quantum;
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What a sweep is about: a scenario, quantities and their values; its cells are all combinations.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::path;
+use super::values::Variation;
+use crate::simulator::Scenario;
+
+/// Most cells of a sweep.
+const MOST_CELLS: usize = 10_000_000;
+
+/// A sweep.
+pub struct Plan {
+    base: Value,
+    /// The quantities; the last one changes fastest.
+    pub variations: Vec<Variation>,
+}
+
+/// What tells one sweep from another, as it stands in its files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// The program.
+    pub version: String,
+    /// The quantities and their values as given.
+    pub vary: Vec<String>,
+    /// The scenario.
+    pub scenario: Value,
+    /// All cells, those of other shards too.
+    pub cells: usize,
+}
+
+/// One combination.
+pub struct Cell {
+    /// Its number.
+    pub index: usize,
+    /// A value of each quantity.
+    pub values: Vec<Value>,
+}
+
+impl Plan {
+    /// All combinations; an error says which path or value does not fit.
+    pub fn new(scenario: &Scenario, variations: Vec<Variation>) -> Result<Self, String> {
+        let base = serde_json::to_value(scenario).map_err(|error| error.to_string())?;
+        for (i, variation) in variations.iter().enumerate() {
+            if variations[..i].iter().any(|other| other.path == variation.path) {
+                return Err(format!("`{}` is varied twice", variation.path));
+            }
+        }
+        let cells = variations.iter().try_fold(1_usize, |cells, variation| cells.checked_mul(variation.values.len()));
+        if cells.is_none_or(|cells| cells > MOST_CELLS) {
+            return Err(format!("there are more than {MOST_CELLS} combinations"));
+        }
+        let plan = Self { base, variations };
+        plan.check()?;
+        Ok(plan)
+    }
+
+    /// Tries every value once, so that a slip shows before the work.
+    fn check(&self) -> Result<(), String> {
+        for variation in &self.variations {
+            for value in &variation.values {
+                let mut scenario = self.base.clone();
+                path::put(&mut scenario, &variation.path, value)?;
+                let read: Result<Scenario, _> = serde_json::from_value(scenario);
+                read.map_err(|error| format!("`{}` = {value}: {error}", variation.path))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.variations.iter().map(|variation| variation.values.len()).product()
+    }
+
+    /// A cell by number.
+    pub fn cell(&self, index: usize) -> Cell {
+        let mut rest = index;
+        let mut values: Vec<Value> = self
+            .variations
+            .iter()
+            .rev()
+            .map(|variation| {
+                let value = variation.values[rest % variation.values.len()].clone();
+                rest /= variation.values.len();
+                value
+            })
+            .collect();
+        values.reverse();
+        Cell { index, values }
+    }
+
+    /// The scenario of a cell.
+    pub fn scenario(&self, cell: &Cell) -> Result<Scenario, String> {
+        let mut scenario = self.base.clone();
+        for (variation, value) in self.variations.iter().zip(&cell.values) {
+            path::put(&mut scenario, &variation.path, value)?;
+        }
+        serde_json::from_value(scenario).map_err(|error| error.to_string())
+    }
+
+    /// What tells this sweep from another.
+    pub fn identity(&self) -> Identity {
+        Identity {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            vary: self.variations.iter().map(Variation::to_string).collect(),
+            scenario: self.base.clone(),
+            cells: self.cells(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_quantity_changes_fastest() {
+        let scenario = Scenario::find("stiff_wall").unwrap();
+        let vary = ["loop.lag_s=0,0.001", "solver=auto,qp,closed_form"].map(|text| text.parse().unwrap());
+        let plan = Plan::new(&scenario, vary.into()).unwrap();
+        assert_eq!(plan.cells(), 6);
+        assert_eq!(plan.cell(1).values, [Value::from(0), "qp".into()]);
+        assert_eq!(plan.cell(5).values, [Value::from(0.001), "closed_form".into()]);
+        let changed = plan.scenario(&plan.cell(5)).unwrap();
+        assert_eq!(
+            (changed.velocity_loop.lag_s, changed.controller.solver),
+            (0.001, revprio_api::wire::Solver::ClosedForm)
+        );
+    }
+
+    #[test]
+    fn a_slip_shows_before_the_work() {
+        let refusal = |text: &str| {
+            let scenario = Scenario::find("stiff_wall").unwrap();
+            Plan::new(&scenario, vec![text.parse().unwrap()]).err().unwrap()
+        };
+        assert!(refusal("environment.stifness=1,2").contains("stifness"));
+        assert!(refusal("method=reverse_priority,newton").contains("newton"));
+        assert!(refusal("controller.task.0.axes=1").contains("no part `task`"));
+    }
+}

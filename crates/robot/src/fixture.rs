@@ -1,0 +1,157 @@
+//! Robots read from a TOML or JSON description.
+
+use nalgebra::IsometryMatrix3;
+use serde::Deserialize;
+
+use super::{DenavitHartenberg, Joint, JointKind, JointLimits, ModelError, RobotModel};
+
+/// Why a robot file is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum FixtureError {
+    /// Not TOML, or not the fields of a robot.
+    #[error("robot description: {0}")]
+    Toml(#[from] toml::de::Error),
+    /// Not JSON, or not the fields of a robot.
+    #[error("robot description: {0}")]
+    Json(#[from] serde_json::Error),
+    /// Well-formed, but no robot.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RobotFile {
+    name: String,
+    #[serde(default)]
+    description: String,
+    joints: Vec<JointFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointFile {
+    name: String,
+    kind: Kind,
+    dh: DenavitHartenberg,
+    position_limit: Option<[f64; 2]>,
+    velocity_limit: Option<f64>,
+    acceleration_limit: Option<f64>,
+    published_range: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Revolute,
+    Prismatic,
+}
+
+impl JointFile {
+    fn limits(&self) -> JointLimits {
+        let [lower, upper] = self.position_limit.unwrap_or([JointLimits::NONE.lower, JointLimits::NONE.upper]);
+        JointLimits {
+            lower,
+            upper,
+            velocity: self.velocity_limit.unwrap_or(JointLimits::NONE.velocity),
+            acceleration: self.acceleration_limit.unwrap_or(JointLimits::NONE.acceleration),
+        }
+    }
+}
+
+impl RobotFile {
+    fn build(self) -> Result<RobotModel, ModelError> {
+        let mut placement = IsometryMatrix3::identity();
+        let mut joints = Vec::with_capacity(self.joints.len());
+        for joint in self.joints {
+            joints.push(Joint {
+                kind: match joint.kind {
+                    Kind::Revolute => JointKind::Revolute,
+                    Kind::Prismatic => JointKind::Prismatic,
+                },
+                limits: joint.limits(),
+                published_range: joint.published_range,
+                denavit_hartenberg: Some(joint.dh),
+                name: joint.name,
+                placement,
+            });
+            placement = joint.dh.after_motion();
+        }
+        RobotModel::new(self.name, self.description, joints, placement)
+    }
+}
+
+/// Reads a robot in TOML.
+pub fn from_toml(text: &str) -> Result<RobotModel, FixtureError> {
+    Ok(toml::from_str::<RobotFile>(text)?.build()?)
+}
+
+/// Reads a robot in JSON; the same fields as in TOML.
+pub fn from_json(text: &str) -> Result<RobotModel, FixtureError> {
+    Ok(serde_json::from_str::<RobotFile>(text)?.build()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+    use crate::built_in;
+
+    /// Limits of the manufacturer's description (URDF), joint by joint.
+    const URDF_RANGE: [[f64; 2]; 7] = [
+        [-3.0503, 3.0503],
+        [-3.8095, 2.2736],
+        [-3.0426, 3.0426],
+        [-3.0439, 3.0439],
+        [-2.9761, 2.9761],
+        [-2.9761, 2.9761],
+        [-4.7124, 4.7124],
+    ];
+
+    #[test]
+    fn sawyer_limits_are_the_manufacturers_under_the_map_to_table_1() {
+        let sign = [1.0, -1.0, 1.0, 1.0, 1.0, -1.0, 1.0];
+        let offset = [PI, -FRAC_PI_2, PI, 0.0, PI, 0.0, 0.0];
+        let sawyer = &built_in()[0];
+        assert_eq!(sawyer.name(), "sawyer_dh");
+        for (i, joint) in sawyer.joints().iter().enumerate() {
+            let mut mapped = URDF_RANGE[i].map(|q| sign[i] * q + offset[i]);
+            mapped.sort_by(f64::total_cmp);
+            assert!((joint.limits.lower - mapped[0]).abs() < 1e-12, "{}", joint.name);
+            assert!((joint.limits.upper - mapped[1]).abs() < 1e-12, "{}", joint.name);
+            assert_eq!(joint.published_range, Some([-PI, PI]), "{}", joint.name);
+        }
+        let speeds: Vec<f64> = sawyer.joints().iter().map(|joint| joint.limits.velocity).collect();
+        assert_eq!(speeds, [1.74, 1.328, 1.957, 1.957, 3.485, 3.485, 4.545]);
+        let accelerations: Vec<f64> = sawyer.joints().iter().map(|joint| joint.limits.acceleration).collect();
+        assert_eq!(accelerations, [8.0, 8.0, 8.0, 8.0, 10.0, 10.0, 10.0]);
+    }
+
+    fn refusal(joints: &str) -> String {
+        from_toml(&format!("name = 'r'\n{joints}")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn refusals_name_the_joint_and_the_line() {
+        let joint = |name: &str, extra: &str| {
+            format!(
+                "[[joints]]\nname = '{name}'\nkind = 'revolute'\ndh = {{ d = 0.0, a = 1.0, alpha = 0.0 }}\n{extra}\n"
+            )
+        };
+        assert!(refusal("joints = []").contains("at least one joint"));
+        assert!(refusal(&(joint("a", "") + &joint("a", ""))).contains("two joints are named `a`"));
+        assert!(refusal(&joint("a", "position_limit = [1.0, -1.0]")).contains("joint `a`: the position range"));
+        assert!(refusal(&joint("a", "velocity_limit = 0.0")).contains("positive"));
+        assert!(refusal(&joint("a", "speed = 1.0")).contains("line 6"));
+        let not_finite = "[[joints]]\nname = 'a'\nkind = 'revolute'\ndh = { d = nan, a = 0.0, alpha = 0.0 }";
+        assert!(refusal(not_finite).contains("joint `a`: lengths and angles must be finite"));
+    }
+
+    #[test]
+    fn json_and_toml_describe_the_same_robot() {
+        let toml = "name = 'one'\n[[joints]]\nname = 'a'\nkind = 'prismatic'\ndh = { d = 0.1, a = 0.2, alpha = 0.3 }";
+        let json = r#"{"name":"one","joints":[{"name":"a","kind":"prismatic","dh":{"d":0.1,"a":0.2,"alpha":0.3}}]}"#;
+        assert_eq!(from_toml(toml).unwrap(), from_json(json).unwrap());
+    }
+}

@@ -1,0 +1,33 @@
+//! Where the tool is and how it moves: forward kinematics, Jacobian, Cartesian axes and frames; how near the joints are
+//! to the ends of their ranges.
+//!
+//! ```
+//! use revprio_robot::kinematics::Configuration;
+//! use revprio_robot::built_in;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let planar = built_in().iter().find(|robot| robot.name() == "planar_3r").ok_or("no such robot")?;
+//! let stretched = Configuration::new(planar, &[0.0, 0.0, 0.0])?;
+//! assert!((stretched.tool_pose().translation.x - 1.2).abs() < 1e-12); // 0.5 + 0.4 + 0.3 m
+//! // Turning the shoulder at 1 rad/s moves the tool along y at 1.2 m/s and turns it about z at 1 rad/s.
+//! let column = stretched.jacobian().column(0);
+//! assert!((column[1] - 1.2).abs() < 1e-12 && (column[5] - 1.0).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
+
+mod axes;
+mod configuration;
+mod joint_limit_index;
+mod link_frames;
+mod pose;
+mod task_frame;
+mod turning;
+
+pub use axes::{Axis, AxisSelection, AxisSelectionError};
+pub use configuration::{Configuration, ConfigurationError, Jacobian, orientation_error};
+pub use joint_limit_index::{half_range, joint_limit_gradient, joint_limit_index, joint_limit_slopes};
+pub use link_frames::link_frames;
+pub use pose::{NotUnitLength, UNIT_LENGTH, pose};
+pub use task_frame::{Frame, PlacedFrame, TaskFrame};
+pub use turning::Turning;

@@ -1,0 +1,186 @@
+//! The point and the axes that a task counts at and along.
+
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, IsometryMatrix3, Rotation3, Vector3};
+
+use super::{AxisSelection, Configuration, Jacobian};
+
+/// Along which axes rows are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Frame {
+    /// The axes of the base.
+    #[default]
+    Base,
+    /// The axes of the tool, which turn with it: everything that the task compares, distances from a target that rests in
+    /// the base included, is counted along them as they lie now.
+    Tool,
+    /// The axes of a frame that is fixed in the base (m).
+    Fixed(IsometryMatrix3<f64>),
+}
+
+/// Point and axes of a task: at which point of the tool, along which axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TaskFrame {
+    /// The axes.
+    pub frame: Frame,
+    /// The point, in the tool frame, m; zero is the tool point.
+    pub reference_point: Vector3<f64>,
+}
+
+impl TaskFrame {
+    /// The frame at a posture.
+    pub fn at<'a>(&self, configuration: &'a Configuration) -> PlacedFrame<'a> {
+        let rotation = &configuration.tool_pose().rotation;
+        let axes = match self.frame {
+            Frame::Base => None,
+            Frame::Tool => Some(*rotation),
+            Frame::Fixed(frame) => Some(frame.rotation),
+        };
+        let lever = (self.reference_point != Vector3::zeros()).then(|| rotation * self.reference_point);
+        PlacedFrame { configuration, axes, lever }
+    }
+
+    /// Pose of the reference point's frame, parallel to the tool's, for a tool pose (base frame, m).
+    pub fn pose(&self, tool_pose: &IsometryMatrix3<f64>) -> IsometryMatrix3<f64> {
+        let mut pose = *tool_pose;
+        pose.translation.vector += tool_pose.rotation * self.reference_point;
+        pose
+    }
+}
+
+/// A task frame at a posture: twists, wrenches and the Jacobian at its point, along its axes.
+///
+/// Twist and wrench are shifted together, so that their product, the power, is the same at every point and along all
+/// axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedFrame<'a> {
+    configuration: &'a Configuration,
+    /// Base from frame; `None` for the base's own.
+    axes: Option<Rotation3<f64>>,
+    /// From the tool point to the reference point, base axes, m; `None` for the tool point itself.
+    lever: Option<Vector3<f64>>,
+}
+
+impl PlacedFrame<'_> {
+    /// J, 6 × n.
+    pub fn jacobian(&self) -> Cow<'_, Jacobian> {
+        let at_tool_point = self.configuration.jacobian();
+        if self.axes.is_none() && self.lever.is_none() {
+            return Cow::Borrowed(at_tool_point);
+        }
+        let mut jacobian = at_tool_point.clone();
+        for mut column in jacobian.column_iter_mut() {
+            let twist = self.twist(&std::array::from_fn(|row| column[row]));
+            column.copy_from_slice(&twist);
+        }
+        Cow::Owned(jacobian)
+    }
+
+    /// Overwrites `rows`, m × n, with the selected rows of J.
+    pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
+        let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
+        for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
+            let twist = self.twist(column);
+            entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+        }
+    }
+
+    /// A twist (m/s, rad/s) in base axes at the tool point, as one in this frame: v + ω × r, ω.
+    pub fn twist(&self, twist: &[f64; 6]) -> [f64; 6] {
+        let (linear, angular) = split(twist);
+        let linear = self.lever.map_or(linear, |lever| linear + angular.cross(&lever));
+        join(self.along_axes(linear), self.along_axes(angular))
+    }
+
+    /// A wrench (N, N·m) in base axes at the tool point, as one in this frame: f, τ − r × f.
+    pub fn wrench(&self, wrench: &[f64; 6]) -> [f64; 6] {
+        let (force, torque) = split(wrench);
+        let torque = self.lever.map_or(torque, |lever| torque - lever.cross(&force));
+        join(self.along_axes(force), self.along_axes(torque))
+    }
+
+    /// A linear and an angular vector in base axes, along the axes of this frame.
+    pub fn components(&self, linear: Vector3<f64>, angular: Vector3<f64>) -> [f64; 6] {
+        join(self.along_axes(linear), self.along_axes(angular))
+    }
+
+    fn along_axes(&self, vector: Vector3<f64>) -> Vector3<f64> {
+        self.axes.map_or(vector, |axes| axes.inverse_transform_vector(&vector))
+    }
+}
+
+fn split([a, b, c, d, e, f]: &[f64; 6]) -> (Vector3<f64>, Vector3<f64>) {
+    (Vector3::new(*a, *b, *c), Vector3::new(*d, *e, *f))
+}
+
+fn join(linear: Vector3<f64>, angular: Vector3<f64>) -> [f64; 6] {
+    [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::built_in;
+
+    const POSTURE: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+    const TWIST: [f64; 6] = [0.3, -0.2, 0.5, 1.0, -0.4, 0.7];
+    const WRENCH: [f64; 6] = [12.0, -7.0, 3.0, 0.4, 2.0, -1.5];
+
+    fn configuration() -> Configuration {
+        Configuration::new(&built_in()[0], &POSTURE).unwrap()
+    }
+
+    fn frames() -> Vec<TaskFrame> {
+        let stated = IsometryMatrix3::new(Vector3::new(0.5, 0.1, 0.2), Vector3::new(0.3, -1.0, 0.6));
+        let mut frames = Vec::new();
+        for frame in [Frame::Base, Frame::Tool, Frame::Fixed(stated)] {
+            for reference_point in [Vector3::zeros(), Vector3::new(0.05, -0.1, 0.3)] {
+                frames.push(TaskFrame { frame, reference_point });
+            }
+        }
+        frames
+    }
+
+    #[test]
+    fn twist_and_wrench_have_the_same_power_in_every_frame() {
+        let configuration = configuration();
+        let power = |a: [f64; 6], b: [f64; 6]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for frame in frames() {
+            let placed = frame.at(&configuration);
+            let error = power(placed.twist(&TWIST), placed.wrench(&WRENCH)) - power(TWIST, WRENCH);
+            assert!(error.abs() < 1e-13, "{frame:?}: {error:e}");
+        }
+    }
+
+    #[test]
+    fn the_jacobian_of_a_frame_gives_its_twist() {
+        let configuration = configuration();
+        let speeds = [0.1, -0.2, 0.05, 0.3, -0.1, 0.2, 0.4];
+        for frame in frames() {
+            let placed = frame.at(&configuration);
+            let twist = placed.jacobian().as_ref() * nalgebra::DVector::from_row_slice(&speeds);
+            for (row, speed) in placed.twist(&configuration.twist(&speeds)).into_iter().enumerate() {
+                assert!((twist[row] - speed).abs() < 1e-15, "{frame:?}, row {row}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_at_a_reference_point_is_that_of_a_tool_that_ends_there() {
+        let point = Vector3::new(0.05, -0.1, 0.3);
+        let longer = built_in()[0].with_tool_offset(&IsometryMatrix3::new(point, Vector3::zeros())).unwrap();
+        let longer = Configuration::new(&longer, &POSTURE).unwrap();
+        let frame = TaskFrame { frame: Frame::Base, reference_point: point };
+        assert!((frame.at(&configuration()).jacobian().as_ref() - longer.jacobian()).amax() < 1e-14);
+        assert!(
+            (frame.pose(configuration().tool_pose()).to_homogeneous() - longer.tool_pose().to_homogeneous()).amax()
+                < 1e-15
+        );
+    }
+
+    #[test]
+    fn rows_of_the_base_at_the_tool_point_are_those_of_the_configuration() {
+        assert_eq!(*TaskFrame::default().at(&configuration()).jacobian(), *configuration().jacobian());
+    }
+}

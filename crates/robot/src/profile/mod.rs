@@ -1,0 +1,320 @@
+//! Set-points over time.
+
+mod spline;
+
+use nalgebra::DVector;
+use smallvec::SmallVec;
+
+use self::spline::Spline;
+
+/// Shortest time between two points and for a ramp, s: what is quicker is a step.
+pub const SHORTEST_TIME: f64 = 1e-6;
+
+/// The m entries of a set-point, stored in place for up to 12.
+pub type Entries = SmallVec<[f64; 12]>;
+
+/// A set-point as a function of time, m rows.
+///
+/// | made by | value | derivatives |
+/// |---|---|---|
+/// | [`Profile::constant`] | the same for ever | 0 |
+/// | [`Profile::sine`] | offset + amplitude sin(ω t + φ) | exact |
+/// | [`Profile::ramp`] | straight from one value to another, constant before and after | exact; the rate jumps at both ends |
+/// | [`Profile::steps`] | that of the last point passed | 0 at all times |
+/// | [`Profile::waypoints`] | through all points, at rest before the first and after the last | exact, both continuous |
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile(Shape);
+
+#[derive(Debug, Clone, PartialEq)]
+enum Shape {
+    Constant(DVector<f64>),
+    Sine { offset: DVector<f64>, amplitude: DVector<f64>, angular_frequency: f64, phase: f64 },
+    Ramp { start: DVector<f64>, end: DVector<f64>, start_time: f64, duration: f64 },
+    Steps(Vec<Point>),
+    Waypoints(Spline),
+}
+
+/// A value at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// t, s.
+    pub time_s: f64,
+    /// The value then, m.
+    pub value: Vec<f64>,
+}
+
+/// A set-point at one time, m rows each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SetPoint {
+    /// The value.
+    pub value: Entries,
+    /// Its time derivative, per s.
+    pub rate: Entries,
+    /// Its second time derivative, per s².
+    pub acceleration: Entries,
+}
+
+impl SetPoint {
+    /// A value that rests.
+    pub fn resting(value: Entries) -> Self {
+        let zero = Entries::from_elem(0.0, value.len());
+        Self { value, rate: zero.clone(), acceleration: zero }
+    }
+}
+
+/// Why a profile is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ProfileError {
+    /// A value is NaN or infinite.
+    #[error("profile values must be finite numbers")]
+    NotFinite,
+    /// The parts of a profile differ in size.
+    #[error("{given} values where there were {expected} before; give one per axis everywhere")]
+    Size {
+        /// Rows of the first part.
+        expected: usize,
+        /// Rows of another one.
+        given: usize,
+    },
+    /// Nothing to follow.
+    #[error("give at least one point")]
+    NoPoints,
+    /// Points out of order, or too near.
+    #[error("the times of points must grow, by at least 1e-6 s each")]
+    Times {
+        /// The point that comes too soon, from 0.
+        point: usize,
+    },
+    /// A ramp that is none.
+    #[error("a ramp takes at least 1e-6 s; for a step, use steps")]
+    Duration,
+}
+
+impl Profile {
+    /// The same value for ever.
+    pub fn constant(value: Vec<f64>) -> Result<Self, ProfileError> {
+        finite(&value)?;
+        Ok(Self(Shape::Constant(DVector::from_vec(value))))
+    }
+
+    /// offset + amplitude sin(ω t + φ), with ω `angular_frequency` in rad/s and φ `phase` in rad.
+    pub fn sine(
+        offset: Vec<f64>,
+        amplitude: Vec<f64>,
+        angular_frequency: f64,
+        phase: f64,
+    ) -> Result<Self, ProfileError> {
+        finite(&[angular_frequency, phase])?;
+        let [offset, amplitude] = pair(offset, amplitude)?;
+        Ok(Self(Shape::Sine { offset, amplitude, angular_frequency, phase }))
+    }
+
+    /// From `start` to `end` at constant rate, beginning at `start_time`, within `duration`, s.
+    pub fn ramp(start: Vec<f64>, end: Vec<f64>, start_time: f64, duration: f64) -> Result<Self, ProfileError> {
+        finite(&[start_time, duration])?;
+        if duration < SHORTEST_TIME {
+            return Err(ProfileError::Duration);
+        }
+        let [start, end] = pair(start, end)?;
+        Ok(Self(Shape::Ramp { start, end, start_time, duration }))
+    }
+
+    /// The value of the last point whose time has come; of the first one before it.
+    pub fn steps(points: Vec<Point>) -> Result<Self, ProfileError> {
+        check(&points)?;
+        Ok(Self(Shape::Steps(points)))
+    }
+
+    /// Through all points, twice continuously differentiable at all times, at rest at the first and the last one.
+    ///
+    /// Between inner points it is the cubic spline, which bends least; the first and the last piece are quintics, so that
+    /// motion begins and ends without a jump of acceleration. Between points of very unequal spacing it may swing beyond
+    /// their values.
+    pub fn waypoints(points: &[Point]) -> Result<Self, ProfileError> {
+        check(points)?;
+        Ok(Self(Shape::Waypoints(Spline::through(points).ok_or(ProfileError::NotFinite)?)))
+    }
+
+    /// m.
+    pub fn rows(&self) -> usize {
+        match &self.0 {
+            Shape::Constant(value) => value.len(),
+            Shape::Sine { offset, .. } => offset.len(),
+            Shape::Ramp { start, .. } => start.len(),
+            Shape::Steps(points) => points[0].value.len(),
+            Shape::Waypoints(spline) => spline.rows(),
+        }
+    }
+
+    /// Value and derivatives at time t, s.
+    pub fn at(&self, time_s: f64) -> SetPoint {
+        match &self.0 {
+            Shape::Constant(value) => SetPoint::resting(Entries::from_slice(value.as_slice())),
+            Shape::Sine { offset, amplitude, angular_frequency: omega, phase } => {
+                let (sine, cosine) = (omega * time_s + phase).sin_cos();
+                let (rate, acceleration) = (omega * cosine, -omega * omega * sine);
+                let times_amplitude = |factor: f64| amplitude.iter().map(|a| a * factor).collect();
+                SetPoint {
+                    value: offset.iter().zip(amplitude).map(|(offset, a)| offset + a * sine).collect(),
+                    rate: times_amplitude(rate),
+                    acceleration: times_amplitude(acceleration),
+                }
+            }
+            Shape::Ramp { start, end, start_time, duration } => {
+                let done = (time_s - start_time) / duration;
+                let passed = done.clamp(0.0, 1.0);
+                let way: Entries = end.iter().zip(start).map(|(end, start)| end - start).collect();
+                let mut point =
+                    SetPoint::resting(start.iter().zip(&way).map(|(start, way)| start + way * passed).collect());
+                if (0.0..1.0).contains(&done) {
+                    point.rate = way.iter().map(|way| way / duration).collect();
+                }
+                point
+            }
+            Shape::Steps(points) => {
+                let passed = points.partition_point(|point| point.time_s <= time_s);
+                SetPoint::resting(Entries::from_slice(&points[passed.saturating_sub(1)].value))
+            }
+            Shape::Waypoints(spline) => spline.at(time_s),
+        }
+    }
+}
+
+fn pair(first: Vec<f64>, second: Vec<f64>) -> Result<[DVector<f64>; 2], ProfileError> {
+    finite(&first)?;
+    finite(&second)?;
+    if first.len() != second.len() {
+        return Err(ProfileError::Size { expected: first.len(), given: second.len() });
+    }
+    Ok([first, second].map(DVector::from_vec))
+}
+
+fn check(points: &[Point]) -> Result<(), ProfileError> {
+    let expected = points.first().ok_or(ProfileError::NoPoints)?.value.len();
+    for (i, Point { time_s, value }) in points.iter().enumerate() {
+        finite(&[*time_s])?;
+        finite(value)?;
+        if value.len() != expected {
+            return Err(ProfileError::Size { expected, given: value.len() });
+        }
+        if i > 0 && time_s - points[i - 1].time_s < SHORTEST_TIME {
+            return Err(ProfileError::Times { point: i });
+        }
+    }
+    Ok(())
+}
+
+fn finite(values: &[f64]) -> Result<(), ProfileError> {
+    if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(ProfileError::NotFinite) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(list: &[(f64, f64)]) -> Vec<Point> {
+        list.iter().map(|&(time_s, value)| Point { time_s, value: vec![value, -2.0 * value] }).collect()
+    }
+
+    const PLACES: [(f64, f64); 5] = [(0.5, 1.0), (1.0, 3.0), (1.2, 2.0), (2.5, -1.0), (3.0, -1.0)];
+
+    fn waypoints() -> Profile {
+        Profile::waypoints(&points(&PLACES)).unwrap()
+    }
+
+    fn column(entries: &[f64]) -> DVector<f64> {
+        DVector::from_row_slice(entries)
+    }
+
+    #[test]
+    fn a_sine_swings_about_its_offset() {
+        // Eq. (54): 30 + 5 sin(t/π).
+        let profile = Profile::sine(vec![30.0], vec![5.0], std::f64::consts::FRAC_1_PI, 0.0).unwrap();
+        assert_eq!(profile.at(0.0).value[0], 30.0);
+        assert!((profile.at(2.0).value[0] - (30.0 + 5.0 * (2.0 / std::f64::consts::PI).sin())).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rates_and_accelerations_match_finite_differences() {
+        let sine = Profile::sine(vec![1.0, 2.0], vec![0.5, -3.0], 2.0, 0.3).unwrap();
+        let ramp = Profile::ramp(vec![1.0, 0.0], vec![3.0, -5.0], 0.6, 2.2).unwrap();
+        let step = 1e-5;
+        for profile in [sine, ramp, waypoints()] {
+            for t in [0.1, 0.7, 1.1, 1.9, 2.6, 2.9, 3.4] {
+                let (before, now, after) = (profile.at(t - step), profile.at(t), profile.at(t + step));
+                let slope = |after, before| (column(after) - column(before)) * (0.5 / step);
+                let rate_error = slope(&after.value, &before.value) - column(&now.rate);
+                let acceleration_error = slope(&after.rate, &before.rate) - column(&now.acceleration);
+                assert!(rate_error.amax() < 1e-7, "{profile:?} at {t}");
+                assert!(acceleration_error.amax() < 1e-6, "{profile:?} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ramp_begins_and_ends_at_its_values() {
+        let ramp = Profile::ramp(vec![1.0], vec![3.0], 2.0, 4.0).unwrap();
+        let value = |t: f64| ramp.at(t).value[0];
+        assert_eq!([value(-1.0), value(2.0), value(4.0), value(6.0), value(9.0)], [1.0, 1.0, 2.0, 3.0, 3.0]);
+        assert_eq!([ramp.at(1.9).rate[0], ramp.at(2.0).rate[0], ramp.at(6.0).rate[0]], [0.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn steps_hold_each_value_until_the_next_time() {
+        let steps = Profile::steps(points(&[(1.0, 5.0), (2.0, 7.0)])).unwrap();
+        let value = |t: f64| steps.at(t).value[0];
+        assert_eq!([value(0.0), value(1.0), value(1.999), value(2.0), value(9.0)], [5.0, 5.0, 5.0, 7.0, 7.0]);
+        assert_eq!(steps.at(2.0).rate[..], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn waypoints_pass_through_their_points_and_rest_before_and_after() {
+        for (t, value) in PLACES {
+            let at = waypoints().at(t).value;
+            assert!((at[0] - value).abs() < 1e-14 && (at[1] + 2.0 * value).abs() < 1e-14, "{t}: {at:?}");
+        }
+        assert_eq!(waypoints().at(0.0), SetPoint::resting(Entries::from_slice(&[1.0, -2.0])));
+        assert_eq!(waypoints().at(9.0), SetPoint::resting(Entries::from_slice(&[-1.0, 2.0])));
+    }
+
+    #[test]
+    fn waypoints_are_twice_continuously_differentiable() {
+        for (t, _) in PLACES {
+            let (before, after) = (waypoints().at(t - 1e-9), waypoints().at(t + 1e-9));
+            assert!((column(&before.rate) - column(&after.rate)).amax() < 1e-6, "rate at {t}");
+            assert!((column(&before.acceleration) - column(&after.acceleration)).amax() < 1e-5, "acceleration at {t}");
+        }
+        let moving = waypoints().at(1.0);
+        assert!(
+            column(&moving.acceleration).amax() > 1.0 && column(&waypoints().at(1.2).rate).amax() > 1.0,
+            "it does not stop on its way"
+        );
+    }
+
+    #[test]
+    fn two_waypoints_are_the_minimum_jerk_path_and_one_is_a_constant() {
+        let two = Profile::waypoints(&points(&[(0.0, 0.0), (2.0, 1.0)])).unwrap();
+        for s in [0.25, 0.5, 0.9_f64] {
+            let expected = 10.0 * s.powi(3) - 15.0 * s.powi(4) + 6.0 * s.powi(5);
+            assert!((two.at(2.0 * s).value[0] - expected).abs() < 1e-14);
+        }
+        let one = Profile::waypoints(&points(&[(1.0, 4.0)])).unwrap();
+        assert!([0.0, 1.0, 5.0].iter().all(|t| one.at(*t) == SetPoint::resting(Entries::from_slice(&[4.0, -8.0]))));
+    }
+
+    #[test]
+    fn profiles_that_give_no_number_do_not_exist() {
+        assert_eq!(Profile::constant(vec![f64::NAN]), Err(ProfileError::NotFinite));
+        assert_eq!(Profile::sine(vec![1.0], vec![], 1.0, 0.0), Err(ProfileError::Size { expected: 1, given: 0 }));
+        for duration in [0.0, -1.0, 1e-300] {
+            assert_eq!(Profile::ramp(vec![1.0], vec![2.0], 0.0, duration), Err(ProfileError::Duration));
+        }
+        assert_eq!(Profile::steps(Vec::new()), Err(ProfileError::NoPoints));
+        for second in [1.0, 0.9, 1.0 + 1e-9] {
+            let refused = Profile::waypoints(&points(&[(1.0, 0.0), (second, 1.0)]));
+            assert_eq!(refused, Err(ProfileError::Times { point: 1 }));
+        }
+        assert_eq!(Profile::waypoints(&points(&[(f64::NAN, 0.0)])), Err(ProfileError::NotFinite));
+        assert_eq!(Profile::waypoints(&points(&[(0.0, 1e308), (1.0, -1e308)])), Err(ProfileError::NotFinite));
+    }
+}

@@ -1,0 +1,117 @@
+//! One joint of the chain.
+
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
+use roxmltree::Node;
+
+use super::UrdfError;
+use super::document::{Edge, child};
+use crate::{Joint, JointKind, JointLimits};
+
+/// Largest number of a description, m or rad; an axis shorter than its inverse has no direction.
+const LARGEST: f64 = 1e9;
+
+/// What a joint is to the chain.
+pub enum Segment {
+    /// A constant transform.
+    Fixed(IsometryMatrix3<f64>),
+    /// A joint of the model.
+    Moving(Box<Moving>),
+}
+
+/// A joint that moves about or along z of its own frame, and the transform from there to the child link's frame.
+pub struct Moving {
+    /// Its `placement` counts from the parent link's frame.
+    pub joint: Joint,
+    pub after: IsometryMatrix3<f64>,
+}
+
+/// Reads a joint.
+pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
+    let reader = Reader { joint: edge.name, element: edge.element };
+    let origin = reader.origin()?;
+    let kind = match edge.element.attribute("type") {
+        None => return Err(reader.missing("a type")),
+        Some("fixed") => return Ok(Segment::Fixed(origin)),
+        Some(_) if child(edge.element, "mimic").is_some() => return Err(reader.kind("mimic")),
+        Some("revolute" | "continuous") => JointKind::Revolute,
+        Some("prismatic") => JointKind::Prismatic,
+        Some(other) => return Err(reader.kind(other)),
+    };
+    let to_axis = rotation_from_z(&reader.axis()?);
+    let joint = Joint {
+        name: edge.name.to_owned(),
+        kind,
+        placement: origin * to_axis,
+        limits: reader.limits()?,
+        published_range: None,
+        denavit_hartenberg: None,
+    };
+    let after = IsometryMatrix3::from_parts(Translation3::identity(), to_axis.inverse());
+    Ok(Segment::Moving(Box::new(Moving { joint, after })))
+}
+
+/// A rotation that takes z to a direction of unit length; without rounding where that is an axis of the frame, and the
+/// identity for z itself.
+fn rotation_from_z(direction: &Vector3<f64>) -> Rotation3<f64> {
+    let across = if direction.y.abs() <= 0.8 { Vector3::y() } else { Vector3::z() };
+    let x = across.cross(direction).normalize();
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, direction.cross(&x), *direction]))
+}
+
+struct Reader<'a> {
+    joint: &'a str,
+    element: Node<'a, 'a>,
+}
+
+impl Reader<'_> {
+    /// Pose of the joint's frame in the parent link's: x y z, then roll, pitch and yaw about the fixed axes.
+    fn origin(&self) -> Result<IsometryMatrix3<f64>, UrdfError> {
+        let [x, y, z] = self.numbers("origin", "xyz")?.unwrap_or_default();
+        let [roll, pitch, yaw] = self.numbers("origin", "rpy")?.unwrap_or_default();
+        if child(self.element, "origin").is_some_and(|origin| origin.has_attribute("quat_xyzw")) {
+            return Err(self.missing("its orientation as `rpy`; `quat_xyzw` is not read"));
+        }
+        let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
+        Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), rotation))
+    }
+
+    /// Unit vector of the axis, x if none is given.
+    fn axis(&self) -> Result<Vector3<f64>, UrdfError> {
+        let axis = Vector3::from(self.numbers("axis", "xyz")?.unwrap_or([1.0, 0.0, 0.0]));
+        axis.try_normalize(1.0 / LARGEST).ok_or_else(|| UrdfError::Axis { joint: self.joint.to_owned() })
+    }
+
+    fn limits(&self) -> Result<JointLimits, UrdfError> {
+        let limit = |field| Ok::<_, UrdfError>(self.numbers("limit", field)?.map(|[value]: [f64; 1]| value));
+        let infinite = |field| limit(field).map(|value| value.unwrap_or(f64::INFINITY));
+        let acceleration = infinite("acceleration")?.min(infinite("deceleration")?);
+        if self.element.attribute("type") == Some("continuous") {
+            return Ok(JointLimits { velocity: infinite("velocity")?, acceleration, ..JointLimits::NONE });
+        }
+        let needed = || self.missing("<limit> with `lower`, `upper` and `velocity`, or the type `continuous`");
+        Ok(JointLimits {
+            lower: limit("lower")?.ok_or_else(needed)?,
+            upper: limit("upper")?.ok_or_else(needed)?,
+            velocity: limit("velocity")?.ok_or_else(needed)?,
+            acceleration,
+        })
+    }
+
+    /// The numbers of an attribute of the joint's first child of that name; `None` where there is none.
+    fn numbers<const N: usize>(&self, tag: &str, field: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
+        let Some(text) = child(self.element, tag).and_then(|node| node.attribute(field)) else { return Ok(None) };
+        let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= LARGEST);
+        let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+        let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
+        let refusal = || UrdfError::Number { joint: self.joint.to_owned(), field, text: text.to_owned(), count: N };
+        numbers.map(Some).ok_or_else(refusal)
+    }
+
+    fn kind(&self, kind: &str) -> UrdfError {
+        UrdfError::Kind { joint: self.joint.to_owned(), kind: kind.to_owned() }
+    }
+
+    fn missing(&self, what: &'static str) -> UrdfError {
+        UrdfError::Missing { joint: self.joint.to_owned(), what }
+    }
+}

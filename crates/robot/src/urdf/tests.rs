@@ -1,0 +1,239 @@
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+use super::*;
+use crate::{JointKind, ModelError};
+
+const REVOLUTE: &str = r#"type="revolute"><limit lower="-1" upper="2" velocity="3"/>"#;
+
+fn joint(name: &str, parent: &str, child: &str, rest: &str) -> String {
+    format!(r#"<joint name="{name}" {rest}<parent link="{parent}"/><child link="{child}"/></joint>"#)
+}
+
+fn robot(links: &str, joints: &[String]) -> String {
+    let links = links.split_whitespace().map(|name| format!(r#"<link name="{name}"/>"#)).collect::<Vec<_>>().concat();
+    format!(r#"<robot name="r">{links}{}</robot>"#, joints.concat())
+}
+
+fn read(text: &str) -> Result<RobotModel, UrdfError> {
+    RobotModel::from_urdf(text, &UrdfOptions::default())
+}
+
+fn between(text: &str, base: &str, tip: &str) -> Result<RobotModel, UrdfError> {
+    RobotModel::from_urdf(text, &UrdfOptions { base: Some(base), tip: Some(tip), ..UrdfOptions::default() })
+}
+
+/// One joint `j` between `a` and `b`.
+fn one(rest: &str) -> Result<RobotModel, UrdfError> {
+    read(&robot("a b", &[joint("j", "a", "b", rest)]))
+}
+
+fn message(result: Result<RobotModel, UrdfError>) -> String {
+    result.unwrap_err().to_string()
+}
+
+#[test]
+fn fixed_revolute_continuous_and_prismatic_joints_make_a_chain() {
+    let text = robot(
+        "a b c d e",
+        &[
+            joint("fixed", "a", "b", r#"type="fixed"><origin xyz="1 2 3"/>"#),
+            joint("turn", "b", "c", REVOLUTE),
+            joint("spin", "c", "d", r#"type="continuous"><axis xyz="0 0 2"/><origin xyz="0 0 1"/>"#),
+            joint("slide", "d", "e", r#"type="prismatic"><limit lower="0" upper="0.5" velocity="0.1"/>"#),
+        ],
+    );
+    let robot = read(&text).unwrap();
+    let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!((robot.name(), &names[..]), ("r", &["turn", "spin", "slide"][..]));
+    assert_eq!(robot.description(), "3 joints from link `a` to link `e`, URDF");
+    assert_eq!(robot.joints()[0].placement.translation.vector, Vector3::new(1.0, 2.0, 3.0));
+    let limits = |i: usize| robot.joints()[i].limits;
+    assert_eq!((limits(0).lower, limits(0).upper, limits(0).velocity), (-1.0, 2.0, 3.0));
+    assert_eq!(limits(1), super::super::JointLimits::NONE);
+    assert_eq!((robot.joints()[2].kind, limits(2).upper), (JointKind::Prismatic, 0.5));
+}
+
+#[test]
+fn an_axis_along_the_frame_is_folded_in_without_rounding() {
+    let placement = |axis: &str| {
+        let robot = one(&format!(r#"type="continuous"><axis xyz="{axis}"/>"#)).unwrap();
+        (robot.joints()[0].placement.rotation, robot.tool().rotation)
+    };
+    assert_eq!(placement("0 0 1").0.matrix(), &nalgebra::Matrix3::identity());
+    for (axis, direction) in [
+        ("1 0 0", Vector3::x()),
+        ("0 1 0", Vector3::y()),
+        ("-3 0 0", -Vector3::x()),
+        ("0 -1 0", -Vector3::y()),
+        ("0 0 -1", -Vector3::z()),
+    ] {
+        let (before, after) = placement(axis);
+        assert_eq!(before * Vector3::z(), direction, "{axis}");
+        assert_eq!((before * after).matrix(), &nalgebra::Matrix3::identity(), "{axis}");
+        assert_eq!(before.matrix().determinant(), 1.0, "{axis}");
+    }
+    let (oblique, back) = placement("1 -2 0.5");
+    assert!((oblique * Vector3::z() - Vector3::new(1.0, -2.0, 0.5).normalize()).norm() < 1e-15);
+    assert!((oblique * back).matrix().relative_eq(&nalgebra::Matrix3::identity(), 1e-15, 1e-15));
+}
+
+#[test]
+fn acceleration_is_the_smaller_of_both_directions() {
+    let limit = |more: &str| {
+        let rest = format!(r#"type="revolute"><limit lower="-1" upper="1" velocity="2" {more}/>"#);
+        one(&rest).unwrap().joints()[0].limits.acceleration
+    };
+    assert_eq!(limit(""), f64::INFINITY);
+    assert_eq!(limit(r#"acceleration="8""#), 8.0);
+    assert_eq!(limit(r#"acceleration="8" deceleration="5""#), 5.0);
+}
+
+#[test]
+fn the_named_tip_decides_and_what_branches_off_does_not_count() {
+    let text = robot(
+        "base arm hand camera finger",
+        &[
+            joint("shoulder", "base", "arm", REVOLUTE),
+            joint("wrist", "arm", "hand", REVOLUTE),
+            joint("pan", "arm", "camera", r#"type="floating">"#),
+            joint("grip", "hand", "finger", r#"type="prismatic"><mimic joint="wrist"/>"#),
+        ],
+    );
+    assert_eq!(between(&text, "base", "hand").unwrap().joint_count(), 2);
+    assert_eq!(between(&text, "arm", "hand").unwrap().joint_count(), 1);
+    assert!(message(read(&text)).contains("name the `tip`: `camera`, `finger`"));
+    assert!(message(between(&text, "base", "camera")).contains("joint `pan` of the chain is floating"));
+    assert!(message(between(&text, "base", "finger")).contains("joint `grip` of the chain is mimic"));
+    assert!(message(between(&text, "base", "foot")).contains("to a link `foot`; chains from there end at `camera`"));
+    assert!(message(between(&text, "camera", "hand")).contains("no chain leads from `camera` to a link `hand`"));
+    assert!(message(between(&text, "foot", "hand")).contains("no link `foot` to be the base"));
+    assert_eq!(between(&text, "base", "base").unwrap_err(), UrdfError::Model(ModelError::NoJoints));
+}
+
+#[test]
+fn joints_that_are_no_axis_of_an_arm_are_named_with_their_type() {
+    for kind in ["floating", "planar", "spherical", "hinge"] {
+        assert!(message(one(&format!(r#"type="{kind}">"#))).contains(&format!("joint `j` of the chain is {kind}")));
+    }
+    assert!(message(one(">")).contains("joint `j` needs a type"));
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    let cycle = [joint("j", "a", "b", REVOLUTE), joint("k", "b", "a", REVOLUTE)];
+    assert_eq!(read(&robot("a b", &cycle)).unwrap_err(), UrdfError::Cycle { link: "a".to_owned() });
+    assert!(matches!(between(&robot("c a b", &cycle), "c", "a"), Err(UrdfError::Cycle { .. })));
+    assert_eq!(between(&robot("a b", &cycle), "a", "b").unwrap().joint_count(), 1);
+    let diamond = [joint("j", "a", "b", REVOLUTE), joint("k", "a", "b", REVOLUTE)];
+    assert!(message(read(&robot("a b", &diamond))).contains("link `b` is the child of the joints `j` and `k`"));
+    assert!(message(read(&robot("a b c", &diamond[..1]))).contains("links without parent: `a`, `c`; name the `base`"));
+    assert!(message(read(&robot("", &[]))).contains("links without parent: none"));
+    assert!(message(read(&robot("a a", &[]))).contains("two links are named `a`"));
+    let twice = [joint("j", "a", "b", REVOLUTE), joint("j", "b", "c", REVOLUTE)];
+    assert!(message(read(&robot("a b c", &twice))).contains("two joints are named `j`"));
+    assert!(message(read(&robot("a", &cycle[..1]))).contains("connects link `b`, which the text does not have"));
+    assert!(message(read(r#"<robot name="r"><link/></robot>"#)).contains("1. <link>"));
+    assert!(message(read(r#"<robot><link name="a"/><joint name="j"/></robot>"#)).contains("`j` needs <parent"));
+}
+
+#[test]
+fn numbers_and_limits_that_make_no_sense_are_named() {
+    let limit = |text: &str| message(one(&format!(r#"type="revolute"><limit {text}/>"#)));
+    for missing in ["", r#"lower="-1" upper="1""#, r#"upper="1" velocity="1""#, r#"lower="1" velocity="1""#] {
+        assert!(limit(missing).contains("joint `j` needs <limit> with"), "{missing}");
+    }
+    assert!(message(one(r#"type="prismatic">"#)).contains("joint `j` needs <limit> with"));
+    assert!(limit(r#"lower="1" upper="-1" velocity="1""#).contains("joint `j`: the position range must not be empty"));
+    assert!(limit(r#"lower="-1" upper="1" velocity="0""#).contains("must be positive"));
+    assert!(limit(r#"lower="-1" upper="1" velocity="1" acceleration="-1""#).contains("must be positive"));
+    for number in ["nan", "inf", "-infinity", "1e308", "1e999", "one", "", "1 2", "0x10", "1,5"] {
+        let refusal = limit(&format!(r#"lower="-1" upper="{number}" velocity="1""#));
+        assert!(refusal.contains(&format!("joint `j`: upper=\"{number}\" is not 1 number(s)")), "{refusal}");
+    }
+    for xyz in ["0 0", "0 0 0 0", "0 0 nan", "0 0 1e10"] {
+        assert!(message(one(&format!(r#"type="fixed"><origin xyz="{xyz}"/>"#))).contains("is not 3 number(s)"));
+    }
+    for axis in ["0 0 0", "1e-300 0 0"] {
+        let refusal = message(one(&format!(r#"type="continuous"><axis xyz="{axis}"/>"#)));
+        assert!(refusal.contains("joint `j`: the axis has length zero"), "{refusal}");
+    }
+    assert!(message(one(r#"type="fixed"><origin quat_xyzw="0 0 0 1"/>"#)).contains("`quat_xyzw` is not read"));
+}
+
+#[test]
+fn xml_that_is_no_robot_is_refused() {
+    for text in ["", "robot", "<robot>", "<robot></link>", "<robot name='a' name='b'/>", "<robot>&x;</robot>", "\0"] {
+        assert!(matches!(read(text), Err(UrdfError::Xml(_))), "{text}");
+    }
+    assert!(message(read("<sdf/>")).contains("the outermost element is <sdf>"));
+}
+
+#[test]
+fn nothing_is_expanded_and_nothing_is_opened() {
+    let entity = r#"<!DOCTYPE robot [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot name="&a;"/>"#;
+    assert!(message(read(entity)).contains("DTD"));
+    let mesh = r#"<link name="a"><visual><geometry><mesh filename="package://none/a.stl"/></geometry></visual></link>"#;
+    let text = robot("b", &[mesh.to_owned(), joint("j", "a", "b", REVOLUTE)]);
+    assert_eq!(read(&text).unwrap().joint_count(), 1);
+}
+
+/// Texts made of a good one by cutting, doubling and inserting what means something.
+fn any_text() -> impl Strategy<Value = String> {
+    const GOOD: &str = include_str!("../../../../fixtures/golden/oblique.urdf");
+    const PIECES: [&str; 15] = [
+        "<", ">", "/>", "\"", "'", "&amp;", "<!--", "]]>", "=", " nan", "-1e9", "<limit/>", "<joint>", "\u{0}", "base",
+    ];
+    let cut = (0..GOOD.len(), 0..40_usize, prop::sample::select(&PIECES[..]));
+    prop::collection::vec(cut, 1..4).prop_map(|cuts| {
+        cuts.into_iter().fold(GOOD.to_owned(), |text, (at, length, piece)| {
+            let (at, end) = (at.min(text.len()), (at + length).min(text.len()));
+            format!("{}{piece}{}", &text[..at], &text[end..])
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_damaged_text_is_refused_or_a_robot(text in any_text()) {
+        let options = UrdfOptions { tip: Some("tool"), ..UrdfOptions::default() };
+        if let Ok(robot) = RobotModel::from_urdf(&text, &options) {
+            prop_assert!(robot.joint_count() > 0);
+            prop_assert!(robot.tool().to_homogeneous().iter().all(|entry| entry.is_finite()));
+        }
+    }
+}
+
+#[test]
+fn no_text_takes_long() {
+    let elements = |element: &str| format!("<robot>{}</robot>", element.repeat((1 << 20) / element.len() - 10));
+    let deep = 70_000;
+    let attributes = (0..90_000).map(|i| format!("a{i:x}='' ")).collect::<Vec<_>>().concat();
+    let spaces = (0..5_000).map(|i| format!("<a xmlns:b{i}='c{i}'>")).collect::<Vec<_>>().concat();
+    let chain: Vec<String> = (0..8_000).map(|i| format!(r#"<link name="{i}"/>"#)).collect();
+    let bush = |parent: &dyn Fn(usize) -> usize| {
+        let joint = |i: usize| {
+            format!("<joint name='{i}' type='fixed'><parent link='{}'/><child link='{i}'/></joint>", parent(i))
+        };
+        format!("<robot>{}{}</robot>", chain.concat(), (1..8_000).map(joint).collect::<Vec<_>>().concat())
+    };
+    let texts = [
+        elements("<a/>"),
+        elements("<link name='a'/>"),
+        elements("<!---->"),
+        format!("<robot>{}{}</robot>", "<a>".repeat(deep), "</a>".repeat(deep)),
+        format!("<robot {attributes}/>"),
+        format!("<robot>{spaces}"),
+        " ".repeat(2 << 20),
+        bush(&|i| i - 1),
+        bush(&|i| i / 2),
+        bush(&|i| if i < 4_000 { i - 1 } else { 3_999 }),
+    ];
+    let start = std::time::Instant::now();
+    for text in texts {
+        read(&text).unwrap_err();
+    }
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}

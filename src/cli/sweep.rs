@@ -1,0 +1,172 @@
+//! `revprio sweep`: a scenario with many values of some quantities.
+//!
+//! ```text
+//! scenario, --vary, --seeds ─→ Plan (cells) ─→ a row per cell, on all cores ─→ one Parquet file ─→ figures
+//!                                                └→ partial file, line by line, to go on from
+//! ```
+//!
+//! Every cell gets a service of its own on a loopback port and calls it like any client, or all call `--server`: what a
+//! sweep shows is what any client would get, and no cell knows of another, so that neither the number of threads nor the
+//! division into shards shows in the file.
+
+use std::io::{Write as _, stderr, stdout};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use revprio_lab::simulator::Scenario;
+use revprio_lab::simulator::recording::{Kind, Value};
+use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
+
+use super::experiment::make_directory;
+use super::{CliError, Target, progress_bar};
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Name of a built-in scenario, or a file (.toml or .json)
+    #[arg(required_unless_present = "merge")]
+    scenario: Option<String>,
+    /// A quantity and its values: a path in the scenario, then log:FROM..TO:COUNT, lin:FROM..TO:COUNT, or a list
+    #[arg(long, value_name = "PATH=VALUES")]
+    vary: Vec<Variation>,
+    /// The same with each of these seeds, such as 0..99
+    #[arg(long)]
+    seeds: Option<Seeds>,
+    /// Service to call, such as http://127.0.0.1:8080; one of its own per cell if left out
+    #[arg(long)]
+    server: Option<String>,
+    /// Threads; as many as cores if left out
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Only the I-th of N parts, for a cluster
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Instead of running anything, put the files of all shards together
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["scenario", "vary", "seeds", "server", "shard"])]
+    merge: Vec<PathBuf>,
+    /// Measures to draw
+    #[arg(long, value_delimiter = ',', default_value = "rmse_force_x_n,peak_force_x_n,settling_time_s")]
+    draw: Vec<String>,
+    /// Directory for table and figures
+    #[arg(long, default_value = "revprio-out")]
+    out: PathBuf,
+}
+
+const EXAMPLES: &str = "Examples:
+  revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
+  revprio sweep force_tracking_singular --vary method=reverse_priority,damped_least_squares
+  revprio sweep my_scenario.toml --vary controller.tasks.0.law.damping=50,150,450 --seeds 0..99
+  revprio sweep stiff_wall --vary loop.lag_s=lin:0..0.005:60 --shard 1/4       on one of four machines
+  revprio sweep --merge shards/*.parquet                                       afterwards
+
+Paths are those of the scenario's file, with `*` for all items of a list; `environment.` stands for `contacts.*.`, `loop.`
+for `velocity_loop.`, and `method`, `solver`, `limits` for those of the controller. An interrupted sweep goes on where it
+stopped when the same command is given again.";
+
+/// Part of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shard {
+    number: usize,
+    of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        let shard = parts.filter(|(number, of)| (1..=*of).contains(number)).map(|(number, of)| Self { number, of });
+        shard.ok_or_else(|| format!("`{text}` is no part; the first of four is 1/4"))
+    }
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let refused = CliError::Sweep;
+    if let Some(unknown) = options.draw.iter().find(|name| !MEASURES.iter().any(|(known, _)| known == name)) {
+        let known = MEASURES.map(|(name, _)| name).join(", ");
+        return Err(refused(format!("there is no measure `{unknown}` to draw; known: {known}")));
+    }
+    make_directory(&options.out)?;
+    let Some(name) = &options.scenario else {
+        let whole = sweep::merge(&options.merge).map_err(refused)?;
+        let name = whole.identity.scenario["name"].as_str().unwrap_or_default();
+        return finish(options, &format!("sweep-{name}"), &whole);
+    };
+    let scenario = Scenario::find(name)?;
+    let variations = options.vary.iter().cloned().chain(options.seeds.map(Seeds::variation)).collect();
+    let plan = Plan::new(&scenario, variations).map_err(refused)?;
+    let columns = sweep::columns(&plan.variations);
+    let part = options.shard.map(|shard| format!(".{}-of-{}", shard.number, shard.of)).unwrap_or_default();
+    let label = format!("sweep-{}{part}", scenario.name);
+    let path = options.out.join(format!("{label}.partial"));
+    let opened = Partial::open(&path, &plan.identity(), &columns);
+    let (partial, mut rows) = opened.map_err(|error| refused(format!("{}: {error}", path.display())))?;
+    let all = (0..plan.cells()).filter(|cell| options.shard.is_none_or(|shard| cell % shard.of == shard.number - 1));
+    let cells: Vec<usize> = all.filter(|cell| !rows.contains_key(cell)).collect();
+    if !rows.is_empty() {
+        writeln!(stderr(), "{} cells are done already", rows.len())?;
+    }
+    rows.extend(run_cells(options, &plan, &cells, &partial, &label)?);
+    let identity = plan.identity();
+    finish(options, &label, &Written { identity, rows })?;
+    partial.remove().map_err(|error| refused(format!("cannot remove {}: {error}", path.display())))
+}
+
+/// Runs the cells on all threads.
+fn run_cells(
+    options: &Options,
+    plan: &Plan,
+    cells: &[usize],
+    partial: &Partial,
+    label: &str,
+) -> Result<Rows, CliError> {
+    let bar: ProgressBar = progress_bar(cells.len() as u64, label);
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    let threads = threads.map_err(|error| CliError::Sweep(error.to_string()))?;
+    let rows = threads.install(|| {
+        // One cell at a time: they last long, and some much longer than others.
+        let cells = cells.par_iter().with_max_len(1);
+        let rows = cells.map(|&cell| {
+            let target = Target::open(options.server.as_deref())?;
+            let row = sweep::row(plan, cell, &target.client)?;
+            partial.add(&row).map_err(|error| CliError::Sweep(format!("cannot keep a row: {error}")))?;
+            bar.inc(1);
+            Ok((cell, row))
+        });
+        rows.collect::<Result<Rows, CliError>>()
+    })?;
+    bar.finish();
+    Ok(rows)
+}
+
+/// Writes the table and the figures and says how the cells ended.
+fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliError> {
+    let variations: Vec<Variation> =
+        whole.identity.vary.iter().map(|text| described(text)).collect::<Result<_, _>>().map_err(CliError::Sweep)?;
+    let kinds: Vec<(String, Kind)> = sweep::columns(&variations);
+    let path = options.out.join(format!("{label}.parquet"));
+    let written = sweep::write(&path, &whole.identity, &kinds, &whole.rows);
+    written.map_err(|error| CliError::Sweep(format!("cannot write {}: {error}", path.display())))?;
+    let drawn = figures::write(&options.out, label, &variations, &options.draw, &kinds, &whole.rows)?;
+    let place = kinds.iter().position(|(name, _)| name == "outcome").unwrap_or(0);
+    let ended = |word: &str| whole.rows.values().filter(|row| row[place] == Value::Word(word.to_owned())).count();
+    let outcomes = ["finished", "diverged", "refused", "failed"].map(|word| (ended(word), word));
+    let outcomes: Vec<String> =
+        outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
+    writeln!(stdout(), "{} cells: {}", whole.rows.len(), outcomes.join(", "))?;
+    writeln!(stdout(), "table: {}", path.display())?;
+    for figure in drawn {
+        writeln!(stdout(), "figure: {}", figure.display())?;
+    }
+    Ok(())
+}
+
+/// A quantity as it stands in a file.
+fn described(text: &str) -> Result<Variation, String> {
+    match text.strip_prefix("seed=").map(Seeds::from_str) {
+        Some(Ok(seeds)) => Ok(seeds.variation()),
+        _ => text.parse(),
+    }
+}

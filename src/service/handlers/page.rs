@@ -1,0 +1,38 @@
+//! `GET /` and `GET /dashboard/{file}`: the page in the browser.
+
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::dashboard;
+use crate::service::problem::Problem;
+use crate::service::segment::Segment;
+
+/// Allows only files of the service itself. Pictures that the page makes of itself are `blob:`.
+const ONLY_SELF: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+                         connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// `GET /`
+pub async fn home(headers: HeaderMap) -> Result<Response, Problem> {
+    answer("index.html", &headers)
+}
+
+/// `GET /dashboard/{file}`
+pub async fn file(Segment(name): Segment, headers: HeaderMap) -> Result<Response, Problem> {
+    answer(&name, &headers)
+}
+
+fn answer(name: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+    let file = dashboard::file(name);
+    let (media_type, text) = file.ok_or_else(|| Problem::not_found("there is no such page; the dashboard is at /"))?;
+    let version = HeaderValue::from_str(&dashboard::VERSION).map_err(|_| Problem::internal())?;
+    let is_known = headers.get(header::IF_NONE_MATCH) == Some(&version);
+    let head: [(HeaderName, HeaderValue); 5] = [
+        (header::CONTENT_TYPE, HeaderValue::from_static(media_type)),
+        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(ONLY_SELF)),
+        (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
+        // Browsers ask each time. The file is sent only after an update.
+        (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
+        (header::ETAG, version),
+    ];
+    Ok(if is_known { (StatusCode::NOT_MODIFIED, head).into_response() } else { (head, text).into_response() })
+}

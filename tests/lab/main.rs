@@ -1,0 +1,6 @@
+//! Simulated experiments through a live service over HTTP.
+
+mod closed_loop_golden;
+mod recording;
+mod scenarios;
+mod stability;

@@ -1,0 +1,223 @@
+//! What each scenario is to show, in runs through a live service over HTTP.
+
+use std::ops::ControlFlow;
+
+use revprio::service::{App, Robots, RunningServer, router};
+use revprio_api::client::Client;
+use revprio_api::wire::{Method, Solver};
+use revprio_lab::report::metrics::{Metrics, largest_difference};
+use revprio_lab::simulator::recording::{AtLimit, Recording, Sample};
+use revprio_lab::simulator::{CallMode, Scenario, run};
+
+fn scenario(name: &str) -> Scenario {
+    Scenario::find(name).unwrap()
+}
+
+fn with_solver(name: &str, solver: Solver) -> Scenario {
+    let mut scenario = scenario(name);
+    scenario.controller.solver = solver;
+    scenario
+}
+
+fn with_method(name: &str, method: Method) -> Scenario {
+    let mut scenario = scenario(name);
+    scenario.controller.method = method;
+    scenario
+}
+
+/// Runs against a service of its own.
+fn run_in(scenario: &Scenario, mode: CallMode) -> Recording {
+    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn served(scenario: &Scenario) -> Recording {
+    run_in(scenario, CallMode::Session)
+}
+
+/// Samples from one time to another, s.
+fn between(run: &Recording, from_s: f64, to_s: f64) -> &[Sample] {
+    let index = |time_s: f64| run.samples.partition_point(|sample| sample.time_s < time_s);
+    &run.samples[index(from_s)..index(to_s)]
+}
+
+fn largest(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> f64 {
+    samples.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn final_force(run: &Recording) -> f64 {
+    Metrics::of(run).final_force.unwrap()
+}
+
+fn speed(sample: &Sample) -> f64 {
+    sample.joint_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max)
+}
+
+fn breaks_a_limit(sample: &Sample) -> bool {
+    sample.limits.iter().any(|limit| matches!(limit, AtLimit::Below | AtLimit::Above))
+}
+
+/// F_x beside its 30 N once the impact is over.
+fn force_error(run: &Recording) -> f64 {
+    largest(between(run, 2.0, 5.0), |s| (s.force[0] - 30.0).abs())
+}
+
+#[test]
+fn within_limits_the_cascade_keeps_the_force_and_the_sweep_gives_way() {
+    for solver in [Solver::Auto, Solver::Qp] {
+        let cascade = served(&with_solver("stiff_wall_limits", solver));
+        assert!(force_error(&cascade) < 0.2, "{}", force_error(&cascade));
+        assert!(largest(&cascade.samples, |s| s.residual_norms[0]) < 1e-9);
+        assert!(largest(&cascade.samples, speed) <= 0.35 + 1e-12 && !cascade.samples.iter().any(breaks_a_limit));
+        let held = cascade.samples.iter().filter(|s| s.limits.contains(&AtLimit::Upper)).count();
+        assert!(held > 100 && largest(&cascade.samples, |s| s.residual_norms[1]) > 0.01, "{held}");
+    }
+}
+
+#[test]
+fn without_limits_in_mind_the_closed_form_breaks_them_and_drives_that_cut_it_lose_the_force() {
+    let closed = served(&with_solver("stiff_wall_limits", Solver::ClosedForm));
+    assert!(closed.samples.iter().any(breaks_a_limit) && largest(&closed.samples, speed) > 0.7);
+    assert!(force_error(&closed) < 0.2);
+    let cut = served(&scenario("stiff_wall_limits_clamped"));
+    let fastest = largest(&cut.samples, |s| s.actual_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max));
+    assert!(fastest <= 0.35, "{fastest}");
+    assert!(force_error(&cut) > 5.0 * force_error(&closed), "{} {}", force_error(&cut), force_error(&closed));
+}
+
+#[test]
+fn the_lag_that_the_margin_forbids_bounces_and_the_recommended_damping_settles() {
+    let lagging = served(&scenario("stiff_wall_lag"));
+    let contacts = |run: &Recording| Metrics::of(run).contacts;
+    assert!(contacts(&lagging) > 10, "{}", contacts(&lagging));
+    let swing = largest(between(&lagging, 4.0, 5.0), |s| s.force[0]);
+    assert!(swing > 60.0, "{swing}");
+    let damped = served(&scenario("stiff_wall_lag_damped"));
+    assert!((final_force(&damped) - 30.0).abs() < 0.3, "{}", final_force(&damped));
+}
+
+#[test]
+fn limited_accelerations_make_a_hard_impact_harder_and_bear_a_slow_one() {
+    let fast = served(&scenario("stiff_wall_acceleration"));
+    let peak = |run: &Recording| Metrics::of(run).peak_force;
+    let free = served(&scenario("stiff_wall"));
+    assert!((1.15..1.25).contains(&(peak(&fast) / peak(&free))), "{} {}", peak(&fast), peak(&free));
+    let slow = served(&scenario("stiff_wall_acceleration_slow"));
+    assert!(peak(&slow) < 32.0, "{}", peak(&slow));
+    assert!((final_force(&slow) - 30.0).abs() < 1.0, "{}", final_force(&slow));
+}
+
+#[test]
+fn a_joint_at_its_end_stops_there_and_the_orientation_gives_way() {
+    let closed = served(&with_solver("joint_limits", Solver::ClosedForm));
+    let kept = served(&scenario("joint_limits"));
+    let furthest = |run: &Recording| largest(&run.samples, |s| s.joint_position[5].abs());
+    assert!(furthest(&closed) > 2.9761 + 0.01, "{}", furthest(&closed));
+    assert!(furthest(&kept) <= 2.9761 + 1e-9 && furthest(&kept) > 2.976, "{}", furthest(&kept));
+    assert!(largest(&kept.samples, |s| s.residual_norms[0]) < 1e-6);
+    assert!(largest(&kept.samples, |s| s.residual_norms[1]) > 1e-3);
+    assert!((kept.samples.last().unwrap().position_error[2] - 0.25).abs() < 1e-3);
+}
+
+#[test]
+fn three_tasks_in_conflict_are_shared_by_reverse_priority_and_ordered_by_the_strict_hierarchy() {
+    let residuals = |method| served(&with_method("task_conflict", method)).samples[0].residual_norms.clone();
+    let (shared, strict) = (residuals(Method::ReversePriority), residuals(Method::StrictReversePriority));
+    assert!(shared[0] < 1e-9 && strict[0] < 1e-9, "{shared:?} {strict:?}");
+    assert!(shared[1] > 0.01 && shared[2] > 0.01, "{shared:?}");
+    assert!(strict[1] < 1e-9 && strict[2] > 0.05, "{strict:?}");
+}
+
+#[test]
+fn a_moving_wall_is_followed_without_losing_contact() {
+    let run = served(&scenario("moving_wall"));
+    let steady = between(&run, 2.0, 6.0);
+    assert!(steady.iter().all(|s| s.wall_distance.unwrap() < 0.0));
+    let error = largest(steady, |s| (s.force[0] - 20.0).abs());
+    assert!((1.0..5.0).contains(&error), "{error}");
+}
+
+#[test]
+fn a_plane_is_polished_with_a_steady_force_against_friction() {
+    let run = served(&scenario("polishing"));
+    let normal = [0.5, 0.0, 0.75_f64.sqrt()];
+    let steady = between(&run, 3.0, 8.0);
+    let pressed = |s: &Sample| -(0..3).map(|i| s.force[i] * normal[i]).sum::<f64>();
+    assert!(largest(steady, |s| (pressed(s) - 15.0).abs()) < 0.5);
+    let friction = largest(steady, |s| s.force[1].abs());
+    assert!((4.0..5.0).contains(&friction), "{friction}");
+    let sweep = largest(steady, |s| s.position_error[1]);
+    assert!((sweep - 0.05).abs() < 1e-3, "{sweep}");
+    assert!(
+        run.energy.dissipated_j > 0.5 && run.energy.imbalance_j().abs() < 0.02 * run.energy.work_j,
+        "{:?}",
+        run.energy
+    );
+}
+
+#[test]
+fn a_pushed_arm_gives_way_as_a_spring_and_comes_back() {
+    let run = served(&scenario("human_push"));
+    let pushed = between(&run, 3.4, 3.5)[0].position_error[1];
+    assert!((pushed - 0.06).abs() < 0.005, "{pushed}");
+    let back = run.samples.last().unwrap();
+    assert!(back.position_error.iter().all(|way| way.abs() < 2e-3), "{:?}", back.position_error);
+    assert!(largest(&run.samples, |s| s.torque[2].abs()) > 1.9);
+}
+
+#[test]
+fn six_joints_at_a_wall_settle_and_exact_methods_are_the_same() {
+    let run = served(&scenario("ur5e_wall"));
+    assert!((final_force(&run) - 30.0).abs() < 0.3, "{}", final_force(&run));
+    let other = served(&with_method("ur5e_wall", Method::TaskPriority));
+    let difference = largest_difference(&run, &other);
+    assert!(difference < 1e-9, "{difference}");
+}
+
+#[test]
+fn a_biased_sensor_shifts_the_force_and_a_seed_makes_the_run() {
+    let noisy = scenario("noisy_sensors");
+    let run = served(&noisy);
+    let steady = between(&run, 1.5, 3.0);
+    let mean = steady.iter().map(|s| s.force[0]).sum::<f64>() / steady.len() as f64;
+    assert!((mean - 29.5).abs() < 0.2, "{mean}");
+    let sensed = run.samples[0].sensed.as_ref().unwrap();
+    assert_eq!((sensed.force[0] / 0.05).round() * 0.05, sensed.force[0]);
+    let short = |seed| served(&Scenario { duration_s: 0.2, seed, ..noisy.clone() }).samples;
+    assert!(short(1) == run.samples[..200] && short(2) != run.samples[..200]);
+}
+
+#[test]
+fn on_a_lossy_line_the_arm_comes_to_rest_in_time_and_takes_its_way_up_again() {
+    for mode in [CallMode::Session, CallMode::Stateless] {
+        let run = run_in(&scenario("lossy_line"), mode);
+        let lost = run.samples.iter().filter(|s| !s.answered).count();
+        // Late by up to ten periods, where a second jam follows on the first.
+        let ages_are_told = run.samples.iter().all(|s| if s.answered { s.answer_age <= 10 } else { s.answer_age > 0 });
+        assert!(lost > 600 && ages_are_told, "{lost}");
+        let outage = between(&run, 2.0, 2.5);
+        assert!(outage.iter().all(|s| !s.answered));
+        // Obeyed for 100 ms, then slower in each period, at rest before the end.
+        let (still, ramp) = outage.split_at(100);
+        assert!(still.iter().all(|s| s.joint_velocity == still[0].joint_velocity) && speed(&still[0]) > 0.01);
+        assert!(ramp.is_sorted_by(|a, b| speed(a) >= speed(b)) && speed(ramp.last().unwrap()) == 0.0);
+        let way = run.samples.last().unwrap();
+        let expected = 0.1 * (2.0 * way.time_s).sin();
+        assert!((way.position_error[1] - expected).abs() < 0.05, "{} {expected}", way.position_error[1]);
+    }
+}
+
+/// A lag moves the arm within the period, and a wall with inertia feels how.
+#[test]
+fn finer_substeps_lead_to_the_same_run_a_quarter_of_the_step_to_a_quarter_of_the_error() {
+    let mut heavy = Scenario { duration_s: 1.0, ..scenario("stiff_wall_lag_damped") };
+    heavy.contacts[0].offset_m = 0.01;
+    heavy.contacts[0].damping = 50.0;
+    heavy.contacts[0].inertia = 0.5;
+    let forces = |substeps| served(&Scenario { substeps, ..heavy.clone() }).samples.into_iter().map(|s| s.force[0]);
+    let finest: Vec<f64> = forces(256).collect();
+    assert!(finest.iter().copied().fold(0.0, f64::max) > 60.0);
+    let errors = [1, 4, 16]
+        .map(|substeps| forces(substeps).zip(&finest).map(|(coarse, fine)| (coarse - fine).abs()).fold(0.0, f64::max));
+    assert!(errors[0] < 0.3 && errors.windows(2).all(|pair| (3.0..6.0).contains(&(pair[0] / pair[1]))), "{errors:?}");
+}

@@ -1,0 +1,180 @@
+//! The mathematical core on the arm of the paper: one row per quantity of docs/performance.md.
+
+use std::sync::Arc;
+
+use divan::{Bencher, black_box};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows};
+use revprio_core::law::{Law, Profile};
+use revprio_core::limits::{LimitKind, VelocityBox};
+use revprio_core::linalg::{Decomposition, TaskMatrix, TaskVector, Vector};
+use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
+use revprio_core::task::{Task, TaskStack};
+use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
+use revprio_robot::{RobotModel, built_in};
+
+const POSTURE: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+
+fn main() {
+    divan::main();
+}
+
+fn sawyer() -> Arc<RobotModel> {
+    built_in()[0].clone()
+}
+
+/// Push along x, hold the other five directions.
+fn two_tasks(configuration: &Configuration, push: f64, hold: f64) -> TaskStack {
+    let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
+        let rows = AxisSelection::new(axes).unwrap().rows_of(configuration.jacobian());
+        Task::new(name, rows, Vector::from_vec(velocity))
+    };
+    let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![
+        task("push", &[Axis::X], vec![push]),
+        task("hold", &others, vec![hold, -0.5 * hold, 0.2 * hold, 0.0, 0.1 * hold]),
+    ];
+    TaskStack::new(tasks).unwrap()
+}
+
+#[divan::bench]
+fn kinematics(bencher: Bencher) {
+    let robot = sawyer();
+    let mut configuration = Configuration::new(&robot, &POSTURE).unwrap();
+    bencher.bench_local(|| {
+        configuration.update(black_box(&robot), black_box(&POSTURE)).unwrap();
+        configuration.jacobian()[(0, 0)]
+    });
+}
+
+#[divan::bench]
+fn pseudo_inverse_6x7(bencher: Bencher) {
+    let configuration = Configuration::new(&sawyer(), &POSTURE).unwrap();
+    let jacobian = TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
+    let velocity = TaskVector::from_slice(&[0.1, 0.2, -0.1, 0.05, 0.0, 0.1]);
+    let mut decomposition = Decomposition::default();
+    bencher.bench_local(|| {
+        decomposition.decompose(black_box(&jacobian), 0, jacobian.norm());
+        decomposition.solve(black_box(&velocity))
+    });
+}
+
+/// Kinematics, the rows of the tasks, reverse priority, ranks, smallest singular value and manipulability.
+#[divan::bench]
+fn closed_form_two_tasks(bencher: Bencher) {
+    let robot = sawyer();
+    let mut configuration = Configuration::new(&robot, &POSTURE).unwrap();
+    let mut problem = Problem::new(two_tasks(&configuration, 0.05, 0.02));
+    problem.solver = Solver::ClosedForm;
+    let (push, hold) = selections();
+    let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+    bencher.bench_local(|| {
+        configuration.update(&robot, black_box(&POSTURE)).unwrap();
+        overwrite(&mut problem.tasks, &configuration, &push, &hold);
+        resolver.resolve(black_box(&problem), &[], &mut answer).unwrap();
+        answer.joint_velocity[0]
+    });
+}
+
+fn selections() -> (AxisSelection, AxisSelection) {
+    let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    (AxisSelection::new(&[Axis::X]).unwrap(), AxisSelection::new(&others).unwrap())
+}
+
+fn overwrite(tasks: &mut TaskStack, configuration: &Configuration, push: &AxisSelection, hold: &AxisSelection) {
+    tasks
+        .overwrite(|k, jacobian, _| {
+            let axes = if k == 0 { push } else { hold };
+            TaskFrame::default().at(configuration).write_rows(axes, jacobian);
+        })
+        .unwrap();
+}
+
+/// A second of a 1 kHz trajectory: the arm moves, pushes and is held back by limits for about half of the time.
+struct Trajectory {
+    problems: Vec<Problem>,
+}
+
+impl Trajectory {
+    fn new(solver: Solver) -> Self {
+        let robot = sawyer();
+        let at = |i: i32| {
+            let t = f64::from(i) * 1e-3;
+            let posture: Vec<f64> = POSTURE.iter().enumerate().map(|(j, q)| q + 0.1 * (t + j as f64).sin()).collect();
+            let configuration = Configuration::new(&robot, &posture).unwrap();
+            let speed = 0.6 * (std::f64::consts::TAU * t).sin();
+            let tasks = two_tasks(&configuration, speed, 0.4 * speed);
+            let limits = VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap();
+            Problem { limits, solver, ..Problem::new(tasks) }
+        };
+        Self { problems: (0..1000).map(at).collect() }
+    }
+
+    /// Only the cycles in which limits are active.
+    fn limited(mut self) -> Self {
+        self.problems.retain(|problem| {
+            let answer = revprio_core::resolution::resolve(problem, &[]).unwrap();
+            !answer.active_limits.is_empty()
+        });
+        self
+    }
+
+    fn run(&self, bencher: Bencher) {
+        let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+        let mut guess = Vec::new();
+        let mut i = 0;
+        bencher.bench_local(|| {
+            resolver.resolve(&self.problems[i], &guess, &mut answer).unwrap();
+            guess.clone_from(&answer.active_set);
+            i = (i + 1) % self.problems.len();
+            answer.joint_velocity[0]
+        });
+    }
+}
+
+#[divan::bench(sample_count = 1000, sample_size = 10)]
+fn auto_two_tasks_trajectory(bencher: Bencher) {
+    Trajectory::new(Solver::Auto).run(bencher);
+}
+
+#[divan::bench(sample_count = 1000, sample_size = 10)]
+fn auto_two_tasks_limited_cycles(bencher: Bencher) {
+    Trajectory::new(Solver::Auto).limited().run(bencher);
+}
+
+#[divan::bench(sample_count = 1000, sample_size = 1)]
+fn qp_two_tasks(bencher: Bencher) {
+    Trajectory::new(Solver::Qp).run(bencher);
+}
+
+/// A whole control period: laws, kinematics, resolution, memory.
+#[divan::bench(args = [Solver::ClosedForm, Solver::Auto, Solver::Qp], sample_count = 1000, sample_size = 1)]
+fn controller_step(bencher: Bencher, solver: Solver) {
+    let task = |name: &str, axes: &[Axis], amplitude: f64| {
+        let rows = ToolRows::new(AxisSelection::new(axes).unwrap());
+        let (zeros, swing) = (vec![0.0; axes.len()], vec![amplitude; axes.len()]);
+        let law = Law::Velocity(Profile::sine(zeros, swing, std::f64::consts::TAU, 0.0).unwrap());
+        TaskConfig { name: name.to_owned(), rows: TaskRows::Tool(rows), law, scaled: false }
+    };
+    let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task("swing", &[Axis::X], 0.4), task("hold", &others, 0.0)];
+    let limits = Limits::Fixed(VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap());
+    let controller =
+        Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
+    let (mut workspace, mut memory) = (controller.workspace().unwrap(), None);
+    let joint_position = POSTURE.to_vec();
+    let mut measured = Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6] };
+    bencher.bench_local(|| {
+        let command = controller.step_in(&mut workspace, &mut memory, &measured).unwrap();
+        let speeds = command.resolution.joint_velocity.iter();
+        measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += 1e-3 * speed);
+        measured.time_s += 1e-3;
+    });
+}
+
+/// The robot's own limits at a state.
+#[divan::bench]
+fn limits(bencher: Bencher) {
+    let robot = sawyer();
+    let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+    bencher.bench_local(|| limits.at(black_box(&robot), &POSTURE, &[0.1; 7], 1e-3).velocity_box.lower()[0]);
+}

@@ -1,0 +1,52 @@
+//! The stream beside requests: the same states of a session, one after the other on one core.
+
+use std::net::TcpStream;
+
+use tungstenite::{Message, WebSocket};
+
+use super::affinity::Pinned;
+use super::connection::{Connection, Request};
+use super::subject::{Call, UnderTest};
+use crate::BenchError;
+use crate::row::Row;
+use crate::timing::{Budget, Subject, side_by_side};
+
+pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
+    let _pinned = Pinned::to(0);
+    let service = UnderTest::start()?;
+    let mut stream = Stream::open(&service)?;
+    let mut requests = Connection::open(service.address, service.request(Call::Session))?;
+    let times = side_by_side(
+        budget,
+        vec![
+            Subject::fallible("WebSocket, a state and its answer, one core", || stream.ask()),
+            Subject::fallible("POST /v1/controllers/{id}/step", || Ok(requests.ask()?)),
+        ],
+    )?;
+    Ok(Row::against_each(&times))
+}
+
+/// A session's stream in JSON.
+struct Stream {
+    socket: WebSocket<TcpStream>,
+    states: Request,
+}
+
+impl Stream {
+    fn open(service: &UnderTest) -> Result<Self, BenchError> {
+        let stream = TcpStream::connect(service.address)?;
+        stream.set_nodelay(true)?;
+        let url = format!("ws://{}/v1/controllers/{}/stream", service.address, service.another_session()?);
+        let (socket, _) = tungstenite::client(url, stream).map_err(BenchError::defect)?;
+        Ok(Self { socket, states: Request::of(service.state()) })
+    }
+
+    fn ask(&mut self) -> Result<Message, BenchError> {
+        let state = String::from_utf8_lossy(self.states.next_bytes()).into_owned();
+        self.socket.send(Message::text(state)).map_err(BenchError::defect)?;
+        match self.socket.read().map_err(BenchError::defect)? {
+            Message::Text(text) if text.contains("joint_velocity") => Ok(Message::Text(text)),
+            other => Err(BenchError::Defect(format!("the stream answered {other:?}"))),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! One client: a connection, a pace, and what became of its requests.
+
+use std::io;
+use std::net::SocketAddr;
+use std::time::{Duration, Instant};
+
+use tokio::net::TcpStream;
+
+use super::tally::Tally;
+use crate::BenchError;
+
+/// Longest wait for an answer.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A request as bytes.
+#[derive(Clone)]
+pub struct Request(std::sync::Arc<str>);
+
+impl Request {
+    pub fn post(path: &str, body: &str) -> Self {
+        let head = format!("POST {path} HTTP/1.1\r\nhost: load\r\ncontent-type: application/json");
+        Self(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).into())
+    }
+
+    pub fn get(path: &str) -> Self {
+        Self(format!("GET {path} HTTP/1.1\r\nhost: load\r\n\r\n").into())
+    }
+}
+
+/// When a client sends.
+#[derive(Debug, Clone, Copy)]
+pub enum Pace {
+    /// The next request follows an answer at once.
+    AsFastAsAnswered,
+    /// Once per period, whatever becomes of the answers.
+    Every(Duration),
+}
+
+/// The times at which one client sends.
+pub struct Schedule {
+    pace: Pace,
+    next: Instant,
+}
+
+impl Pace {
+    /// The schedule of client `i` of so many, who spread over the period.
+    pub fn begun(self, start: Instant, i: usize, clients: usize) -> Schedule {
+        let offset = match self {
+            Self::AsFastAsAnswered => Duration::ZERO,
+            Self::Every(period) => period.mul_f64(i as f64 / clients as f64),
+        };
+        Schedule { pace: self, next: start + offset }
+    }
+}
+
+impl Schedule {
+    /// Waits for the next time to send, and returns how many passed before.
+    async fn next(&mut self) -> u64 {
+        let Pace::Every(period) = self.pace else { return 0 };
+        let mut missed = 0;
+        while self.next + period < Instant::now() {
+            self.next += period;
+            missed += 1;
+        }
+        tokio::time::sleep_until(self.next.into()).await;
+        self.next += period;
+        missed
+    }
+}
+
+/// Sends until the time has come.
+pub async fn send_until(
+    address: SocketAddr,
+    request: Request,
+    mut schedule: Schedule,
+    until: Instant,
+) -> Result<Tally, BenchError> {
+    let mut tally = Tally::default();
+    let mut stream = connect(address).await?;
+    loop {
+        tally.missed += schedule.next().await;
+        let start = Instant::now();
+        if start >= until {
+            return Ok(tally);
+        }
+        let answer = tokio::time::timeout(PATIENCE, ask(&stream, request.0.as_bytes())).await;
+        let answer = answer.map_err(|_| BenchError::Load(format!("no answer within {PATIENCE:?}")))??;
+        match (answer.status, answer.has("retry-after:")) {
+            (200, _) => tally.accepted.push(start.elapsed()),
+            (503, true) => tally.shed += 1,
+            (status, _) => return Err(BenchError::Load(format!("status {status}: {}", answer.head))),
+        }
+        if answer.has("connection: close") {
+            stream = connect(address).await?;
+        }
+    }
+}
+
+async fn connect(address: SocketAddr) -> io::Result<TcpStream> {
+    let stream = TcpStream::connect(address).await?;
+    stream.set_nodelay(true)?;
+    Ok(stream)
+}
+
+struct Answer {
+    status: u16,
+    head: String,
+}
+
+impl Answer {
+    fn has(&self, header: &str) -> bool {
+        self.head.lines().any(|line| line.starts_with(header))
+    }
+}
+
+/// Sends a request and reads its whole answer.
+async fn ask(stream: &TcpStream, mut request: &[u8]) -> io::Result<Answer> {
+    while !request.is_empty() {
+        stream.writable().await?;
+        match stream.try_write(request) {
+            Ok(written) => request = &request[written..],
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => (),
+            Err(error) => return Err(error),
+        }
+    }
+    let (mut bytes, mut part) = (Vec::with_capacity(4096), [0; 4096]);
+    loop {
+        stream.readable().await?;
+        match stream.try_read(&mut part) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(read) => bytes.extend_from_slice(&part[..read]),
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => continue,
+            Err(error) => return Err(error),
+        }
+        if let Some(answer) = whole(&bytes) {
+            return Ok(answer);
+        }
+    }
+}
+
+/// The answer, once all of it is there.
+fn whole(bytes: &[u8]) -> Option<Answer> {
+    let end = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
+    let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
+    let length = head.lines().find_map(|line| line.strip_prefix("content-length: ")?.parse::<usize>().ok())?;
+    let status = head.split(' ').nth(1)?.parse().ok()?;
+    (bytes.len() >= end + 4 + length).then_some(Answer { status, head })
+}

@@ -1,0 +1,116 @@
+//! Measures how fast the program is, side by side with what else does the same.
+//!
+//! ```text
+//! core, http, pacing ─→ rows ────┐
+//! growth ────────────→ series ───┴→ Report ─→ text, JSON, Markdown in documents, figures
+//! ```
+//!
+//! Times say little without a peer in the same run: the machine, its load and its clock differ from day to day. Peers
+//! that are Rust (nalgebra, faer, Clarabel, a bare axum route, a bare TCP connection) run here; those in C++ and Python
+//! run in `tools/bench/peers`. No result passes or fails.
+
+mod core;
+mod document;
+mod growth;
+mod http;
+mod load;
+mod options;
+mod pacing;
+mod plan;
+mod plot;
+mod problems;
+mod repeat;
+mod report;
+mod row;
+mod series;
+mod timing;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Speed of revprio, side by side with other programs.
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Measure speed, side by side with other programs that do the same.
+    Bench(options::Options),
+    /// Load a server with 1, 2 and 10 times its capacity, and with slow clients.
+    Load(load::Options),
+    /// The server under load: `revprio serve` with these arguments.
+    #[command(hide = true)]
+    Serve {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    let ended = match Cli::parse().command {
+        Command::Bench(options) => options::run(&options),
+        Command::Load(options) => load::run(&options),
+        Command::Serve { arguments } => serve(arguments),
+    };
+    match ended {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn serve(arguments: Vec<String>) -> Result<(), BenchError> {
+    let command = ["revprio", "serve"].map(str::to_owned).into_iter().chain(arguments);
+    Ok(revprio::cli::Cli::parse_from(command).run()?)
+}
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+enum BenchError {
+    /// What was to be measured refused its input: a defect of the measurement.
+    #[error("the measurement is wrong: {0}")]
+    Defect(String),
+    /// A server or a connection failed.
+    #[error("a connection of the measurement failed: {0}")]
+    Connection(#[from] std::io::Error),
+    /// The service did not start.
+    #[error(transparent)]
+    Serve(#[from] revprio::service::ServeError),
+    /// The service refused a request.
+    #[error(transparent)]
+    Client(#[from] revprio_api::client::ClientError),
+    /// A simulation ended early.
+    #[error(transparent)]
+    Simulation(#[from] revprio_lab::simulator::RunError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] revprio_lab::report::Error),
+    /// The server under load broke a rule.
+    #[error("under load: {0}")]
+    Load(String),
+    /// The server under load did not start.
+    #[error(transparent)]
+    Program(#[from] revprio::cli::CliError),
+    /// A file cannot be read or written.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+impl BenchError {
+    fn defect(error: impl std::fmt::Debug) -> Self {
+        Self::Defect(format!("{error:?}"))
+    }
+}

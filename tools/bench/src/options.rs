@@ -1,0 +1,67 @@
+//! `revprio bench`
+
+use std::io::{Write as _, stderr, stdout};
+use std::path::PathBuf;
+
+use crate::BenchError;
+use crate::plan::{Group, Plan};
+use crate::problems::lines as problem_lines;
+use crate::repeat::{Repeated, repeat};
+use crate::report::Report;
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Measure these parts alone
+    #[arg(long, value_delimiter = ',', value_enum)]
+    only: Vec<Group>,
+    /// As little as shows that all of it works; its numbers mean little
+    #[arg(long)]
+    quick: bool,
+    /// Length of each paced control loop, s
+    #[arg(long, default_value_t = 60.0, value_parser = seconds)]
+    seconds: f64,
+    /// Do one thing so many times, for a profiler that counts instructions
+    #[arg(long, hide = true, value_enum, requires = "times")]
+    repeat: Option<Repeated>,
+    #[arg(long, hide = true)]
+    times: Option<u64>,
+    /// Resolve the problems of `tools/bench/peers`
+    #[arg(long, hide = true, value_name = "FILE")]
+    problems: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Directory for figures
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// Markdown document whose tables, marked `<!-- bench:NAME -->`, are to be rewritten; may be given several times
+    #[arg(long, value_name = "FILE")]
+    fill: Vec<PathBuf>,
+}
+
+/// Up to an hour.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.001..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("between 0.001 and 3600".to_owned()) }
+}
+
+pub fn run(options: &Options) -> Result<(), BenchError> {
+    let groups = if options.only.is_empty() { Group::ALL.to_vec() } else { options.only.clone() };
+    let pacing_s = if options.quick { options.seconds.min(0.05) } else { options.seconds };
+    let plan = Plan { groups, quick: options.quick, pacing_s };
+    if let Some(what) = options.repeat {
+        return Ok(repeat(what, options.times.unwrap_or(1))?);
+    }
+    if let Some(problems) = &options.problems {
+        let lines = problem_lines(problems, plan.rows())?.join("\n");
+        return Ok(writeln!(stdout(), "{lines}")?);
+    }
+    let report = Report::measured(&plan, |group| drop(writeln!(stderr(), "measuring: {group:?}")))?;
+    if let Some(directory) = &options.figures {
+        report.write_figures(directory)?;
+    }
+    options.fill.iter().try_for_each(|document| report.fill(document))?;
+    let text =
+        if options.json { serde_json::to_string_pretty(&report).unwrap_or_default() + "\n" } else { report.text() };
+    Ok(stdout().write_all(text.as_bytes())?)
+}
