@@ -89,10 +89,6 @@ impl ContactLoop {
     /// Spectral radius − 1, from the eigenvalues δ of (map − identity): those of the map itself crowd around 1 for short
     /// periods, where rounding would blur them.
     fn growth(&self) -> Result<f64, EigenvalueError> {
-        let growth = |delta: &Complex<f64>| {
-            let radius = (1.0 + delta.re).hypot(delta.im);
-            (2.0 * delta.re + delta.norm_sqr()) / (radius + 1.0)
-        };
         Ok(eigenvalues(&self.change_map())?.iter().map(growth).fold(-1.0, f64::max))
     }
 
@@ -187,6 +183,12 @@ impl ContactLoop {
     }
 }
 
+/// |1 + δ| − 1 of an eigenvalue δ of (map − identity), without cancellation.
+fn growth(delta: &Complex<f64>) -> f64 {
+    let radius = (1.0 + delta.re).hypot(delta.im);
+    (2.0 * delta.re + delta.norm_sqr()) / (radius + 1.0)
+}
+
 /// The boundary between a stable and an unstable value, on its stable side.
 fn bisect(
     mut stable: f64,
@@ -206,6 +208,9 @@ fn bisect(
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::linalg::balancing::balance_parlett_reinsch;
+    use proptest::prelude::*;
+
     use super::*;
 
     /// The paper's gains on x against the stiff wall.
@@ -264,5 +269,40 @@ mod tests {
         let margin = slow.margin().unwrap();
         assert_eq!((margin.largest_lag_s, margin.largest_delay_periods, margin.smallest_damping), (None, None, None));
         assert!(!margin.is_stable());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn growth_agrees_with_an_independent_eigenvalue_solver(
+            inertia in power(-2.0, 3.0),
+            damping in power(-2.0, 5.0),
+            stiffness in prop_oneof![Just(0.0), power(0.0, 4.0)],
+            environment_inertia in prop_oneof![Just(0.0), power(-3.0, 1.0)],
+            environment_damping in prop_oneof![Just(0.0), power(-2.0, 3.0)],
+            environment_stiffness in prop_oneof![Just(0.0), power(0.0, 7.0)],
+            period_s in power(-4.0, -1.0),
+            lag_s in prop_oneof![Just(0.0), power(-4.0, 0.0)],
+            delay_periods in 0..=LONGEST_DELAY,
+            velocity_measured: bool,
+        ) {
+            let axis = ContactLoop {
+                inertia, damping, stiffness, environment_inertia, environment_damping, environment_stiffness,
+                period_s, lag_s, delay_periods, velocity_measured,
+            };
+            let mut map = axis.change_map();
+            balance_parlett_reinsch(&mut map);
+            let (rows, columns) = map.shape();
+            let map = faer::MatRef::from_column_major_slice(map.as_slice(), rows, columns);
+            let eigenvalues = map.eigenvalues().unwrap();
+            let growths = eigenvalues.iter().map(|value| growth(&Complex::new(value.re, value.im)));
+            let (expected, found) = (growths.fold(-1.0, f64::max), axis.growth().unwrap());
+            prop_assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{found} instead of {expected}");
+        }
+    }
+
+    /// 10^low … 10^high, each power of ten as likely as the others.
+    fn power(low: f64, high: f64) -> impl Strategy<Value = f64> {
+        (low..high).prop_map(|exponent| 10.0_f64.powf(exponent))
     }
 }

@@ -1,20 +1,24 @@
 //! Eigenvalues of small square matrices.
 
-use faer::MatRef;
-use nalgebra::Complex;
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
+use nalgebra::{Complex, Schur};
 
 use super::Matrix;
 
-/// The eigenvalues did not converge, which finite matrices are not known to cause.
+/// Sweeps per eigenvalue. Francis' method needs two or three.
+const SWEEPS_PER_EIGENVALUE: usize = 100;
+
+/// The eigenvalues did not converge. No finite matrix is known for which this happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the eigenvalue decomposition did not converge")]
 pub struct EigenvalueError;
 
-/// All eigenvalues of a square matrix, in no particular order.
+/// Returns all eigenvalues of a square matrix, in no particular order.
 pub fn eigenvalues(a: &Matrix) -> Result<Vec<Complex<f64>>, EigenvalueError> {
-    let (m, n) = a.shape();
-    let values = MatRef::from_column_major_slice(a.as_slice(), m, n).eigenvalues().map_err(|_| EigenvalueError)?;
-    Ok(values.iter().map(|value| Complex::new(value.re, value.im)).collect())
+    let mut balanced = a.clone();
+    balance_parlett_reinsch(&mut balanced);
+    let schur = Schur::try_new(balanced, f64::EPSILON, SWEEPS_PER_EIGENVALUE * a.nrows()).ok_or(EigenvalueError)?;
+    Ok(schur.complex_eigenvalues().iter().copied().collect())
 }
 
 #[cfg(test)]
