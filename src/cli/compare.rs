@@ -10,7 +10,7 @@ use revprio_lab::report::table::{Row, side_by_side};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};
 
-use super::experiment::{Laboratory, make_directory, program, report as report_beside, store};
+use super::experiment::{ExperimentRunner, make_directory, program, report as report_beside, store};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
@@ -87,13 +87,13 @@ impl Kind {
 pub fn run(options: &Options) -> Result<(), CliError> {
     let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
     make_directory(&options.out)?;
-    let laboratory = Laboratory::open(options.server.as_deref(), options.robot.as_ref(), CallMode::Session)?;
+    let runner = ExperimentRunner::open(options.server.as_deref(), options.robot.as_ref(), CallMode::Session)?;
     let (mut runs, mut failures) = (Vec::new(), Vec::new());
     for name in &options.scenarios {
-        let scenario = laboratory.scenario(name)?;
-        laboratory.warn(&scenario)?;
+        let scenario = runner.scenario(name)?;
+        runner.warn(&scenario)?;
         for variant in variants(&scenario, options) {
-            match laboratory.run(&variant) {
+            match runner.run(&variant) {
                 Ok(run) => runs.push(run),
                 // One method that cannot bear the scenario is a result; the others are still worth seeing.
                 Err(CliError::Run(error)) => failures.push(failure(&variant, &error.to_string())?),

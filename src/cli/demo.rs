@@ -8,7 +8,7 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table;
 use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS};
 
-use super::experiment::{Laboratory, leave, make_directory, program};
+use super::experiment::{ExperimentRunner, leave, make_directory, program};
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
@@ -30,13 +30,13 @@ const VARIANTS: [(Method, Solver); 4] = [
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
-    let laboratory = Laboratory::open(None, None, CallMode::Session)?;
+    let runner = ExperimentRunner::open(None, None, CallMode::Session)?;
     let mut runs = Vec::new();
     for name in PAPER_SCENARIOS {
-        let mut scenario = laboratory.scenario(name)?;
+        let mut scenario = runner.scenario(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);
-            runs.push(laboratory.run(&scenario)?);
+            runs.push(runner.run(&scenario)?);
         }
     }
     let experiment = Experiment {

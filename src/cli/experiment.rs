@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use revprio_api::client::ClientError;
 use revprio_api::wire::Problem;
+use revprio_api::{ClientError, Service};
 use revprio_lab::report::experiment::{Experiment, Program, Run, store};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::recording::Recording;
@@ -19,14 +19,14 @@ use super::{CliError, Target, progress_bar, traces};
 use crate::service::{Robots, robot_answer};
 
 /// The service that runs call, and the arm that they move instead of the scenario's.
-pub struct Laboratory {
+pub struct ExperimentRunner {
     target: Target,
     robot: Option<Arc<RobotModel>>,
     _registration: Option<Registration>,
     mode: CallMode,
 }
 
-impl Laboratory {
+impl ExperimentRunner {
     /// With a robot of one's own, a service that knows it, at least for as long as this lives.
     pub fn open(server: Option<&str>, robot: Option<&RobotArgument>, mode: CallMode) -> Result<Self, CliError> {
         let model = robot.map(RobotArgument::read).transpose()?;
@@ -42,7 +42,7 @@ impl Laboratory {
         Ok(Self { target, robot: model, _registration: registration, mode })
     }
 
-    /// A scenario by name or path, about the arm of this laboratory.
+    /// A scenario by name or path, about the arm of this runner.
     pub fn scenario(&self, name_or_path: &str) -> Result<Scenario, CliError> {
         let mut scenario = Scenario::find(name_or_path)?;
         if let Some(robot) = &self.robot {

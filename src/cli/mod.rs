@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use revprio_api::client::{Client, ClientError};
+use revprio_api::{Client, ClientError};
 use revprio_lab::simulator::recording::{ReadError, WriteError};
 use revprio_lab::simulator::replay::ReplayError;
 use revprio_lab::simulator::{RunError, ScenarioError};
@@ -31,7 +31,7 @@ use revprio_robot::RobotFileError;
 
 use self::settings::SettingsError;
 use crate::service::{
-    App, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
+    AppState, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
 };
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
@@ -248,7 +248,7 @@ impl Target {
 
     /// A service of its own that knows these robots.
     fn own(robots: Robots) -> Result<Self, ServeError> {
-        let own = RunningServer::start(router(App::new(robots)))?;
+        let own = RunningServer::start(router(AppState::new(robots)))?;
         Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
-use revprio_api::client::Client;
+use revprio_api::Client;
 use revprio_api::wire::{ResolveAnswer, ResolveRequest, TaskOutcome};
 
 use super::{CliError, Target};

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use revprio_api::client::{Client, ClientError};
 use revprio_api::wire::RobotRegistration;
+use revprio_api::{Client, ClientError};
 use revprio_robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::CliError;
 use super::settings::{InForce, LogFormat, Options, SettingsError};
-use crate::service::{App, Robots, bind, router, serve};
+use crate::service::{AppState, Robots, bind, router, serve};
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let settings = InForce::of(options, |name| std::env::var(name).ok())?;
@@ -19,7 +19,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     for argument in settings.robots() {
         robots = robots.with(argument.read()?)?;
     }
-    let service = router(App::with_config(robots, config));
+    let service = router(AppState::with_config(robots, config));
     let listener = bind(settings.listen())?;
     let url = format!("{scheme}://{}", listener.local_addr()?);
     Ok(serve(listener, service, announced_until_stopped(url))?)

@@ -8,7 +8,7 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table;
 use revprio_lab::simulator::{CallMode, Scenario};
 
-use super::experiment::{Laboratory, leave, make_directory, program};
+use super::experiment::{ExperimentRunner, leave, make_directory, program};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
@@ -44,17 +44,17 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     Scenario::find(&options.scenario)?;
     make_directory(&options.out)?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
-    let laboratory = Laboratory::open(options.server.as_deref(), options.robot.as_ref(), mode)?;
-    let mut scenario = laboratory.scenario(&options.scenario)?;
+    let runner = ExperimentRunner::open(options.server.as_deref(), options.robot.as_ref(), mode)?;
+    let mut scenario = runner.scenario(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
-    laboratory.warn(&scenario)?;
+    runner.warn(&scenario)?;
     let experiment = Experiment {
         title: format!("{}: {}", scenario.name, scenario.description),
         question: Vec::new(),
         command: command(options, &scenario),
         program: program(),
-        runs: vec![laboratory.run(&scenario)?],
+        runs: vec![runner.run(&scenario)?],
         failures: Vec::new(),
     };
     write!(stdout(), "{}", table::text(&table::rows(&experiment.runs)))?;

@@ -8,7 +8,7 @@ use axum::http::{HeaderMap, header};
 use subtle::ConstantTimeEq;
 
 use super::config::ServiceConfig;
-use super::problem::Problem;
+use super::error::ApiError;
 
 /// A secret that requests show as `Authorization: Bearer …`.
 #[derive(Clone)]
@@ -86,20 +86,20 @@ fn warn_if_others_can_read(path: &Path) {
 fn warn_if_others_can_read(_: &Path) {}
 
 /// Refuses requests that a foreign web page makes.
-pub fn check_origin(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), Problem> {
+pub fn check_origin(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), ApiError> {
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = origin.to_str().unwrap_or_default();
         if !(config.allowed_origins.iter().any(|allowed| allowed == origin) || is_own(config, origin, headers)) {
-            return Err(Problem::foreign_origin(origin));
+            return Err(ApiError::foreign_origin(origin));
         }
     }
     Ok(())
 }
 
 /// Refuses requests without the token, if there is one.
-pub fn check_token(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), Problem> {
+pub fn check_token(config: &ServiceConfig, headers: &HeaderMap) -> Result<(), ApiError> {
     match &config.token {
-        Some(token) if !token.is_shown(headers) => Err(Problem::unauthorized()),
+        Some(token) if !token.is_shown(headers) => Err(ApiError::unauthorized()),
         _ => Ok(()),
     }
 }

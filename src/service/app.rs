@@ -13,46 +13,46 @@ use utoipa::OpenApi as _;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::background::Room;
+use super::admission_queue::AdmissionQueue;
+use super::background::Quota;
 use super::config::ServiceConfig;
 use super::connection::Connections;
 use super::drain::Drain;
+use super::error::ApiError;
 use super::gate::{RequestIds, gate};
 use super::handlers;
-use super::line::Line;
 use super::metrics::Metrics;
 use super::openapi::{self, ApiDoc};
-use super::problem::Problem;
 use super::recent::Recent;
-use super::resolve::MOST_BATCHES;
+use super::resolve::MAX_BATCHES;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::simulations::Simulations;
 
 /// Stability margins at a time; one with the longest delay takes some seconds.
-const MOST_MARGINS: usize = 8;
+const MAX_MARGINS: usize = 8;
 
 /// What all requests share.
-pub struct App {
+pub struct AppState {
     /// The arms that requests can name.
     pub robots: Robots,
     /// What an operator can tune.
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
     pub(super) recent: Recent,
-    pub(super) batches: Room,
-    pub(super) margins: Room,
+    pub(super) batches: Quota,
+    pub(super) margins: Quota,
     pub(super) simulations: Simulations,
     pub(super) connections: Arc<Connections>,
     pub(super) metrics: Arc<Metrics>,
-    pub(super) line: Line,
-    /// Room for large bodies while they are read.
+    pub(super) admission_queue: AdmissionQueue,
+    /// Quota for large bodies while they are read.
     pub(super) large_bodies: Semaphore,
     pub(super) request_ids: RequestIds,
     pub(super) drain: Drain,
 }
 
-impl App {
+impl AppState {
     /// A service for these robots, without sessions yet, as it is by default.
     pub fn new(robots: Robots) -> Self {
         Self::with_config(robots, ServiceConfig::default())
@@ -65,12 +65,12 @@ impl App {
             robots: robots.ending_after(config.session_idle),
             sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
             recent: Recent::default(),
-            batches: Room::new(MOST_BATCHES),
-            margins: Room::new(MOST_MARGINS),
+            batches: Quota::new(MAX_BATCHES),
+            margins: Quota::new(MAX_MARGINS),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,
-            line: Line::default(),
+            admission_queue: AdmissionQueue::default(),
             large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
             request_ids: RequestIds::default(),
             drain: Drain::new(),
@@ -83,11 +83,11 @@ impl App {
 #[derive(Clone)]
 pub struct Service {
     pub(super) router: Router,
-    pub(super) app: Arc<App>,
+    pub(super) app: Arc<AppState>,
 }
 
 /// All routes of the service.
-pub fn router(app: App) -> Service {
+pub fn router(app: AppState) -> Service {
     let (routes, _) = described().split_for_parts();
     let routes = routes
         .route("/", get(handlers::page::home))
@@ -99,7 +99,7 @@ pub fn router(app: App) -> Service {
 }
 
 /// All routes with their descriptions.
-pub(super) fn described() -> OpenApiRouter<Arc<App>> {
+pub(super) fn described() -> OpenApiRouter<Arc<AppState>> {
     OpenApiRouter::with_openapi(ApiDoc::openapi())
         .routes(routes!(handlers::resolve::resolve))
         .routes(routes!(handlers::resolve::resolve_batch))
@@ -130,13 +130,13 @@ pub(super) fn described() -> OpenApiRouter<Arc<App>> {
 }
 
 /// The routes behind the gate, with problems for what they do not know.
-fn guarded(routes: Router<Arc<App>>, app: App) -> Service {
+fn guarded(routes: Router<Arc<AppState>>, app: AppState) -> Service {
     let app = Arc::new(app);
     let mut router = routes
         .fallback(|uri: axum::http::Uri| async move {
-            Problem::not_found(format!("there is no route {}; see the interface description", uri.path()))
+            ApiError::not_found(format!("there is no route {}; see the interface description", uri.path()))
         })
-        .method_not_allowed_fallback(|| async { Problem::method_not_allowed() })
+        .method_not_allowed_fallback(|| async { ApiError::method_not_allowed() })
         .layer(from_fn_with_state(Arc::clone(&app), gate));
     if !app.config.allowed_origins.is_empty() {
         router = router.layer(cors(&app.config.allowed_origins));
@@ -174,7 +174,7 @@ mod tests {
             panic!("meant for a test")
         }
         let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(handlers::operation::metrics));
-        let server = RunningServer::start(guarded(routes, App::new(Robots::built_in()))).unwrap();
+        let server = RunningServer::start(guarded(routes, AppState::new(Robots::built_in()))).unwrap();
         let (status, body) = get_text(&(server.url() + "/panic"));
         let problem: serde_json::Value = serde_json::from_str(&body).unwrap();
         assert_eq!((status, &problem["type"]), (500, &"/problems/internal".into()));

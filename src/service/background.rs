@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 
 use tokio::sync::Semaphore;
 
-use super::problem::Problem;
+use super::error::ApiError;
 
 /// Tells long work that nobody waits for it any more: the client is gone, or the service ends.
 #[derive(Debug, Clone, Default)]
@@ -29,15 +29,15 @@ impl Drop for AbandonOnDrop {
     }
 }
 
-/// Room for long work of one kind: one piece at work, some waiting, no more.
-pub struct Room {
+/// Quota for long work of one kind: one piece at work, some waiting, no more.
+pub struct Quota {
     places: Arc<Semaphore>,
     turn: Arc<Semaphore>,
     most: usize,
 }
 
-impl Room {
-    /// Room for `most` pieces at a time.
+impl Quota {
+    /// Quota for `most` pieces at a time.
     pub fn new(most: usize) -> Self {
         Self { places: Arc::new(Semaphore::new(most)), turn: Arc::new(Semaphore::new(1)), most }
     }
@@ -49,10 +49,10 @@ impl Room {
         &self,
         what: &str,
         work: impl FnOnce(&Abandoned) -> T + Send + 'static,
-    ) -> Result<T, Problem> {
-        let busy = |_| Problem::busy(format!("{} {what} are at work already; try again in a second", self.most));
+    ) -> Result<T, ApiError> {
+        let busy = |_| ApiError::busy(format!("{} {what} are at work already; try again in a second", self.most));
         let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
-        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| ApiError::internal())?;
         background(move |abandoned| {
             // Held by the work itself: when its client is gone, it still takes a while to end.
             let _held = (place, turn);
@@ -63,12 +63,12 @@ impl Room {
 }
 
 /// Runs `work` in another thread and waits for it.
-pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + Send + 'static) -> Result<T, Problem> {
+pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + Send + 'static) -> Result<T, ApiError> {
     let abandoned = Abandoned::default();
     let _guard = AbandonOnDrop(abandoned.clone());
     tokio::task::spawn_blocking(move || work(&abandoned)).await.map_err(|error| {
         tracing::error!(%error, "work in the background failed");
-        Problem::internal()
+        ApiError::internal()
     })
 }
 

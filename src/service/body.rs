@@ -22,10 +22,10 @@ use serde::de::DeserializeOwned;
 use tokio::sync::SemaphorePermit;
 
 use super::accept;
-use super::app::App;
+use super::app::AppState;
 use super::background::background;
+use super::error::ApiError;
 use super::format::Format;
-use super::problem::Problem;
 
 /// Bodies up to this many bytes are read without asking for room.
 const SMALL: usize = 64 << 10;
@@ -50,15 +50,15 @@ pub struct Unread {
 
 impl Unread {
     /// Reads it.
-    pub fn read<T: DeserializeOwned>(&self) -> Result<T, Problem> {
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, ApiError> {
         self.format.read(&self.bytes)
     }
 }
 
-impl FromRequest<Arc<App>> for Unread {
-    type Rejection = Problem;
+impl FromRequest<Arc<AppState>> for Unread {
+    type Rejection = ApiError;
 
-    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+    async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
         received(request, app, app.config.max_body_bytes).await
     }
 }
@@ -66,10 +66,10 @@ impl FromRequest<Arc<App>> for Unread {
 /// A body that has been read.
 pub struct Body<T>(pub T);
 
-impl<T: DeserializeOwned> FromRequest<Arc<App>> for Body<T> {
-    type Rejection = Problem;
+impl<T: DeserializeOwned> FromRequest<Arc<AppState>> for Body<T> {
+    type Rejection = ApiError;
 
-    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+    async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
         Unread::from_request(request, app).await?.read().map(Self)
     }
 }
@@ -82,40 +82,40 @@ pub struct LargeBody<T> {
 
 impl<T: DeserializeOwned> LargeBody<T> {
     /// Reads it.
-    pub fn read(self) -> Result<T, Problem> {
+    pub fn read(self) -> Result<T, ApiError> {
         self.unread.read()
     }
 }
 
-impl<T> FromRequest<Arc<App>> for LargeBody<T> {
-    type Rejection = Problem;
+impl<T> FromRequest<Arc<AppState>> for LargeBody<T> {
+    type Rejection = ApiError;
 
-    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+    async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
         let unread = received(request, app, app.config.max_batch_bytes).await?;
         Ok(Self { unread, value: PhantomData })
     }
 }
 
-async fn received(request: Request, app: &App, limit: usize) -> Result<Unread, Problem> {
-    let format = Format::of_body(request.headers()).ok_or_else(Problem::media_type)?;
+async fn received(request: Request, app: &AppState, limit: usize) -> Result<Unread, ApiError> {
+    let format = Format::of_body(request.headers()).ok_or_else(ApiError::media_type)?;
     let bytes = tokio::time::timeout(app.config.body_timeout, collected(request.into_body(), app, limit));
-    Ok(Unread { format, bytes: bytes.await.map_err(|_| Problem::body_timeout())?? })
+    Ok(Unread { format, bytes: bytes.await.map_err(|_| ApiError::body_timeout())?? })
 }
 
 /// Collects a body up to the limit; what is too much is read and forgotten.
 ///
 /// Only so many large ones at a time: together they could hold more memory than all connections.
-async fn collected(mut body: axum::body::Body, app: &App, limit: usize) -> Result<Vec<u8>, Problem> {
+async fn collected(mut body: axum::body::Body, app: &AppState, limit: usize) -> Result<Vec<u8>, ApiError> {
     let (mut bytes, mut size) = (Vec::new(), 0);
     let (mut room, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
-        let frame = frame.map_err(|_| Problem::body_timeout())?;
+        let frame = frame.map_err(|_| ApiError::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
         if size > limit {
-            refusal = Some(Problem::too_large(limit));
+            refusal = Some(ApiError::too_large(limit));
         } else if refusal.is_none() && !fits(size, &mut room, app) {
-            refusal = Some(Problem::too_many_bodies());
+            refusal = Some(ApiError::too_many_bodies());
         }
         if refusal.is_none() {
             bytes.extend_from_slice(data);
@@ -128,7 +128,7 @@ async fn collected(mut body: axum::body::Body, app: &App, limit: usize) -> Resul
 
 /// Whether there is room for a body of that size, beside the `room` that it takes up already; one that is larger than
 /// all the room needs all of it.
-fn fits<'a>(size: usize, room: &mut Option<SemaphorePermit<'a>>, app: &'a App) -> bool {
+fn fits<'a>(size: usize, room: &mut Option<SemaphorePermit<'a>>, app: &'a AppState) -> bool {
     let places = if size > SMALL { size.div_ceil(PLACE).min(app.config.max_large_bodies) } else { 0 };
     let missing = places.saturating_sub(room.as_ref().map_or(0, SemaphorePermit::num_permits));
     if missing == 0 {
@@ -176,11 +176,11 @@ impl Unwritten {
 }
 
 trait Writable: Send + Sync {
-    fn write(&self, format: Format) -> Result<Vec<u8>, Problem>;
+    fn write(&self, format: Format) -> Result<Vec<u8>, ApiError>;
 }
 
 impl<T: Serialize + Send + Sync> Writable for T {
-    fn write(&self, format: Format) -> Result<Vec<u8>, Problem> {
+    fn write(&self, format: Format) -> Result<Vec<u8>, ApiError> {
         format.write(self)
     }
 }

@@ -8,7 +8,7 @@ use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use tokio::sync::watch;
 
-use super::app::App;
+use super::app::AppState;
 
 /// How near the end is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,10 +62,10 @@ impl Draining {
     }
 }
 
-impl FromRequestParts<Arc<App>> for Draining {
+impl FromRequestParts<Arc<AppState>> for Draining {
     type Rejection = Infallible;
 
-    async fn from_request_parts(_: &mut Parts, app: &Arc<App>) -> Result<Self, Infallible> {
+    async fn from_request_parts(_: &mut Parts, app: &Arc<AppState>) -> Result<Self, Infallible> {
         Ok(app.drain.listener())
     }
 }

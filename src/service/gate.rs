@@ -14,9 +14,9 @@ use axum::response::{IntoResponse, Response};
 use futures_util::FutureExt;
 
 use super::access;
-use super::app::App;
+use super::app::AppState;
 use super::body;
-use super::problem::Problem;
+use super::error::ApiError;
 use crate::dashboard;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -56,7 +56,7 @@ impl RequestIds {
 /// Lets a request in or refuses it; names, counts and logs it.
 ///
 /// Streams are let in and counted once; how long they live does not matter here.
-pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
+pub async fn gate(State(app): State<Arc<AppState>>, request: Request, next: Next) -> Response {
     let arrived = Instant::now();
     let id = app.request_ids.of(request.headers());
     let route = app.metrics.route(request.extensions().get().map(MatchedPath::as_str));
@@ -69,7 +69,7 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
         Err(problem) => problem.into_response(),
     };
     let shown_id = id.to_str().unwrap_or_default();
-    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+    if let Some(problem) = response.extensions_mut().remove::<ApiError>() {
         app.metrics.refused(problem.kind());
         problem.write(&mut response, shown_id);
     }
@@ -86,16 +86,16 @@ pub async fn gate(State(app): State<Arc<App>>, request: Request, next: Next) -> 
 }
 
 /// The answer for a handler that panicked. What it shares with others is replaced whole, so it is still consistent.
-fn panicked(app: &App, id: &HeaderValue, panic: &(dyn Any + Send)) -> Response {
+fn panicked(app: &AppState, id: &HeaderValue, panic: &(dyn Any + Send)) -> Response {
     app.metrics.panics.inc();
     let words = panic.downcast_ref::<String>().map(String::as_str);
     let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without words");
     tracing::error!(request_id = id.to_str().unwrap_or_default(), "a handler panicked: {words}");
-    Problem::internal().into_response()
+    ApiError::internal().into_response()
 }
 
 /// Probes are always answered and metrics even under load; everything else waits in line.
-fn admitted(app: &App, request: &Request, arrived: Instant) -> Result<(), Problem> {
+fn admitted(app: &AppState, request: &Request, arrived: Instant) -> Result<(), ApiError> {
     let path = request.uri().path();
     if matches!(path, "/healthz" | "/readyz") {
         return Ok(());
@@ -104,7 +104,11 @@ fn admitted(app: &App, request: &Request, arrived: Instant) -> Result<(), Proble
     if !dashboard::is_page(path) {
         access::check_token(&app.config, request.headers())?;
     }
-    if path == "/metrics" || app.line.admits(arrived, app.config.max_lag) { Ok(()) } else { Err(Problem::overloaded()) }
+    if path == "/metrics" || app.admission_queue.admits(arrived, app.config.max_lag) {
+        Ok(())
+    } else {
+        Err(ApiError::overloaded())
+    }
 }
 
 /// What an access log says of a request.

@@ -8,14 +8,14 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use revprio_api::wire::{self, object};
-use revprio_core::controller::{Controller, Workspace};
+use revprio_core::controller::Stepper;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::body::Unread;
 use super::convert;
+use super::error::ApiError;
 use super::format::Format;
-use super::problem::Problem;
 use super::robots::Robots;
 
 /// Controllers that are kept, each with its text: those of as many loops, in a megabyte or two.
@@ -24,20 +24,18 @@ const MOST: usize = 16;
 /// Longest text of one, bytes: some dozens of tasks.
 const LONGEST: usize = 16 << 10;
 
-/// A controller that is ready to step.
-pub struct Stepper {
-    /// What it was read from, if it may be kept.
+/// A stepper and the text that its controller was read from.
+pub struct Kept {
+    /// `None` if it may not be kept.
     text: Option<String>,
-    /// Checked.
-    pub controller: Controller,
-    /// Its own.
-    pub workspace: Workspace,
+    /// Ready to step.
+    pub stepper: Stepper,
 }
 
 /// A request for a step, with its controller read and checked.
 pub struct StepCall {
     /// The controller.
-    pub stepper: Box<Stepper>,
+    pub kept: Box<Kept>,
     /// The state.
     pub state: wire::State,
     /// The last answer's memory.
@@ -58,56 +56,56 @@ struct Glance<'a> {
 
 /// The last controllers, the one that stepped last at the end.
 #[derive(Default)]
-pub struct Recent(Mutex<VecDeque<Box<Stepper>>>);
+pub struct Recent(Mutex<VecDeque<Box<Kept>>>);
 
 impl Recent {
     /// Reads a request; its stepper is the caller's until it is given back by [`Self::keep`].
-    pub fn read(&self, body: &Unread, robots: &Robots) -> Result<StepCall, Problem> {
+    pub fn read(&self, body: &Unread, robots: &Robots) -> Result<StepCall, ApiError> {
         if let Some(Glance { controller, state, memory }) = body.format.glance(&body.bytes) {
             let text = controller.get();
-            if let Some(stepper) = self.take(text) {
-                return Ok(StepCall { stepper, state, memory });
+            if let Some(kept) = self.take(text) {
+                return Ok(StepCall { kept, state, memory });
             }
             if let Some(controller) = Format::Json.glance(text.as_bytes()) {
-                return Ok(StepCall { stepper: Stepper::new(&controller, Some(text), robots)?, state, memory });
+                return Ok(StepCall { kept: Kept::new(&controller, Some(text), robots)?, state, memory });
             }
         }
         // What is wrong is explained by reading the whole.
         let wire::StepRequest { controller, state, memory } = body.read()?;
-        Ok(StepCall { stepper: Stepper::new(&controller, None, robots)?, state, memory })
+        Ok(StepCall { kept: Kept::new(&controller, None, robots)?, state, memory })
     }
 
-    fn take(&self, text: &str) -> Option<Box<Stepper>> {
+    fn take(&self, text: &str) -> Option<Box<Kept>> {
         let mut steppers = self.steppers();
         let place = steppers.iter().rposition(|stepper| stepper.text.as_deref() == Some(text))?;
         steppers.remove(place)
     }
 
     /// Keeps a stepper for the next request with its text, in the place of the one that was not used for longest.
-    pub fn keep(&self, stepper: Box<Stepper>) {
-        if stepper.text.is_none() {
+    pub fn keep(&self, kept: Box<Kept>) {
+        if kept.text.is_none() {
             return;
         }
         let mut steppers = self.steppers();
         if steppers.len() == MOST {
             steppers.pop_front();
         }
-        steppers.push_back(stepper);
+        steppers.push_back(kept);
     }
 
-    fn steppers(&self) -> MutexGuard<'_, VecDeque<Box<Stepper>>> {
+    fn steppers(&self) -> MutexGuard<'_, VecDeque<Box<Kept>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Stepper {
-    fn new(controller: &wire::Controller, text: Option<&str>, robots: &Robots) -> Result<Box<Self>, Problem> {
+impl Kept {
+    fn new(controller: &wire::Controller, text: Option<&str>, robots: &Robots) -> Result<Box<Self>, ApiError> {
         // A registered robot that is not used ends, and its name may be given to another.
         let may_be_kept = |text: &&str| text.len() <= LONGEST && robots.is_permanent(&controller.robot);
         let text = text.filter(may_be_kept).map(str::to_owned);
         let controller = convert::controller(controller, robots).map_err(|problem| problem.inside("/controller"))?;
-        let workspace = controller.workspace().map_err(|error| convert::step_problem(&error, "/state"))?;
-        Ok(Box::new(Self { text, controller, workspace }))
+        let stepper = Stepper::new(controller).map_err(|error| convert::step_problem(&error, "/state"))?;
+        Ok(Box::new(Self { text, stepper }))
     }
 }
 
@@ -129,7 +127,7 @@ mod tests {
         let before = recent.steppers().len();
         let call = recent.read(&body(text.to_owned()), robots).unwrap();
         let known = recent.steppers().len() < before;
-        recent.keep(call.stepper);
+        recent.keep(call.kept);
         known
     }
 
@@ -141,8 +139,9 @@ mod tests {
         assert!(later != STEP && is_known(&recent, &later, &robots));
         let slower = STEP.replace("0.001", "0.002");
         assert!(!is_known(&recent, &slower, &robots));
-        let period =
-            |text: &str| recent.read(&body(text.to_owned()), &robots).unwrap().stepper.controller.config().period_s;
+        let period = |text: &str| {
+            recent.read(&body(text.to_owned()), &robots).unwrap().kept.stepper.controller().config().period_s
+        };
         assert_eq!((period(&slower), period(STEP)), (0.002, 0.001));
     }
 

@@ -18,7 +18,7 @@ use tokio::sync::oneshot;
 use super::app::Service;
 use super::connection::Connection;
 use super::drain::Draining;
-use super::problem::no_room;
+use super::error::no_room;
 
 /// Most bytes of a connection that wait to be read or written; holds any headers in use.
 const BUFFER_LIMIT: usize = 64 << 10;
@@ -64,7 +64,7 @@ pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output =
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let app = Arc::clone(&service.app);
-        tokio::spawn(async move { app.line.carry_marker().await });
+        tokio::spawn(async move { app.admission_queue.carry_marker().await });
         accept(listener, service, stop).await;
         Ok(())
     });

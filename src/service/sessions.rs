@@ -5,15 +5,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use revprio_api::wire;
-use revprio_core::controller::{Controller, Memory, Workspace};
+use revprio_core::controller::{Controller, Memory, Stepper};
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
 use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::convert;
+use super::error::ApiError;
 use super::metrics::Metrics;
-use super::problem::Problem;
 
 /// A step that comes more than so many periods after the one before missed one.
 const LATE_PERIODS: f64 = 1.5;
@@ -33,6 +33,13 @@ pub struct Step {
 #[derive(Debug)]
 pub struct Answered(Arc<Step>);
 
+impl Answered {
+    /// The answer.
+    pub fn answer(&self) -> &wire::StepAnswer {
+        &self.0.answer
+    }
+}
+
 impl Serialize for Answered {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.0.answer.serialize(serializer)
@@ -43,9 +50,7 @@ impl Serialize for Answered {
 pub struct Session {
     /// As it was asked for.
     pub request: wire::Controller,
-    /// Ready to step.
-    pub controller: Controller,
-    workspace: Workspace,
+    stepper: Stepper,
     memory: Option<Memory>,
     last: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
@@ -58,8 +63,9 @@ pub struct Session {
 
 impl Session {
     /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
-    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<Answered, Problem> {
-        let measurement = convert::measurement(&state, &self.controller)?;
+    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<Answered, ApiError> {
+        let controller = Arc::clone(self.stepper.controller());
+        let measurement = convert::measurement(&state, &controller)?;
         self.called = now;
         if let Some(last) = &*self.last.borrow() {
             if last.state == state {
@@ -71,9 +77,9 @@ impl Session {
         // Only watchers want it.
         let last_command = self.memory.as_ref().filter(|_| self.last.receiver_count() > 0);
         let last_command = last_command.map(|memory| memory.last_command.clone());
-        let command = self.controller.step_in(&mut self.workspace, &mut self.memory, &measurement);
+        let command = self.stepper.step(&mut self.memory, &measurement);
         let command = command.map_err(|error| convert::step_problem(&error, ""))?;
-        let answer = convert::step_answer(&self.controller, state.sequence, command, now);
+        let answer = convert::step_answer(&controller, state.sequence, command, now);
         metrics.solved(&answer.solver);
         self.steps += 1;
         let since = self.stepped.replace(now).map(|before| now.duration_since(before));
@@ -84,6 +90,11 @@ impl Session {
         let step = Arc::new(Step { state, answer, last_command });
         self.last.send_replace(Some(Arc::clone(&step)));
         Ok(Answered(step))
+    }
+
+    /// The controller, ready to be shared.
+    pub fn controller(&self) -> Arc<Controller> {
+        Arc::clone(self.stepper.controller())
     }
 
     /// Hears of every step, without holding it up.
@@ -118,11 +129,11 @@ impl Session {
 }
 
 /// Refuses a sequence number that does not grow.
-pub fn grows(last: u64, now: u64) -> Result<(), Problem> {
+pub fn grows(last: u64, now: u64) -> Result<(), ApiError> {
     if now > last {
         return Ok(());
     }
-    Err(Problem::sequence(format!(
+    Err(ApiError::sequence(format!(
         "sequence {now} after {last}: count up with every new state; only an unchanged state may be sent again"
     )))
 }
@@ -141,6 +152,11 @@ impl Sessions {
         Self { limit, idle_timeout, metrics, open: Mutex::default() }
     }
 
+    /// Time after which a session ends that gets no state.
+    pub fn idle_timeout(&self) -> Duration {
+        self.idle_timeout
+    }
+
     /// How many have not ended.
     pub fn count(&self) -> usize {
         self.end_idle().len()
@@ -155,17 +171,16 @@ impl Sessions {
     }
 
     /// Opens a session and returns its name.
-    pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, Problem> {
+    pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, ApiError> {
         let mut sessions = self.end_idle();
         if sessions.len() >= self.limit {
-            return Err(Problem::too_many_sessions(self.limit));
+            return Err(ApiError::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
-        let workspace = controller.workspace().map_err(|error| convert::step_problem(&error, ""))?;
+        let stepper = Stepper::new(controller).map_err(|error| convert::step_problem(&error, ""))?;
         let session = Session {
             request,
-            controller,
-            workspace,
+            stepper,
             memory: None,
             last: watch::Sender::new(None),
             steps: 0,
@@ -191,13 +206,17 @@ impl Sessions {
     }
 
     /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: wire::State) -> Result<Answered, Problem> {
+    pub fn step(&self, id: &str, state: wire::State) -> Result<Answered, ApiError> {
         let now = Instant::now();
         self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
 
     /// Lets `act` work on a session; other sessions are not held up meanwhile.
-    pub fn with<T>(&self, id: &str, act: impl FnOnce(Uuid, &mut Session) -> Result<T, Problem>) -> Result<T, Problem> {
+    pub fn with<T>(
+        &self,
+        id: &str,
+        act: impl FnOnce(Uuid, &mut Session) -> Result<T, ApiError>,
+    ) -> Result<T, ApiError> {
         let id = parse(id)?;
         let session = lock(&self.open).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
         let mut session = lock(&session);
@@ -209,17 +228,17 @@ impl Sessions {
     }
 
     /// Ends a session.
-    pub fn delete(&self, id: &str) -> Result<(), Problem> {
+    pub fn delete(&self, id: &str) -> Result<(), ApiError> {
         lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
     }
 }
 
-fn parse(id: &str) -> Result<Uuid, Problem> {
+fn parse(id: &str) -> Result<Uuid, ApiError> {
     Uuid::try_parse(id).map_err(|_| unknown(id))
 }
 
-fn unknown(id: &str) -> Problem {
-    Problem::unknown_controller(id)
+fn unknown(id: &str) -> ApiError {
+    ApiError::unknown_controller(id)
 }
 
 /// A panic while a lock was held is answered and counted elsewhere; the data, replaced whole, is still consistent.

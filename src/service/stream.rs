@@ -12,10 +12,10 @@ use axum::http::HeaderValue;
 use axum::response::Response;
 use tokio::time::{Instant, interval_at, timeout};
 
-use super::app::App;
+use super::app::AppState;
 use super::drain::Draining;
+use super::error::ApiError;
 use super::format::Format;
-use super::problem::Problem;
 use super::sessions::Answered;
 
 /// Subprotocol of JSON.
@@ -54,7 +54,7 @@ const NO_CONTROLLER: Farewell = Farewell(4404, "the controller has ended");
 const SILENT: Farewell = Farewell(4408, "nothing was heard of the client");
 
 /// Answers the upgrade and serves the session `id` until either side ends the stream.
-pub fn accept(upgrade: WebSocketUpgrade, app: Arc<App>, id: String, draining: Draining) -> Response {
+pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String, draining: Draining) -> Response {
     let upgrade = upgrade
         .protocols([JSON, MESSAGE_PACK])
         .read_buffer_size(BUFFER)
@@ -70,7 +70,7 @@ pub fn accept(upgrade: WebSocketUpgrade, app: Arc<App>, id: String, draining: Dr
 
 struct Stream {
     socket: WebSocket,
-    app: Arc<App>,
+    app: Arc<AppState>,
     id: String,
     format: Format,
 }
@@ -120,7 +120,7 @@ impl Stream {
     }
 
     /// The answer to one state, and why it is the last one if it is.
-    fn answer(&self, bytes: &[u8]) -> Result<(Message, Option<Farewell>), Problem> {
+    fn answer(&self, bytes: &[u8]) -> Result<(Message, Option<Farewell>), ApiError> {
         match self.step(bytes) {
             Ok(answer) => Ok((self.message(&answer)?, None)),
             Err(problem) => {
@@ -131,17 +131,17 @@ impl Stream {
         }
     }
 
-    fn step(&self, bytes: &[u8]) -> Result<Answered, Problem> {
+    fn step(&self, bytes: &[u8]) -> Result<Answered, ApiError> {
         if bytes.len() > MESSAGE_LIMIT {
-            return Err(Problem::too_large(MESSAGE_LIMIT));
+            return Err(ApiError::too_large(MESSAGE_LIMIT));
         }
         self.app.sessions.step(&self.id, self.format.read(bytes)?)
     }
 
-    fn message(&self, value: &impl serde::Serialize) -> Result<Message, Problem> {
+    fn message(&self, value: &impl serde::Serialize) -> Result<Message, ApiError> {
         let bytes = self.format.write(value)?;
         match self.format {
-            Format::Json => String::from_utf8(bytes).map(Message::text).map_err(|_| Problem::internal()),
+            Format::Json => String::from_utf8(bytes).map(Message::text).map_err(|_| ApiError::internal()),
             Format::MessagePack => Ok(Message::binary(bytes)),
         }
     }

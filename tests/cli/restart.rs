@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use revprio_api::client::{Client, ClientError};
+use revprio_api::{Client, ClientError, Service};
 use revprio_lab::simulator::recording::{Recording, Sample};
 use revprio_lab::simulator::{CallMode, RunError, Scenario, run};
 

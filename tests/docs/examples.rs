@@ -1,6 +1,6 @@
 //! The examples that Cargo runs do what they say.
 
-use revprio::service::{App, Robots, RunningServer, router};
+use revprio::service::{AppState, Robots, RunningServer, router};
 
 #[path = "../../api/rust/examples/client.rs"]
 #[expect(dead_code, reason = "its main function reads the arguments of the program")]
@@ -18,7 +18,7 @@ fn the_library_answers_without_a_server() {
 
 #[test]
 fn the_client_talks_to_a_service() {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     client::run(&server.url()).unwrap();
     drop(server);
     let nobody = client::run("http://127.0.0.1:9").unwrap_err();

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use revprio::service::{App, Robots, RunningServer, router};
-use revprio_api::client::{Client, ClientError};
+use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::wire::{LimitKind, Limits, Method, Solver, Status};
+use revprio_api::{Client, ClientError};
 use revprio_lab::report::metrics::Metrics;
 use revprio_lab::simulator::recording::{Recording, Sample};
 use revprio_lab::simulator::{CallMode, RunError, Scenario, run};
@@ -65,7 +65,7 @@ fn scenario(name: &str, method: Method, solver: Solver) -> Scenario {
 
 /// Runs against a service of its own.
 fn served(scenario: &Scenario, mode: CallMode) -> Result<Recording, RunError> {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(()))
 }
 

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use revprio::service::{App, Robots, RunningServer, router};
-use revprio_api::client::Client;
+use revprio::service::{AppState, Robots, RunningServer, router};
+use revprio_api::Client;
 use revprio_api::wire;
 use revprio_lab::simulator::recording::{AtLimit, Extent, Format, Recording, Sensed, read};
 use revprio_lab::simulator::{CallMode, Scenario, run};
@@ -34,7 +34,7 @@ impl Drop for Scratch {
 
 /// A run of so many periods.
 fn recorded(periods: u32) -> Recording {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let mut scenario = Scenario::find("stiff_wall_singular").unwrap();
     scenario.duration_s = f64::from(periods) * 1e-3;
     run(&scenario, &Client::new(&server.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap()

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use revprio::service::{App, Robots, RunningServer, router};
-use revprio_api::client::Client;
+use revprio::service::{AppState, Robots, RunningServer, router};
+use revprio_api::Client;
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::metrics::{Metrics, largest_difference};
 use revprio_lab::simulator::recording::{AtLimit, Recording, Sample};
@@ -27,7 +27,7 @@ fn with_method(name: &str, method: Method) -> Scenario {
 
 /// Runs against a service of its own.
 fn run_in(scenario: &Scenario, mode: CallMode) -> Recording {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(())).unwrap()
 }
 

@@ -3,9 +3,9 @@
 
 use std::ops::{ControlFlow, Range};
 
-use revprio::service::{App, Robots, RunningServer, router};
-use revprio_api::client::Client;
+use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::wire::{EnvironmentAxis, StabilityRequest};
+use revprio_api::{Client, Service};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 /// A force of 30 N against a stiff spring in x, everything else at rest.
@@ -82,7 +82,7 @@ fn simulated_largest_lag(client: &Client, about: f64) -> f64 {
 
 #[test]
 fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let client = Client::new(&server.url());
     let request = StabilityRequest {
         inertia: 15.0,
@@ -103,7 +103,7 @@ fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
 
 #[test]
 fn a_warned_controller_swings_up_and_the_recommended_damping_settles() {
-    let server = RunningServer::start(router(App::new(Robots::built_in()))).unwrap();
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let client = Client::new(&server.url());
     let warnings =
         |scenario: &Scenario| client.create_controller(&scenario.controller_in_environment()).unwrap().warnings;

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-use revprio::service::{App, Robots, RunningServer, ServiceConfig, router};
+use revprio::service::{AppState, Robots, RunningServer, ServiceConfig, router};
 use serde_json::Value;
 use ureq::http::{HeaderMap, Request, Response};
 use ureq::{Agent, Body};
@@ -36,7 +36,7 @@ impl Service {
     pub fn with(config: ServiceConfig) -> Self {
         let built = Agent::config_builder().http_status_as_error(false).timeout_global(Some(PATIENCE)).build();
         Self {
-            server: RunningServer::start(router(App::with_config(Robots::built_in(), config))).unwrap(),
+            server: RunningServer::start(router(AppState::with_config(Robots::built_in(), config))).unwrap(),
             agent: built.into(),
         }
     }

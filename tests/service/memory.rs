@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use revprio_api::client::Client;
+use revprio_api::Client;
 use revprio_lab::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use revprio::service::{App, Robots, ServiceConfig, Tls, Token, router, serve};
+use revprio::service::{AppState, Robots, ServiceConfig, Tls, Token, router, serve};
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 use tungstenite::HandshakeError;
@@ -87,11 +87,11 @@ fn a_token_is_one_word_and_never_shown() {
 #[test]
 fn an_address_that_others_reach_needs_a_token() {
     let listen = || TcpListener::bind("0.0.0.0:0").unwrap();
-    let open = router(App::new(Robots::built_in()));
+    let open = router(AppState::new(Robots::built_in()));
     let refused = serve(listen(), open, std::future::ready(())).unwrap_err().to_string();
     assert!(refused.contains("0.0.0.0") && refused.contains("--token-file"), "{refused}");
     let config = ServiceConfig { token: Some(token("address_token")), ..ServiceConfig::default() };
-    serve(listen(), router(App::with_config(Robots::built_in(), config)), std::future::ready(())).unwrap();
+    serve(listen(), router(AppState::with_config(Robots::built_in(), config)), std::future::ready(())).unwrap();
     let mapped: SocketAddr = "[::ffff:127.0.0.1]:80".parse().unwrap();
     assert!(ServiceConfig::default().check(mapped).is_ok());
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use revprio_api::client::Client;
+use revprio_api::Client;
 use revprio_lab::simulator::recording::Format;
 use revprio_lab::simulator::{CallMode, Scenario, run};
 use serde_json::{Value, json};

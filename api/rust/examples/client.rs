@@ -2,8 +2,8 @@
 //!
 //! `cargo run --example client`, against `revprio serve`, or with the address of another service behind it.
 
-use revprio_api::client::Client;
 use revprio_api::wire::{Controller, JointVector, State, Wrench};
+use revprio_api::{Client, Service};
 
 /// As sent by clients in any language; the fields may as well be filled in one by one.
 const CONTROLLER: &str = include_str!("../../examples/controller.json");

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{Controller, ControllerConfig, Measurement, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};
 use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 use revprio_core::robot::built_in;
 use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
@@ -17,6 +17,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
     let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
     let controller = Controller::new(ControllerConfig::new(Arc::clone(&sawyer), period, vec![push]))?;
+    let mut stepper = Stepper::new(controller)?;
 
     let mut q = vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
     let surface = Configuration::new(&sawyer, &q)?.tool_pose().translation.x;
@@ -26,7 +27,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // on the environment
         let time_s = period * f64::from(cycle);
         let measured = Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench };
-        let command = controller.step(&mut memory, &measured)?;
+        let command = stepper.step(&mut memory, &measured)?;
         q.iter_mut().zip(&command.resolution.joint_velocity).for_each(|(q, speed)| *q += period * speed);
     }
     println!("force after 3 s: {force:.2} N");

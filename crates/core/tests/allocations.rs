@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use allocation_counter::measure;
 use revprio_core::controller::{
-    Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion, TaskConfig,
-    TaskRows, ToolRows, Workspace,
+    Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion, Stepper,
+    TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
@@ -39,8 +39,7 @@ fn config(solver: Solver, limits: Limits) -> ControllerConfig {
 
 /// An arm that follows its commands exactly.
 struct Loop {
-    controller: Controller,
-    workspace: Workspace,
+    stepper: Stepper,
     memory: Option<Memory>,
     measured: Measurement,
 }
@@ -59,10 +58,10 @@ struct Tally {
 impl Loop {
     fn new(config: ControllerConfig) -> Self {
         let controller = Controller::new(config).unwrap();
-        let workspace = controller.workspace().unwrap();
+        let stepper = Stepper::new(controller).unwrap();
         let measured =
             Measurement { time_s: 0.0, joint_position: NOMINAL.to_vec(), joint_velocity: None, wrench: [0.0; 6] };
-        Self { controller, workspace, memory: None, measured }
+        Self { stepper, memory: None, measured }
     }
 
     fn run(&mut self, periods: u32) -> Tally {
@@ -70,7 +69,7 @@ impl Loop {
         for _ in 0..periods {
             let mut path = Path::default();
             let counted = measure(|| {
-                let command = self.controller.step_in(&mut self.workspace, &mut self.memory, &self.measured).unwrap();
+                let command = self.stepper.step(&mut self.memory, &self.measured).unwrap();
                 path = command.resolution.solver.path;
                 let speeds = command.resolution.joint_velocity.iter();
                 self.measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += PERIOD * speed);
@@ -94,9 +93,9 @@ fn after_warming_up(config: ControllerConfig) -> Tally {
 }
 
 #[test]
-fn a_step_without_a_workspace_allocates_and_is_counted() {
+fn a_new_stepper_allocates_and_is_counted() {
     let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
-    let counted = measure(|| drop(arm.controller.step(&mut arm.memory, &arm.measured)));
+    let counted = measure(|| drop(arm.stepper.step(&mut arm.memory, &arm.measured).cloned()));
     assert!(counted.count_total > 10);
 }
 

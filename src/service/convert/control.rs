@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::controller::controller;
 use super::numbers::check_numbers;
-use crate::service::problem::{Problem, escaped};
+use crate::service::error::{ApiError, escaped};
 use crate::service::robots::Robots;
 
 /// Slowest and fastest pace, simulated seconds per second.
@@ -18,26 +18,26 @@ pub const FASTEST: f64 = 1000.0;
 pub const MOST_STEPS: usize = 100_000;
 
 /// Checks a pace; `pointer` is that of its speed.
-fn speed(speed: f64, pointer: &str) -> Result<(), Problem> {
+fn speed(speed: f64, pointer: &str) -> Result<(), ApiError> {
     if (SLOWEST..=FASTEST).contains(&speed) {
         return Ok(());
     }
-    Err(Problem::invalid(pointer, format!("{speed} is out of range; speeds lie between {SLOWEST} and {FASTEST}")))
+    Err(ApiError::invalid(pointer, format!("{speed} is out of range; speeds lie between {SLOWEST} and {FASTEST}")))
 }
 
 /// Checks how a run is to be paced.
-pub fn interactive(interactive: Option<&wire::Interactive>) -> Result<(), Problem> {
+pub fn interactive(interactive: Option<&wire::Interactive>) -> Result<(), ApiError> {
     interactive.map_or(Ok(()), |interactive| speed(interactive.speed, "/interactive/speed"))
 }
 
 /// Checks all numbers of an order.
-pub fn control(order: &wire::SimulationControl) -> Result<(), Problem> {
+pub fn control(order: &wire::SimulationControl) -> Result<(), ApiError> {
     order.speed.map_or(Ok(()), |asked| speed(asked, "/speed"))?;
     if order.step.is_some_and(|step| !(1..=MOST_STEPS as u64).contains(&step)) {
-        return Err(Problem::invalid("/step", format!("give 1 to {MOST_STEPS} control periods")));
+        return Err(ApiError::invalid("/step", format!("give 1 to {MOST_STEPS} control periods")));
     }
     if order.step.is_some() && order.paused == Some(false) {
-        return Err(Problem::invalid("/step", "a run pauses after a step; leave `paused` out"));
+        return Err(ApiError::invalid("/step", "a run pauses after a step; leave `paused` out"));
     }
     order.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }
@@ -47,7 +47,7 @@ pub fn changed_controller(
     order: &wire::SimulationControl,
     now: &wire::Controller,
     robots: &Robots,
-) -> Result<Option<(wire::Controller, Controller)>, Problem> {
+) -> Result<Option<(wire::Controller, Controller)>, ApiError> {
     if order.controller.is_none() && order.method.is_none() && order.solver.is_none() {
         return Ok(None);
     }
@@ -57,7 +57,7 @@ pub fn changed_controller(
     let checked = controller(&asked, robots).map_err(|problem| problem.inside("/controller"))?;
     match difference(&as_value(&continued(now, &asked))?, &as_value(&asked)?) {
         None => Ok(Some((asked, checked))),
-        Some(pointer) => Err(Problem::invalid(
+        Some(pointer) => Err(ApiError::invalid(
             format!("/controller{pointer}"),
             "cannot change while the run goes on: it would jump; start another run",
         )),
@@ -78,8 +78,8 @@ fn continued(now: &wire::Controller, asked: &wire::Controller) -> wire::Controll
     continued
 }
 
-fn as_value(controller: &wire::Controller) -> Result<Value, Problem> {
-    serde_json::to_value(controller).map_err(|_| Problem::internal())
+fn as_value(controller: &wire::Controller) -> Result<Value, ApiError> {
+    serde_json::to_value(controller).map_err(|_| ApiError::internal())
 }
 
 /// JSON pointer to the first place where two values differ.

@@ -11,17 +11,17 @@ use super::pose::with_tool_offset;
 use super::resolve::{known_robot, positive_period};
 use super::task::task_config;
 use super::terms;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Most tasks of a controller.
 pub const MOST_TASKS: usize = 64;
 
 /// Reads a controller.
-pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, Problem> {
+pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, ApiError> {
     let robot = with_tool_offset(&known_robot(&request.robot, robots)?, request.tool_offset.as_ref())?;
     if request.tasks.len() > MOST_TASKS {
-        return Err(Problem::invalid("/tasks", format!("at most {MOST_TASKS} tasks")));
+        return Err(ApiError::invalid("/tasks", format!("at most {MOST_TASKS} tasks")));
     }
     let task = |(k, task): (usize, &wire::ControllerTask)| {
         task_config(task, &robot).map_err(|problem| problem.inside(&format!("/tasks/{k}")))
@@ -49,7 +49,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         robot,
     };
     environment::check(request)?;
-    Controller::new(config).map_err(|error| Problem::invalid(config_pointer(&error), error))
+    Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
 
 fn config_pointer(error: &ConfigError) -> String {

@@ -5,7 +5,7 @@ use revprio_core::controller::{ContactLoop, Margin};
 use revprio_core::linalg::EigenvalueError;
 
 use super::numbers::not_negative;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Longest delay that a controller may state: the cost of a warning grows with its cube, and others wait meanwhile.
 pub const LONGEST_STATED_DELAY: usize = 8;
@@ -13,7 +13,7 @@ pub const LONGEST_STATED_DELAY: usize = 8;
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
 /// Refuses an environment whose numbers make no sense.
-pub fn check(request: &wire::Controller) -> Result<(), Problem> {
+pub fn check(request: &wire::Controller) -> Result<(), ApiError> {
     let Some(environment) = &request.environment else { return Ok(()) };
     for axis in AXES {
         if let Some(contact) = along(environment, axis) {
@@ -23,12 +23,12 @@ pub fn check(request: &wire::Controller) -> Result<(), Problem> {
     not_negative(environment.lag_s, "/environment/lag_s")?;
     if environment.delay_periods > LONGEST_STATED_DELAY {
         let detail = format!("at most {LONGEST_STATED_DELAY} periods; for longer delays ask POST /v1/stability");
-        return Err(Problem::invalid("/environment/delay_periods", detail));
+        return Err(ApiError::invalid("/environment/delay_periods", detail));
     }
     Ok(())
 }
 
-fn check_contact(contact: &EnvironmentAxis) -> Result<(), Problem> {
+fn check_contact(contact: &EnvironmentAxis) -> Result<(), ApiError> {
     not_negative(contact.stiffness, "/stiffness")?;
     not_negative(contact.damping, "/damping")?;
     not_negative(contact.inertia, "/inertia")?;
@@ -52,8 +52,8 @@ pub const UNJUDGED: &str = "the stability of this loop is beyond the numbers; us
 /// One warning for each axis of a checked controller whose loop is unstable.
 ///
 /// Only the first task on an axis counts: it moves the axis, and the work stays bounded.
-pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, Problem> {
-    unstable_axes(request).map_err(|_| Problem::invalid("/environment", UNJUDGED))
+pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, ApiError> {
+    unstable_axes(request).map_err(|_| ApiError::invalid("/environment", UNJUDGED))
 }
 
 fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {

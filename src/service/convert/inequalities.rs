@@ -5,7 +5,7 @@ use revprio_core::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, Virtu
 use revprio_robot::RobotModel;
 
 use super::numbers::{check_numbers, joint_list, number};
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Most inequalities of a request.
 pub const MOST_INEQUALITIES: usize = 64;
@@ -22,9 +22,9 @@ pub struct InequalityReader<'a> {
 
 impl InequalityReader<'_> {
     /// Reads a list at the JSON pointer `/inequalities`.
-    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, Problem> {
+    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, ApiError> {
         if list.len() > MOST_INEQUALITIES {
-            return Err(Problem::invalid("/inequalities", format!("at most {MOST_INEQUALITIES} inequalities")));
+            return Err(ApiError::invalid("/inequalities", format!("at most {MOST_INEQUALITIES} inequalities")));
         }
         let barriers = list
             .iter()
@@ -36,13 +36,13 @@ impl InequalityReader<'_> {
         for (i, barrier) in barriers.iter().enumerate() {
             if barriers[..i].iter().any(|earlier| earlier.name() == barrier.name()) {
                 let detail = format!("two inequalities are named `{}`; give each its own name", barrier.name());
-                return Err(Problem::invalid(format!("/inequalities/{i}/name"), detail));
+                return Err(ApiError::invalid(format!("/inequalities/{i}/name"), detail));
             }
         }
         Ok(barriers)
     }
 
-    fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, Problem> {
+    fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, ApiError> {
         let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
             wire::Inequality::Joints { name, coefficients, upper } => {
@@ -50,7 +50,7 @@ impl InequalityReader<'_> {
                 let upper = number(*upper, "/upper")?;
                 Inequality::new(named(name), coefficients, upper)
                     .map(Barrier::Fixed)
-                    .map_err(|error| Problem::invalid("/coefficients", error))
+                    .map_err(|error| ApiError::invalid("/coefficients", error))
             }
             wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
                 check_numbers(normal, "/normal")?;
@@ -59,14 +59,14 @@ impl InequalityReader<'_> {
                 let rate = self.rate(*rate_per_s, "/rate_per_s")?;
                 VirtualPlane::new(named(name), *normal, offset, point, rate)
                     .map(Barrier::Plane)
-                    .map_err(|error| Problem::invalid("/normal", error))
+                    .map_err(|error| ApiError::invalid("/normal", error))
             }
         }
     }
 
-    fn point(&self, point: &str, pointer: &str) -> Result<PlanePoint, Problem> {
+    fn point(&self, point: &str, pointer: &str) -> Result<PlanePoint, ApiError> {
         let Some(robot) = self.robot else {
-            return Err(Problem::invalid(pointer, "a plane needs `robot` and `joint_position`"));
+            return Err(ApiError::invalid(pointer, "a plane needs `robot` and `joint_position`"));
         };
         if point == "tool" {
             return Ok(PlanePoint::Tool);
@@ -76,15 +76,15 @@ impl InequalityReader<'_> {
             let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
             format!("`{}` has no joint `{point}`; give `tool` or one of {}", robot.name(), names.join(", "))
         };
-        joint.map(PlanePoint::Joint).ok_or_else(|| Problem::invalid(pointer, unknown()))
+        joint.map(PlanePoint::Joint).ok_or_else(|| ApiError::invalid(pointer, unknown()))
     }
 
-    fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64, Problem> {
+    fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64, ApiError> {
         let most = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
         match rate {
             None => Ok(APPROACH_RATE.min(most)),
             Some(rate) if rate > 0.0 && rate <= most => number(rate, pointer),
-            Some(rate) => Err(Problem::invalid(
+            Some(rate) => Err(ApiError::invalid(
                 pointer,
                 format!("{rate} is out of range; it must be positive and at most one over the period"),
             )),

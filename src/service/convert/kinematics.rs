@@ -8,16 +8,16 @@ use revprio_robot::kinematics::{Configuration, link_frames};
 use super::numbers::joint_vector;
 use super::pose::pose_answer;
 use super::resolve::known_robot;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Answers a request.
-pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, Problem> {
+pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, ApiError> {
     let pointer = "/joint_position";
     let robot = &*known_robot(&request.robot, robots)?;
     let position = joint_vector(&request.joint_position, robot, pointer)?;
-    let configuration = Configuration::new(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
-    let links = link_frames(robot, &position).map_err(|error| Problem::invalid(pointer, error))?;
+    let configuration = Configuration::new(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
+    let links = link_frames(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
     let jacobian = configuration.jacobian();
     let rows = TaskMatrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]);
     let decomposition = Decomposition::singular(&rows, rows.norm());

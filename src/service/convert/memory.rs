@@ -8,7 +8,7 @@ use revprio_core::resolution::{ActiveSet, Side};
 
 use super::numbers::{check_numbers, joint_list, numbers};
 use super::terms;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::sessions::grows;
 
 /// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
@@ -20,13 +20,13 @@ pub fn memory(
     memory: Option<&wire::Memory>,
     sequence: u64,
     controller: &Controller,
-) -> Result<Option<Memory>, Problem> {
+) -> Result<Option<Memory>, ApiError> {
     let Some(memory) = memory else { return Ok(None) };
     grows(memory.sequence, sequence).map_err(|problem| problem.inside("/state"))?;
     read(memory, controller.config()).map(Some).map_err(|problem| problem.inside("/memory"))
 }
 
-fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, Problem> {
+fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiError> {
     let velocity = |(k, values): (usize, &Vec<f64>)| {
         let values = numbers(values, "").map_err(|problem| problem.inside(&format!("/task_velocities/{k}")));
         values.map(Vector::from_vec)
@@ -40,17 +40,17 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, Prob
     })
 }
 
-fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, Problem> {
+fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
     check_numbers(&pose.position, "/initial_pose/position")?;
     let [x, y, z] = pose.position;
     let matrix = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
     if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= ROTATION && matrix.determinant() > 0.0) {
-        return Err(Problem::invalid("/initial_pose/rotation", "not a rotation matrix; send the memory as it came"));
+        return Err(ApiError::invalid("/initial_pose/rotation", "not a rotation matrix; send the memory as it came"));
     }
     Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix)))
 }
 
-fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, Problem> {
+fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, ApiError> {
     let joints = config.robot.joints();
     let place = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
         (Some(name), None) => joints.iter().position(|joint| joint.name == *name),
@@ -59,7 +59,7 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
         }
         _ => None,
     };
-    let unknown = || Problem::invalid("/active_set", "names no limit of this controller; send the memory as it came");
+    let unknown = || ApiError::invalid("/active_set", "names no limit of this controller; send the memory as it came");
     let limit = |limit: &wire::ActiveLimitName| Ok((place(limit).ok_or_else(unknown)?, terms::side(limit.side)));
     names.iter().map(limit).collect()
 }

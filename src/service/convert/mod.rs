@@ -1,6 +1,6 @@
 //! Bodies to the library's types and back; wrong fields are named by JSON pointer.
 //!
-//! What reads a part names the field inside that part; who called it says where the part stands, by `Problem::inside`. So
+//! What reads a part names the field inside that part; who called it says where the part stands, by `ApiError::inside`. So
 //! pointers are put together for refusals only: made beforehand, they were half of the cost of reading a controller.
 
 mod arm;

@@ -5,14 +5,14 @@ use revprio_core::controller::NullSpaceMotion;
 use revprio_robot::RobotModel;
 
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// What makes the ζ̇ at `/null_space_velocity` for `joints` joints; what depends on the posture needs a robot.
 pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,
     joints: usize,
-) -> Result<NullSpaceMotion, Problem> {
+) -> Result<NullSpaceMotion, ApiError> {
     let motion = match request {
         wire::NullSpaceVelocity::Constant(velocity) => {
             return joint_vector_of(velocity, robot, joints, "/null_space_velocity").map(NullSpaceMotion::Constant);
@@ -20,7 +20,7 @@ pub fn null_space(
         wire::NullSpaceVelocity::Motion(motion) => motion,
     };
     let robot =
-        robot.ok_or_else(|| Problem::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
+        robot.ok_or_else(|| ApiError::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
     let gain = |gain: f64| not_negative(gain, "/null_space_velocity/gain");
     Ok(match motion {
         wire::NullSpaceMotion::JointLimits { gain: k } => NullSpaceMotion::JointLimits { gain: gain(*k)? },

@@ -5,35 +5,35 @@ use revprio_core::limits::{VelocityBox, VelocityBoxError};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_robot::RobotModel;
 
-use crate::service::problem::{Problem, escaped};
+use crate::service::error::{ApiError, escaped};
 
 /// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
 pub const LARGEST: f64 = 1e9;
 
 /// A number of sensible size.
-pub fn number(value: f64, pointer: &str) -> Result<f64, Problem> {
+pub fn number(value: f64, pointer: &str) -> Result<f64, ApiError> {
     if value.abs() <= LARGEST {
         Ok(value)
     } else {
-        Err(Problem::invalid(pointer, format!("{value:e} is out of range; numbers lie between -1e9 and 1e9")))
+        Err(ApiError::invalid(pointer, format!("{value:e} is out of range; numbers lie between -1e9 and 1e9")))
     }
 }
 
 /// A number of sensible size that is not negative.
-pub fn not_negative(value: f64, pointer: &str) -> Result<f64, Problem> {
+pub fn not_negative(value: f64, pointer: &str) -> Result<f64, ApiError> {
     if value < 0.0 {
-        return Err(Problem::invalid(pointer, format!("{value} is out of range; it must not be negative")));
+        return Err(ApiError::invalid(pointer, format!("{value} is out of range; it must not be negative")));
     }
     number(value, pointer)
 }
 
 /// A list of numbers of sensible size.
-pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, Problem> {
+pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, ApiError> {
     check_numbers(values, pointer).map(|()| values.to_vec())
 }
 
 /// Refuses a list with a number that is not of sensible size.
-pub fn check_numbers(values: &[f64], pointer: &str) -> Result<(), Problem> {
+pub fn check_numbers(values: &[f64], pointer: &str) -> Result<(), ApiError> {
     match values.iter().position(|value| !(value.abs() <= LARGEST)) {
         Some(i) => number(values[i], &format!("{pointer}/{i}")).map(drop),
         None => Ok(()),
@@ -41,9 +41,9 @@ pub fn check_numbers(values: &[f64], pointer: &str) -> Result<(), Problem> {
 }
 
 /// A list of as many numbers as there are joints.
-pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f64>, Problem> {
+pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f64>, ApiError> {
     if values.len() != joints {
-        return Err(Problem::invalid(
+        return Err(ApiError::invalid(
             pointer,
             format!("{} numbers for {joints} joints; give one per joint", values.len()),
         ));
@@ -52,17 +52,17 @@ pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f6
 }
 
 /// One number per joint of the robot, in its order.
-pub fn joint_vector(vector: &JointVector, robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, Problem> {
+pub fn joint_vector(vector: &JointVector, robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, ApiError> {
     match vector {
         JointVector::Ordered(values) => joint_list(values, robot.joint_count(), pointer),
         JointVector::Named(values) => by_name(values, robot, pointer),
     }
 }
 
-fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, Problem> {
+fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, ApiError> {
     let joints = robot.joints();
     if let Some((name, _)) = values.iter().find(|(name, _)| joints.iter().all(|joint| joint.name != *name)) {
-        return Err(Problem::invalid(
+        return Err(ApiError::invalid(
             format!("{pointer}/{}", escaped(name)),
             format!("`{}` has no joint `{name}`; its joints are {}", robot.name(), joint_names(robot)),
         ));
@@ -71,7 +71,7 @@ fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Resul
         Some((name, value)) => {
             number(*value, "").map_err(|problem| problem.inside(&format!("{pointer}/{}", escaped(name))))
         }
-        None => Err(Problem::invalid(pointer, format!("joint `{}` is missing", joint.name))),
+        None => Err(ApiError::invalid(pointer, format!("joint `{}` is missing", joint.name))),
     };
     joints.iter().map(value_of).collect()
 }
@@ -86,33 +86,35 @@ pub fn joint_vector_of(
     robot: Option<&RobotModel>,
     joints: usize,
     pointer: &str,
-) -> Result<Vector, Problem> {
+) -> Result<Vector, ApiError> {
     match (vector, robot) {
         (vector, Some(robot)) => joint_vector(vector, robot, pointer).map(Vector::from_vec),
         (JointVector::Ordered(values), None) => joint_list(values, joints, pointer).map(Vector::from_vec),
         (JointVector::Named(_), None) => {
-            Err(Problem::invalid(pointer, "joints have names only with a `robot`; give a list instead"))
+            Err(ApiError::invalid(pointer, "joints have names only with a `robot`; give a list instead"))
         }
     }
 }
 
 /// The damping law at `/damping`.
-pub fn damping(damping: Option<wire::Damping>) -> Result<Option<Damping>, Problem> {
+pub fn damping(damping: Option<wire::Damping>) -> Result<Option<Damping>, ApiError> {
     let Some(wire::Damping { threshold, max_factor }) = damping else { return Ok(None) };
     number(threshold, "/damping/threshold")?;
     number(max_factor, "/damping/max_factor")?;
     match Damping::new(threshold, max_factor) {
         Some(damping) => Ok(Some(damping)),
-        None => Err(Problem::invalid("/damping", "`threshold` must be positive and `max_factor` must not be negative")),
+        None => {
+            Err(ApiError::invalid("/damping", "`threshold` must be positive and `max_factor` must not be negative"))
+        }
     }
 }
 
 /// The box of joint velocities at `/limits`.
-pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize) -> Result<VelocityBox, Problem> {
+pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize) -> Result<VelocityBox, ApiError> {
     let lower = joint_list(lower, joints, "/limits/lower")?;
     let upper = joint_list(upper, joints, "/limits/upper")?;
     VelocityBox::new(&lower, &upper).map_err(|error| match error {
-        VelocityBoxError::Empty { joint, .. } => Problem::invalid(format!("/limits/lower/{joint}"), error),
-        VelocityBoxError::Size { .. } => Problem::invalid("/limits", error),
+        VelocityBoxError::Empty { joint, .. } => ApiError::invalid(format!("/limits/lower/{joint}"), error),
+        VelocityBoxError::Size { .. } => ApiError::invalid("/limits", error),
     })
 }

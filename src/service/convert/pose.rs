@@ -8,17 +8,17 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Frame, TaskFrame, pose as pose_of};
 
 use super::numbers::check_numbers;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// A pose.
-pub fn pose(pose: &wire::Pose) -> Result<IsometryMatrix3<f64>, Problem> {
+pub fn pose(pose: &wire::Pose) -> Result<IsometryMatrix3<f64>, ApiError> {
     let wire::Pose { position, orientation: wire::Orientation { w, x, y, z } } = *pose;
     check_numbers(&position, "/position")?;
-    pose_of(position, [w, x, y, z]).map_err(|error| Problem::invalid("/orientation", error))
+    pose_of(position, [w, x, y, z]).map_err(|error| ApiError::invalid("/orientation", error))
 }
 
 /// Point and axes of a task.
-pub fn task_frame(frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Result<TaskFrame, Problem> {
+pub fn task_frame(frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Result<TaskFrame, ApiError> {
     let point = reference_point.unwrap_or_default();
     check_numbers(&point, "/reference_point")?;
     let frame = match frame {
@@ -30,11 +30,11 @@ pub fn task_frame(frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Res
 }
 
 /// The robot with its tool point where the request says.
-pub fn with_tool_offset(robot: &Arc<RobotModel>, offset: Option<&wire::Pose>) -> Result<Arc<RobotModel>, Problem> {
+pub fn with_tool_offset(robot: &Arc<RobotModel>, offset: Option<&wire::Pose>) -> Result<Arc<RobotModel>, ApiError> {
     let Some(offset) = offset else { return Ok(Arc::clone(robot)) };
     let offset = pose(offset).map_err(|problem| problem.inside("/tool_offset"))?;
     let moved = robot.with_tool_offset(&offset);
-    moved.map(Arc::new).map_err(|error| Problem::invalid("/tool_offset", error))
+    moved.map(Arc::new).map_err(|error| ApiError::invalid("/tool_offset", error))
 }
 
 /// A pose as a part of an answer.

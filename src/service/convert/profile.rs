@@ -4,7 +4,7 @@ use revprio_api::wire::{self, PerAxis};
 use revprio_core::law::{Point, Profile, ProfileError};
 
 use super::numbers::{check_numbers, number};
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Most points of a profile: what is far beyond any path of one task would only hold up others.
 pub const MOST_POINTS: usize = 1000;
@@ -18,20 +18,20 @@ pub struct PerRow {
 
 impl PerRow {
     /// One value per row.
-    pub fn each<T: Clone>(self, values: &PerAxis<T>, field: &str) -> Result<Vec<T>, Problem> {
+    pub fn each<T: Clone>(self, values: &PerAxis<T>, field: &str) -> Result<Vec<T>, ApiError> {
         match values {
             PerAxis::All(value) => Ok(vec![value.clone(); self.rows]),
             PerAxis::Each(values) if values.len() == self.rows => Ok(values.clone()),
             PerAxis::Each(values) => {
                 let detail =
                     format!("{} values for {} rows; give one per row, or one for all", values.len(), self.rows);
-                Err(Problem::invalid(field, detail))
+                Err(ApiError::invalid(field, detail))
             }
         }
     }
 
     /// One number of sensible size per row.
-    pub fn numbers(self, values: &PerAxis<f64>, field: &str) -> Result<Vec<f64>, Problem> {
+    pub fn numbers(self, values: &PerAxis<f64>, field: &str) -> Result<Vec<f64>, ApiError> {
         let each = self.each(values, field)?;
         match values {
             PerAxis::All(value) => number(*value, field).map(drop)?,
@@ -41,7 +41,7 @@ impl PerRow {
     }
 
     /// A profile.
-    pub fn profile(self, profile: &wire::Profile) -> Result<Profile, Problem> {
+    pub fn profile(self, profile: &wire::Profile) -> Result<Profile, ApiError> {
         let profile = match profile {
             wire::Profile::Constant { value } => Profile::constant(self.numbers(value, "/value")?),
             wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad } => Profile::sine(
@@ -59,19 +59,19 @@ impl PerRow {
             wire::Profile::Steps { points } => Profile::steps(self.points(points)?),
             wire::Profile::Waypoints { points } => Profile::waypoints(&self.points(points)?),
         };
-        profile.map_err(|error| Problem::invalid(flaw(error), error))
+        profile.map_err(|error| ApiError::invalid(flaw(error), error))
     }
 
-    fn points(self, points: &[wire::ProfilePoint]) -> Result<Vec<Point>, Problem> {
+    fn points(self, points: &[wire::ProfilePoint]) -> Result<Vec<Point>, ApiError> {
         if points.len() > MOST_POINTS {
-            return Err(Problem::invalid("/points", format!("at most {MOST_POINTS} points")));
+            return Err(ApiError::invalid("/points", format!("at most {MOST_POINTS} points")));
         }
         let at_place =
-            |(i, point)| self.point(point).map_err(|problem: Problem| problem.inside(&format!("/points/{i}")));
+            |(i, point)| self.point(point).map_err(|problem: ApiError| problem.inside(&format!("/points/{i}")));
         points.iter().enumerate().map(at_place).collect()
     }
 
-    fn point(self, point: &wire::ProfilePoint) -> Result<Point, Problem> {
+    fn point(self, point: &wire::ProfilePoint) -> Result<Point, ApiError> {
         let value = self.numbers(&point.value, "/value")?;
         Ok(Point { time_s: number(point.time_s, "/time_s")?, value })
     }

@@ -7,7 +7,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Limits, NullSpaceMotion};
 use revprio_core::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{Problem as Question, ProblemError, Resolution};
+use revprio_core::resolution::{Problem, ProblemError, Resolution};
 use revprio_core::task::{Task, TaskError, TaskStack};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{AxisSelection, Configuration, joint_limit_index};
@@ -18,7 +18,7 @@ use super::numbers::{check_numbers, damping, joint_vector, joint_vector_of, numb
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::{task_frame, with_tool_offset};
 use super::terms;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
@@ -30,9 +30,9 @@ pub const SHORTEST_PERIOD_S: f64 = 1e-6;
 pub const LONGEST_PERIOD_S: f64 = 10.0;
 
 /// A request as a problem to resolve, with the names that its answer needs.
-pub struct ResolveQuestion {
+pub struct ResolveProblem {
     /// The problem.
-    pub problem: Question,
+    pub problem: Problem,
     /// Names of the joints.
     joints: Vec<String>,
     /// Joints whose acceleration limit was overruled.
@@ -42,7 +42,7 @@ pub struct ResolveQuestion {
 }
 
 /// Reads a request.
-pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveQuestion, Problem> {
+pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem, ApiError> {
     let robot = robot(request, robots)?;
     let robot = robot.as_ref();
     let configuration = configuration(request, robot)?;
@@ -50,12 +50,12 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
     let joints = tasks.joint_count();
     if let Some(robot) = robot.filter(|robot| robot.joint_count() != joints) {
         let detail = format!("{joints} columns, but `{}` has {} joints", robot.name(), robot.joint_count());
-        return Err(Problem::invalid("/tasks/0/jacobian", detail));
+        return Err(ApiError::invalid("/tasks/0/jacobian", detail));
     }
     let limited = limits(request, robot, configuration.as_ref(), joints)?;
     let zeta = null_space_velocity(request, robot, configuration.as_ref(), joints)?;
-    Ok(ResolveQuestion {
-        problem: Question {
+    Ok(ResolveProblem {
+        problem: Problem {
             tasks,
             limits: limited.velocity_box,
             inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
@@ -71,10 +71,10 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
 }
 
 /// The robot of the request, with its tool.
-fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<RobotModel>>, Problem> {
+fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<RobotModel>>, ApiError> {
     match (&request.robot, &request.tool_offset) {
         (Some(name), offset) => with_tool_offset(&known_robot(name, robots)?, offset.as_ref()).map(Some),
-        (None, Some(_)) => Err(Problem::invalid("/robot", "`tool_offset` needs the name of a robot")),
+        (None, Some(_)) => Err(ApiError::invalid("/robot", "`tool_offset` needs the name of a robot")),
         (None, None) => Ok(None),
     }
 }
@@ -85,20 +85,20 @@ fn null_space_velocity(
     robot: Option<&Arc<RobotModel>>,
     configuration: Option<&Configuration>,
     joints: usize,
-) -> Result<Option<Vector>, Problem> {
+) -> Result<Option<Vector>, ApiError> {
     let Some(motion) = &request.null_space_velocity else { return Ok(None) };
     let motion = null_space(motion, robot.map(Arc::as_ref), joints)?;
     if let NullSpaceMotion::Constant(velocity) = motion {
         return Ok(Some(velocity));
     }
-    let missing = || Problem::invalid("/joint_position", "this null-space velocity needs `joint_position`");
+    let missing = || ApiError::invalid("/joint_position", "this null-space velocity needs `joint_position`");
     let (robot, configuration) = robot.zip(configuration).ok_or_else(missing)?;
     Ok(Some(motion.velocity(robot, configuration.joint_position())))
 }
 
 /// A robot by name.
-pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, Problem> {
-    robots.get(name).map_err(|error| Problem::invalid("/robot", error))
+pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, ApiError> {
+    robots.get(name).map_err(|error| ApiError::invalid("/robot", error))
 }
 
 fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {
@@ -111,26 +111,26 @@ fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {
 fn configuration(
     request: &wire::ResolveRequest,
     robot: Option<&Arc<RobotModel>>,
-) -> Result<Option<Configuration>, Problem> {
+) -> Result<Option<Configuration>, ApiError> {
     match (robot, &request.joint_position) {
         (Some(robot), Some(position)) => {
             let position = joint_vector(position, robot, "/joint_position")?;
-            let invalid = |error| Problem::invalid("/joint_position", error);
+            let invalid = |error| ApiError::invalid("/joint_position", error);
             Configuration::new(robot, &position).map(Some).map_err(invalid)
         }
-        (None, Some(_)) => Err(Problem::invalid("/robot", "`joint_position` needs the name of a robot")),
+        (None, Some(_)) => Err(ApiError::invalid("/robot", "`joint_position` needs the name of a robot")),
         (_, None) => Ok(None),
     }
 }
 
-fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack, Problem> {
+fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack, ApiError> {
     let at_place =
-        |(k, asked)| task(k, asked, configuration).map_err(|problem: Problem| problem.inside(&format!("/tasks/{k}")));
+        |(k, asked)| task(k, asked, configuration).map_err(|problem: ApiError| problem.inside(&format!("/tasks/{k}")));
     let tasks: Vec<Task> = request.tasks.iter().enumerate().map(at_place).collect::<Result<_, _>>()?;
     if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MOST_ROWS {
-        return Err(Problem::invalid("/tasks", format!("at most {MOST_ROWS} rows in all tasks together")));
+        return Err(ApiError::invalid("/tasks", format!("at most {MOST_ROWS} rows in all tasks together")));
     }
-    TaskStack::new(tasks).map_err(|error| Problem::invalid(task_pointer(&error), error))
+    TaskStack::new(tasks).map_err(|error| ApiError::invalid(task_pointer(&error), error))
 }
 
 fn task_pointer(error: &TaskError) -> String {
@@ -141,24 +141,24 @@ fn task_pointer(error: &TaskError) -> String {
     }
 }
 
-fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration>) -> Result<Task, Problem> {
+fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration>) -> Result<Task, ApiError> {
     let jacobian = match (&task.axes, &task.jacobian) {
         (Some(axes), None) => {
             let axes = axis_selection(axes, "/axes")?;
             let detail = "axes need `robot` and `joint_position`; or give `jacobian` rows instead";
-            let configuration = configuration.ok_or_else(|| Problem::invalid("/axes", detail))?;
+            let configuration = configuration.ok_or_else(|| ApiError::invalid("/axes", detail))?;
             let frame = task_frame(&task.frame, task.reference_point)?;
             axes.rows_of(&frame.at(configuration).jacobian())
         }
         (None, Some(_)) if task.frame != wire::Frame::Base => {
-            return Err(Problem::invalid("/frame", "`jacobian` rows have no frame; it needs `axes`"));
+            return Err(ApiError::invalid("/frame", "`jacobian` rows have no frame; it needs `axes`"));
         }
         (None, Some(_)) if task.reference_point.is_some() => {
             let detail = "`jacobian` rows have no point; it needs `axes`";
-            return Err(Problem::invalid("/reference_point", detail));
+            return Err(ApiError::invalid("/reference_point", detail));
         }
         (None, Some(rows)) => matrix(rows).map_err(|problem| problem.inside("/jacobian"))?,
-        _ => return Err(Problem::invalid("", "give either `axes` or `jacobian`")),
+        _ => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
     };
     Ok(Task {
         name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
@@ -169,20 +169,20 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
 }
 
 /// Axes of a task.
-pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelection, Problem> {
+pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelection, ApiError> {
     let axes: Vec<_> = axes.iter().copied().map(terms::axis).collect();
-    AxisSelection::new(&axes).map_err(|error| Problem::invalid(pointer, error))
+    AxisSelection::new(&axes).map_err(|error| ApiError::invalid(pointer, error))
 }
 
-fn matrix(rows: &[Vec<f64>]) -> Result<Matrix, Problem> {
+fn matrix(rows: &[Vec<f64>]) -> Result<Matrix, ApiError> {
     let columns = rows.first().map_or(0, Vec::len);
     if columns == 0 || columns > MOST_JOINTS {
-        return Err(Problem::invalid("", format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
+        return Err(ApiError::invalid("", format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
     }
     for (i, row) in rows.iter().enumerate() {
         if row.len() != columns {
             let detail = format!("{} numbers where the first row has {columns}", row.len());
-            return Err(Problem::invalid(format!("/{i}"), detail));
+            return Err(ApiError::invalid(format!("/{i}"), detail));
         }
         check_numbers(row, "").map_err(|problem| problem.inside(&format!("/{i}")))?;
     }
@@ -194,7 +194,7 @@ fn inequalities(
     robot: Option<&Arc<RobotModel>>,
     configuration: Option<&Configuration>,
     joints: usize,
-) -> Result<Vec<Inequality>, Problem> {
+) -> Result<Vec<Inequality>, ApiError> {
     let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
     let reader = InequalityReader { robot, joints, period_s: request.period_s };
     let barriers = reader.read(&request.inequalities)?.into_iter();
@@ -211,7 +211,7 @@ fn limits(
     robot: Option<&Arc<RobotModel>>,
     configuration: Option<&Configuration>,
     joints: usize,
-) -> Result<LimitedBox, Problem> {
+) -> Result<LimitedBox, ApiError> {
     let period = request.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
     let kind = match &request.limits {
         Some(wire::Limits::Box { lower, upper }) => {
@@ -227,7 +227,7 @@ fn limits(
     match (kind, robot) {
         (LimitKind::None, _) => Ok(LimitedBox { velocity_box: VelocityBox::unbounded(joints), conflicts: Vec::new() }),
         (_, None) => {
-            Err(Problem::invalid("/limits", "the limits of a robot need `robot`; or give `lower` and `upper`"))
+            Err(ApiError::invalid("/limits", "the limits of a robot need `robot`; or give `lower` and `upper`"))
         }
         (kind, Some(robot)) => {
             let state = RobotState { configuration, last: last.as_ref(), period };
@@ -244,10 +244,10 @@ struct RobotState<'a> {
 }
 
 impl RobotState<'_> {
-    fn limited_box(&self, kind: LimitKind, robot: &RobotModel) -> Result<LimitedBox, Problem> {
+    fn limited_box(&self, kind: LimitKind, robot: &RobotModel) -> Result<LimitedBox, ApiError> {
         let needs_state = kind != LimitKind::Velocity;
         let needs_last = kind == LimitKind::PositionVelocityAcceleration;
-        let missing = |pointer: &str, what: &str| Problem::invalid(pointer, format!("these limits need {what}"));
+        let missing = |pointer: &str, what: &str| ApiError::invalid(pointer, format!("these limits need {what}"));
         if needs_state && self.configuration.is_none() {
             return Err(missing("/joint_position", "`joint_position`"));
         }
@@ -265,25 +265,25 @@ impl RobotState<'_> {
 }
 
 /// T > 0.
-pub fn positive_period(period: f64, pointer: &str) -> Result<f64, Problem> {
+pub fn positive_period(period: f64, pointer: &str) -> Result<f64, ApiError> {
     if (SHORTEST_PERIOD_S..=LONGEST_PERIOD_S).contains(&period) {
         return number(period, pointer);
     }
-    Err(Problem::invalid(pointer, format!("{period} is out of range; a control period lies between 1e-6 and 10 s")))
+    Err(ApiError::invalid(pointer, format!("{period} is out of range; a control period lies between 1e-6 and 10 s")))
 }
 
 /// The library's refusal of a problem whose parts were checked one by one.
-pub fn resolution_problem(error: ProblemError) -> Problem {
+pub fn resolution_problem(error: ProblemError) -> ApiError {
     let pointer = match error {
         ProblemError::Limits { .. } => "/limits",
         ProblemError::Inequality { .. } => "/inequalities",
         ProblemError::NullSpaceVelocity { .. } => "/null_space_velocity",
     };
-    Problem::invalid(pointer, error)
+    ApiError::invalid(pointer, error)
 }
 
 /// The answer's body.
-pub fn resolve_answer(question: &ResolveQuestion, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
+pub fn resolve_answer(question: &ResolveProblem, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
     let outcome = Outcome { resolution, joints: question.joints.iter().map(String::as_str).collect() };
     let tasks = question.problem.tasks.tasks();
     wire::ResolveAnswer {

@@ -5,11 +5,11 @@ use revprio_robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
 
 use super::resolve::MOST_JOINTS;
 use super::terms;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::RobotsError;
 
 /// Reads a robot to be registered.
-pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, Problem> {
+pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> {
     let options = UrdfOptions {
         name: Some(&request.name),
         description: None,
@@ -22,22 +22,22 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, Problem> {
             UrdfError::Tip { .. } | UrdfError::UnknownTip { .. } => "/tip",
             _ => "/urdf",
         };
-        Problem::invalid(pointer, error)
+        ApiError::invalid(pointer, error)
     })?;
     match robot.joint_count() {
         0..=MOST_JOINTS => Ok(robot),
-        joints => Err(Problem::invalid("/urdf", format!("{joints} joints in the chain; at most {MOST_JOINTS}"))),
+        joints => Err(ApiError::invalid("/urdf", format!("{joints} joints in the chain; at most {MOST_JOINTS}"))),
     }
 }
 
 /// Why a robot cannot be had, added or removed.
-pub fn robots_problem(error: &RobotsError) -> Problem {
+pub fn robots_problem(error: &RobotsError) -> ApiError {
     match error {
-        RobotsError::Name(_) => Problem::invalid("/name", error),
-        RobotsError::Taken(_) => Problem::name_taken(error.to_string()),
-        RobotsError::Full => Problem::too_many_robots(error.to_string()),
-        RobotsError::Permanent(_) => Problem::permanent(error.to_string()),
-        RobotsError::Unknown { .. } => Problem::not_found(error.to_string()),
+        RobotsError::Name(_) => ApiError::invalid("/name", error),
+        RobotsError::Taken(_) => ApiError::name_taken(error.to_string()),
+        RobotsError::Full => ApiError::too_many_robots(error.to_string()),
+        RobotsError::Permanent(_) => ApiError::permanent(error.to_string()),
+        RobotsError::Unknown { .. } => ApiError::not_found(error.to_string()),
     }
 }
 

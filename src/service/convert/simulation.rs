@@ -10,11 +10,11 @@ use revprio_robot::RobotModel;
 use super::controller::controller;
 use super::numbers::joint_list;
 use super::resolve::known_robot;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Reads a request: a scenario that the service can run, and the arm that it is about.
-pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), Problem> {
+pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), ApiError> {
     let mut scenario = match request.scenario {
         NamedScenario::BuiltIn(name) => built_in(&name)?,
         NamedScenario::Own(scenario) => own(*scenario, robots).map_err(|problem| problem.inside("/scenario"))?,
@@ -25,17 +25,17 @@ pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario
     Ok((scenario, robot))
 }
 
-fn built_in(name: &str) -> Result<Scenario, Problem> {
+fn built_in(name: &str) -> Result<Scenario, ApiError> {
     let unknown = || {
         let known = Scenario::names();
-        Problem::invalid("/scenario", format!("there is no scenario `{name}`; known: {known}; or give a whole one"))
+        ApiError::invalid("/scenario", format!("there is no scenario `{name}`; known: {known}; or give a whole one"))
     };
-    Scenario::built_in(name).ok_or_else(unknown)?.map_err(|_| Problem::internal())
+    Scenario::built_in(name).ok_or_else(unknown)?.map_err(|_| ApiError::internal())
 }
 
-fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, Problem> {
+fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, ApiError> {
     if let Some(flaw) = scenario.flaw() {
-        return Err(Problem::invalid(flaw.pointer, flaw.problem));
+        return Err(ApiError::invalid(flaw.pointer, flaw.problem));
     }
     let controller = controller(&scenario.controller, robots).map_err(|problem| problem.inside("/controller"))?;
     let joints = controller.config().robot.joint_count();

@@ -6,16 +6,16 @@ use revprio_core::controller::{ContactLoop, LONGEST_DELAY, Margin};
 use super::environment::UNJUDGED;
 use super::numbers::{not_negative, number};
 use super::resolve::positive_period;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Reads a request.
-pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Problem> {
+pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, ApiError> {
     let wire::StabilityRequest { environment, .. } = request;
     if request.delay_periods > LONGEST_DELAY {
-        return Err(Problem::invalid("/delay_periods", format!("at most {LONGEST_DELAY} periods")));
+        return Err(ApiError::invalid("/delay_periods", format!("at most {LONGEST_DELAY} periods")));
     }
     if request.inertia <= 0.0 {
-        return Err(Problem::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));
+        return Err(ApiError::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));
     }
     Ok(ContactLoop {
         inertia: number(request.inertia, "/inertia")?,
@@ -32,9 +32,9 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Pro
 }
 
 /// How stable the loop is.
-pub fn margin(contact: &ContactLoop) -> Result<Margin, Problem> {
+pub fn margin(contact: &ContactLoop) -> Result<Margin, ApiError> {
     let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
-    margin.ok_or_else(|| Problem::invalid("", UNJUDGED))
+    margin.ok_or_else(|| ApiError::invalid("", UNJUDGED))
 }
 
 /// The answer's body.

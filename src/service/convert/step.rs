@@ -9,7 +9,7 @@ use revprio_robot::kinematics::ConfigurationError;
 use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::sessions::Step;
 
 /// Without a newer answer, clients ramp to zero after this time: some periods of a slow loop.
@@ -19,10 +19,10 @@ const VALID_FOR_MS: u64 = 100;
 pub const LARGEST_SEQUENCE: u64 = (1 << 53) - 1;
 
 /// Reads a state.
-pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, Problem> {
+pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, ApiError> {
     let robot = &controller.config().robot;
     if state.sequence > LARGEST_SEQUENCE {
-        return Err(Problem::invalid("/sequence", format!("at most {LARGEST_SEQUENCE}")));
+        return Err(ApiError::invalid("/sequence", format!("at most {LARGEST_SEQUENCE}")));
     }
     Ok(Measurement {
         time_s: number(state.time_s, "/time_s")?,
@@ -32,11 +32,13 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     })
 }
 
-fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], Problem> {
+fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], ApiError> {
     let Some(wire::Wrench { force, torque }) = wrench else {
         return match controller.config().tasks.iter().find(|task| task.law.integrates()) {
             None => Ok([0.0; 6]),
-            Some(task) => Err(Problem::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name))),
+            Some(task) => {
+                Err(ApiError::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name)))
+            }
         };
     };
     check_numbers(force, "/wrench/force")?;
@@ -45,17 +47,17 @@ fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64
 }
 
 /// The library's refusal of a state that stands at the JSON pointer `state` of the body.
-pub fn step_problem(error: &StepError, state: &str) -> Problem {
+pub fn step_problem(error: &StepError, state: &str) -> ApiError {
     let field = match error {
         StepError::Configuration(ConfigurationError::Size { .. } | ConfigurationError::NotFinite { .. }) => {
             "/joint_position"
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
-        StepError::Memory(_) => return Problem::invalid("/memory", error),
+        StepError::Memory(_) => return ApiError::invalid("/memory", error),
         StepError::Problem(_) => "",
     };
-    Problem::invalid(format!("{state}{field}"), error)
+    ApiError::invalid(format!("{state}{field}"), error)
 }
 
 /// The answer's body, without memory.

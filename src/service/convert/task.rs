@@ -9,10 +9,10 @@ use revprio_robot::kinematics::half_range;
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve::axis_selection;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Reads a task.
-pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, Problem> {
+pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, ApiError> {
     let (rows, law) = match &task.law {
         wire::Law::Posture { joints, gain, target_position } => {
             not_for_postures(task)?;
@@ -23,13 +23,13 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
     Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale })
 }
 
-fn tool_task(task: &wire::ControllerTask, law: &wire::Law) -> Result<(TaskRows, Law), Problem> {
-    let missing = || Problem::invalid("/axes", "this law needs `axes`, the rows of the tool");
+fn tool_task(task: &wire::ControllerTask, law: &wire::Law) -> Result<(TaskRows, Law), ApiError> {
+    let missing = || ApiError::invalid("/axes", "this law needs `axes`, the rows of the tool");
     let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, "/axes")?;
     let reader = LawReader(PerRow { rows: axes.len() });
     let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
     let read = || Ok((TaskRows::Tool(reader.with_target(rows, law)?), reader.law(law)?));
-    read().map_err(|problem: Problem| problem.inside("/law"))
+    read().map_err(|problem: ApiError| problem.inside("/law"))
 }
 
 fn posture(
@@ -37,7 +37,7 @@ fn posture(
     gain: &PerAxis<f64>,
     target: &wire::PostureTarget,
     robot: &RobotModel,
-) -> Result<(TaskRows, Law), Problem> {
+) -> Result<(TaskRows, Law), ApiError> {
     let joints = joint_indices(joints, target, robot)?;
     let reader = LawReader(PerRow { rows: joints.len() });
     let target = match target {
@@ -47,7 +47,7 @@ fn posture(
     Ok((TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?))
 }
 
-fn not_for_postures(task: &wire::ControllerTask) -> Result<(), Problem> {
+fn not_for_postures(task: &wire::ControllerTask) -> Result<(), ApiError> {
     let given = [
         ("axes", task.axes.is_some()),
         ("frame", task.frame != wire::Frame::Base),
@@ -57,7 +57,7 @@ fn not_for_postures(task: &wire::ControllerTask) -> Result<(), Problem> {
         Some((field, _)) => {
             let detail =
                 format!("the law `posture` is about joints and takes no `{field}`; choose among them by `joints`");
-            Err(Problem::invalid(format!("/{field}"), detail))
+            Err(ApiError::invalid(format!("/{field}"), detail))
         }
         None => Ok(()),
     }
@@ -68,7 +68,7 @@ fn joint_indices(
     names: Option<&[String]>,
     target: &wire::PostureTarget,
     robot: &RobotModel,
-) -> Result<Vec<usize>, Problem> {
+) -> Result<Vec<usize>, ApiError> {
     let counts = |joint: &usize| {
         *target != wire::PostureTarget::MidRange || half_range(&robot.joints()[*joint].limits).is_some()
     };
@@ -76,7 +76,7 @@ fn joint_indices(
     let index = |(i, name): (usize, &String)| {
         let known = robot.joints().iter().position(|joint| joint.name == *name);
         let detail = || format!("`{}` has no joint `{name}`", robot.name());
-        known.ok_or_else(|| Problem::invalid(format!("/joints/{i}"), detail()))
+        known.ok_or_else(|| ApiError::invalid(format!("/joints/{i}"), detail()))
     };
     names.iter().enumerate().map(index).collect()
 }
@@ -86,7 +86,7 @@ struct LawReader(PerRow);
 
 impl LawReader {
     /// Laws of the tool's rows.
-    fn law(&self, law: &wire::Law) -> Result<Law, Problem> {
+    fn law(&self, law: &wire::Law) -> Result<Law, ApiError> {
         Ok(match law {
             wire::Law::Velocity { target_velocity } => {
                 Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
@@ -110,7 +110,7 @@ impl LawReader {
     }
 
     /// The rows with the target that the law states.
-    fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows, Problem> {
+    fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows, ApiError> {
         let (wire::Law::Pose { target_pose, target_displacement, .. }
         | wire::Law::Impedance { target_pose, target_displacement, .. }
         | wire::Law::Hybrid { target_pose, target_displacement, .. }) = law
@@ -129,9 +129,9 @@ impl LawReader {
         Ok(ToolRows { target_pose, target_displacement, ..rows })
     }
 
-    fn position(&self, gain: &PerAxis<f64>) -> Result<Law, Problem> {
+    fn position(&self, gain: &PerAxis<f64>) -> Result<Law, ApiError> {
         let law = PositionLaw::new(self.0.numbers(gain, "/gain")?);
-        law.map(Law::Position).map_err(|error| Problem::invalid(at_row(gain, "/gain", error.row), error))
+        law.map(Law::Position).map_err(|error| ApiError::invalid(at_row(gain, "/gain", error.row), error))
     }
 
     fn gains(
@@ -139,28 +139,28 @@ impl LawReader {
         inertia: &PerAxis<f64>,
         damping: &PerAxis<f64>,
         stiffness: &PerAxis<f64>,
-    ) -> Result<Gains, Problem> {
+    ) -> Result<Gains, ApiError> {
         let list = |values: &PerAxis<f64>, field: &str| self.0.numbers(values, field);
         let (m, b, k) = (list(inertia, "/inertia")?, list(damping, "/damping")?, list(stiffness, "/stiffness")?);
         Gains::new(self.0.rows, &m, &b, &k).map_err(|error| match error {
-            GainError::Size { gain, .. } => Problem::invalid(format!("/{gain}"), error),
+            GainError::Size { gain, .. } => ApiError::invalid(format!("/{gain}"), error),
             GainError::Range { gain, row, .. } => {
                 let values = match gain {
                     "inertia" => inertia,
                     "damping" => damping,
                     _ => stiffness,
                 };
-                Problem::invalid(at_row(values, &format!("/{gain}"), row), error)
+                ApiError::invalid(at_row(values, &format!("/{gain}"), row), error)
             }
         })
     }
 
-    fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, Problem> {
+    fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, ApiError> {
         self.0.profile(profile).map_err(|problem| problem.inside(field))
     }
 
     /// Sizes are checked field by field; this is what is left to say if the law refuses all the same.
-    fn mismatch(&self) -> Problem {
-        Problem::invalid("", format!("the lists of a law have one value for each of {} rows", self.0.rows))
+    fn mismatch(&self) -> ApiError {
+        ApiError::invalid("", format!("the lists of a law have one value for each of {} rows", self.0.rows))
     }
 }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
 
 use super::pointer;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
-/// Room for an answer to a step: growing towards it in small steps took a third of the instructions of writing it.
+/// Quota for an answer to a step: growing towards it in small steps took a third of the instructions of writing it.
 const USUAL_LENGTH: usize = 2048;
 
 /// Writes a value.
@@ -19,7 +19,7 @@ pub fn write<T: Serialize + ?Sized>(value: &T) -> serde_json::Result<Vec<u8>> {
 }
 
 /// Reads an object.
-pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     glance(bytes).map_or_else(|| explain(bytes), Ok)
 }
 
@@ -29,17 +29,17 @@ pub fn glance<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
 }
 
 /// Reads once more, keeping track of where: what a good body need not pay for.
-fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         match cause.classify() {
-            Category::Data => Problem::invalid(place, cause),
-            _ if is_well_formed(bytes) => Problem::invalid(place, cause),
-            Category::Syntax | Category::Eof | Category::Io => Problem::malformed(cause.to_string()),
+            Category::Data => ApiError::invalid(place, cause),
+            _ if is_well_formed(bytes) => ApiError::invalid(place, cause),
+            Category::Syntax | Category::Eof | Category::Io => ApiError::malformed(cause.to_string()),
         }
     })?;
-    deserializer.end().map_err(|error| Problem::malformed(error.to_string()))?;
+    deserializer.end().map_err(|error| ApiError::malformed(error.to_string()))?;
     Ok(value)
 }
 

@@ -12,20 +12,20 @@ use serde::de::{DeserializeOwned, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use super::pointer;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Depth of nesting that is read, as in JSON.
 const DEEPEST: usize = 128;
 
 /// Reads an object.
-pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     check(bytes)?;
     match rmp_serde::from_slice(bytes) {
         Ok(Object(value)) => Ok(value),
         // Once more, keeping track of where: what a good body need not pay for.
         Err(_) => match serde_path_to_error::deserialize(&mut Deserializer::from_read_ref(bytes)) {
             Ok(Object(value)) => Ok(value),
-            Err(error) => Err(Problem::invalid(pointer(error.path()), error.into_inner())),
+            Err(error) => Err(ApiError::invalid(pointer(error.path()), error.into_inner())),
         },
     }
 }
@@ -36,18 +36,18 @@ pub fn write<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, rmp_serde::enc
 }
 
 /// Refuses bytes that are not one value of those that JSON has.
-fn check(bytes: &[u8]) -> Result<(), Problem> {
+fn check(bytes: &[u8]) -> Result<(), ApiError> {
     let mut deserializer = Deserializer::new(Cursor::new(bytes));
     deserializer.set_max_depth(DEEPEST);
     serde_path_to_error::deserialize::<_, JsonValue>(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         match cause {
-            Error::Syntax(detail) => Problem::malformed(detail).at(place),
-            cause => Problem::malformed(format!("no MessagePack: {cause}")),
+            Error::Syntax(detail) => ApiError::malformed(detail).at(place),
+            cause => ApiError::malformed(format!("no MessagePack: {cause}")),
         }
     })?;
     let rest = bytes.len() as u64 - deserializer.position();
-    if rest == 0 { Ok(()) } else { Err(Problem::malformed(format!("{rest} bytes follow the value"))) }
+    if rest == 0 { Ok(()) } else { Err(ApiError::malformed(format!("{rest} bytes follow the value"))) }
 }
 
 /// Any value that JSON has, forgotten.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_path_to_error::Segment;
 
 use super::accept;
-use super::problem::{Problem, escaped};
+use super::error::{ApiError, escaped};
 
 /// How a body is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Format {
     }
 
     /// Reads an object; what is wrong is named by JSON pointer.
-    pub fn read<T: DeserializeOwned>(self, bytes: &[u8]) -> Result<T, Problem> {
+    pub fn read<T: DeserializeOwned>(self, bytes: &[u8]) -> Result<T, ApiError> {
         match self {
             Self::Json => json::read(bytes),
             Self::MessagePack => message_pack::read(bytes),
@@ -68,14 +68,14 @@ impl Format {
     }
 
     /// Writes a value.
-    pub fn write<T: Serialize + ?Sized>(self, value: &T) -> Result<Vec<u8>, Problem> {
+    pub fn write<T: Serialize + ?Sized>(self, value: &T) -> Result<Vec<u8>, ApiError> {
         let written = match self {
             Self::Json => json::write(value).map_err(|error| error.to_string()),
             Self::MessagePack => message_pack::write(value).map_err(|error| error.to_string()),
         };
         written.map_err(|error| {
             tracing::error!(error, "an answer cannot be written");
-            Problem::internal()
+            ApiError::internal()
         })
     }
 }

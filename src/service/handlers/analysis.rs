@@ -6,7 +6,7 @@ use revprio_api::wire;
 use super::Shared;
 use crate::service::body::{Answer, Body};
 use crate::service::convert;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Tells how stable a contact is.
 ///
@@ -23,7 +23,7 @@ use crate::service::problem::Problem;
 pub async fn stability(
     State(app): Shared,
     Body(request): Body<wire::StabilityRequest>,
-) -> Result<Answer<wire::StabilityAnswer>, Problem> {
+) -> Result<Answer<wire::StabilityAnswer>, ApiError> {
     let contact = convert::contact_loop(&request)?;
     let margin = app.margins.run("stability margins", move |_| convert::margin(&contact)).await??;
     Ok(Answer(convert::margin_answer(&margin)))
@@ -42,6 +42,6 @@ pub async fn stability(
 pub async fn kinematics(
     State(app): Shared,
     Body(request): Body<wire::KinematicsRequest>,
-) -> Result<Answer<wire::KinematicsAnswer>, Problem> {
+) -> Result<Answer<wire::KinematicsAnswer>, ApiError> {
     convert::kinematics(&request, &app.robots).map(Answer)
 }

@@ -1,6 +1,6 @@
 //! Control periods, with the memory in the request or in a session.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
@@ -12,11 +12,12 @@ use revprio_api::wire;
 use super::Shared;
 use crate::service::body::{Answer, Body, Unread};
 use crate::service::drain::Draining;
+use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
-use crate::service::problem::Problem;
-use crate::service::recent::{StepCall, Stepper};
+use crate::service::recent::StepCall;
 use crate::service::segment::Segment;
 use crate::service::sessions::Answered;
+use crate::service::step::{open_session, stateless_step};
 use crate::service::{convert, stream};
 
 /// Between two periods that are shown to a watcher: 30 a second, as often as an eye needs.
@@ -39,18 +40,11 @@ const WATCH_PAUSE: Duration = Duration::from_millis(33);
         (status = 409, description = "The sequence number does not grow: `sequence`.")
     )
 )]
-pub async fn step(State(app): Shared, body: Unread) -> Result<Answer<wire::StepAnswer>, Problem> {
-    let StepCall { mut stepper, state, memory } = app.recent.read(&body, &app.robots)?;
-    let start = Instant::now();
-    let Stepper { controller, workspace, .. } = &mut *stepper;
-    let measurement = convert::measurement(&state, controller).map_err(|p| p.inside("/state"))?;
-    let mut memory = convert::memory(memory.as_ref(), state.sequence, controller)?;
-    let command = controller.step_in(workspace, &mut memory, &measurement);
-    let command = command.map_err(|e| convert::step_problem(&e, "/state"))?;
-    let mut answer = convert::step_answer(controller, state.sequence, command, start);
+pub async fn step(State(app): Shared, body: Unread) -> Result<Answer<wire::StepAnswer>, ApiError> {
+    let StepCall { mut kept, state, memory } = app.recent.read(&body, &app.robots)?;
+    let answer = stateless_step(&mut kept.stepper, &state, memory.as_ref())?;
     app.metrics.solved(&answer.solver);
-    answer.memory = memory.map(|memory| convert::memory_answer(controller, state.sequence, &memory));
-    app.recent.keep(stepper);
+    app.recent.keep(kept);
     Ok(Answer(answer))
 }
 
@@ -87,13 +81,9 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
 pub async fn create_controller(
     State(app): Shared,
     Body(request): Body<wire::Controller>,
-) -> Result<impl IntoResponse, Problem> {
-    let controller = convert::controller(&request, &app.robots)?;
-    let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let warnings = convert::warnings(&request)?;
-    let id = app.sessions.create(request, controller)?.to_string();
-    let location = [(header::LOCATION, format!("/v1/controllers/{id}"))];
-    let created = wire::CreatedController { id, joints, idle_timeout_s: app.config.session_idle.as_secs(), warnings };
+) -> Result<impl IntoResponse, ApiError> {
+    let created = open_session(request, &app.robots, &app.sessions)?;
+    let location = [(header::LOCATION, format!("/v1/controllers/{}", created.id))];
     Ok((StatusCode::CREATED, location, Answer(created)))
 }
 
@@ -114,7 +104,7 @@ pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
     Body(state): Body<wire::State>,
-) -> Result<Answer<Answered>, Problem> {
+) -> Result<Answer<Answered>, ApiError> {
     app.sessions.step(&id, state).map(Answer)
 }
 
@@ -135,9 +125,9 @@ pub async fn stream_controller(
     Segment(id): Segment,
     draining: Draining,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
-) -> Result<Response, Problem> {
+) -> Result<Response, ApiError> {
     app.sessions.with(&id, |_, _| Ok(()))?;
-    let upgrade = upgrade.map_err(|_| Problem::upgrade_required())?;
+    let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
     Ok(stream::accept(upgrade, app, id, draining))
 }
 
@@ -161,8 +151,8 @@ pub async fn watch_controller(
     State(app): Shared,
     Segment(id): Segment,
     draining: Draining,
-) -> Result<impl IntoResponse, Problem> {
-    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller.clone())))?;
+) -> Result<impl IntoResponse, ApiError> {
+    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller())))?;
     Ok(latest(steps, draining, WATCH_PAUSE, move |step| match step {
         Some(step) => Shown::Event("step", convert::watched_step(&controller, step)),
         None => Shown::Nothing,
@@ -178,7 +168,10 @@ pub async fn watch_controller(
     tag = "control",
     responses((status = 200, body = wire::SessionStatus, description = "The session."))
 )]
-pub async fn show_controller(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::SessionStatus>, Problem> {
+pub async fn show_controller(
+    State(app): Shared,
+    Segment(id): Segment,
+) -> Result<Answer<wire::SessionStatus>, ApiError> {
     app.sessions.with(&id, |id, session| Ok(session.status(id))).map(Answer)
 }
 
@@ -191,6 +184,6 @@ pub async fn show_controller(State(app): Shared, Segment(id): Segment) -> Result
     tag = "control",
     responses((status = 204, description = "The session has ended."))
 )]
-pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, ApiError> {
     app.sessions.delete(&id).map(|()| StatusCode::NO_CONTENT)
 }

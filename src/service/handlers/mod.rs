@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 
-use super::app::App;
+use super::app::AppState;
 
 /// What every handler can reach.
-type Shared = State<Arc<App>>;
+type Shared = State<Arc<AppState>>;

@@ -5,7 +5,7 @@ use axum::http::header;
 use axum::response::IntoResponse;
 
 use super::Shared;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// Says that the service lives.
 ///
@@ -29,8 +29,8 @@ pub async fn alive() -> &'static str {
     tag = "operation",
     responses((status = 200, body = String, content_type = "text/plain", description = "`ready`."))
 )]
-pub async fn ready(State(app): Shared) -> Result<&'static str, Problem> {
-    if app.drain.is_announced() { Err(Problem::draining()) } else { Ok("ready") }
+pub async fn ready(State(app): Shared) -> Result<&'static str, ApiError> {
+    if app.drain.is_announced() { Err(ApiError::draining()) } else { Ok("ready") }
 }
 
 /// Shows the metrics.

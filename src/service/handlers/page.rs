@@ -4,7 +4,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::dashboard;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::segment::Segment;
 
 /// Allows only files of the service itself. Pictures that the page makes of itself are `blob:`.
@@ -12,19 +12,19 @@ const ONLY_SELF: &str = "default-src 'none'; script-src 'self'; style-src 'self'
                          connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// `GET /`
-pub async fn home(headers: HeaderMap) -> Result<Response, Problem> {
+pub async fn home(headers: HeaderMap) -> Result<Response, ApiError> {
     answer("index.html", &headers)
 }
 
 /// `GET /dashboard/{file}`
-pub async fn file(Segment(name): Segment, headers: HeaderMap) -> Result<Response, Problem> {
+pub async fn file(Segment(name): Segment, headers: HeaderMap) -> Result<Response, ApiError> {
     answer(&name, &headers)
 }
 
-fn answer(name: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
     let file = dashboard::file(name);
-    let (media_type, text) = file.ok_or_else(|| Problem::not_found("there is no such page; the dashboard is at /"))?;
-    let version = HeaderValue::from_str(&dashboard::VERSION).map_err(|_| Problem::internal())?;
+    let (media_type, text) = file.ok_or_else(|| ApiError::not_found("there is no such page; the dashboard is at /"))?;
+    let version = HeaderValue::from_str(&dashboard::VERSION).map_err(|_| ApiError::internal())?;
     let is_known = headers.get(header::IF_NONE_MATCH) == Some(&version);
     let head: [(HeaderName, HeaderValue); 5] = [
         (header::CONTENT_TYPE, HeaderValue::from_static(media_type)),

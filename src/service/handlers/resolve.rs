@@ -5,7 +5,7 @@ use revprio_api::wire;
 
 use super::Shared;
 use crate::service::body::{Answer, Body, LargeAnswer, LargeBody};
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::resolve;
 
 /// Resolves one problem.
@@ -23,7 +23,7 @@ use crate::service::resolve;
 pub async fn resolve(
     State(app): Shared,
     Body(request): Body<wire::ResolveRequest>,
-) -> Result<Answer<wire::ResolveAnswer>, Problem> {
+) -> Result<Answer<wire::ResolveAnswer>, ApiError> {
     resolve::one(&request, &app).map(Answer)
 }
 
@@ -46,6 +46,6 @@ pub async fn resolve(
 pub async fn resolve_batch(
     State(app): Shared,
     body: LargeBody<wire::BatchRequest>,
-) -> Result<LargeAnswer<wire::BatchAnswer>, Problem> {
+) -> Result<LargeAnswer<wire::BatchAnswer>, ApiError> {
     resolve::batch(body, &app).await.map(LargeAnswer)
 }

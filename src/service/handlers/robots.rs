@@ -10,7 +10,7 @@ use revprio_api::wire;
 use super::Shared;
 use crate::service::body::{Answer, Body};
 use crate::service::convert;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::segment::Segment;
 
 /// Lists the robots.
@@ -35,7 +35,7 @@ pub async fn robots(State(app): Shared) -> Answer<wire::RobotList> {
     tag = "robots",
     responses((status = 200, body = wire::Robot, description = "The robot."))
 )]
-pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<wire::Robot>, Problem> {
+pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<wire::Robot>, ApiError> {
     let robot = app.robots.get(&name).map_err(|error| convert::robots_problem(&error))?;
     Ok(Answer(convert::robot_answer(&robot)))
 }
@@ -61,7 +61,7 @@ pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<
 pub async fn register_robot(
     State(app): Shared,
     Body(request): Body<wire::RobotRegistration>,
-) -> Result<impl IntoResponse, Problem> {
+) -> Result<impl IntoResponse, ApiError> {
     let robot = Arc::new(convert::robot(&request)?);
     let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
     let answer = convert::robot_answer(&robot);
@@ -82,7 +82,7 @@ pub async fn register_robot(
         (status = 403, description = "The robot belongs to the service: `permanent`.")
     )
 )]
-pub async fn delete_robot(State(app): Shared, Segment(name): Segment) -> Result<StatusCode, Problem> {
+pub async fn delete_robot(State(app): Shared, Segment(name): Segment) -> Result<StatusCode, ApiError> {
     app.robots.remove(&name).map_err(|error| convert::robots_problem(&error))?;
     Ok(StatusCode::NO_CONTENT)
 }

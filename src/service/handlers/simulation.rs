@@ -12,10 +12,10 @@ use revprio_lab::simulator::{Scenario, ScenarioList, SimulationRequest};
 use super::Shared;
 use crate::service::body::{Answer, Body, LargeAnswer};
 use crate::service::drain::Draining;
+use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
-use crate::service::problem::Problem;
 use crate::service::segment::Segment;
-use crate::service::simulations::Desk;
+use crate::service::simulations::RunControl;
 use crate::service::{convert, simulations};
 
 /// Between two events of a simulation's progress.
@@ -33,8 +33,8 @@ const LIVE_PAUSE: Duration = Duration::from_millis(50);
     tag = "simulation",
     responses((status = 200, body = ScenarioList, description = "All scenarios."))
 )]
-pub async fn scenarios() -> Result<LargeAnswer<ScenarioList>, Problem> {
-    ScenarioList::built_in().map(LargeAnswer).map_err(|_| Problem::internal())
+pub async fn scenarios() -> Result<LargeAnswer<ScenarioList>, ApiError> {
+    ScenarioList::built_in().map(LargeAnswer).map_err(|_| ApiError::internal())
 }
 
 /// Shows a scenario.
@@ -46,10 +46,10 @@ pub async fn scenarios() -> Result<LargeAnswer<ScenarioList>, Problem> {
     tag = "simulation",
     responses((status = 200, body = Scenario, description = "The scenario."))
 )]
-pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, Problem> {
+pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, ApiError> {
     match Scenario::built_in(&name) {
-        Some(scenario) => scenario.map(Answer).map_err(|_| Problem::internal()),
-        None => Err(Problem::not_found(format!("there is no scenario `{name}`; known: {}", Scenario::names()))),
+        Some(scenario) => scenario.map(Answer).map_err(|_| ApiError::internal()),
+        None => Err(ApiError::not_found(format!("there is no scenario `{name}`; known: {}", Scenario::names()))),
     }
 }
 
@@ -73,16 +73,16 @@ pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, Proble
 pub async fn create_simulation(
     State(app): Shared,
     Body(request): Body<SimulationRequest>,
-) -> Result<impl IntoResponse, Problem> {
+) -> Result<impl IntoResponse, ApiError> {
     let interactive = request.interactive;
     convert::interactive(interactive.as_ref())?;
     let (scenario, robot) = convert::scenario(request, &app.robots)?;
-    let desk = interactive.map(|pace| {
+    let run_control = interactive.map(|pace| {
         let request = scenario.controller.clone();
         let controller = convert::controller(&request, &app.robots)?;
-        Desk::new(pace, request, controller, &scenario.start_joint_position)
+        RunControl::new(pace, request, controller, &scenario.start_joint_position)
     });
-    let status = app.simulations.create(scenario, robot, desk.transpose()?)?.status();
+    let status = app.simulations.create(scenario, robot, run_control.transpose()?)?.status();
     let location = [(header::LOCATION, format!("/v1/simulations/{}", status.id))];
     Ok((StatusCode::ACCEPTED, location, Answer(status)))
 }
@@ -96,7 +96,7 @@ pub async fn create_simulation(
     tag = "simulation",
     responses((status = 200, body = wire::Simulation, description = "The run."))
 )]
-pub async fn show_simulation(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::Simulation>, Problem> {
+pub async fn show_simulation(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::Simulation>, ApiError> {
     app.simulations.get(&id).map(|job| Answer(job.status()))
 }
 
@@ -115,7 +115,7 @@ pub async fn simulation_events(
     State(app): Shared,
     Segment(id): Segment,
     draining: Draining,
-) -> Result<impl IntoResponse, Problem> {
+) -> Result<impl IntoResponse, ApiError> {
     let job = app.simulations.get(&id)?;
     let progress = job.watch();
     Ok(latest(progress, draining, PROGRESS_PAUSE, move |progress| {
@@ -142,9 +142,9 @@ pub async fn control_simulation(
     State(app): Shared,
     Segment(id): Segment,
     Body(order): Body<wire::SimulationControl>,
-) -> Result<Answer<wire::Simulation>, Problem> {
+) -> Result<Answer<wire::Simulation>, ApiError> {
     let job = app.simulations.get(&id)?;
-    simulations::open_desk(&job)?.order(&order, &app.robots)?;
+    simulations::live_run_control(&job)?.order(&order, &app.robots)?;
     Ok(Answer(job.status()))
 }
 
@@ -165,14 +165,14 @@ pub async fn simulation_live(
     State(app): Shared,
     Segment(id): Segment,
     draining: Draining,
-) -> Result<impl IntoResponse, Problem> {
+) -> Result<impl IntoResponse, ApiError> {
     let job = app.simulations.get(&id)?;
-    let desk = Arc::clone(simulations::open_desk(&job)?);
-    let pictures = desk.watch();
+    let run_control = Arc::clone(simulations::live_run_control(&job)?);
+    let pictures = run_control.watch();
     let mut seen = 0;
     Ok(latest(pictures, draining, LIVE_PAUSE, move |picture| {
         let has_ended = job.has_ended();
-        let frame = desk.frame(picture, job.status(), &mut seen);
+        let frame = run_control.frame(picture, job.status(), &mut seen);
         if has_ended { Shown::Last("end", frame) } else { Shown::Event("frame", frame) }
     }))
 }
@@ -190,8 +190,8 @@ pub async fn simulation_live(
         (status = 409, description = "The run is not interactive, or has not begun: `not-live`.")
     )
 )]
-pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, Problem> {
-    simulations::desk(&*app.simulations.get(&id)?)?.cycle().map(Answer)
+pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, ApiError> {
+    simulations::run_control(&*app.simulations.get(&id)?)?.cycle().map(Answer)
 }
 
 /// Gets the trace of a simulation.
@@ -222,7 +222,7 @@ pub async fn simulation_trace(
     State(app): Shared,
     Segment(id): Segment,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, ApiError> {
     simulations::trace(&app.simulations.get(&id)?.recording()?, &headers)
 }
 
@@ -235,6 +235,6 @@ pub async fn simulation_trace(
     tag = "simulation",
     responses((status = 204, description = "The run is cancelled or forgotten."))
 )]
-pub async fn delete_simulation(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn delete_simulation(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, ApiError> {
     app.simulations.delete(&id).map(|()| StatusCode::NO_CONTENT)
 }

@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use revprio_api::client::Client;
 use revprio_api::wire::{Simulation, SimulationMetrics, SimulationState};
 use revprio_lab::report::metrics::Metrics;
 use revprio_lab::simulator::recording::Recording;
@@ -13,13 +12,12 @@ use revprio_robot::RobotModel;
 use tokio::sync::{Semaphore, watch};
 use uuid::Uuid;
 
-use super::desk::Desk;
-use crate::service::app::{App, router};
+use super::run_control::RunControl;
 use crate::service::background::{Abandoned, background};
 use crate::service::convert;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
+use crate::service::in_process::InProcess;
 use crate::service::robots::Robots;
-use crate::service::server::RunningServer;
 
 /// Steps in which watchers see the run go on.
 const VISIBLE_STEPS: u64 = 500;
@@ -29,7 +27,7 @@ pub struct Job {
     id: String,
     scenario: Scenario,
     progress: watch::Sender<Progress>,
-    desk: Option<Arc<Desk>>,
+    run_control: Option<Arc<RunControl>>,
 }
 
 /// How far a run is.
@@ -62,10 +60,15 @@ impl Progress {
 }
 
 impl Job {
-    /// A run that waits for its turn; one with a desk is interactive.
-    pub fn new(scenario: Scenario, desk: Option<Desk>) -> Self {
+    /// A run that waits for its turn; one with a run_control is interactive.
+    pub fn new(scenario: Scenario, run_control: Option<RunControl>) -> Self {
         let waiting = Progress { state: SimulationState::Queued, done: 0, error: None, result: None, ended: None };
-        Self { id: Uuid::new_v4().to_string(), scenario, progress: watch::channel(waiting).0, desk: desk.map(Arc::new) }
+        Self {
+            id: Uuid::new_v4().to_string(),
+            scenario,
+            progress: watch::channel(waiting).0,
+            run_control: run_control.map(Arc::new),
+        }
     }
 
     /// Name of the run.
@@ -89,8 +92,8 @@ impl Job {
     }
 
     /// Where it takes orders, if it is interactive.
-    pub fn desk(&self) -> Option<&Arc<Desk>> {
-        self.desk.as_ref()
+    pub fn run_control(&self) -> Option<&Arc<RunControl>> {
+        self.run_control.as_ref()
     }
 
     /// Hears of every visible step.
@@ -106,13 +109,13 @@ impl Job {
     /// What `GET` shows at that point of the run.
     pub fn status_at(&self, progress: &Progress) -> Simulation {
         let stated = (self.scenario.controller.method, self.scenario.controller.solver);
-        let (method, solver) = self.desk.as_ref().map_or(stated, |desk| desk.method_and_solver());
+        let (method, solver) = self.run_control.as_ref().map_or(stated, |run_control| run_control.method_and_solver());
         Simulation {
             id: self.id.clone(),
             scenario: self.scenario.name.clone(),
             method,
             solver,
-            interactive: self.desk.as_ref().map(|desk| desk.pace()),
+            interactive: self.run_control.as_ref().map(|run_control| run_control.pace()),
             periods: self.periods(),
             state: progress.state,
             progress: progress.done as f64 / self.periods() as f64,
@@ -122,7 +125,7 @@ impl Job {
     }
 
     /// The trace of a finished run.
-    pub fn recording(&self) -> Result<Arc<Recording>, Problem> {
+    pub fn recording(&self) -> Result<Arc<Recording>, ApiError> {
         let progress = self.progress.borrow();
         let finished = progress.result.as_ref().map(|result| Arc::clone(&result.recording));
         finished.ok_or_else(|| {
@@ -131,7 +134,7 @@ impl Job {
                 SimulationState::Failed => "failed",
                 SimulationState::Cancelled | SimulationState::Finished => "was cancelled",
             };
-            Problem::no_trace(format!("the simulation {what}; only a finished one has a trace"))
+            ApiError::no_trace(format!("the simulation {what}; only a finished one has a trace"))
         })
     }
 
@@ -149,8 +152,8 @@ impl Job {
             }
             goes_on
         });
-        if let Some(desk) = &self.desk {
-            desk.wake();
+        if let Some(run_control) = &self.run_control {
+            run_control.wake();
         }
         changed
     }
@@ -159,8 +162,8 @@ impl Job {
     pub async fn run(self: Arc<Self>, robot: Arc<RobotModel>, turns: Arc<Semaphore>) {
         let mut progress = self.watch();
         let _turn = tokio::select! {
-            turn = turns.acquire(), if self.desk.is_none() => Some(turn),
-            () = std::future::ready(()), if self.desk.is_some() => None,
+            turn = turns.acquire(), if self.run_control.is_none() => Some(turn),
+            () = std::future::ready(()), if self.run_control.is_some() => None,
             _ = progress.wait_for(Progress::has_ended) => return,
         };
         let job = Arc::clone(&self);
@@ -180,14 +183,15 @@ impl Job {
             return Ok(());
         }
         let robots = Robots::none().with(Arc::clone(robot)).map_err(|error| error.to_string())?;
-        let server = RunningServer::start(router(App::new(robots))).map_err(|error| error.to_string())?;
+        let service = InProcess::new(robots);
         let step = |done| {
             if !abandoned.is_set() && self.advance(done) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        let client = Client::new(&server.url());
-        let recording = match &self.desk {
-            None => run_robot(robot, &self.scenario, &client, CallMode::Session, step),
-            Some(desk) => run_operated(robot, &self.scenario, &client, &mut desk.operator(self, abandoned)),
+        let recording = match &self.run_control {
+            None => run_robot(robot, &self.scenario, &service, CallMode::Session, step),
+            Some(run_control) => {
+                run_operated(robot, &self.scenario, &service, &mut run_control.operator(self, abandoned))
+            }
         };
         let recording = recording.map_err(|error| error.to_string())?;
         let metrics = convert::metrics_answer(&Metrics::of(&recording));

@@ -3,9 +3,9 @@
 //! Each run calls a service of its own over HTTP on a free loopback port: what it shows is what any client would get, and
 //! neither its calls nor a flood of clients here disturb the other.
 
-mod desk;
 mod job;
 mod live;
+mod run_control;
 mod trace;
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,11 +13,11 @@ use std::time::Duration;
 
 use tokio::sync::Semaphore;
 
-pub use desk::{Desk, desk, open_desk};
 pub use job::Job;
+pub use run_control::{RunControl, live_run_control, run_control};
 pub use trace::trace;
 
-use super::problem::Problem;
+use super::error::ApiError;
 use revprio_lab::simulator::Scenario;
 use revprio_robot::RobotModel;
 
@@ -56,33 +56,38 @@ impl Default for Simulations {
 }
 
 impl Simulations {
-    /// Takes in a run, which begins when its turn comes; one with a desk at once.
-    pub fn create(&self, scenario: Scenario, robot: Arc<RobotModel>, desk: Option<Desk>) -> Result<Arc<Job>, Problem> {
+    /// Takes in a run, which begins when its turn comes; one with a run_control at once.
+    pub fn create(
+        &self,
+        scenario: Scenario,
+        robot: Arc<RobotModel>,
+        run_control: Option<RunControl>,
+    ) -> Result<Arc<Job>, ApiError> {
         let periods = scenario.cycles();
         if periods > MOST_PERIODS {
             let detail = format!("{periods} control periods; a simulation here has at most {MOST_PERIODS}");
-            return Err(Problem::invalid("/scenario/duration_s", detail));
+            return Err(ApiError::invalid("/scenario/duration_s", detail));
         }
         if periods * scenario.substeps as u64 > MOST_STEPS {
             let detail =
                 format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
-            return Err(Problem::invalid("/scenario/substeps", detail));
+            return Err(ApiError::invalid("/scenario/substeps", detail));
         }
-        let job = Arc::new(Job::new(scenario, desk));
+        let job = Arc::new(Job::new(scenario, run_control));
         self.keep(&job)?;
         tokio::spawn(Arc::clone(&job).run(robot, Arc::clone(&self.turns)));
         Ok(job)
     }
 
     /// Makes room, forgetting the oldest ended runs as far as needed, and takes the run in.
-    fn keep(&self, job: &Arc<Job>) -> Result<(), Problem> {
+    fn keep(&self, job: &Arc<Job>) -> Result<(), ApiError> {
         let mut jobs = self.lock();
         jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEPT_FOR));
-        let interactive = jobs.iter().filter(|job| job.desk().is_some() && !job.has_ended()).count();
-        if job.desk().is_some() && interactive >= MOST_INTERACTIVE {
+        let interactive = jobs.iter().filter(|job| job.run_control().is_some() && !job.has_ended()).count();
+        if job.run_control().is_some() && interactive >= MOST_INTERACTIVE {
             let detail =
                 format!("{MOST_INTERACTIVE} interactive simulations are going on; end one, or try again later");
-            return Err(Problem::busy(detail));
+            return Err(ApiError::busy(detail));
         }
         let is_full = |jobs: &[Arc<Job>]| {
             let periods: u64 = jobs.iter().map(|job| job.periods()).sum();
@@ -90,7 +95,7 @@ impl Simulations {
         };
         while is_full(&jobs) {
             let Some(oldest) = jobs.iter().position(|job| job.ended_for().is_some()) else {
-                return Err(Problem::busy("as many simulations as there is room for are waiting; try again later"));
+                return Err(ApiError::busy("as many simulations as there is room for are waiting; try again later"));
             };
             jobs.remove(oldest);
         }
@@ -99,12 +104,12 @@ impl Simulations {
     }
 
     /// A run by name.
-    pub fn get(&self, id: &str) -> Result<Arc<Job>, Problem> {
+    pub fn get(&self, id: &str) -> Result<Arc<Job>, ApiError> {
         self.lock().iter().find(|job| job.id() == id).cloned().ok_or_else(|| unknown(id))
     }
 
     /// Cancels a run that has not ended, forgets one that has.
-    pub fn delete(&self, id: &str) -> Result<(), Problem> {
+    pub fn delete(&self, id: &str) -> Result<(), ApiError> {
         let job = self.get(id)?;
         if !job.cancel() {
             self.lock().retain(|other| !Arc::ptr_eq(other, &job));
@@ -117,8 +122,8 @@ impl Simulations {
     }
 }
 
-fn unknown(id: &str) -> Problem {
-    Problem::not_found(format!(
+fn unknown(id: &str) -> ApiError {
+    ApiError::not_found(format!(
         "there is no simulation `{id}`; it may be forgotten; start one with POST /v1/simulations"
     ))
 }

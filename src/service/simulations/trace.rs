@@ -14,7 +14,7 @@ use revprio_lab::simulator::recording::{Format, Recording, WriteError, Writer, w
 
 use crate::service::accept;
 use crate::service::background::background;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 
 /// How a trace can be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,14 +38,14 @@ pub const TRACE_FORMATS: [(&str, TraceFormat); 5] = [
 ///
 /// The pieces are written in other threads and only when the client wants them. A recording that is forgotten while a
 /// client reads breaks the connection off: a slow reader must not keep what makes room for others.
-pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response, Problem> {
+pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response, ApiError> {
     let offered = || TRACE_FORMATS.map(|(media_type, _)| format!("`{media_type}`")).join(", ");
-    let format = accept::preferred(headers, &TRACE_FORMATS).ok_or_else(|| Problem::not_acceptable(&offered()))?;
+    let format = accept::preferred(headers, &TRACE_FORMATS).ok_or_else(|| ApiError::not_acceptable(&offered()))?;
     let media_type = TRACE_FORMATS.iter().find(|(_, known)| *known == format).map_or("", |(media_type, _)| media_type);
     let gzip = accept::gzip(headers);
     let pieces = Pieces::new(recording, format, gzip).map_err(|error| {
         tracing::error!(%error, "a trace cannot be begun");
-        Problem::internal()
+        ApiError::internal()
     })?;
     let pieces = stream::unfold(Some(pieces), |pieces| async {
         let pieces = pieces?;

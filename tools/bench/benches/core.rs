@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use divan::{Bencher, black_box};
-use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::{
+    Controller, ControllerConfig, Limits, Measurement, Stepper, TaskConfig, TaskRows, ToolRows,
+};
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::linalg::{Decomposition, TaskMatrix, TaskVector, Vector};
@@ -160,11 +162,11 @@ fn controller_step(bencher: Bencher, solver: Solver) {
     let limits = Limits::Fixed(VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap());
     let controller =
         Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
-    let (mut workspace, mut memory) = (controller.workspace().unwrap(), None);
+    let (mut stepper, mut memory) = (Stepper::new(controller).unwrap(), None);
     let joint_position = POSTURE.to_vec();
     let mut measured = Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6] };
     bencher.bench_local(|| {
-        let command = controller.step_in(&mut workspace, &mut memory, &measured).unwrap();
+        let command = stepper.step(&mut memory, &measured).unwrap();
         let speeds = command.resolution.joint_velocity.iter();
         measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += 1e-3 * speed);
         measured.time_s += 1e-3;

@@ -86,7 +86,7 @@ enum BenchError {
     Serve(#[from] revprio::service::ServeError),
     /// The service refused a request.
     #[error(transparent)]
-    Client(#[from] revprio_api::client::ClientError),
+    Client(#[from] revprio_api::ClientError),
     /// A simulation ended early.
     #[error(transparent)]
     Simulation(#[from] revprio_lab::simulator::RunError),

@@ -1,10 +1,11 @@
 //! The controller: one call per control period, measurement in, command out.
 //!
-//! A [`ControllerConfig`] is checked once, by [`Controller::new`]; a [`Measurement`] each time. What is remembered from
-//! one period to the next is a [`Memory`] that the caller keeps: the controller itself never changes.
+//! [`Controller::new`] checks a [`ControllerConfig`] once. A [`Stepper`] owns a controller and the memory that it computes
+//! in; [`Stepper::step`] checks each [`Measurement`]. The caller keeps the [`Memory`] that passes from one period to the
+//! next.
 //!
 //! ```
-//! use revprio_core::controller::{Controller, ControllerConfig, Measurement, TaskConfig, TaskRows, ToolRows};
+//! use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};
 //! use revprio_robot::kinematics::{Axis, AxisSelection};
 //! use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 //! use revprio_robot::built_in;
@@ -15,6 +16,7 @@
 //! let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
 //! let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
 //! let controller = Controller::new(ControllerConfig::new(built_in()[0].clone(), 0.001, vec![push]))?;
+//! let mut stepper = Stepper::new(controller)?;
 //!
 //! let measured = Measurement {
 //!     time_s: 0.0,
@@ -23,7 +25,7 @@
 //!     wrench: [0.0; 6],
 //! };
 //! let mut memory = None;
-//! let command = controller.step(&mut memory, &measured)?;
+//! let command = stepper.step(&mut memory, &measured)?;
 //! // At rest and untouched: ẋ = T F_d / M_d after one period.
 //! assert!((command.resolution.tasks[0].achieved[0] - 0.001 * 30.0 / 15.0).abs() < 1e-12);
 //! assert!(memory.is_some());
@@ -37,6 +39,7 @@ mod memory;
 mod null_space;
 mod stability;
 mod step;
+mod stepper;
 mod task;
 mod tool_rows;
 mod workspace;
@@ -47,6 +50,6 @@ pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};
 pub use stability::{ContactLoop, LONGEST_DELAY, Margin};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
+pub use stepper::Stepper;
 pub use task::{TaskConfig, TaskConfigError, TaskRows};
 pub use tool_rows::{TargetPose, ToolRows};
-pub use workspace::Workspace;

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::task::Sensed;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, Workspace, WrenchFrame};
+use super::workspace::Workspace;
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, WrenchFrame};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::task::TaskError;
@@ -73,7 +74,7 @@ pub enum StepError {
     Problem(#[from] ProblemError),
 }
 
-/// A checked configuration, ready to step.
+/// A checked configuration. A [`Stepper`](super::Stepper) steps it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     config: ControllerConfig,
@@ -91,24 +92,10 @@ impl Controller {
         &self.config
     }
 
-    /// What [`Self::step_in`] works with.
-    pub fn workspace(&self) -> Result<Workspace, StepError> {
-        Workspace::new(&self.config)
-    }
-
-    /// Turns a measurement into a command; `memory` is the last step's, `None` at the first, and becomes this step's.
+    /// Solves one control period in a workspace of this controller.
     ///
     /// On an error the memory stays as it was.
-    pub fn step(&self, memory: &mut Option<Memory>, measurement: &Measurement) -> Result<Command, StepError> {
-        let mut workspace = self.workspace()?;
-        self.step_in(&mut workspace, memory, measurement)?;
-        Ok(workspace.command)
-    }
-
-    /// The same step, to the last bit, in a workspace of this controller that is used again and again: after the first
-    /// few periods nothing is allocated, but by Clarabel where it is asked, for tasks that limits scale, for the names of
-    /// active inequalities, and for vectors of more than 12 entries (joints, rows of all tasks together, limits).
-    pub fn step_in<'a>(
+    pub(super) fn step<'a>(
         &self,
         workspace: &'a mut Workspace,
         memory: &mut Option<Memory>,

@@ -1,4 +1,4 @@
-//! What a controller works with from period to period.
+//! The memory in which a control period is computed.
 
 use revprio_robot::kinematics::Configuration;
 
@@ -9,8 +9,9 @@ use crate::linalg::{Matrix, Vector};
 use crate::resolution::{Problem, Resolver};
 use crate::task::{Task, TaskStack};
 
-/// Memory for the periods of one controller: allocated once, overwritten by each. No answer depends on what is in it.
-pub struct Workspace {
+/// The values of one control period. They are allocated once and overwritten in each period; no answer depends on what
+/// they held before.
+pub(super) struct Workspace {
     pub(super) configuration: Configuration,
     pub(super) limited: LimitedBox,
     pub(super) problem: Problem,
@@ -21,7 +22,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For controllers of this configuration, which was checked.
+    /// Allocates for a checked configuration.
     pub(super) fn new(config: &ControllerConfig) -> Result<Self, StepError> {
         let n = config.robot.joint_count();
         let rest = vec![0.0; n];

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows, ToolRows,
-    WrenchConvention, WrenchFrame,
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, StepError, Stepper, TaskConfig, TaskRows,
+    ToolRows, WrenchConvention, WrenchFrame,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
@@ -100,6 +100,15 @@ pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConf
     }
 }
 
+/// One step with a stepper of its own.
+pub fn step(
+    controller: &Controller,
+    memory: &mut Option<Memory>,
+    measurement: &Measurement,
+) -> Result<Command, StepError> {
+    Stepper::new(controller.clone())?.step(memory, measurement).cloned()
+}
+
 pub fn controller(config: ControllerConfig) -> Controller {
     Controller::new(config).unwrap()
 }
@@ -129,7 +138,7 @@ impl Loop {
     pub fn step(&mut self, controller: &Controller, wrench: [f64; 6]) -> Command {
         let period = controller.config().period_s;
         let measurement = self.measurement(period, wrench);
-        let command = controller.step(&mut self.memory, &measurement).unwrap();
+        let command = step(controller, &mut self.memory, &measurement).unwrap();
         self.follow(&command, period);
         command
     }

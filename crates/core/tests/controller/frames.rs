@@ -12,7 +12,7 @@ use revprio_robot::kinematics::{Axis, Frame, TaskFrame};
 
 use super::arms::{
     Loop, NOMINAL, PERIOD, Random, config, constant, controller, force, hybrid, impedance, measurement, position,
-    sawyer, task, tool_rows,
+    sawyer, step, task, tool_rows,
 };
 
 fn stated() -> IsometryMatrix3<f64> {
@@ -109,7 +109,7 @@ fn first_command(controller: &Controller) -> Command {
         wrench: [5.0, -2.0, 1.0, 0.1, 0.3, -0.2],
         ..measurement(&NOMINAL)
     };
-    controller.step(&mut None, &measured).unwrap()
+    step(controller, &mut None, &measured).unwrap()
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn the_integrator_along_the_axes_of_the_tool_turns_with_them() {
     // The last joint turns the tool about its own z, and the arm stands still: nothing damps.
     arm.q[6] += std::f64::consts::FRAC_PI_2;
     let standing = Measurement { joint_velocity: Some(vec![0.0; 7]), ..arm.measurement(PERIOD, [0.0; 6]) };
-    let command = controller.step(&mut arm.memory, &standing).unwrap();
+    let command = step(&controller, &mut arm.memory, &standing).unwrap();
     assert!((command.targets[0].velocity[0] - integrator - PERIOD * 30.0 / 15.0).abs() < 1e-15);
     let tool_x = arm.configuration(&sawyer()).tool_pose().rotation * Vector3::x();
     let [x, y, z, ..] = arm.twist(&sawyer());

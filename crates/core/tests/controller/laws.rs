@@ -8,7 +8,7 @@ use revprio_robot::kinematics::{Axis, Configuration};
 
 use super::arms::{
     Loop, NOMINAL, PERIOD, Random, config, controller, force, gains, gantry, hybrid, impedance, measurement, sawyer,
-    task, tool_rows,
+    step, task, tool_rows,
 };
 
 #[test]
@@ -106,7 +106,7 @@ fn velocities_over_time(law: Law) -> Vec<Vec<f64>> {
         let mut measured = measurement(&NOMINAL.map(|q| q + 0.1 * random.signed()));
         measured.joint_velocity = Some((0..7).map(|_| random.signed()).collect());
         measured.wrench = [0.0; 6].map(|_: f64| 20.0 * random.signed());
-        let command = controller.step(&mut memory, &measured).unwrap();
+        let command = step(&controller, &mut memory, &measured).unwrap();
         velocities.push(command.targets[0].velocity.as_slice().to_vec());
     }
     velocities
@@ -156,7 +156,7 @@ fn the_first_period_continues_the_measured_motion() {
     let mut memory = None;
     let measured =
         revprio_core::controller::Measurement { joint_velocity: Some(moving.to_vec()), ..measurement(&NOMINAL) };
-    let command = controller.step(&mut memory, &measured).unwrap();
+    let command = step(&controller, &mut memory, &measured).unwrap();
     let twist = Loop::at_rest(&NOMINAL).configuration(&robot).twist(&moving);
     let gains = gains(&Axis::ALL, 0.0);
     for (row, speed) in twist.into_iter().enumerate() {
@@ -175,7 +175,7 @@ fn a_velocity_left_out_is_the_last_command_and_a_measured_one_counts() {
         let last = told.memory.as_ref().map_or(vec![0.0; 7], |memory| memory.last_command.as_slice().to_vec());
         let measured =
             revprio_core::controller::Measurement { joint_velocity: Some(last), ..told.measurement(PERIOD, [0.0; 6]) };
-        let command = controller.step(&mut told.memory, &measured).unwrap();
+        let command = step(&controller, &mut told.memory, &measured).unwrap();
         told.follow(&command, PERIOD);
         assert_eq!(command, silent.step(&controller, [0.0; 6]));
     }
@@ -185,6 +185,6 @@ fn a_velocity_left_out_is_the_last_command_and_a_measured_one_counts() {
         joint_velocity: Some(vec![0.0; 7]),
         ..silent.measurement(PERIOD, [0.0; 6])
     };
-    let command = controller.step(&mut silent.memory, &standing).unwrap();
+    let command = step(&controller, &mut silent.memory, &standing).unwrap();
     assert!((command.targets[0].velocity[0] - (integrator[0] + PERIOD * 30.0 / 15.0)).abs() < 1e-15);
 }

@@ -11,7 +11,9 @@ use revprio_core::resolution::{Method, Path, Status};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel};
 
-use super::arms::{Loop, NOMINAL, PERIOD, Random, config, controller, force, impedance, measurement, sawyer, task};
+use super::arms::{
+    Loop, NOMINAL, PERIOD, Random, config, controller, force, impedance, measurement, sawyer, step, task,
+};
 
 const ALL_LIMITS: Limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
 
@@ -254,7 +256,7 @@ fn the_measured_velocity_of_the_first_period_counts_against_the_acceleration_lim
     let controller = controller(ControllerConfig { limits: ALL_LIMITS, ..config(&robot, tasks) });
     let moving = [0.1, -0.2, 0.05, 0.3, -0.1, 0.2, 0.4];
     let measured = Measurement { joint_velocity: Some(moving.to_vec()), ..measurement(&NOMINAL) };
-    let command = controller.step(&mut None, &measured).unwrap();
+    let command = step(&controller, &mut None, &measured).unwrap();
     assert!(!command.resolution.active_limits.is_empty());
     for (i, joint) in robot.joints().iter().enumerate() {
         let change = (command.resolution.joint_velocity[i] - moving[i]).abs();

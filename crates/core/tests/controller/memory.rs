@@ -1,12 +1,14 @@
 //! What a controller remembers: complete, reproducible, and nobody else's.
 
-use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError, Stepper};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::Solver;
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::Axis;
 
-use super::arms::{Loop, NOMINAL, Random, config, controller, force, gantry, impedance, measurement, sawyer, task};
+use super::arms::{
+    Loop, NOMINAL, Random, config, controller, force, gantry, impedance, measurement, sawyer, step, task,
+};
 
 fn limited_controller() -> Controller {
     let rest = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
@@ -36,13 +38,14 @@ fn the_same_input_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_workspace_that_is_used_again_gives_the_bytes_of_a_new_one() {
+fn a_stepper_used_again_gives_the_bytes_of_a_new_one() {
     for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
         let own = controller(ControllerConfig { solver, ..limited_controller().config().clone() });
-        let (mut arm, mut memory, mut workspace) = (Loop::at_rest(&NOMINAL), None, own.workspace().unwrap());
+        let (mut arm, mut memory) = (Loop::at_rest(&NOMINAL), None);
+        let mut stepper = Stepper::new(own.clone()).unwrap();
         for push in pushes().into_iter().take(300) {
             let measured = arm.measurement(own.config().period_s, push);
-            let again = bytes(own.step_in(&mut workspace, &mut memory, &measured).unwrap());
+            let again = bytes(stepper.step(&mut memory, &measured).unwrap());
             assert_eq!(again, bytes(&arm.step(&own, push)));
             assert_eq!(bytes(&memory), bytes(&arm.memory));
         }
@@ -65,7 +68,7 @@ fn another_replica_continues_from_the_memory_to_the_last_bit() {
 
 fn refusal(controller: &Controller, arm: &Loop) -> MemoryError {
     let mut memory = arm.memory.clone();
-    let refused = controller.step(&mut memory, &measurement(&vec![1.0; controller.config().robot.joint_count()]));
+    let refused = step(controller, &mut memory, &measurement(&vec![1.0; controller.config().robot.joint_count()]));
     assert_eq!(memory, arm.memory, "a refusal leaves the memory as it was");
     match refused {
         Err(StepError::Memory(error)) => error,
@@ -110,7 +113,7 @@ fn measurements_that_are_no_numbers_are_refused_and_leave_the_memory_alone() {
     arm.step(&own, [0.0; 6]);
     let before = arm.memory.clone();
     let mut refused = |measured: Measurement| {
-        let error = own.step(&mut arm.memory, &measured).unwrap_err();
+        let error = step(&own, &mut arm.memory, &measured).unwrap_err();
         assert_eq!(arm.memory, before);
         error
     };

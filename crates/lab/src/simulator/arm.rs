@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::drive_limits::DriveLimits;
-use super::flaw::{Flaw, between, not_negative};
+use super::field_error::{FieldError, between, not_negative};
 
 /// Longest delay of a command, periods.
 const LONGEST_DELAY: usize = 10_000;
@@ -26,7 +26,7 @@ pub struct VelocityLoop {
 
 impl VelocityLoop {
     /// Whether the numbers make sense; `pointer` says where they stand.
-    pub fn check(&self, pointer: &str) -> Result<(), Flaw> {
+    pub fn check(&self, pointer: &str) -> Result<(), FieldError> {
         not_negative(self.lag_s, &format!("{pointer}/lag_s"))?;
         between(self.delay_periods, 0, LONGEST_DELAY, &format!("{pointer}/delay_periods"))?;
         Ok(())

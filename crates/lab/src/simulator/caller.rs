@@ -1,7 +1,7 @@
 //! The service as one run sees it.
 
-use revprio_api::client::{Client, ClientError};
 use revprio_api::wire;
+use revprio_api::{ClientError, Service};
 
 use super::operator::Cycle;
 use super::run::CallMode;
@@ -9,16 +9,16 @@ use super::stateless::Stateless;
 
 /// The service, in a session or not.
 pub enum Caller<'a> {
-    Session { client: &'a Client, id: String },
+    Session { service: &'a dyn Service, id: String },
     Stateless(Box<Stateless<'a>>),
 }
 
 impl<'a> Caller<'a> {
     /// Opens a session, if there is to be one.
-    pub fn open(controller: &wire::Controller, client: &'a Client, mode: CallMode) -> Result<Self, ClientError> {
+    pub fn open(controller: &wire::Controller, service: &'a dyn Service, mode: CallMode) -> Result<Self, ClientError> {
         match mode {
-            CallMode::Session => Ok(Self::Session { client, id: client.create_controller(controller)?.id }),
-            CallMode::Stateless => Ok(Self::Stateless(Box::new(Stateless::new(client, controller.clone())))),
+            CallMode::Session => Ok(Self::Session { service, id: service.create_controller(controller)?.id }),
+            CallMode::Stateless => Ok(Self::Stateless(Box::new(Stateless::new(service, controller.clone())))),
         }
     }
 
@@ -40,7 +40,7 @@ impl<'a> Caller<'a> {
     /// Asks for the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
         match self {
-            Self::Session { client, id } => client.step_controller(id, &state),
+            Self::Session { service, id } => service.step_controller(id, &state),
             Self::Stateless(caller) => caller.call(state),
         }
     }
@@ -56,8 +56,8 @@ impl<'a> Caller<'a> {
 impl Drop for Caller<'_> {
     /// Ends the session, after a failure too; if that fails, the service ends it by itself.
     fn drop(&mut self) {
-        if let Self::Session { client, id } = self {
-            let _ = client.delete_controller(id);
+        if let Self::Session { service, id } = self {
+            let _ = service.delete_controller(id);
         }
     }
 }

@@ -9,7 +9,7 @@ pub enum Purpose {
     /// Noise of sensors.
     Sensors,
     /// Faults on the line.
-    Line,
+    LossyChannel,
 }
 
 /// A source of chance: for the same seed and purpose the same numbers for ever.
@@ -51,8 +51,8 @@ mod tests {
     #[test]
     fn seeds_and_purposes_have_numbers_of_their_own() {
         let first = |seed, purpose| Chance::new(seed, purpose).uniform();
-        assert_eq!(first(7, Purpose::Line), first(7, Purpose::Line));
-        assert!((first(7, Purpose::Line) - first(8, Purpose::Line)).abs() > 1e-3);
-        assert!((first(7, Purpose::Line) - first(7, Purpose::Sensors)).abs() > 1e-3);
+        assert_eq!(first(7, Purpose::LossyChannel), first(7, Purpose::LossyChannel));
+        assert!((first(7, Purpose::LossyChannel) - first(8, Purpose::LossyChannel)).abs() > 1e-3);
+        assert!((first(7, Purpose::LossyChannel) - first(7, Purpose::Sensors)).abs() > 1e-3);
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::contact::Contact;
 use super::energy::Energy;
-use super::flaw::Flaw;
+use super::field_error::FieldError;
 use super::surface::Surface;
 
 /// Most contacts of a scenario.
@@ -19,9 +19,9 @@ pub struct Environment {
 
 impl Environment {
     /// Contacts placed relative to the tool's start position (base frame, m).
-    pub fn new(contacts: &[Contact], start: [f64; 3]) -> Result<Self, Flaw> {
+    pub fn new(contacts: &[Contact], start: [f64; 3]) -> Result<Self, FieldError> {
         if contacts.len() > MOST_CONTACTS {
-            return Err(Flaw::new("/contacts", format!("are more than {MOST_CONTACTS}")));
+            return Err(FieldError::new("/contacts", format!("are more than {MOST_CONTACTS}")));
         }
         let surface = |(i, contact)| Surface::new(contact, &format!("/contacts/{i}"));
         let surfaces = contacts.iter().enumerate().map(surface).collect::<Result<_, _>>()?;

@@ -4,7 +4,7 @@ use revprio_api::wire::object;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::flaw::{Flaw, between, not_negative, positive};
+use super::field_error::{FieldError, between, not_negative, positive};
 
 /// Longest that a late answer takes, periods.
 const LATEST: usize = 10_000;
@@ -43,7 +43,7 @@ pub struct Outage {
 
 impl Faults {
     /// Whether the numbers make sense; `pointer` says where they stand.
-    pub fn check(&self, pointer: &str) -> Result<(), Flaw> {
+    pub fn check(&self, pointer: &str) -> Result<(), FieldError> {
         let shares = [
             ("dropped", self.dropped),
             ("late", self.late),
@@ -55,12 +55,12 @@ impl Faults {
         }
         let sum: f64 = shares.iter().map(|(_, share)| share).sum();
         if sum > 1.0 {
-            return Err(Flaw::new(pointer, format!("add up to {sum} of all answers; at most 1 makes sense")));
+            return Err(FieldError::new(pointer, format!("add up to {sum} of all answers; at most 1 makes sense")));
         }
         let least = usize::from(self.late > 0.0);
         between(self.late_periods, least, LATEST, &format!("{pointer}/late_periods"))?;
         if self.outages.len() > MOST_OUTAGES {
-            return Err(Flaw::new(format!("{pointer}/outages"), format!("are more than {MOST_OUTAGES}")));
+            return Err(FieldError::new(format!("{pointer}/outages"), format!("are more than {MOST_OUTAGES}")));
         }
         for (i, outage) in self.outages.iter().enumerate() {
             positive(outage.start_s, &format!("{pointer}/outages/{i}/start_s"))?;

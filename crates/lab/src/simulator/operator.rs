@@ -75,19 +75,19 @@ pub trait Operator {
 }
 
 /// Looks at the progress alone.
-pub struct Onlooker<F> {
+pub struct ProgressObserver<F> {
     progress: F,
     done: u64,
 }
 
-impl<F: FnMut(u64) -> ControlFlow<()>> Onlooker<F> {
+impl<F: FnMut(u64) -> ControlFlow<()>> ProgressObserver<F> {
     /// `progress` hears how many periods are done and may end the run.
     pub fn new(progress: F) -> Self {
         Self { progress, done: 0 }
     }
 }
 
-impl<F: FnMut(u64) -> ControlFlow<()>> Operator for Onlooker<F> {
+impl<F: FnMut(u64) -> ControlFlow<()>> Operator for ProgressObserver<F> {
     fn see(&mut self, done: u64, _period: &Observed) {
         self.done = done;
     }

@@ -11,13 +11,13 @@ use revprio_robot::profile::Profile;
 use super::arm::Arm;
 use super::drive_limits::DriveLimits;
 use super::environment::Environment;
-use super::flaw::Flaw;
+use super::field_error::FieldError;
 use super::profile::profile;
 use super::recording::{AtLimit, Energy, Sample, Sensed};
 use super::run::RunError;
 use super::scenario::Scenario;
 use super::sensors::Sensing;
-use super::watchdog::Obeyed;
+use super::watchdog::HeldCommand;
 
 /// Arm, sensors, contacts and a push.
 pub struct Plant {
@@ -150,7 +150,7 @@ impl Plant {
         period: u64,
         time_s: f64,
         measured: Measured,
-        obeyed: &Obeyed,
+        obeyed: &HeldCommand,
         tasks: &[wire::ControllerTask],
     ) -> Sample {
         let answer = &obeyed.answer;
@@ -185,7 +185,7 @@ impl Plant {
 }
 
 /// A wrench over time: force and torque.
-pub fn external_profile(wrench: &wire::Profile) -> Result<Profile, Flaw> {
+pub fn external_profile(wrench: &wire::Profile) -> Result<Profile, FieldError> {
     profile(wrench, 6, "/external_wrench")
 }
 

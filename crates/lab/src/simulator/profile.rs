@@ -3,19 +3,19 @@
 use revprio_api::wire::{self, PerAxis, ProfilePoint};
 use revprio_robot::profile::{Point, Profile, ProfileError};
 
-use super::flaw::{Flaw, number, per_row};
+use super::field_error::{FieldError, number, per_row};
 
 /// Most points of a profile, as in a controller.
 const MOST_POINTS: usize = 1000;
 
 /// The profile at a JSON pointer, of so many rows.
-pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Profile, Flaw> {
+pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Profile, FieldError> {
     let at = |field: &str| format!("{pointer}/{field}");
     let list = |values: &PerAxis<f64>, field: &str| per_row(values, rows, &at(field), number);
     let single = |value: f64, field: &str| number(value, &at(field));
-    let points = |points: &[ProfilePoint]| -> Result<Vec<Point>, Flaw> {
+    let points = |points: &[ProfilePoint]| -> Result<Vec<Point>, FieldError> {
         if points.len() > MOST_POINTS {
-            return Err(Flaw::new(at("points"), format!("has more than {MOST_POINTS} points")));
+            return Err(FieldError::new(at("points"), format!("has more than {MOST_POINTS} points")));
         }
         let point = |(i, point): (usize, &ProfilePoint)| {
             let time_s = single(point.time_s, &format!("points/{i}/time_s"))?;
@@ -40,7 +40,7 @@ pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Pr
         wire::Profile::Steps { points: list } => Profile::steps(points(list)?),
         wire::Profile::Waypoints { points: list } => Profile::waypoints(&points(list)?),
     };
-    profile.map_err(|error| Flaw::new(place(error, pointer), format!("is refused: {error}")))
+    profile.map_err(|error| FieldError::new(place(error, pointer), format!("is refused: {error}")))
 }
 
 /// JSON pointer of what the library refuses.

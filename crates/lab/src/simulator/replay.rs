@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use revprio_api::client::Client;
+use revprio_api::Service;
 use revprio_api::wire;
 
 use super::caller::Caller;
@@ -58,7 +58,7 @@ pub struct Difference {
 /// only be the same in the mode in which they were recorded.
 pub fn replay(
     recording: &Recording,
-    client: &Client,
+    service: &dyn Service,
     mode: CallMode,
     tolerance: f64,
     mut progress: impl FnMut(u64) -> ControlFlow<()>,
@@ -66,7 +66,7 @@ pub fn replay(
     let scenario = recording.setup.as_deref().ok_or(ReplayError::NoController)?;
     let controller = &scenario.controller;
     let refused = |time_s| move |source| RunError::Service { time_s, source };
-    let mut caller = Caller::open(controller, client, mode).map_err(refused(0.0))?;
+    let mut caller = Caller::open(controller, service, mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
     let columns = Extent::of(recording, false).columns();

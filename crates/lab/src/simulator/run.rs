@@ -4,19 +4,19 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use revprio_api::client::{Client, ClientError};
 use revprio_api::wire;
+use revprio_api::{ClientError, Service};
 use revprio_robot::kinematics::{ConfigurationError, NotUnitLength, pose};
 use revprio_robot::{ModelError, RobotModel, built_in};
 
 use super::caller::Caller;
-use super::flaw::Flaw;
-use super::line::Line;
-use super::operator::{Cycle, Ending, Influence, Observed, Onlooker, Operator};
+use super::field_error::FieldError;
+use super::lossy_channel::LossyChannel;
+use super::operator::{Cycle, Ending, Influence, Observed, Operator, ProgressObserver};
 use super::plant::Plant;
 use super::recording::{Recording, Timing};
 use super::scenario::Scenario;
-use super::watchdog::{Obeyed, is_silence, pause};
+use super::watchdog::{HeldCommand, is_silence, pause};
 
 /// Who keeps the controller's memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,7 +50,7 @@ pub enum RunError {
     Start(ConfigurationError),
     /// A quantity of the scenario makes no sense.
     #[error("{0}")]
-    Scenario(Flaw),
+    Scenario(FieldError),
     /// The arm left the range of numbers, which no service should command.
     #[error("at t = {time_s} s: {source}")]
     Diverged {
@@ -87,8 +87,8 @@ pub enum RunError {
     },
 }
 
-impl From<Flaw> for RunError {
-    fn from(flaw: Flaw) -> Self {
+impl From<FieldError> for RunError {
+    fn from(flaw: FieldError) -> Self {
         Self::Scenario(flaw)
     }
 }
@@ -97,11 +97,11 @@ impl From<Flaw> for RunError {
 /// period that is done and may end the run.
 pub fn run(
     scenario: &Scenario,
-    client: &Client,
+    service: &dyn Service,
     mode: CallMode,
     progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Recording, RunError> {
-    run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, client, mode, progress)
+    run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, service, mode, progress)
 }
 
 /// A robot that ships with the crate.
@@ -120,11 +120,11 @@ pub fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
 pub fn run_robot(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
-    client: &Client,
+    service: &dyn Service,
     mode: CallMode,
     progress: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Recording, RunError> {
-    drive(robot, scenario, client, mode, &mut Onlooker::new(progress))
+    drive(robot, scenario, service, mode, &mut ProgressObserver::new(progress))
 }
 
 /// Runs the scenario as an operator wants it.
@@ -133,24 +133,24 @@ pub fn run_robot(
 pub fn run_operated(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
-    client: &Client,
+    service: &dyn Service,
     operator: &mut impl Operator,
 ) -> Result<Recording, RunError> {
-    drive(robot, scenario, client, CallMode::Stateless, operator)
+    drive(robot, scenario, service, CallMode::Stateless, operator)
 }
 
 fn drive(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
-    client: &Client,
+    service: &dyn Service,
     mode: CallMode,
     operator: &mut impl Operator,
 ) -> Result<Recording, RunError> {
     let robot = with_tool(robot, &scenario.controller)?;
     let mut plant = Plant::new(scenario, &robot)?;
-    let caller = Caller::open(&scenario.controller, client, mode);
+    let caller = Caller::open(&scenario.controller, service, mode);
     let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
-    let line = Line::new(scenario.faults.clone(), scenario.seed);
+    let line = LossyChannel::new(scenario.faults.clone(), scenario.seed);
     let mut conversation = Conversation { caller, line, robot, period_s: scenario.period_s(), obeyed: None };
     let start = Instant::now();
     let (mut samples, mut timings) = (Vec::new(), Vec::new());
@@ -195,10 +195,10 @@ fn unit(goes_on: ControlFlow<Ending>) -> ControlFlow<()> {
 /// Caller and line, and the answer that the arm obeys.
 struct Conversation<'a> {
     caller: Caller<'a>,
-    line: Line,
+    line: LossyChannel,
     robot: Arc<RobotModel>,
     period_s: f64,
-    obeyed: Option<Obeyed>,
+    obeyed: Option<HeldCommand>,
 }
 
 impl Conversation<'_> {
@@ -207,7 +207,7 @@ impl Conversation<'_> {
         &mut self,
         state: wire::State,
         goes_on: impl FnMut() -> ControlFlow<()>,
-    ) -> Result<(&Obeyed, Option<Cycle<'_>>, Duration), RunError> {
+    ) -> Result<(&HeldCommand, Option<Cycle<'_>>, Duration), RunError> {
         let (period, time_s) = (state.sequence, state.time_s);
         let is_dead = self.line.is_dead(time_s);
         let called = Instant::now();
@@ -228,9 +228,9 @@ impl Conversation<'_> {
             self.caller.lose();
         }
         let now = match (arrived, self.obeyed.take()) {
-            (Some(answer), _) => Obeyed::new(answer, self.period_s),
+            (Some(answer), _) => HeldCommand::new(answer, self.period_s),
             (None, Some(before)) => before.still(time_s, &self.robot, self.period_s),
-            (None, None) => return Err(Flaw::new("/faults", "leaves the first state without an answer").into()),
+            (None, None) => return Err(FieldError::new("/faults", "leaves the first state without an answer").into()),
         };
         let (expected, given) = (self.robot.joint_count(), now.answer.joint_velocity.len());
         if given != expected {

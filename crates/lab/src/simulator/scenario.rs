@@ -10,7 +10,7 @@ use super::arm::VelocityLoop;
 use super::contact::Contact;
 use super::environment::Environment;
 use super::faults::Faults;
-use super::flaw::{Flaw, between, number, positive};
+use super::field_error::{FieldError, between, number, positive};
 use super::plant::external_profile;
 use super::sensors::{Sensing, Sensors};
 use super::toml_lines;
@@ -110,7 +110,7 @@ pub enum ScenarioError {
         /// The line, from 1.
         line: Option<usize>,
         /// What is wrong.
-        flaw: Flaw,
+        flaw: FieldError,
     },
     /// Neither a scenario that ships with the crate nor a file.
     #[error("there is no scenario `{name}`; known: {known}; or give a file (.toml or .json)")]
@@ -239,14 +239,14 @@ impl Scenario {
     }
 
     /// The first quantity that makes no sense, and why; numbers of the controller itself are the service's to judge.
-    pub fn flaw(&self) -> Option<Flaw> {
+    pub fn flaw(&self) -> Option<FieldError> {
         self.check().err()
     }
 
-    fn check(&self) -> Result<(), Flaw> {
+    fn check(&self) -> Result<(), FieldError> {
         positive(self.period_s(), "/controller/period_s")?;
         if !(0.5..=1e8).contains(&(self.duration_s / self.period_s())) {
-            return Err(Flaw::new("/duration_s", "must be positive and at most 10^8 periods"));
+            return Err(FieldError::new("/duration_s", "must be positive and at most 10^8 periods"));
         }
         for (i, q) in self.start_joint_position.iter().enumerate() {
             number(*q, &format!("/start_joint_position/{i}"))?;
@@ -257,7 +257,7 @@ impl Scenario {
         Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
         self.faults.check("/faults")?;
         if self.seed > LARGEST_SEED {
-            return Err(Flaw::new("/seed", "must be at most 2^53 - 1"));
+            return Err(FieldError::new("/seed", "must be at most 2^53 - 1"));
         }
         between(self.substeps, 1, MOST_SUBSTEPS, "/substeps").map(drop)
     }

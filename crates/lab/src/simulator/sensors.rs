@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::chance::{Chance, Purpose};
-use super::flaw::{Flaw, not_negative, number, per_row};
+use super::field_error::{FieldError, not_negative, number, per_row};
 use super::recording::Sensed;
 
 /// Sensors of the arm; perfect if nothing is set.
@@ -65,7 +65,7 @@ pub struct Sensing {
 
 impl Sensing {
     /// Sensors of an arm with so many joints, which measure once per period T (s).
-    pub fn new(sensors: &Sensors, joints: usize, period_s: f64, seed: u64) -> Result<Self, Flaw> {
+    pub fn new(sensors: &Sensors, joints: usize, period_s: f64, seed: u64) -> Result<Self, FieldError> {
         let tau = not_negative(sensors.wrench_filter_s, "/sensors/wrench_filter_s")?;
         let gain = if tau > 0.0 { -(-period_s / tau).exp_m1() } else { 1.0 };
         let channel = |sensor, rows, name, gain| Channel::new(sensor, rows, &format!("/sensors/{name}"), gain);
@@ -105,7 +105,7 @@ struct Channel {
 }
 
 impl Channel {
-    fn new(sensor: &Sensor, rows: usize, pointer: &str, gain: f64) -> Result<Self, Flaw> {
+    fn new(sensor: &Sensor, rows: usize, pointer: &str, gain: f64) -> Result<Self, FieldError> {
         let at = |field: &str| format!("{pointer}/{field}");
         Ok(Self {
             noise: per_row(&sensor.noise, rows, &at("noise"), not_negative)?,

@@ -1,7 +1,7 @@
 //! A caller that keeps the controller's memory itself, and so can change the controller while the arm moves.
 
-use revprio_api::client::{Client, ClientError};
 use revprio_api::wire;
+use revprio_api::{ClientError, Service};
 
 use super::operator::Cycle;
 
@@ -10,7 +10,7 @@ const FADING_S: f64 = 0.1;
 
 /// Calls `POST /v1/step`.
 pub struct Stateless<'a> {
-    client: &'a Client,
+    service: &'a dyn Service,
     /// The last one, with the memory for the next.
     request: wire::StepRequest,
     /// The memory that the last one was sent with.
@@ -31,7 +31,7 @@ struct Fading {
 
 impl<'a> Stateless<'a> {
     /// Nothing is remembered yet.
-    pub fn new(client: &'a Client, controller: wire::Controller) -> Self {
+    pub fn new(service: &'a dyn Service, controller: wire::Controller) -> Self {
         let nothing = wire::State {
             sequence: 0,
             time_s: 0.0,
@@ -40,7 +40,7 @@ impl<'a> Stateless<'a> {
             wrench: None,
         };
         let request = wire::StepRequest { controller, state: nothing, memory: None };
-        Self { client, request, sent_memory: None, achieved: Vec::new(), fading: None, waiting: None }
+        Self { service, request, sent_memory: None, achieved: Vec::new(), fading: None, waiting: None }
     }
 
     /// Asks for the command of a period.
@@ -51,12 +51,12 @@ impl<'a> Stateless<'a> {
                 self.change(waiting);
             }
         }
-        let (mut answer, sent_memory) = ask(self.client, &mut self.request, state.clone())?;
+        let (mut answer, sent_memory) = ask(self.service, &mut self.request, state.clone())?;
         self.sent_memory = sent_memory;
         self.achieved.clear();
         self.achieved.extend(answer.tasks.iter().map(|task| task.achieved.clone()));
         if let Some(fading) = &mut self.fading {
-            fading.mix_into(&mut answer, self.client, state)?;
+            fading.mix_into(&mut answer, self.service, state)?;
             // Acceleration limits count from what the arm was really told.
             for request in [&mut self.request, &mut fading.request] {
                 if let Some(memory) = &mut request.memory {
@@ -107,10 +107,10 @@ impl Fading {
     fn mix_into(
         &mut self,
         answer: &mut wire::StepAnswer,
-        client: &Client,
+        service: &dyn Service,
         state: wire::State,
     ) -> Result<(), ClientError> {
-        let (before, _) = ask(client, &mut self.request, state)?;
+        let (before, _) = ask(service, &mut self.request, state)?;
         self.done += 1.0;
         let share = self.done / self.periods;
         for (velocity, before) in answer.joint_velocity.iter_mut().zip(before.joint_velocity) {
@@ -122,12 +122,12 @@ impl Fading {
 
 /// The answer, and the memory that the question was sent with.
 fn ask(
-    client: &Client,
+    service: &dyn Service,
     request: &mut wire::StepRequest,
     state: wire::State,
 ) -> Result<(wire::StepAnswer, Option<wire::Memory>), ClientError> {
     request.state = state;
-    let mut answer = client.step(request)?;
+    let mut answer = service.step(request)?;
     let sent = std::mem::replace(&mut request.memory, answer.memory.take());
     Ok((answer, sent))
 }

@@ -5,7 +5,7 @@ use revprio_robot::profile::Profile;
 
 use super::contact::{Contact, ContactKind, Friction};
 use super::energy::Energy;
-use super::flaw::{Flaw, not_negative, number, positive};
+use super::field_error::{FieldError, not_negative, number, positive};
 use super::profile::profile;
 
 /// A contact along one direction.
@@ -48,13 +48,16 @@ struct Touch {
 
 impl Surface {
     /// The contact at a JSON pointer.
-    pub fn new(contact: &Contact, pointer: &str) -> Result<Self, Flaw> {
+    pub fn new(contact: &Contact, pointer: &str) -> Result<Self, FieldError> {
         let at = |field: &str| format!("{pointer}/{field}");
         let offset = number(contact.offset_m, &at("offset_m"))?;
         let (inward, side) = direction(contact, pointer)?;
         let is_unilateral = contact.kind != ContactKind::Spring;
         if contact.friction.is_some() && !is_unilateral {
-            return Err(Flaw::new(at("friction"), "needs a surface, which a spring has not; use a wall or a plane"));
+            return Err(FieldError::new(
+                at("friction"),
+                "needs a surface, which a spring has not; use a wall or a plane",
+            ));
         }
         let friction = contact.friction.map(|friction| checked(friction, &at("friction"))).transpose()?;
         let motion = contact.motion.as_ref().map(|motion| profile(motion, 1, &at("motion"))).transpose()?;
@@ -158,21 +161,22 @@ impl Surface {
 }
 
 /// The unit vector into the material, and the sign with which `offset_m` counts along it.
-fn direction(contact: &Contact, pointer: &str) -> Result<(Vector3<f64>, f64), Flaw> {
-    let missing = |field: &str, whose: &str| Flaw::new(format!("{pointer}/{field}"), format!("is missing; {whose}"));
+fn direction(contact: &Contact, pointer: &str) -> Result<(Vector3<f64>, f64), FieldError> {
+    let missing =
+        |field: &str, whose: &str| FieldError::new(format!("{pointer}/{field}"), format!("is missing; {whose}"));
     match (contact.kind, contact.axis, contact.normal) {
         (ContactKind::Plane, None, Some(normal)) => {
             normal.iter().enumerate().try_for_each(|(i, v)| number(*v, &format!("{pointer}/normal/{i}")).map(drop))?;
             let inward = (-Vector3::from(normal)).try_normalize(1e-9);
-            let inward = inward.ok_or_else(|| Flaw::new(format!("{pointer}/normal"), "must not be zero"))?;
+            let inward = inward.ok_or_else(|| FieldError::new(format!("{pointer}/normal"), "must not be zero"))?;
             Ok((inward, 1.0))
         }
         (ContactKind::Plane, None, None) => Err(missing("normal", "a plane has one, such as [0, 0, 1]")),
         (ContactKind::Plane, Some(_), _) => {
-            Err(Flaw::new(format!("{pointer}/axis"), "belongs to a spring or a wall; a plane has a `normal`"))
+            Err(FieldError::new(format!("{pointer}/axis"), "belongs to a spring or a wall; a plane has a `normal`"))
         }
         (_, _, Some(_)) => {
-            Err(Flaw::new(format!("{pointer}/normal"), "belongs to a plane; a spring or a wall has an `axis`"))
+            Err(FieldError::new(format!("{pointer}/normal"), "belongs to a plane; a spring or a wall has an `axis`"))
         }
         (_, None, _) => Err(missing("axis", "a spring or a wall has one of x, y, z")),
         (kind, Some(axis), None) => {
@@ -184,7 +188,7 @@ fn direction(contact: &Contact, pointer: &str) -> Result<(Vector3<f64>, f64), Fl
     }
 }
 
-fn checked(friction: Friction, pointer: &str) -> Result<Friction, Flaw> {
+fn checked(friction: Friction, pointer: &str) -> Result<Friction, FieldError> {
     not_negative(friction.coulomb, &format!("{pointer}/coulomb"))?;
     not_negative(friction.viscous, &format!("{pointer}/viscous"))?;
     positive(friction.sticking_speed_m_s, &format!("{pointer}/sticking_speed_m_s"))?;

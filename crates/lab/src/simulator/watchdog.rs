@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use revprio_api::client::ClientError;
+use revprio_api::ClientError;
 use revprio_api::wire;
 use revprio_robot::RobotModel;
 
@@ -15,7 +15,7 @@ const BLINK: Duration = Duration::from_millis(50);
 const ROUNDING_S: f64 = 1e-9;
 
 /// The answer that the arm obeys.
-pub struct Obeyed {
+pub struct HeldCommand {
     /// As it came, but the joint velocities slow down once it is too old.
     pub answer: wire::StepAnswer,
     /// Whether it came in this period.
@@ -23,7 +23,7 @@ pub struct Obeyed {
     given_s: f64,
 }
 
-impl Obeyed {
+impl HeldCommand {
     /// An answer that came in this period, valid from the measurement of its state on; T in s.
     pub fn new(answer: wire::StepAnswer, period: f64) -> Self {
         let given_s = answer.sequence as f64 * period;

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use revprio_api::client::{Client, ClientError};
+use revprio_api::{ClientError, Service};
 
 use super::plan::Plan;
 use super::table::{self, Outcome};
@@ -11,11 +11,11 @@ use crate::simulator::{CallMode, RunError, Scenario, run};
 
 /// The row of a cell. Whatever goes wrong in it stands in its row; but a service that cannot be reached at all is no
 /// property of the cell.
-pub fn row(plan: &Plan, index: usize, client: &Client) -> Result<Vec<Value>, RunError> {
+pub fn row(plan: &Plan, index: usize, service: &dyn Service) -> Result<Vec<Value>, RunError> {
     let cell = plan.cell(index);
     let (warnings, outcome) = match plan.scenario(&cell).and_then(sound) {
         Err(problem) => (Vec::new(), Outcome::Failed("refused", problem)),
-        Ok(scenario) => (warnings(&scenario, client), outcome(&scenario, client)?),
+        Ok(scenario) => (warnings(&scenario, service), outcome(&scenario, service)?),
     };
     Ok(table::row(&plan.variations, &cell, &warnings, &outcome))
 }
@@ -27,8 +27,8 @@ fn sound(scenario: Scenario) -> Result<Scenario, String> {
     }
 }
 
-fn outcome(scenario: &Scenario, client: &Client) -> Result<Outcome, RunError> {
-    let word = match run(scenario, client, CallMode::Session, |_| ControlFlow::Continue(())) {
+fn outcome(scenario: &Scenario, service: &dyn Service) -> Result<Outcome, RunError> {
+    let word = match run(scenario, service, CallMode::Session, |_| ControlFlow::Continue(())) {
         Ok(recording) => return Ok(Outcome::Finished(Box::new(recording))),
         Err(error) => (kind(&error), error),
     };
@@ -61,9 +61,9 @@ fn without_address(error: &RunError) -> String {
 }
 
 /// What the service warns of: contacts that would bounce for ever.
-fn warnings(scenario: &Scenario, client: &Client) -> Vec<String> {
-    let Ok(created) = client.create_controller(&scenario.controller_in_environment()) else { return Vec::new() };
+fn warnings(scenario: &Scenario, service: &dyn Service) -> Vec<String> {
+    let Ok(created) = service.create_controller(&scenario.controller_in_environment()) else { return Vec::new() };
     // If that fails, the service ends it by itself.
-    let _ = client.delete_controller(&created.id);
+    let _ = service.delete_controller(&created.id);
     created.warnings
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::DVector;
 use revprio::service::{Robots, controller as controller_of};
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement, Memory, Workspace};
+use revprio_core::controller::{Command, Measurement, Memory, Stepper};
 use revprio_core::resolution::Path;
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use serde_json::json;
@@ -23,8 +23,7 @@ pub const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 
 /// A controller and the states that it met on its way.
 pub struct Cycle {
-    controller: Controller,
-    workspace: Workspace,
+    stepper: Stepper,
     states: Vec<Measurement>,
     next: usize,
     memory: Option<Memory>,
@@ -47,8 +46,7 @@ impl Cycle {
         let controller =
             controller_of(controller, robots).map_err(|problem| BenchError::defect(problem.into_wire()))?;
         let mut cycle = Self {
-            workspace: controller.workspace().map_err(BenchError::defect)?,
-            controller,
+            stepper: Stepper::new(controller).map_err(BenchError::defect)?,
             states: Vec::new(),
             next: 0,
             memory: None,
@@ -56,7 +54,7 @@ impl Cycle {
             fastest: 0.0,
             guessed: 0.0,
         };
-        let period = cycle.controller.config().period_s;
+        let period = cycle.stepper.controller().config().period_s;
         let mut q = start.to_vec();
         for i in 0..periods {
             let wrench = [0.0; 6];
@@ -89,7 +87,7 @@ impl Cycle {
         }
         let state = &self.states[self.next];
         self.next += 1;
-        self.controller.step_in(&mut self.workspace, &mut self.memory, state).map_err(BenchError::defect)
+        self.stepper.step(&mut self.memory, state).map_err(BenchError::defect)
     }
 }
 
@@ -102,7 +100,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
 /// Push along x, hold the rest, exact inverses, no limits: beside the printed formula.
 fn closed_form(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let mut ours = Cycle::along(&swing(wire::Solver::ClosedForm, None)?, &Robots::built_in(), &NOMINAL, PERIODS)?;
-    let chain = Chain::of(&ours.controller.config().robot);
+    let chain = Chain::of(&ours.stepper.controller().config().robot);
     let states = ours.states.clone();
     let mut states = states.iter().cycle();
     let axes = [&[Axis::X][..], &[Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz]];

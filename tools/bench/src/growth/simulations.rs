@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use revprio::service::{App, Robots, RunningServer, router};
-use revprio_api::client::Client;
+use revprio::service::{AppState, Robots, RunningServer, router};
+use revprio_api::Client;
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 use crate::BenchError;
@@ -45,7 +45,7 @@ pub fn side_by_side(plan: &Plan) -> Result<Growth, BenchError> {
 
 /// Time that so many simulations take at once, s.
 fn together(count: usize, simulated_s: f64) -> Result<f64, BenchError> {
-    let server = RunningServer::start(router(App::new(Robots::built_in())))?;
+    let server = RunningServer::start(router(AppState::new(Robots::built_in())))?;
     let mut scenario = Scenario::find("force_tracking").map_err(BenchError::defect)?;
     scenario.duration_s = simulated_s;
     let (url, scenario, start) = (server.url(), &scenario, Instant::now());

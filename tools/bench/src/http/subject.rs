@@ -3,9 +3,9 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use revprio::service::{App, Robots, RunningServer, ServiceConfig, router};
-use revprio_api::client::Client;
+use revprio::service::{AppState, Robots, RunningServer, ServiceConfig, router};
 use revprio_api::wire;
+use revprio_api::{Client, Service};
 use serde::de::DeserializeOwned;
 
 use super::connection::{Connection, NUMBER, Request};
@@ -47,8 +47,11 @@ pub struct UnderTest {
 }
 
 /// The service, but for its refusals when the machine stops for some milliseconds, as a busy virtual one does.
-pub fn patient() -> App {
-    App::with_config(Robots::built_in(), ServiceConfig { max_lag: Duration::from_secs(10), ..ServiceConfig::default() })
+pub fn patient() -> AppState {
+    AppState::with_config(
+        Robots::built_in(),
+        ServiceConfig { max_lag: Duration::from_secs(10), ..ServiceConfig::default() },
+    )
 }
 
 impl UnderTest {

@@ -23,7 +23,7 @@ pub fn escaped(name: &str) -> String {
 
 /// A request that cannot be answered, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
+pub struct ApiError {
     status: StatusCode,
     /// Last part of the `type` reference.
     kind: &'static str,
@@ -32,7 +32,7 @@ pub struct Problem {
     pointer: Option<String>,
 }
 
-impl Problem {
+impl ApiError {
     fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<String>) -> Self {
         debug_assert!(KINDS.iter().any(|(_, known, ..)| *known == kind), "{kind} is described nowhere");
         Self { status, kind, title, detail: detail.into(), pointer: None }
@@ -223,7 +223,7 @@ impl Problem {
 }
 
 /// The head of the answer; the body, which names the request, is written at the gate.
-impl IntoResponse for Problem {
+impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = self.status.into_response();
         let headers = response.headers_mut();

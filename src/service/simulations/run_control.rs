@@ -13,7 +13,7 @@ use super::job::Job;
 use super::live::{Camera, Live, Picture};
 use crate::service::background::Abandoned;
 use crate::service::convert;
-use crate::service::problem::Problem;
+use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// A push ends this long after it was last ordered: the page that orders it may be gone.
@@ -29,7 +29,7 @@ const BLINK: Duration = Duration::from_millis(50);
 const LATE: Duration = Duration::from_millis(100);
 
 /// Orders and view of one interactive run.
-pub struct Desk {
+pub struct RunControl {
     orders: Mutex<Orders>,
     word: Condvar,
     /// Robot, limits and period, which no order changes.
@@ -57,17 +57,17 @@ impl Orders {
     }
 }
 
-impl Desk {
+impl RunControl {
     /// A run that has not begun. The controller comes as it was asked for and as it was understood.
     pub fn new(
         pace: wire::Interactive,
         request: wire::Controller,
         controller: Controller,
         start: &[f64],
-    ) -> Result<Self, Problem> {
+    ) -> Result<Self, ApiError> {
         let rest = vec![0.0; start.len()];
         let arm = convert::arm_view(controller.config(), start, &rest)
-            .ok_or_else(|| Problem::invalid("/scenario/start_joint_position", "is no posture of the robot"))?;
+            .ok_or_else(|| ApiError::invalid("/scenario/start_joint_position", "is no posture of the robot"))?;
         let orders = Orders {
             pace,
             steps: 0,
@@ -82,7 +82,7 @@ impl Desk {
     }
 
     /// Takes an order, all of it or nothing.
-    pub fn order(&self, order: &wire::SimulationControl, robots: &Robots) -> Result<(), Problem> {
+    pub fn order(&self, order: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
         convert::control(order)?;
         let mut orders = self.lock();
         if let Some((controller, _)) = convert::changed_controller(order, &orders.controller, robots)? {
@@ -121,8 +121,8 @@ impl Desk {
     }
 
     /// The latest period, as a request.
-    pub fn cycle(&self) -> Result<wire::StepRequest, Problem> {
-        self.live.cycle().ok_or_else(|| Problem::not_live("no control period is done yet"))
+    pub fn cycle(&self) -> Result<wire::StepRequest, ApiError> {
+        self.live.cycle().ok_or_else(|| ApiError::not_live("no control period is done yet"))
     }
 
     /// How the run is paced.
@@ -140,7 +140,7 @@ impl Desk {
     pub fn operator<'a>(&'a self, job: &'a Job, abandoned: &'a Abandoned) -> DeskOperator<'a> {
         let camera = Camera::new(&self.live, self.controller.config());
         let period_s = self.controller.config().period_s;
-        DeskOperator { desk: self, job, abandoned, camera, period_s, due: Instant::now(), push: [0.0; 3] }
+        DeskOperator { run_control: self, job, abandoned, camera, period_s, due: Instant::now(), push: [0.0; 3] }
     }
 
     fn lock(&self) -> MutexGuard<'_, Orders> {
@@ -153,9 +153,9 @@ impl Desk {
     }
 }
 
-/// Carries out the orders of a desk.
+/// Carries out the orders of a run_control.
 pub struct DeskOperator<'a> {
-    desk: &'a Desk,
+    run_control: &'a RunControl,
     job: &'a Job,
     abandoned: &'a Abandoned,
     camera: Camera<'a>,
@@ -172,9 +172,9 @@ impl DeskOperator<'_> {
 
     /// Waits until the next period is due; at a pause, until it is over.
     fn wait(&mut self) -> MutexGuard<'_, Orders> {
-        let mut orders = self.desk.lock();
+        let mut orders = self.run_control.lock();
         loop {
-            if self.desk.live.readers() > 0 {
+            if self.run_control.live.readers() > 0 {
                 orders.attended = Instant::now();
             }
             orders.finish |= orders.attended.elapsed() > ALONE_TIME;
@@ -189,11 +189,11 @@ impl DeskOperator<'_> {
                     return orders;
                 }
                 self.camera.show();
-                orders = self.desk.sleep(orders, BLINK);
+                orders = self.run_control.sleep(orders, BLINK);
                 continue;
             }
             match self.due.checked_duration_since(now) {
-                Some(left) if !left.is_zero() => orders = self.desk.sleep(orders, left.min(BLINK)),
+                Some(left) if !left.is_zero() => orders = self.run_control.sleep(orders, left.min(BLINK)),
                 _ => {
                     let start = if now.duration_since(self.due) > LATE { now } else { self.due };
                     self.due = start + Duration::from_secs_f64(self.period_s / orders.pace.speed);
@@ -223,7 +223,7 @@ impl Operator for DeskOperator<'_> {
         if self.abandoned.is_set() || self.job.has_ended() {
             return ControlFlow::Break(Ending::Stop);
         }
-        if self.desk.lock().finish { ControlFlow::Break(Ending::Finish) } else { ControlFlow::Continue(()) }
+        if self.run_control.lock().finish { ControlFlow::Break(Ending::Finish) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -233,13 +233,17 @@ impl Drop for DeskOperator<'_> {
     }
 }
 
-/// The desk of a run that has one and goes on.
-pub fn open_desk(job: &Job) -> Result<&Arc<Desk>, Problem> {
-    let desk = desk(job)?;
-    if job.has_ended() { Err(Problem::not_live("the simulation has ended; start another one")) } else { Ok(desk) }
+/// The run_control of a run that has one and goes on.
+pub fn live_run_control(job: &Job) -> Result<&Arc<RunControl>, ApiError> {
+    let run_control = run_control(job)?;
+    if job.has_ended() {
+        Err(ApiError::not_live("the simulation has ended; start another one"))
+    } else {
+        Ok(run_control)
+    }
 }
 
-/// The desk of a run that has one.
-pub fn desk(job: &Job) -> Result<&Arc<Desk>, Problem> {
-    job.desk().ok_or_else(|| Problem::not_live("the simulation was not started as `interactive`"))
+/// The run_control of a run that has one.
+pub fn run_control(job: &Job) -> Result<&Arc<RunControl>, ApiError> {
+    job.run_control().ok_or_else(|| ApiError::not_live("the simulation was not started as `interactive`"))
 }

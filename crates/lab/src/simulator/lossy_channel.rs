@@ -6,7 +6,7 @@ use super::chance::{Chance, Purpose};
 use super::faults::Faults;
 
 /// A line with faults.
-pub struct Line {
+pub struct LossyChannel {
     faults: Faults,
     chance: Chance,
     /// Answers on their way, with the period in which they arrive.
@@ -27,10 +27,10 @@ enum Fate {
     Arrives,
 }
 
-impl Line {
+impl LossyChannel {
     /// A line with these faults, the same for the same seed.
     pub fn new(faults: Faults, seed: u64) -> Self {
-        let chance = Chance::new(seed, Purpose::Line);
+        let chance = Chance::new(seed, Purpose::LossyChannel);
         Self { faults, chance, travelling: Vec::new(), free_from: 0, newest: None }
     }
 
@@ -91,7 +91,7 @@ mod tests {
     fn taken(faults: Faults, periods: u64) -> Vec<Option<u64>> {
         let answer: StepAnswer =
             serde_json::from_str(include_str!("../../../../api/examples/answers/step.json")).unwrap();
-        let mut line = Line::new(faults, 3);
+        let mut line = LossyChannel::new(faults, 3);
         let period = |period| {
             let answer = StepAnswer { sequence: period, ..answer.clone() };
             line.pass(period, Some(answer)).map(|answer| answer.sequence)

@@ -15,13 +15,13 @@ const ALWAYS_SERVED: u32 = 8;
 /// after the first has waited for so long already, and is sent away with little work. So what is accepted waited for
 /// `max_lag` at most, however many come, and nothing is refused while the thread keeps up.
 #[derive(Debug, Default)]
-pub struct Line {
+pub struct AdmissionQueue {
     /// When the marker was sent, and how many requests were served since; `None` if it has come back.
     marker: Mutex<Option<(Instant, u32)>>,
     sent: Notify,
 }
 
-impl Line {
+impl AdmissionQueue {
     /// Whether a request that begins now is served.
     pub fn admits(&self, now: Instant, max_lag: Duration) -> bool {
         let mut marker = self.marker.lock().unwrap_or_else(PoisonError::into_inner);
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_long_line_loses_its_end_and_recovers_with_the_marker() {
-        let (line, start) = (Line::default(), Instant::now());
+        let (line, start) = (AdmissionQueue::default(), Instant::now());
         let at = |ms: u64| start + Duration::from_millis(ms);
         assert!((0..1000).all(|_| line.admits(at(9), LAG)));
         assert!(!line.admits(at(20), LAG));
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_pause_of_the_machine_refuses_nobody() {
-        let (line, start) = (Line::default(), Instant::now());
+        let (line, start) = (AdmissionQueue::default(), Instant::now());
         assert!(line.admits(start, LAG));
         let later = start + Duration::from_secs(1);
         assert!((1..ALWAYS_SERVED).all(|_| line.admits(later, LAG)));

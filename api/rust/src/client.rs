@@ -1,27 +1,4 @@
 //! A typed, blocking client of the service.
-//!
-//! ```
-//! use revprio_api::client::Client;
-//! use revprio::service::{App, Robots, RunningServer, router};
-//! use revprio_api::wire::{JointVector, ResolveRequest};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let server = RunningServer::start(router(App::new(Robots::built_in())))?; // or `revprio serve`
-//! let client = Client::new(&server.url());
-//! let request: ResolveRequest = serde_json::from_str(
-//!     r#"{"robot": "planar_3r", "joint_position": [0.3, 0.5, 0.4], "tasks": [{"axes": ["x", "y"], "velocity": [0.1, 0]}]}"#,
-//! )?;
-//! let answer = client.resolve(&request)?;
-//! assert_eq!(answer.joint_velocity.len(), 3); // rad/s
-//! assert!(answer.tasks[0].residual_norm < 1e-12);
-//!
-//! // What the service refuses comes back with the field and the remedy.
-//! let short = ResolveRequest { joint_position: Some(JointVector::Ordered(vec![0.3, 0.5])), ..request };
-//! let refused = client.resolve(&short).unwrap_err();
-//! assert!(refused.to_string().contains("/joint_position"), "{refused}");
-//! # Ok(())
-//! # }
-//! ```
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -100,29 +77,9 @@ impl Client {
         self.post("/v1/resolve", request)
     }
 
-    /// `POST /v1/step`
-    pub fn step(&self, request: &wire::StepRequest) -> Result<wire::StepAnswer, ClientError> {
-        self.post("/v1/step", request)
-    }
-
-    /// `POST /v1/controllers`
-    pub fn create_controller(&self, controller: &wire::Controller) -> Result<wire::CreatedController, ClientError> {
-        self.post("/v1/controllers", controller)
-    }
-
-    /// `POST /v1/controllers/{id}/step`
-    pub fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {
-        self.post(&format!("/v1/controllers/{id}/step"), state)
-    }
-
     /// `POST /v1/stability`
     pub fn stability(&self, request: &wire::StabilityRequest) -> Result<wire::StabilityAnswer, ClientError> {
         self.post("/v1/stability", request)
-    }
-
-    /// `DELETE /v1/controllers/{id}`
-    pub fn delete_controller(&self, id: &str) -> Result<(), ClientError> {
-        self.delete(&format!("/v1/controllers/{id}"))
     }
 
     /// `GET /v1/robots`
@@ -141,13 +98,13 @@ impl Client {
         self.delete(&format!("/v1/robots/{name}"))
     }
 
-    fn delete(&self, path: &str) -> Result<(), ClientError> {
+    pub(crate) fn delete(&self, path: &str) -> Result<(), ClientError> {
         let url = format!("{}{path}", self.base);
         let mut response = sent(self.agent.delete(&url).call(), &url)?;
         if response.status().is_success() { Ok(()) } else { Err(refusal(&mut response, &url)) }
     }
 
-    fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {
+    pub(crate) fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {
         let url = format!("{}{path}", self.base);
         read(sent(self.agent.post(&url).send_json(body), &url)?, &url)
     }
