@@ -14,7 +14,7 @@ import pytest
 
 from revprio import Client
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = os.environ.get("REVPRIO", str(ROOT / "target/debug/revprio"))
 
 

@@ -9,7 +9,7 @@ import type { TestContext } from "node:test";
 import { WebSocket } from "ws";
 import { Client, type ClientOptions, type Controller } from "../src/index.js";
 
-const ROOT = join(import.meta.dirname, "../../../../..");
+const ROOT = join(import.meta.dirname, "../../../..");
 export const POSTURE = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 export const AT_REST = { joint_position: POSTURE, wrench: { force: [0, 0, 0], torque: [0, 0, 0] } };
 

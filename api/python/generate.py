@@ -1,6 +1,6 @@
 """Writes src/revprio/models.py: one pydantic model for each schema of the OpenAPI document.
 
-python generate.py ../../openapi.json | ruff format - > src/revprio/models.py
+python generate.py ../openapi.json | ruff format - > src/revprio/models.py
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The conversion of messages, with stand-ins for them: python3 -m unittest discover -s api/clients/ros2"""
+"""The conversion of messages, with stand-ins for them: python3 -m unittest discover -s api/ros2"""
 
 import math
 import unittest

@@ -12,7 +12,7 @@ import revprio
 from revprio import models, routes
 from revprio.bodies import Body
 
-CLIENT = ROOT / "api/clients/python"
+CLIENT = ROOT / "api/python"
 
 REQUESTS: dict[str, type[Body]] = {
     "batch": models.BatchRequest,

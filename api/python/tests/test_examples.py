@@ -13,7 +13,7 @@ from nbclient import NotebookClient
 import revprio
 from revprio import Client
 
-EXAMPLES = ROOT / "api/clients/python/examples"
+EXAMPLES = ROOT / "api/python/examples"
 
 
 @pytest.mark.filterwarnings("ignore")  # those of Jupyter
@@ -46,7 +46,7 @@ def test_an_arm_of_mujoco_touches_the_wall_and_holds_30_n(
 
 
 @pytest.mark.parametrize(
-    "readme", [ROOT / "README.md", ROOT / "api/clients/python/README.md"], ids=["project", "client"]
+    "readme", [ROOT / "README.md", ROOT / "api/python/README.md"], ids=["project", "client"]
 )
 def test_the_snippets_of_the_readme_run(url: str, readme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     snippets = re.findall(r"```python\n(.*?)```", readme.read_text(encoding="utf-8"), re.DOTALL)

@@ -29,7 +29,7 @@ from revprio import (
     VelocityLoop,
 )
 
-URDF = Path(__file__).resolve().parents[4] / "fixtures/robots/sawyer.urdf"
+URDF = Path(__file__).resolve().parents[3] / "fixtures/robots/sawyer.urdf"
 PERIOD_S = 0.002
 """T, s: one call each."""
 TIMESTEP_S = 0.0005

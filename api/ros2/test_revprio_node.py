@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from types import SimpleNamespace as Message
 
-REPOSITORY = Path(__file__).resolve().parents[3]
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 class StandInNode:

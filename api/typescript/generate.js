@@ -1,5 +1,5 @@
 // Writes src/generated.ts: the types of the OpenAPI document and what to do about each type of problem.
-//     node generate.js ../../openapi.json
+//     node generate.js ../openapi.json
 import { readFile, writeFile } from "node:fs/promises";
 import { resolve } from "node:path";
 import openapiTS, { astToString } from "openapi-typescript";
