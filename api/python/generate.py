@@ -13,9 +13,9 @@ from typing import Any
 
 Schema = dict[str, Any]
 
-# `Controller` is the one that runs; this is what it is made of.
+# The class `Controller` of the client is a running controller; the schema of that name is its configuration.
 NAMES = {"Controller": "ControllerConfig"}
-# Arrays of numbers by the name of their schema: a number for all axes or one each; by joint order or by joint name.
+# Python types of schemas that are arrays of numbers. `PerAxis_f64` is one number for all axes or one for each.
 ARRAYS = {"PerAxis_f64": "ArrayLike", "JointVector": "JointVector"}
 SIMPLE = {"null": "None", "boolean": "bool", "integer": "int", "number": "float", "string": "str"}
 HEADER = '''"""The bodies of requests and answers. Generated from the OpenAPI document by `generate.py`; do not edit."""
@@ -31,10 +31,10 @@ from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, Tag
 
 
 class Models:
-    """The models in an order in which each comes after those that it uses."""
+    """The source text of all models, each after the models that it uses."""
 
     def __init__(self, document: Schema) -> None:
-        """Of all schemas of an OpenAPI document."""
+        """Writes the models of all schemas of an OpenAPI document."""
         self.schemas: dict[str, Schema] = document["components"]["schemas"]
         self.requests = self._reachable_from_requests(document)
         self.written: dict[str, str] = {}
@@ -58,7 +58,7 @@ class Models:
         return found
 
     def reference(self, name: str) -> str:
-        """The Python name of a schema, which is written if it was not yet."""
+        """Returns the Python name of a schema; writes its model first if it is missing."""
         if name in ARRAYS:
             return ARRAYS[name]
         python = NAMES.get(name) or re.sub("_(.)", lambda part: part[1].upper(), name)
@@ -72,7 +72,7 @@ class Models:
         return python
 
     def model(self, name: str, schema: Schema, *, is_request: bool) -> str:
-        """Writes a class."""
+        """Writes the class of an object schema; returns its name."""
         required = schema.get("required", [])
         tagged = is_tagged(schema)
         lines = [f"class {name}({'Tagged' if tagged else 'Body' if is_request else 'Answer'}):"]
@@ -93,7 +93,7 @@ class Models:
         return name
 
     def type(self, schema: Schema, name: str, *, is_request: bool) -> str:
-        """The annotation of a schema; `name` is for what has no name of its own."""
+        """Returns the annotation of a schema; `name` names a class for an inline object schema."""
         if "$ref" in schema:
             return self.reference(schema["$ref"].rsplit("/", 1)[1])
         if "enum" in schema:
@@ -105,13 +105,13 @@ class Models:
         return " | ".join(sorted(options, key="None".__eq__))
 
     def union(self, options: list[Schema], name: str, *, is_request: bool) -> str:
-        """One of several."""
+        """Returns the annotation of a union."""
         kinds = [self.type(option, f"Explicit{name}", is_request=is_request) for option in options]
         union = " | ".join(sorted(kinds, key="None".__eq__))
         return f'Annotated[{union}, Field(discriminator="kind")]' if all(map(is_tagged, options)) else union
 
     def plain(self, kind: str, schema: Schema, name: str, *, is_request: bool) -> str:
-        """A type of JSON."""
+        """Returns the annotation of a schema with one JSON type."""
         if kind in SIMPLE:
             return SIMPLE[kind]
         if kind == "array" and is_numeric(schema["items"]):
@@ -125,7 +125,7 @@ class Models:
 
 
 def references(schema: object) -> Iterator[str]:
-    """Names of the schemas that something refers to."""
+    """Yields the names of all referenced schemas."""
     if isinstance(schema, dict):
         if isinstance(schema.get("$ref"), str):
             yield schema["$ref"].rsplit("/", 1)[1]
@@ -137,18 +137,21 @@ def references(schema: object) -> Iterator[str]:
 
 
 def is_tagged(schema: Schema) -> bool:
-    """Whether a field `kind` says which of several it is."""
+    """Returns whether a field `kind` with one allowed value names the variant."""
     return len(schema.get("properties", {}).get("kind", {}).get("enum", [])) == 1
 
 
 def is_numeric(schema: Schema) -> bool:
-    """Whether it is a number, `null` allowed, or a row of a matrix; rows without a stated size may differ in it."""
+    """Returns whether the schema is a number, a number or null, or an array of numbers of fixed size.
+
+    Arrays without a size can differ in length, so an array of them is not a NumPy array.
+    """
     kinds = schema.get("type")
     return kinds in ("number", ["number", "null"]) or ("minItems" in schema and is_numeric(schema["items"]))
 
 
 def docstring(schema: Schema) -> str:
-    """What a schema says of itself, with the sizes that it fixes."""
+    """Returns the docstring of a schema: its description and its fixed sizes."""
     text = schema.get("description", "")
     size, items = schema.get("minItems"), schema.get("items", {})
     if size and size == schema.get("maxItems"):
@@ -158,19 +161,19 @@ def docstring(schema: Schema) -> str:
 
 
 def indented(text: str) -> list[str]:
-    """Lines of a class body."""
+    """Indents a text for a class body."""
     return [f"    {line}" for line in text.splitlines()]
 
 
 def remedies(document: Schema) -> str:
-    """What to do about each type of problem, from the table in the document's description."""
+    """Returns the source of `REMEDIES`, from the table of problem types in the document's description."""
     rows = re.findall(r"^\| `(/problems/[\w-]+)` \| \d+ \| (?:.*?) \| (.*?) \|$", document["info"]["description"], re.M)
     entries = "".join(f"    {json.dumps(kind)}: {json.dumps(remedy)},\n" for kind, remedy in rows)
     return f'REMEDIES: dict[str, str] = {{\n{entries}}}\n"""What to do about each type of problem."""'
 
 
 def source(document: Schema) -> str:
-    """The module."""
+    """Returns the source text of the module."""
     models = Models(document).written
     names = ", ".join(json.dumps(name) for name in sorted([*models, "REMEDIES"]))
     parts = [HEADER, f"__all__ = [{names}]", *models.values(), remedies(document)]

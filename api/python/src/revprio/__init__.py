@@ -1,13 +1,13 @@
-"""Client of the revprio service: joint velocities for redundant arms that have several tasks in an order of priority.
+"""Client of the revprio service: joint velocities for redundant robot arms with prioritised tasks.
 
     from revprio import Client, ResolveTask
     with Client("http://127.0.0.1:8080") as client:
         q = [0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0]
         print(client.resolve(robot="sawyer_dh", joint_position=q, tasks=[ResolveTask(axes=["x"], velocity=[0.05])]))
 
-Units are SI, rad and rad/s for revolute joints. Twists and wrenches are linear (m/s, N) then angular (rad/s, N·m), in
-base axes at the tool point unless said otherwise. Arrays of answers are NumPy arrays; requests take whatever NumPy
-makes an array of.
+All units are SI; revolute joints use rad and rad/s. A twist is linear velocity (m/s), then angular velocity (rad/s). A
+wrench is force (N), then torque (N·m). Both use base axes at the tool point, unless stated otherwise. Arrays in answers
+are NumPy arrays. Requests accept anything that NumPy converts to an array.
 """
 
 from revprio.aio import AsyncClient as AsyncClient

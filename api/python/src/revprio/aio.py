@@ -1,4 +1,4 @@
-"""The same client for asyncio: `async with AsyncClient(url) as client: answer = await client.resolve(…)`."""
+"""The client for asyncio: `async with AsyncClient(url) as client: answer = await client.resolve(…)`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from revprio import routes
 from revprio.bodies import ArrayLike, FloatArray, JointVector
-from revprio.drive import Drive, Hearing, Measurement, ramp_to_rest, ticks
+from revprio.drive import Drive, LoopState, Measurement, ramp_to_rest, ticks
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     BatchItem,
@@ -44,10 +44,10 @@ from revprio.models import (
     StepRequest,
     Wrench,
 )
-from revprio.patience import Patience, no_answer
+from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import POLL_S, has_ended
-from revprio.states import Numbering
-from revprio.streaming import SUBPROTOCOL, Replies, refused_handshake, websocket_url
+from revprio.states import StateNumbering
+from revprio.streaming import SUBPROTOCOL, ReplyMatcher, refused_handshake, websocket_url
 from revprio.typed import fields_of
 from revprio.watchdog import Watchdog
 
@@ -55,7 +55,7 @@ A = TypeVar("A")
 
 
 class AsyncClient:
-    """As `Client`."""
+    """The asyncio version of `Client`, with the same methods and arguments."""
 
     def __init__(  # noqa: PLR0913
         self,
@@ -76,14 +76,14 @@ class AsyncClient:
 
     async def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
         """As `Client.call`."""
-        patience = Patience(
+        budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )
         while True:
             try:
-                return call.route.read(await self._send(call.request(self._http, patience.left_s())))
+                return call.route.read(await self._send(call.request(self._http, budget.remaining_s())))
             except RevprioError as failure:
-                await asyncio.sleep(patience.pause_s(failure))
+                await asyncio.sleep(budget.pause_s(failure))
 
     async def _send(self, request: httpx.Request) -> httpx.Response:
         try:
@@ -128,7 +128,7 @@ class AsyncClient:
 
     @fields_of(ControllerConfig)
     def session(self, config: ControllerConfig) -> AsyncSession:
-        """As `Client.session`, opened by `async with`."""
+        """As `Client.session`; `async with` opens it."""
         return AsyncSession(self, config)
 
     async def sessions(self) -> list[SessionEntry]:
@@ -182,7 +182,7 @@ class AsyncClient:
         await self._http.aclose()
 
     async def __aenter__(self) -> Self:
-        """Itself."""
+        """Returns this object."""
         return self
 
     async def __aexit__(
@@ -193,10 +193,10 @@ class AsyncClient:
 
 
 class AsyncController(ABC):
-    """As `Controller`."""
+    """The asyncio version of `Controller`."""
 
-    def __init__(self, numbering: Numbering) -> None:
-        """`numbering`: counts the states."""
+    def __init__(self, numbering: StateNumbering) -> None:
+        """`numbering`: gives each state its sequence number."""
         self.period_s = numbering.period_s
         self._numbering = numbering
 
@@ -217,21 +217,24 @@ class AsyncController(ABC):
 
     @abstractmethod
     async def open(self) -> None:
-        """Begins it; `async with` does."""
+        """Starts the controller; `async with` calls this."""
 
     @abstractmethod
     async def close(self) -> None:
-        """Ends it."""
+        """Ends the controller."""
 
     async def __aenter__(self) -> Self:
-        """Begins it."""
+        """Starts the controller."""
         await self.open()
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Ends it; where that fails after another failure, the service ends a session by itself when it is idle."""
+        """Ends the controller.
+
+        An error of the block has precedence over an error of `close`. The service ends an idle session itself.
+        """
         try:
             await self.close()
         except RevprioError:
@@ -240,11 +243,11 @@ class AsyncController(ABC):
 
 
 class AsyncSession(AsyncController):
-    """As `Session`."""
+    """The asyncio version of `Session`."""
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
-        """Not opened yet."""
-        super().__init__(Numbering(config.period_s))
+        """Stores the configuration; `open` opens the session."""
+        super().__init__(StateNumbering(config.period_s))
         self._client, self._config = client, config
         self.id = ""
 
@@ -262,7 +265,7 @@ class AsyncSession(AsyncController):
         return await self._client.call(routes.SHOW_CONTROLLER(self.id))
 
     def stream(self) -> AsyncStream:
-        """As `Session.stream`, opened by `async with`."""
+        """As `Session.stream`; `async with` connects it."""
         return AsyncStream(self._client, self.id, self._numbering)
 
     async def close(self) -> None:
@@ -272,11 +275,11 @@ class AsyncSession(AsyncController):
 
 
 class AsyncStateless(AsyncController):
-    """As `Stateless`."""
+    """The asyncio version of `Stateless`."""
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
-        """Begins without memory."""
-        super().__init__(Numbering(config.period_s))
+        """Starts without memory."""
+        super().__init__(StateNumbering(config.period_s))
         self._client, self._config = client, config
         self.memory: Memory | None = None
 
@@ -291,21 +294,21 @@ class AsyncStateless(AsyncController):
         """Does nothing."""
 
     async def close(self) -> None:
-        """Does nothing: the service keeps nothing of it."""
+        """Does nothing, because the service stores nothing."""
 
 
 class AsyncStream(AsyncController):
-    """As `Stream`."""
+    """The asyncio version of `Stream`."""
 
-    def __init__(self, client: AsyncClient, session_id: str, numbering: Numbering) -> None:
-        """Not connected yet."""
+    def __init__(self, client: AsyncClient, session_id: str, numbering: StateNumbering) -> None:
+        """Stores the session; `open` connects."""
         super().__init__(numbering)
         self._client, self._session_id = client, session_id
-        self._replies = Replies(client.url)
+        self._replies = ReplyMatcher(client.url)
         self._exit = AsyncExitStack()
 
     async def open(self) -> None:
-        """Connects."""
+        """Opens the connection."""
         url = self._client.url
         try:
             socket = self._client.connect(routes.STREAM_CONTROLLER.format(self._session_id))
@@ -318,27 +321,27 @@ class AsyncStream(AsyncController):
     async def step_state(self, state: State) -> StepAnswer:
         """As `Controller.step_state`."""
         try:
-            await self._socket.send(self._replies.ask(state))
+            await self._socket.send(self._replies.encode(state))
             async with asyncio.timeout(self._client.step_timeout_s):
                 while True:
-                    answer = self._replies.hear(await self._socket.recv())
+                    answer = self._replies.decode(await self._socket.recv())
                     if answer is not None:
                         return answer
         except TimeoutError as error:
-            raise LateAnswerError(self._client.url, f"nothing within {self._client.step_timeout_s} s") from error
+            raise LateAnswerError(self._client.url, f"no reply within {self._client.step_timeout_s} s") from error
         except ConnectionClosed as error:
             raise NoAnswerError(self._client.url, error) from error
 
     async def close(self) -> None:
-        """Ends the connection, not the session."""
+        """Closes the connection. The session stays open."""
         await self._exit.aclose()
 
 
 class AsyncSimulationRun:
-    """As `SimulationRun`."""
+    """The asyncio version of `SimulationRun`."""
 
     def __init__(self, client: AsyncClient, simulation_id: str) -> None:
-        """One that was started."""
+        """`simulation_id`: identifier of a run that was started."""
         self._client, self.id = client, simulation_id
 
     async def status(self) -> Simulation:
@@ -378,24 +381,24 @@ async def drive(
     watchdog: Watchdog,
     duration_s: float = math.inf,
 ) -> Drive:
-    """As `revprio.drive`. The ramp at the end does not yield: nothing else runs until the arm rests."""
+    """As `revprio.drive`. The final ramp blocks the event loop until the arm is at rest."""
     report = Drive()
-    hearing = Hearing(watchdog)
+    state = LoopState(watchdog)
     pending: asyncio.Task[StepAnswer] | None = None
     with ramp_to_rest(watchdog, write, controller.period_s):
         try:
             for tick in ticks(controller.period_s, duration_s):
-                now = await read()
+                measurement = await read()
                 is_own = pending is None
                 if pending is None:
-                    pending = asyncio.ensure_future(controller.step(**hearing.ask(now, tick)))
-                await asyncio.wait([pending], timeout=tick.left_s())
+                    pending = asyncio.ensure_future(controller.step(**state.step_arguments(measurement, tick)))
+                await asyncio.wait([pending], timeout=tick.remaining_s())
                 if pending.done():
-                    report.answered += hearing.hear(pending) and is_own
+                    report.answered += state.update(pending) and is_own
                     pending = None
-                write(hearing.command())
+                write(state.command())
                 report.periods += 1
-                await asyncio.sleep(tick.left_s())
+                await asyncio.sleep(tick.remaining_s())
         finally:
             if pending is not None:
                 pending.cancel()

@@ -1,4 +1,4 @@
-"""What all bodies have in common, and NumPy arrays inside them."""
+"""Base classes of request and answer bodies, and the types of their NumPy arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator
 
 
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
-    """Numbers as an array; `null` is nan."""
+    """Converts numbers to an array; `None` becomes nan."""
     try:
         return np.asarray(value, dtype=np.float64)
     except TypeError as error:
@@ -38,34 +38,34 @@ def _plain(value: NDArray[np.float64] | dict[str, float]) -> Any:  # noqa: ANN40
 
 
 FloatArray: TypeAlias = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_plain)]
-"""An array of an answer; nan where there is no number."""
+"""An array in an answer; `null` in JSON is nan here."""
 
 ArrayLike: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_finite), PlainSerializer(_plain)]
-"""An array of a request, or what NumPy makes one of: numbers, lists, arrays. All must be finite."""
+"""An array in a request: anything that NumPy converts to an array of finite numbers."""
 
 JointVector: TypeAlias = Annotated[AnyArrayLike | Mapping[str, float], PlainValidator(_joints), PlainSerializer(_plain)]
 """One number per joint: an array in the robot's joint order, or a mapping by joint name in any order."""
 
 
 class Body(BaseModel):
-    """Part of a request. What is left out is not sent; the service then takes its default."""
+    """Part of a request. Fields that were not set are not sent; the service then uses its defaults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
 
     def json_bytes(self) -> bytes:
-        """As it is sent."""
+        """Returns the JSON text to send."""
         return self.model_dump_json(exclude_unset=True).encode()
 
 
 class Tagged(Body):
-    """One of several kinds, which the field `kind` names."""
+    """A variant of a union; the field `kind` names the variant."""
 
     def model_post_init(self, _context: object, /) -> None:
-        """Counts `kind` as set, so that it is sent."""
+        """Marks `kind` as set, so that it is sent."""
         self.model_fields_set.add("kind")
 
 
 class Answer(BaseModel):
-    """Part of an answer. Fields that a newer service may add are ignored."""
+    """Part of an answer. Unknown fields, such as those of a newer service, are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, arbitrary_types_allowed=True)

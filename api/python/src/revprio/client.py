@@ -1,4 +1,4 @@
-"""The blocking client."""
+"""The blocking HTTP client."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from revprio.models import (
     StepAnswer,
     StepRequest,
 )
-from revprio.patience import Patience, no_answer
+from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import SimulationRun
 from revprio.streaming import SUBPROTOCOL, websocket_url
 from revprio.typed import fields_of
@@ -43,9 +43,9 @@ A = TypeVar("A")
 
 
 class Client:
-    """A client of one service; keeps its connection open between calls. Use it in a `with` block, or `close` it.
+    """A client of one service. It keeps its connections open between calls: use it in a `with` block, or call `close`.
 
-    Every method raises a `RevprioError` where there is no answer or the service refuses; see `revprio.errors`.
+    Every method raises a `RevprioError` if no answer comes or the service refuses the request; see `revprio.errors`.
     """
 
     def __init__(  # noqa: PLR0913
@@ -58,12 +58,13 @@ class Client:
         retries: int = 2,
         tls: ssl.SSLContext | None = None,
     ) -> None:
-        """`url`: base address of the service; nothing is sent before the first call.
+        """Creates the client; nothing is sent before the first call.
 
-        `token`: what the service was given as `--token-file`.
-        `timeout_s`: longest time for a call with its repetitions, s; `step_timeout_s`: the same for a control period.
-        `retries`: repetitions of a call at most, only where they cannot do harm.
-        `tls`: for `https://` with a certificate that the system does not know.
+        `url`: base address of the service.
+        `token`: the content of the service's `--token-file`.
+        `timeout_s`: time limit of a call including its retries, s; `step_timeout_s`: the same for a control period.
+        `retries`: maximum number of retries of a call. Only calls that are safe to repeat are retried.
+        `tls`: TLS settings for `https://` with a certificate that the system does not trust.
         """
         self.url = url.rstrip("/")
         self.step_timeout_s = step_timeout_s
@@ -72,15 +73,15 @@ class Client:
         self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=tls or True)
 
     def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
-        """Sends a call of `revprio.routes`, again where that is safe, and reads its answer."""
-        patience = Patience(
+        """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
+        budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )
         while True:
             try:
-                return call.route.read(self._send(call.request(self._http, patience.left_s())))
+                return call.route.read(self._send(call.request(self._http, budget.remaining_s())))
             except RevprioError as failure:
-                time.sleep(patience.pause_s(failure))
+                time.sleep(budget.pause_s(failure))
 
     def _send(self, request: httpx.Request) -> httpx.Response:
         try:
@@ -89,7 +90,7 @@ class Client:
             raise no_answer(self.url, error) from error
 
     def connect(self, path: str) -> AbstractContextManager[ClientConnection]:
-        """A WebSocket to a path of the service, for a `with` block."""
+        """Returns a context manager that opens a WebSocket to a path of the service."""
         return connect(
             websocket_url(self.url, path),
             additional_headers=self._headers,
@@ -101,29 +102,30 @@ class Client:
 
     @fields_of(ResolveRequest)
     def resolve(self, request: ResolveRequest) -> ResolveAnswer:
-        """Joint velocities for tasks at a posture: `client.resolve(robot=…, joint_position=…, tasks=[…])`.
+        """Computes joint velocities for tasks: `client.resolve(robot=…, joint_position=…, tasks=[…])`.
 
-        The answer's `joint_velocity`: n, rad/s or m/s; `tasks`: what became of each, highest priority first.
+        In the answer, `joint_velocity` has n numbers, rad/s or m/s; `tasks` has the result of each task, highest
+        priority first.
         """
         return self.call(routes.RESOLVE(body=request))
 
     def resolve_batch(self, items: Sequence[ResolveRequest]) -> list[BatchItem]:
-        """Many questions at once: for each an answer or, where it is refused, a `Problem`, in the same order."""
+        """Resolves many requests at once. Returns, in the same order, an answer or a `Problem` for each."""
         return self.call(routes.RESOLVE_BATCH(body=BatchRequest(items=list(items)))).items
 
     @fields_of(KinematicsRequest)
     def kinematics(self, request: KinematicsRequest) -> KinematicsAnswer:
-        """Tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames."""
+        """Returns tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames."""
         return self.call(routes.KINEMATICS(body=request))
 
     @fields_of(StabilityRequest)
     def stability(self, request: StabilityRequest) -> StabilityAnswer:
-        """How much lag (s) and delay (periods) one axis in contact bears, and how little damping it needs."""
+        """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
         return self.call(routes.STABILITY(body=request))
 
     @fields_of(StepRequest)
     def step(self, request: StepRequest) -> StepAnswer:
-        """One stateless control period; `stateless` keeps the memory for you."""
+        """Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you."""
         return self.call(routes.STEP(body=request), self.step_timeout_s)
 
     @fields_of(ControllerConfig)
@@ -132,61 +134,64 @@ class Client:
         return Session(self, config)
 
     def sessions(self) -> list[SessionEntry]:
-        """The sessions of all clients that are open now."""
+        """Lists the open sessions of all clients."""
         return self.call(routes.LIST_CONTROLLERS()).controllers
 
     @fields_of(ControllerConfig)
     def stateless(self, config: ControllerConfig) -> Stateless:
-        """A controller whose memory travels with each request."""
+        """Returns a controller that sends its memory with each request."""
         return Stateless(self, config)
 
     def robots(self) -> list[Robot]:
-        """The arms that requests can name, with limits and units of their joints."""
+        """Lists the robots that requests can name, with limits and units of their joints."""
         return self.call(routes.ROBOTS()).robots
 
     def robot(self, name: str) -> Robot:
-        """One of them."""
+        """Returns the robot of this name, with limits and units of its joints."""
         return self.call(routes.ROBOT(name))
 
     @fields_of(RobotRegistration)
     def register_robot(self, registration: RobotRegistration) -> Robot:
-        """Makes an arm known from the text of a URDF file, under a name, with `tip` the link of its tool."""
+        """Registers a robot from the text of a URDF file. `tip` names the link of its tool."""
         return self.call(routes.REGISTER_ROBOT(body=registration))
 
     def delete_robot(self, name: str) -> None:
-        """Forgets a registered arm."""
+        """Deletes a registered robot."""
         self.call(routes.DELETE_ROBOT(name))
 
     def scenarios(self) -> list[ScenarioEntry]:
-        """The experiments that ship with the service."""
+        """Lists the scenarios that ship with the service."""
         return self.call(routes.SCENARIOS()).scenarios
 
     def scenario(self, name: str) -> Scenario:
-        """One of them."""
+        """Returns the scenario of this name."""
         return self.call(routes.SCENARIO(name))
 
     @fields_of(SimulationRequest)
     def simulate(self, request: SimulationRequest) -> SimulationRun:
-        """Starts an experiment, by name or of your own; `result()` waits for its end, `trace()` has every period."""
+        """Starts a simulation of a scenario, by name or your own.
+
+        `result()` waits for its end; `trace()` returns every control period.
+        """
         return SimulationRun(self, request)
 
     def is_ready(self) -> bool:
-        """Whether the service can be reached and takes work."""
+        """Returns whether the service can be reached and accepts requests."""
         try:
             return self._send(self._http.build_request("GET", "/readyz")).is_success
         except RevprioError:
             return False
 
     def close(self) -> None:
-        """Closes the connection."""
+        """Closes the connections."""
         self._http.close()
 
     def __enter__(self) -> Self:
-        """Itself."""
+        """Returns this object."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Closes the connection."""
+        """Closes the connections."""
         self.close()

@@ -1,4 +1,4 @@
-"""Controllers that run: a measured state in, joint velocities out, once per period."""
+"""Running controllers: once per period, a measured state goes in and joint velocities come out."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from revprio.models import (
     StepRequest,
     Wrench,
 )
-from revprio.states import Numbering
-from revprio.streaming import Replies, refused_handshake
+from revprio.states import StateNumbering
+from revprio.streaming import ReplyMatcher, refused_handshake
 
 if TYPE_CHECKING:
     from revprio.client import Client
 
 
 class Controller(ABC):
-    """One controller; made by `Client.session` or `Client.stateless`. Use it in a `with` block."""
+    """A running controller, made by `Client.session` or `Client.stateless`. Use it in a `with` block."""
 
     def __init__(self, period_s: float) -> None:
-        """`period_s`: T, s."""
+        """`period_s`: control period T, s."""
         self.period_s = period_s
-        self._numbering = Numbering(period_s)
+        self._numbering = StateNumbering(period_s)
 
     def step(
         self,
@@ -45,35 +45,35 @@ class Controller(ABC):
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
     ) -> StepAnswer:
-        """One control period.
+        """Runs one control period.
 
         `joint_position`: q, n, rad or m, as an array in the robot's joint order or a mapping by joint name.
-        `joint_velocity`: q̇, n, rad/s or m/s; the last command stands for it if left out.
-        `wrench`: force (N) and torque (N·m), 6, as the controller's `wrench_convention` and `wrench_frame` say.
-        `time_s`: t of profiles, s; period by period from 0 if left out.
+        `joint_velocity`: q̇, n, rad/s or m/s; default: the last commanded velocity.
+        `wrench`: force (N) and torque (N·m), 6, as the controller's `wrench_convention` and `wrench_frame` define.
+        `time_s`: time t of the set-point profiles, s; default: the sequence number times the period.
 
-        Answers with `joint_velocity`, n, rad/s or m/s, good for `valid_for_ms` from the moment of measurement; see
-        `Watchdog`. A state whose answer is lost on the way is sent again under the same number, which is never stepped
-        twice.
+        Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
+        `Watchdog`. If an answer is lost, the client sends the state again with the same sequence number; the service
+        never runs the same number twice.
         """
         return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s))
 
     @abstractmethod
     def step_state(self, state: State) -> StepAnswer:
-        """One control period with a state that has its own sequence number, which must grow."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
 
     @abstractmethod
     def close(self) -> None:
-        """Ends it."""
+        """Ends the controller."""
 
     def __enter__(self) -> Self:
-        """Itself."""
+        """Returns this object."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Ends it."""
+        """Ends the controller."""
         self.close()
 
 
@@ -85,7 +85,7 @@ class Session(Controller):
         super().__init__(config.period_s)
         self._client = client
         self.created: CreatedController = client.call(routes.CREATE_CONTROLLER(body=config))
-        """Its name, the joint order, and warnings about contacts that would bounce."""
+        """The answer of the service: session name, joint order, and warnings about unstable contacts."""
 
     @property
     def id(self) -> str:
@@ -93,26 +93,32 @@ class Session(Controller):
         return self.created.id
 
     def step_state(self, state: State) -> StepAnswer:
-        """One control period with a state that has its own sequence number, which must grow."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         return self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
 
     def status(self) -> SessionStatus:
-        """Configuration, last sequence number and counters."""
+        """Returns the configuration, the last sequence number and counters."""
         return self._client.call(routes.SHOW_CONTROLLER(self.id))
 
     def stream(self) -> Stream:
-        """The same controller over a WebSocket, for loops faster than requests allow. Closing it keeps the session."""
+        """Opens a WebSocket to the same controller, for loops that are too fast for single requests.
+
+        Closing the stream keeps the session.
+        """
         return Stream(self._client, self)
 
     def close(self) -> None:
-        """Ends the session, if it has not ended by itself."""
+        """Ends the session; does nothing if it has already ended."""
         with suppress(NotFoundError):
             self._client.call(routes.DELETE_CONTROLLER(self.id))
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Ends the session; where that fails after another failure, the service ends it by itself when it is idle."""
+        """Ends the session.
+
+        An error of the block has precedence over an error of `close`. The service ends an idle session itself.
+        """
         try:
             self.close()
         except Exception:
@@ -121,35 +127,35 @@ class Session(Controller):
 
 
 class Stateless(Controller):
-    """A controller whose memory travels with each request, so that any replica of the service answers any of them."""
+    """A controller that sends its memory with each request, so that any replica of the service can answer it."""
 
     def __init__(self, client: Client, config: ControllerConfig) -> None:
-        """Begins without memory."""
+        """Starts without memory."""
         super().__init__(config.period_s)
         self._client, self._config = client, config
         self.memory: Memory | None = None
-        """What the last answer asked to be told; may be stored and put back."""
+        """The controller memory of the last answer, for the next request. It may be stored and set again."""
 
     def step_state(self, state: State) -> StepAnswer:
-        """One control period with a state that has its own sequence number, which must grow."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         request = StepRequest(controller=self._config, state=state, memory=self.memory)
         answer = self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
         return answer
 
     def close(self) -> None:
-        """Does nothing: the service keeps nothing of it."""
+        """Does nothing, because the service stores nothing."""
 
 
 class Stream(Controller):
     """A session over a WebSocket."""
 
     def __init__(self, client: Client, session: Session) -> None:
-        """Connects."""
+        """Opens the connection."""
         super().__init__(session.period_s)
         self._numbering = session._numbering
         self._url, self._timeout_s = client.url, client.step_timeout_s
-        self._replies = Replies(client.url)
+        self._replies = ReplyMatcher(client.url)
         self._exit = ExitStack()
         try:
             self._socket = self._exit.enter_context(client.connect(routes.STREAM_CONTROLLER.format(session.id)))
@@ -159,18 +165,18 @@ class Stream(Controller):
             raise NoAnswerError(client.url, error) from error
 
     def step_state(self, state: State) -> StepAnswer:
-        """One control period with a state that has its own sequence number, which must grow."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         try:
-            self._socket.send(self._replies.ask(state))
+            self._socket.send(self._replies.encode(state))
             while True:
-                answer = self._replies.hear(self._socket.recv(self._timeout_s))
+                answer = self._replies.decode(self._socket.recv(self._timeout_s))
                 if answer is not None:
                     return answer
         except TimeoutError as error:
-            raise LateAnswerError(self._url, f"nothing within {self._timeout_s} s") from error
+            raise LateAnswerError(self._url, f"no reply within {self._timeout_s} s") from error
         except ConnectionClosed as error:
             raise NoAnswerError(self._url, error) from error
 
     def close(self) -> None:
-        """Ends the connection, not the session."""
+        """Closes the connection. The session stays open."""
         self._exit.close()

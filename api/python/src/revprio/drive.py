@@ -1,4 +1,4 @@
-"""A control loop in real time, with the watchdog in it."""
+"""A real-time control loop with a watchdog."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from revprio.watchdog import Watchdog
 
 @dataclass(frozen=True)
 class Measurement:
-    """What an arm measures at one moment; units and shapes as in `Controller.step`."""
+    """Measured values of an arm at one moment; units and shapes as in `Controller.step`."""
 
     joint_position: JointVector
     joint_velocity: JointVector | None = None
@@ -28,12 +28,12 @@ class Measurement:
 
 @dataclass
 class Drive:
-    """How a loop went."""
+    """Statistics of a control loop."""
 
     periods: int = 0
-    """Control periods."""
+    """Number of control periods."""
     answered: int = 0
-    """Periods with an answer to their own state before their end."""
+    """Number of periods in which the answer to the period's own state came before its end."""
 
 
 def drive(
@@ -44,47 +44,52 @@ def drive(
     watchdog: Watchdog,
     duration_s: float = math.inf,
 ) -> Drive:
-    """Runs a controller in real time: once per period `read`, call, `write` (n, rad/s or m/s).
+    """Runs a controller in real time. In each period it calls `read`, the service, and `write` (n, rad/s or m/s).
 
-    Calls run in a thread of their own, so that `write` is heard in every period, with what the watchdog allows,
-    however late an answer is. While the service is silent the arm ramps to rest; if it answers before that, the loop
-    goes on. It ends with the arm at rest: after `duration_s`; when silence has led to rest, with the last
-    `NoAnswerError` or `UnavailableError`; when the service refuses a state, with that `ProblemError`; and when `read`
-    fails or the program is interrupted.
+    The service is called in a separate thread. `write` therefore receives a command in every period, however late an
+    answer is; the watchdog decides which command is allowed. While no answers come, the arm slows down to rest. The
+    loop continues if an answer comes before the arm is at rest.
+
+    The arm is at rest when the loop ends. The loop ends
+
+    - after `duration_s`;
+    - when the arm has come to rest because no answers came: raises the last `NoAnswerError` or `UnavailableError`;
+    - when the service refuses a state: raises that `ProblemError`;
+    - when `read` fails or the program is interrupted.
     """
     report = Drive()
-    hearing = Hearing(watchdog)
+    state = LoopState(watchdog)
     pending: Future[StepAnswer] | None = None
     with ThreadPoolExecutor(1, "revprio") as caller, ramp_to_rest(watchdog, write, controller.period_s):
         for tick in ticks(controller.period_s, duration_s):
-            now = read()
+            measurement = read()
             is_own = pending is None
             if pending is None:
-                pending = caller.submit(controller.step, **hearing.ask(now, tick))
-            wait([pending], tick.left_s())
+                pending = caller.submit(controller.step, **state.step_arguments(measurement, tick))
+            wait([pending], tick.remaining_s())
             if pending.done():
-                report.answered += hearing.hear(pending) and is_own
+                report.answered += state.update(pending) and is_own
                 pending = None
-            write(hearing.command())
+            write(state.command())
             report.periods += 1
-            time.sleep(tick.left_s())
+            time.sleep(tick.remaining_s())
     return report
 
 
 @dataclass(frozen=True)
 class Tick:
-    """One period: its time since the start of the loop and the moment of its end, s."""
+    """One period: its start, s since the start of the loop, and its end, s on the monotonic clock."""
 
     time_s: float
     end_s: float
 
-    def left_s(self) -> float:
-        """Time until its end, s."""
+    def remaining_s(self) -> float:
+        """Returns the time until the end of the period, s."""
         return max(self.end_s - time.monotonic(), 0.0)
 
 
 def ticks(period_s: float, duration_s: float) -> Iterator[Tick]:
-    """The periods of a loop; those that are over before they could begin are left out."""
+    """Yields the periods of a loop. A period that is already over is skipped."""
     start_s = time.monotonic()
     number = 0
     while number * period_s < duration_s:
@@ -94,7 +99,7 @@ def ticks(period_s: float, duration_s: float) -> Iterator[Tick]:
 
 @contextmanager
 def ramp_to_rest(watchdog: Watchdog, write: Callable[[FloatArray], None], period_s: float) -> Iterator[None]:
-    """Leaves the arm at rest, whatever ends the loop."""
+    """Slows the arm down to rest when the block ends, also after an exception."""
     try:
         yield
     finally:
@@ -105,29 +110,29 @@ def ramp_to_rest(watchdog: Watchdog, write: Callable[[FloatArray], None], period
         write(watchdog.command(now_s))
 
 
-class Outcome(Protocol):
-    """A call that is over, of a thread or of asyncio."""
+class FinishedCall(Protocol):
+    """A finished call of the service: a `concurrent.futures.Future` or an `asyncio.Task`."""
 
     def result(self) -> StepAnswer:
-        """Its answer, or what it raised."""
+        """Returns the answer or raises the exception of the call."""
 
 
-class Hearing:
-    """Tells answers from silence."""
+class LoopState:
+    """State of a control loop between periods: the watchdog, the last failure and the last measurement time."""
 
     def __init__(self, watchdog: Watchdog) -> None:
-        """With the watchdog that shall hear of answers."""
+        """`watchdog`: receives the answers and limits the commands."""
         self._watchdog = watchdog
         self._failure: RevprioError | None = None
-        self._asked_at_s = -math.inf
+        self._measured_at_s = -math.inf
 
-    def ask(self, now: Measurement, tick: Tick) -> dict[str, Any]:
-        """The arguments of a step with what was measured just now."""
-        self._asked_at_s = time.monotonic()
-        return {**vars(now), "time_s": tick.time_s}
+    def step_arguments(self, measurement: Measurement, tick: Tick) -> dict[str, Any]:
+        """Returns the arguments of `Controller.step` and stores the current time as that of the measurement."""
+        self._measured_at_s = time.monotonic()
+        return {**vars(measurement), "time_s": tick.time_s}
 
-    def hear(self, call: Outcome) -> bool:
-        """Takes the outcome of a call that is over; whether it is an answer that counts. Raises refusals."""
+    def update(self, call: FinishedCall) -> bool:
+        """Processes a finished call; returns whether the watchdog accepted its answer. Raises a refusal."""
         try:
             answer = call.result()
         except RevprioError as failure:
@@ -136,10 +141,10 @@ class Hearing:
             self._failure = failure
             return False
         self._failure = None
-        return self._watchdog.obey(answer, self._asked_at_s, time.monotonic())
+        return self._watchdog.obey(answer, self._measured_at_s, time.monotonic())
 
     def command(self) -> FloatArray:
-        """What to command now; raises the failure that has led to rest."""
+        """Returns the joint velocities to command now; raises the last failure once it has brought the arm to rest."""
         now_s = time.monotonic()
         if self._failure is not None and self._watchdog.is_at_rest(now_s):
             raise self._failure

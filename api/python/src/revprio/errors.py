@@ -1,4 +1,4 @@
-"""What can go wrong, each with what to do about it."""
+"""Exceptions of the client."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ __all__ = [
 
 
 class RevprioError(Exception):
-    """Anything that this package raises about the service."""
+    """Base class of all errors that concern the service."""
 
     is_silence: bool = False
-    """Whether a later call may succeed: the service cannot be reached, is late, or has no time."""
+    """Whether a later call may succeed: the service cannot be reached, is late, or is overloaded."""
 
 
 class NoAnswerError(RevprioError):
-    """The service cannot be reached, or the connection broke."""
+    """The service cannot be reached, or the connection was lost."""
 
     is_silence = True
 
     def __init__(self, url: str, cause: object) -> None:
-        """`url`: who was asked; `cause`: what happened."""
+        """`url`: address of the service; `cause`: reason of the failure."""
         super().__init__(f"no answer from {url}: {cause}; is the service running there?")
         self.url = url
 
@@ -33,40 +33,40 @@ class LateAnswerError(NoAnswerError):
 
 
 class ForeignAnswerError(RevprioError):
-    """Something answered, but not as a revprio service of this version does."""
+    """The answer is not one of a revprio service of this version."""
 
     def __init__(self, url: str, status: int, cause: object) -> None:
-        """`status`: HTTP status of the answer."""
-        super().__init__(f"{url} answered with status {status}, but not as a revprio service does: {cause}")
+        """`url`: address that answered; `status`: HTTP status of the answer; `cause`: why it cannot be read."""
+        super().__init__(f"the answer of {url} (status {status}) is not from a revprio service: {cause}")
         self.url, self.status = url, status
         self.is_silence = status >= 500  # noqa: PLR2004
 
 
 class SimulationError(RevprioError):
-    """An experiment failed or was cancelled."""
+    """A simulation failed or was cancelled."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """`simulation`: what the service says of it."""
-        super().__init__(f"simulation {simulation.id} {simulation.state}: {simulation.error or 'see who deleted it'}")
+        """`simulation`: its state and error, as the service reports them."""
+        super().__init__(f"simulation {simulation.id} {simulation.state}: {simulation.error or 'a client deleted it'}")
         self.simulation = simulation
 
 
 class ProblemError(RevprioError):
-    """The service refused a request and says why (RFC 9457, `application/problem+json`)."""
+    """The service refused a request; the fields give the reason (RFC 9457, `application/problem+json`)."""
 
     def __init__(self, problem: Problem, retry_after_s: float | None = None) -> None:
-        """`retry_after_s`: what the header `Retry-After` asks for, s."""
+        """`retry_after_s`: value of the header `Retry-After`, s."""
         self.problem = problem
         self.type = problem.type
         """Stable identifier of the kind of problem."""
         self.status = problem.status
         """HTTP status."""
         self.detail = problem.detail
-        """What is wrong, in words."""
+        """Description of the problem."""
         self.pointer = problem.pointer
-        """JSON pointer of the offending field, if there is one."""
+        """JSON pointer of the invalid field, if there is one."""
         self.remedy = REMEDIES.get(problem.type, problem.title)
-        """What to do about it."""
+        """What to do about the problem."""
         self.retry_after_s = retry_after_s
         place = f" at {problem.pointer}" if problem.pointer else ""
         super().__init__(f"{problem.detail} ({problem.status} {problem.type}{place}). {self.remedy}")
@@ -74,26 +74,26 @@ class ProblemError(RevprioError):
 
 
 class InvalidError(ProblemError):
-    """400, 413, 415, 422: the request is malformed, too large or wrong; `pointer` says where."""
+    """400, 413, 415, 422: the request is malformed, too large or invalid; `pointer` names the field."""
 
 
 class UnauthorizedError(ProblemError):
-    """401, 403: no token, another one, or what no token allows."""
+    """401, 403: the token is missing or wrong, or the request is forbidden."""
 
 
 class NotFoundError(ProblemError):
-    """404: no such robot, controller, scenario or simulation; a session that ended is one."""
+    """404: no such robot, controller, scenario or simulation; also a session that has ended."""
 
 
 class ConflictError(ProblemError):
-    """409: a sequence number that does not grow, a name that is taken, a trace that is not there yet."""
+    """409: a sequence number does not increase, a name is already used, or a trace is not ready yet."""
 
 
 class UnavailableError(ProblemError):
-    """429, 503: overloaded, full or about to end; `retry_after_s` says when to try again."""
+    """429, 503: the service is overloaded, full or shutting down; retry after `retry_after_s`."""
 
 
-_KINDS: dict[int, type[ProblemError]] = {
+_ERROR_BY_STATUS: dict[int, type[ProblemError]] = {
     **dict.fromkeys((400, 413, 415, 422), InvalidError),
     **dict.fromkeys((401, 403), UnauthorizedError),
     404: NotFoundError,
@@ -103,5 +103,5 @@ _KINDS: dict[int, type[ProblemError]] = {
 
 
 def problem_error(problem: Problem, retry_after_s: float | None = None) -> ProblemError:
-    """The exception of a problem."""
-    return _KINDS.get(problem.status, ProblemError)(problem, retry_after_s)
+    """Returns the exception class that matches the status of a problem."""
+    return _ERROR_BY_STATUS.get(problem.status, ProblemError)(problem, retry_after_s)

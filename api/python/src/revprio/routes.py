@@ -1,4 +1,4 @@
-"""The calls of the interface as data: what is sent, and how an answer is read. Nothing here touches a network."""
+"""The routes of the service as data: how to build a request and how to read its answer. Performs no network access."""
 
 from __future__ import annotations
 
@@ -36,46 +36,46 @@ A = TypeVar("A")
 
 
 class Route(Generic[A]):
-    """A method and a path, with a place `{}` for each name in it, and the type of its answer."""
+    """An HTTP method, a path with a placeholder `{}` for each name, and the type of the answer."""
 
     accept = "application/json"
 
     def __init__(self, method: str, path: str, answer: type[A], *, repeatable: bool = True) -> None:
-        """`repeatable`: whether it may be sent again when nobody knows if the service has seen it."""
+        """`repeatable`: whether a request may be sent again when it is unknown if the service received it."""
         self.method, self.path, self.answer, self.repeatable = method, path, answer, repeatable
         self._adapter: TypeAdapter[A] = TypeAdapter(answer)
 
     def __call__(self, *names: str, body: Body | None = None) -> Call[A]:
-        """The call with the names in the path."""
+        """Returns the call with these names in its path."""
         return Call(self, self.path.format(*(quote(name, safe="") for name in names)), body)
 
     def read(self, response: httpx.Response) -> A:
-        """The answer; raises what was refused."""
+        """Returns the answer of a successful response; raises a `ProblemError` otherwise."""
         try:
             if response.is_success:
                 return self.parse(response.content)
             problem = Problem.model_validate_json(response.content)
-        except ValueError as error:  # those of pydantic are
+        except ValueError as error:  # includes pydantic.ValidationError
             cause = str(error).partition("\n")[0]
             raise ForeignAnswerError(str(response.url), response.status_code, cause) from error
         raise problem_error(problem, _seconds(response.headers.get("retry-after")))
 
     def parse(self, content: bytes) -> A:
-        """The body of an answer that went well."""
+        """Parses the body of a successful response."""
         return self._adapter.validate_json(content or b"null")
 
 
 Trace = dict[str, NDArray[Any]]
-"""One array per column, a row per control period."""
+"""Columns by name; each array has one entry per control period."""
 
 
 class TraceRoute(Route[Trace]):
-    """A route whose answer is a table."""
+    """A route whose answer is a table in CSV."""
 
     accept = "text/csv"
 
     def parse(self, content: bytes) -> Trace:
-        """Columns of numbers, nan where there is none, and columns of words."""
+        """Parses columns of numbers, with nan for empty fields, and columns of text."""
         header, *rows = csv.reader(content.decode().splitlines())
         return {name: _column(list(entries)) for name, entries in zip(header, zip(*rows, strict=True), strict=True)}
 
@@ -93,14 +93,14 @@ def _seconds(header: str | None) -> float | None:
 
 @dataclass(frozen=True)
 class Call(Generic[A]):
-    """One request."""
+    """A request to one route."""
 
     route: Route[A]
     path: str
     body: Body | None
 
     def request(self, http: httpx.Client | httpx.AsyncClient, timeout_s: float) -> httpx.Request:
-        """As HTTP."""
+        """Returns the HTTP request."""
         content = None if self.body is None else self.body.json_bytes()
         headers = {"accept": self.route.accept}
         if content is not None:
@@ -118,7 +118,7 @@ CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, repeatab
 LIST_CONTROLLERS = Route("GET", "/v1/controllers", SessionList)
 SHOW_CONTROLLER = Route("GET", "/v1/controllers/{}", SessionStatus)
 DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))
-# The same state with the same sequence number is not stepped twice.
+# Repeatable: the service does not run the same sequence number twice.
 STEP_CONTROLLER = Route("POST", "/v1/controllers/{}/step", StepAnswer)
 STREAM_CONTROLLER = "/v1/controllers/{}/stream"
 
@@ -132,7 +132,7 @@ SCENARIO = Route("GET", "/v1/scenarios/{}", Scenario)
 
 CREATE_SIMULATION = Route("POST", "/v1/simulations", Simulation, repeatable=False)
 SIMULATION = Route("GET", "/v1/simulations/{}", Simulation)
-# An order may be to go on by some periods.
+# Not repeatable: the command can be to advance by a number of periods.
 CONTROL_SIMULATION = Route("POST", "/v1/simulations/{}/control", Simulation, repeatable=False)
 CYCLE = Route("GET", "/v1/simulations/{}/cycle", StepRequest)
 DELETE_SIMULATION = Route("DELETE", "/v1/simulations/{}", type(None))

@@ -1,4 +1,4 @@
-"""Experiments that the service runs."""
+"""Simulations that the service runs."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from revprio.client import Client
 
 POLL_S = 0.1
-"""Between two looks at a running experiment, s."""
+"""Interval between two status requests, s."""
 
 
 class SimulationRun:
-    """An experiment, queued, running or ended."""
+    """A simulation that is queued, running or finished."""
 
     def __init__(self, client: Client, request: SimulationRequest) -> None:
-        """Starts it."""
+        """Starts the simulation."""
         self._client = client
         self.id = client.call(routes.CREATE_SIMULATION(body=request)).id
 
     def status(self) -> Simulation:
-        """State and progress (0 … 1); metrics once it is finished."""
+        """Returns state and progress (0 … 1); includes metrics once the simulation is finished."""
         return self._client.call(routes.SIMULATION(self.id))
 
     def result(self, on_progress: Callable[[Simulation], object] = lambda _: None) -> Simulation:
-        """Waits for its end; raises `SimulationError` if it failed or was cancelled."""
+        """Waits for the end; raises `SimulationError` if the simulation failed or was cancelled."""
         while not has_ended(status := self.status()):
             on_progress(status)
             time.sleep(POLL_S)
@@ -39,24 +39,24 @@ class SimulationRun:
 
     @fields_of(SimulationControl)
     def control(self, order: SimulationControl) -> Simulation:
-        """Paces and changes an interactive run: `run.control(paused=False, speed=0.5, external_force=[0, 20, 0])`."""
+        """Controls an interactive run: `run.control(paused=False, speed=0.5, external_force=[0, 20, 0])`."""
         return self._client.call(routes.CONTROL_SIMULATION(self.id, body=order))
 
     def cycle(self) -> StepRequest:
-        """The latest control period of an interactive run, as a request for `Client.step`."""
+        """Returns the latest control period of an interactive run, as a request for `Client.step`."""
         return self._client.call(routes.CYCLE(self.id))
 
     def trace(self) -> routes.Trace:
-        """Every control period of a finished run: an array per column of the table that the service documents."""
+        """Returns all control periods of a finished run: one array per column, as the service documents them."""
         return self._client.call(routes.TRACE(self.id))
 
     def cancel(self) -> None:
-        """Ends it, or forgets it once it has ended."""
+        """Cancels a running simulation; deletes a finished one."""
         self._client.call(routes.DELETE_SIMULATION(self.id))
 
 
 def has_ended(status: Simulation) -> bool:
-    """Whether it is finished; raises if it never will be."""
+    """Returns whether the simulation is finished; raises `SimulationError` if it failed or was cancelled."""
     if status.state in ("failed", "cancelled"):
         raise SimulationError(status)
     return status.state == "finished"

@@ -1,4 +1,4 @@
-"""Measured states, numbered."""
+"""Measured states with sequence numbers."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from revprio.bodies import ArrayLike, JointVector
 from revprio.models import State, Wrench
 
 
-class Numbering:
-    """Gives each state the next sequence number, and the time at which its period begins."""
+class StateNumbering:
+    """Gives each state the next sequence number and the start time of its period."""
 
     def __init__(self, period_s: float) -> None:
-        """`period_s`: T, s."""
+        """`period_s`: control period T, s."""
         self.period_s = period_s
         self._next = 0
 
@@ -23,7 +23,7 @@ class Numbering:
         wrench: Wrench | ArrayLike | None,
         time_s: float | None,
     ) -> State:
-        """The next state; what is `None` is left out, a time is the sequence number times T."""
+        """Returns the next state, without arguments that are `None`. Default of `time_s`: sequence number times T."""
         sequence = self._next
         measured = {"joint_velocity": joint_velocity, "wrench": wrench if wrench is None else as_wrench(wrench)}
         state = State(
@@ -37,11 +37,11 @@ class Numbering:
 
 
 def as_wrench(wrench: Wrench | ArrayLike) -> Wrench:
-    """A wrench, or six numbers: force x, y, z in N, then torque x, y, z in N·m."""
+    """Converts six numbers (force x, y, z in N, then torque x, y, z in N·m) to a `Wrench`."""
     if isinstance(wrench, Wrench):
         return wrench
     six = np.asarray(wrench, dtype=np.float64)
     if six.shape != (6,):
-        message = f"wrench: 6 numbers, force then torque, not an array of shape {six.shape}"
+        message = f"wrench: expected 6 numbers (force, then torque), got an array of shape {six.shape}"
         raise ValueError(message)
     return Wrench(force=six[:3], torque=six[3:])

@@ -1,4 +1,4 @@
-"""Messages of a stream, whatever carries them."""
+"""Messages of a stream; used by the blocking and the asyncio client."""
 
 from __future__ import annotations
 
@@ -11,36 +11,39 @@ from revprio.models import Problem, State, StepAnswer
 SUBPROTOCOL = "revprio.json"
 
 
-class Replies:
-    """Finds the answer to the last state: each state gets one reply, in order, and the late ones come first."""
+class ReplyMatcher:
+    """Finds the reply to the last state.
+
+    The service sends one reply per state, in the same order. Late replies to earlier states therefore come first.
+    """
 
     def __init__(self, url: str) -> None:
-        """`url`: who answers, for messages."""
+        """`url`: address of the service, for error texts."""
         self._url = url
         self._awaited = 0
 
-    def ask(self, state: State) -> str:
-        """The message of a state."""
+    def encode(self, state: State) -> str:
+        """Returns the message of a state and counts it as awaiting a reply."""
         self._awaited += 1
         return state.json_bytes().decode()
 
-    def hear(self, message: str | bytes) -> StepAnswer | None:
-        """The answer in a message, `None` if it belongs to a state before; raises what was refused."""
+    def decode(self, message: str | bytes) -> StepAnswer | None:
+        """Returns the answer to the last state, or `None` for a reply to an earlier one; raises a refusal."""
         self._awaited -= 1
         if self._awaited > 0:
             return None
         try:
             return StepAnswer.model_validate_json(message)
-        except ValidationError as unlike_an_answer:
+        except ValidationError as error:
             try:
                 problem = Problem.model_validate_json(message)
             except ValidationError:
-                raise ForeignAnswerError(self._url, 200, unlike_an_answer) from unlike_an_answer
+                raise ForeignAnswerError(self._url, 200, error) from error
         raise problem_error(problem)
 
 
 def refused_handshake(url: str, error: InvalidHandshake) -> RevprioError:
-    """The exception for a stream that is not opened."""
+    """Returns the exception for a refused WebSocket handshake."""
     if isinstance(error, InvalidStatus):
         response = error.response
         try:
@@ -51,5 +54,5 @@ def refused_handshake(url: str, error: InvalidHandshake) -> RevprioError:
 
 
 def websocket_url(url: str, path: str) -> str:
-    """`ws://` for `http://`, `wss://` for `https://`."""
+    """Returns the WebSocket address: `ws://` for `http://`, `wss://` for `https://`."""
     return "ws" + url.removeprefix("http") + path

@@ -1,4 +1,4 @@
-"""Methods that take the fields of a body as keyword arguments, with the types of the body."""
+"""A decorator for methods whose keyword arguments are the fields of a body, with their types."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ A = TypeVar("A")
 
 
 def fields_of(body: Callable[P, B]) -> Callable[[Callable[[S, B], A]], Callable[Concatenate[S, P], A]]:
-    """Lets a method that takes a body take its fields instead: `resolve(request)` becomes `resolve(tasks=…, …)`."""
+    """Replaces the body argument of a method by the fields of the body: `resolve(request)` → `resolve(tasks=…, …)`."""
 
     def decorate(method: Callable[[S, B], A]) -> Callable[Concatenate[S, P], A]:
         @functools.wraps(method)
@@ -24,9 +24,9 @@ def fields_of(body: Callable[P, B]) -> Callable[[Callable[[S, B], A]], Callable[
             return method(self, body(*args, **fields))
 
         of_method, of_body = inspect.signature(method), inspect.signature(body)
-        this = next(iter(of_method.parameters.values()))
+        receiver = next(iter(of_method.parameters.values()))
         with_fields.__signature__ = of_body.replace(  # type: ignore[attr-defined]
-            parameters=[this, *of_body.parameters.values()],
+            parameters=[receiver, *of_body.parameters.values()],
             return_annotation=of_method.return_annotation,
         )
         return with_fields

@@ -1,4 +1,4 @@
-"""When a call is sent again."""
+"""Rules for sending a call again."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ import httpx
 from revprio.errors import LateAnswerError, NoAnswerError, RevprioError, UnavailableError
 
 FIRST_PAUSE_S = 0.02
-"""Before the first repetition where the service names no time; doubled each time."""
+"""Pause before the first retry if the answer has no `Retry-After`, s; doubled for each further retry."""
 
 
-class Patience:
-    """How often and how long one call is tried.
+class RetryBudget:
+    """Remaining retries and remaining time of one call.
 
-    Sent again is what the service has certainly not taken (no connection, 429 or 503), and after a broken connection
-    what does no harm when it is taken twice. An answer that is late is not waited for a second time.
+    A call is sent again in two cases: the service did not process it (no connection, 429 or 503); or the connection
+    was lost and the call may be processed twice without harm. A call that timed out is not sent again.
     """
 
     def __init__(self, *, repeatable: bool, retries: int, timeout_s: float) -> None:
-        """`retries`: repetitions at most; `timeout_s`: for all attempts and pauses together, s."""
+        """`retries`: maximum number of retries; `timeout_s`: time limit of all attempts and pauses together, s."""
         self._repeatable, self._retries = repeatable, retries
         self._pause_s = FIRST_PAUSE_S
         self._end_s = time.monotonic() + timeout_s
 
-    def left_s(self) -> float:
-        """Time that is left, s."""
+    def remaining_s(self) -> float:
+        """Returns the remaining time, s."""
         return max(self._end_s - time.monotonic(), 1e-3)
 
     def pause_s(self, failure: RevprioError) -> float:
-        """How long to wait before the next attempt, s; raises the failure if there shall be none."""
+        """Returns the pause before the next attempt, s; raises the failure if there is no further attempt."""
         pause_s = self._pause_s
         if isinstance(failure, UnavailableError) and failure.retry_after_s is not None:
             pause_s = failure.retry_after_s
-        if self._retries == 0 or not self._may_repeat(failure) or pause_s >= self.left_s():
+        if self._retries == 0 or not self._may_repeat(failure) or pause_s >= self.remaining_s():
             raise failure
         self._retries -= 1
         self._pause_s *= 2
@@ -47,7 +47,7 @@ class Patience:
 
 
 def no_answer(url: str, error: httpx.TransportError) -> NoAnswerError:
-    """The exception for a failure on the way."""
+    """Returns the exception for a transport failure."""
     kind = LateAnswerError if isinstance(error, httpx.TimeoutException) else NoAnswerError
     failure = kind(url, str(error) or type(error).__name__)
     failure.__cause__ = error
