@@ -1,4 +1,4 @@
-"""A running service, and a line to it that can be cut."""
+"""A running service, and a TCP proxy that simulates a faulty network."""
 
 import json
 import os
@@ -20,7 +20,7 @@ PROGRAM = os.environ.get("REVPRIO", str(ROOT / "target/debug/revprio"))
 
 @contextmanager
 def serve(*flags: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """A service on a free port: its address and its process."""
+    """Starts a service on a free port; yields its address and its process."""
     command = [PROGRAM, "serve", "--listen", "127.0.0.1:0", *flags]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         try:
@@ -48,7 +48,7 @@ def document() -> dict[str, Any]:
 
 
 def example(name: str) -> dict[str, Any]:
-    """A body of `api/examples`."""
+    """Returns a body of `api/examples`."""
     return read_json(ROOT / "api/examples" / f"{name}.json")
 
 
@@ -57,26 +57,26 @@ def read_json(path: Path) -> dict[str, Any]:
     return content
 
 
-class Line:
-    """A TCP line to a service that can stall, and lose an answer together with its connection."""
+class FaultyProxy:
+    """A TCP proxy that can hold back answers, and drop a connection instead of forwarding an answer."""
 
     def __init__(self, url: str) -> None:
         self._target = url.removeprefix("http://").split(":")
         self._listener = socket.create_server(("127.0.0.1", 0))
-        self._loses = False
-        self._passing = threading.Event()
-        self._passing.set()
+        self._drops_answer = False
+        self._forwarding = threading.Event()
+        self._forwarding.set()
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         threading.Thread(target=self._accept, daemon=True).start()
 
     def stall(self) -> None:
-        self._passing.clear()
+        self._forwarding.clear()
 
     def resume(self) -> None:
-        self._passing.set()
+        self._forwarding.set()
 
-    def lose_next_answer(self) -> None:
-        self._loses = True
+    def drop_next_answer(self) -> None:
+        self._drops_answer = True
 
     def close(self) -> None:
         self._listener.close()
@@ -85,30 +85,30 @@ class Line:
     def _accept(self) -> None:
         while True:
             try:
-                near, _ = self._listener.accept()
+                client, _ = self._listener.accept()
             except OSError:
                 return
-            far = socket.create_connection((self._target[0], int(self._target[1])))
-            for source, sink, is_back in ((near, far, False), (far, near, True)):
-                threading.Thread(target=self._carry, args=(source, sink, is_back), daemon=True).start()
+            service = socket.create_connection((self._target[0], int(self._target[1])))
+            for source, sink, is_answer in ((client, service, False), (service, client, True)):
+                threading.Thread(target=self._forward, args=(source, sink, is_answer), daemon=True).start()
 
-    def _carry(self, source: socket.socket, sink: socket.socket, is_back: bool) -> None:
+    def _forward(self, source: socket.socket, sink: socket.socket, is_answer: bool) -> None:
         with suppress(OSError):
             while data := source.recv(65536):
-                if is_back:
-                    self._passing.wait()
-                    if self._loses:
-                        self._loses = False
+                if is_answer:
+                    self._forwarding.wait()
+                    if self._drops_answer:
+                        self._drops_answer = False
                         break
                 sink.sendall(data)
         for end in (source, sink):
-            with suppress(OSError):  # the other direction may have ended it
+            with suppress(OSError):  # the other direction may have closed it
                 end.shutdown(socket.SHUT_RDWR)
             end.close()
 
 
 @pytest.fixture
-def line(url: str) -> Iterator[Line]:
-    line = Line(url)
-    yield line
-    line.close()
+def proxy(url: str) -> Iterator[FaultyProxy]:
+    proxy = FaultyProxy(url)
+    yield proxy
+    proxy.close()

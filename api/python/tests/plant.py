@@ -1,4 +1,4 @@
-"""The first periods of `stiff_wall`, with an arm and a wall of our own, and the same by the built-in simulator."""
+"""The first periods of `stiff_wall`, simulated here and by the service, for comparison."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from revprio import Client, Scenario
 
 DURATION_S = 0.45
-"""Long enough to touch the wall and bounce off it."""
+"""Duration of the run, s: long enough to touch the wall and bounce off it."""
 
 
 def scenario(client: Client) -> Scenario:
@@ -17,7 +17,7 @@ def scenario(client: Client) -> Scenario:
 
 
 class Plant:
-    """An arm that does what it is told, and a wall in x."""
+    """An arm that follows its commands exactly, and a wall along x."""
 
     def __init__(self, client: Client, scenario: Scenario) -> None:
         self.period_s = scenario.controller.period_s
@@ -25,10 +25,10 @@ class Plant:
         self.qdot = np.zeros_like(self.q)
         self._joints = client.robot(scenario.controller.robot).joints
         (self._wall,) = scenario.contacts or []
-        self._start_m = self._reach()
+        self._start_m = self._tool_x()
 
-    def _reach(self) -> float:
-        """Where the tool is in x, m: Denavit-Hartenberg, link by link."""
+    def _tool_x(self) -> float:
+        """Returns the x coordinate of the tool, m: the product of the Denavit-Hartenberg transforms."""
         pose = np.eye(4)
         for joint, q in zip(self._joints, self.q, strict=True):
             assert joint.denavit_hartenberg is not None
@@ -40,11 +40,11 @@ class Plant:
         return float(pose[0, 3])
 
     def wrench(self) -> NDArray[np.float64]:
-        depth = self._reach() - self._start_m - (self._wall.offset_m or 0.0)
+        depth = self._tool_x() - self._start_m - (self._wall.offset_m or 0.0)
         return np.array([max(self._wall.stiffness * depth, 0.0), 0, 0, 0, 0, 0])
 
     def periods(self) -> Iterator[dict[str, Any]]:
-        """What is measured in each period."""
+        """Yields the measured state of each period."""
         for _ in range(round(DURATION_S / self.period_s)):
             yield {"joint_position": self.q, "joint_velocity": self.qdot, "wrench": self.wrench()}
 
@@ -54,7 +54,7 @@ class Plant:
 
 
 def simulated(client: Client) -> dict[str, NDArray[Any]]:
-    """The trace of the built-in simulator."""
+    """Returns the trace of the built-in simulator."""
     run = client.simulate(scenario=scenario(client))
     run.result()
     return run.trace()

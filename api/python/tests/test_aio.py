@@ -1,4 +1,4 @@
-"""The client for asyncio is the blocking one, call by call."""
+"""The asyncio client has the same methods as the blocking client and gives the same answers."""
 
 import asyncio
 import inspect
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Line, example, serve
+from conftest import FaultyProxy, example, serve
 
 import revprio
 from revprio import (
@@ -54,12 +54,12 @@ def test_both_have_the_same_methods_with_the_same_arguments(blocking: type, asyn
     assert methods(blocking) == methods(asynchronous)
 
 
-def test_both_answer_alike(url: str) -> None:
-    async def ask() -> list[FloatArray]:
+def test_both_give_the_same_answers(url: str) -> None:
+    async def call() -> list[FloatArray]:
         async with AsyncClient(url) as client:
-            question = ResolveRequest(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
+            request = ResolveRequest(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
             resolved = await client.resolve(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
-            first, second = await client.resolve_batch([question, ResolveRequest(robot="nobody", tasks=[PUSH])])
+            first, second = await client.resolve_batch([request, ResolveRequest(robot="nobody", tasks=[PUSH])])
             assert isinstance(first, ResolveAnswer)
             assert isinstance(second, Problem)
             with pytest.raises(InvalidError):
@@ -74,14 +74,14 @@ def test_both_answer_alike(url: str) -> None:
     with Client(url) as client:
         resolved = client.resolve(robot="sawyer_dh", joint_position=Q, tasks=[PUSH]).joint_velocity
         jacobian = client.kinematics(robot="sawyer_dh", joint_position=Q).jacobian
-    for ours, theirs in zip(asyncio.run(ask()), [resolved, resolved, jacobian], strict=True):
-        np.testing.assert_array_equal(ours, theirs)
+    for actual, expected in zip(asyncio.run(call()), [resolved, resolved, jacobian], strict=True):
+        np.testing.assert_array_equal(actual, expected)
 
 
-def test_controllers_answer_as_the_blocking_ones(url: str) -> None:
+def test_controllers_give_the_same_answers_as_the_blocking_ones(url: str) -> None:
     wrench = [1, 0, 0, 0, 0, 0]
 
-    async def ask() -> list[FloatArray]:
+    async def call() -> list[FloatArray]:
         async with AsyncClient(url, step_timeout_s=30) as client:
             async with aio.AsyncSession(client, CONFIG) as session, session.stream() as stream:
                 by_session = [await controller.step(Q, wrench=wrench) for controller in (session, stream, session)]
@@ -93,12 +93,12 @@ def test_controllers_answer_as_the_blocking_ones(url: str) -> None:
             return [answer.joint_velocity for answer in by_session + by_memory]
 
     with Client(url, step_timeout_s=30) as client, Session(client, CONFIG) as session:
-        ours = [session.step(Q, wrench=wrench).joint_velocity for _ in range(3)]
-    np.testing.assert_array_equal(asyncio.run(ask()), ours * 2)
+        expected = [session.step(Q, wrench=wrench).joint_velocity for _ in range(3)]
+    np.testing.assert_array_equal(asyncio.run(call()), expected * 2)
 
 
-def test_an_experiment_runs(url: str) -> None:
-    async def ask() -> int:
+def test_a_simulation_runs(url: str) -> None:
+    async def call() -> int:
         async with AsyncClient(url) as client:
             run = await client.simulate(scenario=Scenario.model_validate(example("simulation_own")["scenario"]))
             assert (await run.result()).metrics is not None
@@ -106,11 +106,11 @@ def test_an_experiment_runs(url: str) -> None:
             await run.cancel()
             return periods
 
-    assert asyncio.run(ask()) == 50
+    assert asyncio.run(call()) == 50
 
 
-def test_a_token_is_shown(tmp_path: Path) -> None:
-    async def ask(url: str) -> None:
+def test_the_token_is_sent(tmp_path: Path) -> None:
+    async def call(url: str) -> None:
         async with AsyncClient(url) as client:
             with pytest.raises(UnauthorizedError):
                 await client.robots()
@@ -121,26 +121,26 @@ def test_a_token_is_shown(tmp_path: Path) -> None:
     token.write_text("s" * 32)
     token.chmod(0o600)
     with serve("--token-file", str(token)) as (url, _):
-        asyncio.run(ask(url))
+        asyncio.run(call(url))
 
 
-def test_an_arm_comes_to_rest_when_answers_stop(line: Line) -> None:
-    told = [np.zeros(7)]
+def test_an_arm_comes_to_rest_when_answers_stop(proxy: FaultyProxy) -> None:
+    commands = [np.zeros(7)]
     config = CONFIG.model_copy(update={"period_s": 0.01})
 
     async def read() -> Measurement:
-        if told[-1].any():
-            line.stall()
+        if commands[-1].any():
+            proxy.stall()
         return Measurement(Q, wrench=np.zeros(6))
 
     async def run() -> None:
-        async with AsyncClient(line.url, step_timeout_s=1.0, retries=0) as client:
+        async with AsyncClient(proxy.url, step_timeout_s=1.0, retries=0) as client:
             session = aio.AsyncSession(client, config)
             await session.open()
             with pytest.raises(LateAnswerError):
-                await aio.drive(session, read, told.append, watchdog=Watchdog(np.full(7, 8.0)))
-            line.resume()
+                await aio.drive(session, read, commands.append, watchdog=Watchdog(np.full(7, 8.0)))
+            proxy.resume()
 
     asyncio.run(run())
-    assert np.abs(told).max() > 0
-    assert not told[-1].any()
+    assert np.abs(commands).max() > 0
+    assert not commands[-1].any()

@@ -1,10 +1,10 @@
-"""Controllers that keep a memory, whoever holds it and whatever carries it."""
+"""Controllers with memory: sessions, stateless controllers and streams."""
 
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Line, example
+from conftest import FaultyProxy, example
 from numpy.typing import NDArray
 from plant import Plant, assert_same_run, scenario, simulated
 
@@ -25,7 +25,7 @@ Q = np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])
 
 
 def run(controller: Controller, periods: int = 20) -> NDArray[np.float64]:
-    """Commands of a loop with a spring of 1000 N per rad of the first joint."""
+    """Runs a closed loop whose force is 1000 N per rad of the first joint; returns the commands."""
     q, commands = Q, []
     for _ in range(periods):
         answer = controller.step(q, wrench=[1000 * (q[0] - Q[0]), 0, 0, 0, 0, 0])
@@ -39,7 +39,7 @@ def config() -> ControllerConfig:
     return ControllerConfig.model_validate(example("controller"))
 
 
-def test_session_stateless_and_stream_answer_alike_to_the_last_bit(client: Client, config: ControllerConfig) -> None:
+def test_session_stateless_and_stream_give_identical_answers(client: Client, config: ControllerConfig) -> None:
     with Session(client, config) as session:
         by_session = run(session)
         assert session.status().last_sequence == 19
@@ -52,7 +52,7 @@ def test_session_stateless_and_stream_answer_alike_to_the_last_bit(client: Clien
     assert np.abs(by_session).max() > 0
 
 
-def test_a_closed_loop_ends_where_the_simulator_does(client: Client) -> None:
+def test_a_closed_loop_equals_the_built_in_simulation(client: Client) -> None:
     touch = scenario(client)
     plant = Plant(client, touch)
     states: list[dict[str, Any]] = []
@@ -63,7 +63,7 @@ def test_a_closed_loop_ends_where_the_simulator_does(client: Client) -> None:
     assert_same_run(states, simulated(client))
 
 
-def test_a_session_ends_with_its_block(client: Client, config: ControllerConfig) -> None:
+def test_a_session_ends_with_its_with_block(client: Client, config: ControllerConfig) -> None:
     with Session(client, config) as session:
         session.step(Q, wrench=np.zeros(6))
     with pytest.raises(NotFoundError) as ended:
@@ -71,13 +71,13 @@ def test_a_session_ends_with_its_block(client: Client, config: ControllerConfig)
     assert ended.value.type == "/problems/unknown-controller"
 
 
-def test_a_session_and_its_stream_count_together(client: Client, config: ControllerConfig) -> None:
+def test_a_session_and_its_stream_share_sequence_numbers(client: Client, config: ControllerConfig) -> None:
     with Session(client, config) as session, session.stream() as stream:
         sequences = [controller.step(Q, wrench=np.zeros(6)).sequence for controller in (session, stream, session)]
     assert sequences == [0, 1, 2]
 
 
-def test_the_same_state_is_not_stepped_twice_and_an_older_one_is_refused(
+def test_a_repeated_state_is_not_run_twice_and_an_older_one_is_refused(
     client: Client, config: ControllerConfig
 ) -> None:
     states = [state(number) for number in (0, 1)]
@@ -95,10 +95,12 @@ def state(sequence: int) -> State:
     return State(sequence=sequence, time_s=0, joint_position=Q, wrench=Wrench(force=[1, 0, 0], torque=[0, 0, 0]))
 
 
-def test_a_lost_answer_is_asked_for_again_under_the_same_number(line: Line, config: ControllerConfig) -> None:
-    with Client(line.url, step_timeout_s=30) as client, Session(client, config) as session:
+def test_a_state_is_sent_again_with_its_number_if_the_answer_is_lost(
+    proxy: FaultyProxy, config: ControllerConfig
+) -> None:
+    with Client(proxy.url, step_timeout_s=30) as client, Session(client, config) as session:
         session.step(Q, wrench=np.zeros(6))
-        line.lose_next_answer()
+        proxy.drop_next_answer()
         assert session.step(Q, wrench=np.zeros(6)).sequence == 1
         status = session.status()
     assert (status.steps, status.retries) == (2, 1)
@@ -112,14 +114,14 @@ def test_a_refused_state_does_not_end_a_stream(client: Client, config: Controlle
         assert stream.step(Q, wrench=np.zeros(6)).sequence == 1
 
 
-def test_a_stream_of_a_session_that_is_none_is_refused(client: Client, config: ControllerConfig) -> None:
+def test_a_stream_of_an_ended_session_is_refused(client: Client, config: ControllerConfig) -> None:
     session = Session(client, config)
     session.close()
     with pytest.raises(NotFoundError):
         session.stream()
 
 
-def test_a_wrench_is_six_numbers_or_a_wrench(client: Client, config: ControllerConfig) -> None:
+def test_a_wrench_is_six_numbers_or_a_wrench_object(client: Client, config: ControllerConfig) -> None:
     with Session(client, config) as session:
         with pytest.raises(ValueError, match="6 numbers"):
             session.step(Q, wrench=[1, 2, 3])

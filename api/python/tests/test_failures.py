@@ -1,4 +1,4 @@
-"""What a client sees when something is wrong: with the token, the line, the load or the service itself."""
+"""Failures of the token, the connection and the service, overload, and their effect on the arm."""
 
 import http.server
 import threading
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Line, example, serve
+from conftest import FaultyProxy, example, serve
 from numpy.typing import NDArray
 
 from revprio import (
@@ -32,7 +32,7 @@ CONFIG = ControllerConfig.model_validate(example("controller"))
 SLOW = CONFIG.model_copy(update={"period_s": 0.01})
 
 
-def test_a_service_that_is_not_there_is_named() -> None:
+def test_the_error_of_an_unreachable_service_suggests_a_cause() -> None:
     with (
         Client("http://127.0.0.1:9", retries=1) as client,
         pytest.raises(NoAnswerError, match="is the service running"),
@@ -41,7 +41,7 @@ def test_a_service_that_is_not_there_is_named() -> None:
     assert not Client("http://127.0.0.1:9").is_ready()
 
 
-def test_a_token_opens_what_is_closed_without(tmp_path: Path) -> None:
+def test_a_service_with_a_token_refuses_clients_without_it(tmp_path: Path) -> None:
     token = tmp_path / "token"
     token.write_text("s" * 32)
     token.chmod(0o600)
@@ -55,7 +55,7 @@ def test_a_token_opens_what_is_closed_without(tmp_path: Path) -> None:
             assert stream.step(Q, wrench=np.zeros(6)).sequence == 0
 
 
-def test_a_full_service_says_when_to_come_again() -> None:
+def test_a_full_service_reports_when_to_retry() -> None:
     with serve("--max-sessions", "1") as (url, _), Client(url, retries=0) as client, Session(client, CONFIG):
         with pytest.raises(UnavailableError) as refused:
             Session(client, CONFIG)
@@ -65,17 +65,17 @@ def test_a_full_service_says_when_to_come_again() -> None:
 
 
 class Busy(http.server.BaseHTTPRequestHandler):
-    """Answers 503 to the first requests, then as a service does."""
+    """A server that answers 503 to the first `remaining` requests, and 200 to later ones."""
 
     protocol_version = "HTTP/1.1"
-    left = 2
-    after = "0"
+    remaining = 2
+    retry_after = "0"
 
     def do_GET(self) -> None:
-        Busy.left -= 1
-        if Busy.left >= 0:
+        Busy.remaining -= 1
+        if Busy.remaining >= 0:
             problem = b'{"type": "/problems/overloaded", "title": "t", "status": 503, "detail": "too much"}'
-            self._send(503, problem, {"retry-after": Busy.after})
+            self._send(503, problem, {"retry-after": Busy.retry_after})
         else:
             self._send(200, b'{"robots": []}', {})
 
@@ -99,157 +99,160 @@ def busy() -> Iterator[str]:
         server.shutdown()
 
 
-def test_what_a_busy_service_has_not_taken_is_sent_again(busy: str) -> None:
-    Busy.left, Busy.after = 2, "0"
+def test_a_request_that_was_refused_because_of_overload_is_sent_again(busy: str) -> None:
+    Busy.remaining, Busy.retry_after = 2, "0"
     with Client(busy, retries=2) as client:
         assert client.robots() == []
-    Busy.left = 3
+    Busy.remaining = 3
     with Client(busy, retries=2) as client, pytest.raises(UnavailableError, match="too much"):
         client.robots()
 
 
-def test_a_pause_that_is_longer_than_the_patience_is_not_made(busy: str) -> None:
-    Busy.left, Busy.after = 1, "3600"
+def test_a_pause_beyond_the_time_limit_raises_at_once(busy: str) -> None:
+    Busy.remaining, Busy.retry_after = 1, "3600"
     with Client(busy) as client, pytest.raises(UnavailableError) as refused:
         client.robots()
     assert refused.value.retry_after_s == 3600
-    assert Busy.left == 0
+    assert Busy.remaining == 0
 
 
-def test_an_answer_of_something_else_is_not_taken_for_one(busy: str) -> None:
-    Busy.left = 0
+def test_the_answer_of_another_server_is_rejected(busy: str) -> None:
+    Busy.remaining = 0
     with Client(busy) as client:
-        with pytest.raises(ForeignAnswerError, match="not as a revprio service"):
+        with pytest.raises(ForeignAnswerError, match="not from a revprio service"):
             client.scenarios()
         with pytest.raises(ForeignAnswerError):
-            client.resolve(tasks=[ResolveTask(axes=["x"], velocity=[1])])  # it has no POST
+            client.resolve(tasks=[ResolveTask(axes=["x"], velocity=[1])])  # the server has no POST
 
 
 @pytest.mark.parametrize("how", ["session", "stream"])
-def test_an_answer_that_does_not_come_in_time_is_late(line: Line, how: str) -> None:
+def test_a_missing_answer_raises_late_answer_error(proxy: FaultyProxy, how: str) -> None:
     with (
-        Client(line.url) as client,
+        Client(proxy.url) as client,
         Session(client, CONFIG) as session,
         session if how == "session" else session.stream() as controller,
     ):
         controller.step(Q, wrench=np.zeros(6))
-        line.stall()
+        proxy.stall()
         with pytest.raises(LateAnswerError):
             controller.step(Q, wrench=np.zeros(6))
-        line.resume()
+        proxy.resume()
         assert controller.step(Q, wrench=np.zeros(6)).sequence == 2
 
 
 class Arm:
-    """An arm that does what it is told, remembers it, and lets something happen once it moves."""
+    """An arm that follows its commands exactly and records them. It calls `on_first_motion` once it moves."""
 
-    def __init__(self, once_it_moves: Callable[[], None]) -> None:
-        self.q, self.told, self.times = Q, [np.zeros(7)], [time.monotonic()]
-        self.happened_at: int | None = None
-        self._happen = once_it_moves
+    def __init__(self, on_first_motion: Callable[[], None]) -> None:
+        self.q, self.commands, self.times = Q, [np.zeros(7)], [time.monotonic()]
+        self.event_index: int | None = None
+        self._on_first_motion = on_first_motion
 
     def read(self) -> Measurement:
-        if self.happened_at is None and self.told[-1].any():
-            self.happened_at = len(self.told)
-            self._happen()
+        if self.event_index is None and self.commands[-1].any():
+            self.event_index = len(self.commands)
+            self._on_first_motion()
         return Measurement(self.q, wrench=np.zeros(6))
 
     def write(self, command: NDArray[np.float64]) -> None:
         now_s = time.monotonic()
         self.q = self.q + (now_s - self.times[-1]) * command
-        self.told.append(command)
+        self.commands.append(command)
         self.times.append(now_s)
 
     def assert_braked(self, limits: NDArray[np.float64]) -> None:
-        """After what happened no joint speeds up or brakes harder than its limit, and all end at rest."""
-        assert self.happened_at is not None
-        speeds = np.abs(self.told)
+        """Asserts that after the event no joint speeds up or exceeds its braking limit, and that all end at rest."""
+        assert self.event_index is not None
+        speeds = np.abs(self.commands)
         assert not speeds[-1].any()
-        # A command was computed after the one before it was heard, and before it was heard itself.
-        for k in range(self.happened_at + 1, len(speeds)):
+        # Command k was computed after command k - 1 was computed, and before command k was written.
+        for k in range(self.event_index + 1, len(speeds)):
             assert (speeds[k] <= speeds[k - 1] + 1e-12).all()
             assert (speeds[k - 1] - speeds[k] <= limits * (self.times[k] - self.times[k - 2]) + 1e-12).all()
 
 
-class EnoughError(Exception):
+class StopLoopError(Exception):
     """Ends a loop."""
 
 
-def enough() -> None:
-    raise EnoughError
+def stop_loop() -> None:
+    raise StopLoopError
 
 
-def limits_of(client: Client) -> NDArray[np.float64]:
+def acceleration_limits(client: Client) -> NDArray[np.float64]:
     joints = client.robot("sawyer_dh").joints
     return np.array([joint.acceleration_limit for joint in joints], dtype=float)
 
 
 def test_a_drive_that_is_interrupted_ends_at_rest(url: str) -> None:
-    arm = Arm(once_it_moves=enough)
+    arm = Arm(on_first_motion=stop_loop)
     with Client(url) as client, Session(client, SLOW) as session:
-        limits = limits_of(client)
-        with pytest.raises(EnoughError):
+        limits = acceleration_limits(client)
+        with pytest.raises(StopLoopError):
             drive(session, arm.read, arm.write, watchdog=Watchdog(limits))
     arm.assert_braked(limits)
 
 
-def test_a_drive_lasts_as_long_as_it_shall(url: str) -> None:
-    arm = Arm(once_it_moves=lambda: None)
+def test_a_drive_ends_after_its_duration(url: str) -> None:
+    arm = Arm(on_first_motion=lambda: None)
     with Client(url) as client, Session(client, SLOW) as session:
         report = drive(session, arm.read, arm.write, watchdog=Watchdog(np.full(7, 8.0)), duration_s=0.1)
     assert 0 < report.periods <= 10
     assert 0 <= report.answered <= report.periods
-    assert not arm.told[-1].any()
+    assert not arm.commands[-1].any()
 
 
 @pytest.mark.parametrize("how", ["session", "stream"])
-def test_an_arm_comes_to_rest_within_its_limits_when_answers_stop(url: str, line: Line, how: str) -> None:
-    arm = Arm(once_it_moves=line.stall)
-    with Client(url) as direct, Client(line.url, step_timeout_s=1.0, retries=0) as client:
-        limits = limits_of(direct)
+def test_an_arm_comes_to_rest_within_its_limits_when_answers_stop(url: str, proxy: FaultyProxy, how: str) -> None:
+    arm = Arm(on_first_motion=proxy.stall)
+    with Client(url) as direct, Client(proxy.url, step_timeout_s=1.0, retries=0) as client:
+        limits = acceleration_limits(direct)
         session = Session(client, SLOW)
         with session if how == "session" else session.stream() as controller:
             with pytest.raises(LateAnswerError):
                 drive(controller, arm.read, arm.write, watchdog=Watchdog(limits))
-            line.resume()
+            proxy.resume()
     arm.assert_braked(limits)
 
 
-def test_an_arm_comes_to_rest_when_the_service_dies() -> None:
+def test_an_arm_comes_to_rest_when_the_service_is_killed() -> None:
     with serve() as (url, process), Client(url) as client:
-        arm = Arm(once_it_moves=process.kill)
-        limits = limits_of(client)
+        arm = Arm(on_first_motion=process.kill)
+        limits = acceleration_limits(client)
         with pytest.raises(NoAnswerError), Session(client, SLOW) as session:
             drive(session, arm.read, arm.write, watchdog=Watchdog(limits))
     arm.assert_braked(limits)
 
 
-def test_an_arm_goes_on_when_answers_return(line: Line) -> None:
-    arm = Arm(once_it_moves=line.stall)
+def test_an_arm_continues_when_answers_return(proxy: FaultyProxy) -> None:
+    arm = Arm(on_first_motion=proxy.stall)
 
     def read() -> Measurement:
         state = arm.read()
-        silence = len(arm.told) - (arm.happened_at or len(arm.told))
-        if silence == 5:
-            line.resume()
-        if silence > 5 and np.abs(arm.told[-1] - arm.told[-2]).max() > 0.05 * (arm.times[-1] - arm.times[-3]) + 1e-12:
-            enough()  # more than a ramp
+        silent_periods = len(arm.commands) - (arm.event_index or len(arm.commands))
+        if silent_periods == 5:
+            proxy.resume()
+        if (
+            silent_periods > 5
+            and np.abs(arm.commands[-1] - arm.commands[-2]).max() > 0.05 * (arm.times[-1] - arm.times[-3]) + 1e-12
+        ):
+            stop_loop()  # the command changed by more than the ramp allows
         return state
 
-    with Client(line.url) as client, Session(client, SLOW) as session, pytest.raises(EnoughError):
+    with Client(proxy.url) as client, Session(client, SLOW) as session, pytest.raises(StopLoopError):
         drive(session, read, arm.write, watchdog=Watchdog(np.full(7, 0.05)))
-    assert not arm.told[-1].any()
+    assert not arm.commands[-1].any()
 
 
 def test_a_refused_state_ends_the_drive_at_rest(url: str) -> None:
-    arm = Arm(once_it_moves=lambda: None)
+    arm = Arm(on_first_motion=lambda: None)
 
     def read() -> Measurement:
         state = arm.read()
-        return state if arm.happened_at is None else Measurement(arm.q[:3], wrench=np.zeros(6))
+        return state if arm.event_index is None else Measurement(arm.q[:3], wrench=np.zeros(6))
 
     with Client(url) as client, Session(client, SLOW) as session:
-        limits = limits_of(client)
+        limits = acceleration_limits(client)
         with pytest.raises(InvalidError) as refused:
             drive(session, read, arm.write, watchdog=Watchdog(limits))
     assert refused.value.pointer == "/joint_position"

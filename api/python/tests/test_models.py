@@ -1,4 +1,4 @@
-"""The models are those of the OpenAPI document."""
+"""The models and routes of the client agree with the OpenAPI document."""
 
 import json
 import subprocess
@@ -39,13 +39,13 @@ REQUESTS: dict[str, type[Body]] = {
 }
 
 
-def test_models_are_those_that_the_document_makes() -> None:
-    made = subprocess.run(
+def test_the_committed_models_are_up_to_date() -> None:
+    generated = subprocess.run(
         [sys.executable, CLIENT / "generate.py", ROOT / "api/openapi.json"], check=True, capture_output=True
     )
     formatted = subprocess.run(
         ["ruff", "format", "--config", CLIENT / "pyproject.toml", "-"],
-        input=made.stdout, check=True, capture_output=True,
+        input=generated.stdout, check=True, capture_output=True,
     )  # fmt: skip
     committed = (CLIENT / "src/revprio/models.py").read_text(encoding="utf-8")
     assert formatted.stdout.decode() == committed, "run the command at the head of generate.py"
@@ -56,7 +56,7 @@ def test_there_is_an_example_for_every_request() -> None:
 
 
 @pytest.mark.parametrize("name", REQUESTS)
-def test_an_example_is_sent_as_it_was_read(name: str) -> None:
+def test_an_example_is_unchanged_by_reading_and_writing(name: str) -> None:
     body = example(name)
     assert json.loads(REQUESTS[name].model_validate(body).json_bytes()) == body
 
@@ -64,7 +64,7 @@ def test_an_example_is_sent_as_it_was_read(name: str) -> None:
 @pytest.mark.parametrize(
     "route", [value for value in vars(routes).values() if isinstance(value, routes.Route)], ids=lambda route: route.path
 )
-def test_a_route_answers_as_the_document_says(route: routes.Route[Any], document: dict[str, Any]) -> None:
+def test_the_answer_type_of_a_route_is_that_of_the_document(route: routes.Route[Any], document: dict[str, Any]) -> None:
     operations = {templated(path): item for path, item in document["paths"].items()}
     responses = operations[route.path][route.method.lower()]["responses"]
     (content,) = [response.get("content", {}) for status, response in responses.items() if status.startswith("2")]
@@ -76,18 +76,18 @@ def test_a_route_answers_as_the_document_says(route: routes.Route[Any], document
         assert route.answer is type(None)
 
 
-def test_every_operation_has_a_method_of_the_client(document: dict[str, Any]) -> None:
-    of_the_client = {(route.method, route.path) for route in vars(routes).values() if isinstance(route, routes.Route)}
-    of_the_client.add(("GET", routes.STREAM_CONTROLLER))
+def test_every_operation_has_a_method_client_routes(document: dict[str, Any]) -> None:
+    client_routes = {(route.method, route.path) for route in vars(routes).values() if isinstance(route, routes.Route)}
+    client_routes.add(("GET", routes.STREAM_CONTROLLER))
     operations = {
         (method.upper(), templated(path))
         for path, item in document["paths"].items() for method in item
         if path.startswith("/v1/") and method != "parameters"
     }  # fmt: skip
-    looking_on = {
+    streams_for_viewers = {
         ("GET", f"/v1/{place}") for place in ("controllers/{}/watch", "simulations/{}/events", "simulations/{}/live")
     }
-    assert operations - of_the_client == looking_on
+    assert operations - client_routes == streams_for_viewers
 
 
 def templated(path: str) -> str:
@@ -98,7 +98,7 @@ def schema_name(schema: dict[str, str]) -> str:
     return schema["$ref"].rsplit("/", 1)[1]
 
 
-def test_unknown_fields_and_numbers_that_are_none_are_refused_before_they_are_sent() -> None:
+def test_unknown_fields_and_non_finite_numbers_are_refused_before_sending() -> None:
     for wrong in ({"velocitie": [1]}, {"velocity": [float("nan")]}, {"velocity": [1e400]}, {"velocity": ["a"]}):
         with pytest.raises(ValueError, match="velocit"):
             models.ResolveTask.model_validate({"velocity": [1], **wrong})
@@ -106,7 +106,7 @@ def test_unknown_fields_and_numbers_that_are_none_are_refused_before_they_are_se
         models.State.model_validate({"time_s": 0, "joint_position": [0]})
 
 
-def test_what_is_left_out_is_not_sent_but_none_is() -> None:
+def test_unset_fields_are_not_sent_but_none_is() -> None:
     task = revprio.ControllerTask(name="t", axes=["x"], law=revprio.VelocityLaw(target_velocity=constant(0.1)))
     config = revprio.ControllerConfig(robot="r", period_s=0.1, tasks=[task], damping=None)
     sent = json.loads(config.json_bytes())
@@ -119,12 +119,12 @@ def constant(value: float) -> revprio.ConstantProfile:
     return revprio.ConstantProfile(value=value)
 
 
-def test_an_answer_of_a_newer_service_is_read() -> None:
+def test_unknown_fields_of_an_answer_are_ignored() -> None:
     answer = models.StabilityAnswer.model_validate(
         {"stable": True, "spectral_radius": 0.5, "stable_at_any_lag": False, "new_field": 1}
     )
     assert answer.stable
 
 
-def test_kinds_are_told_by_their_field() -> None:
+def test_the_variants_of_a_union_are_request_bodies() -> None:
     assert all(issubclass(kind, Body) for kind in get_args(get_args(models.Law)[0]))

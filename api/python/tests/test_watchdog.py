@@ -1,4 +1,4 @@
-"""What an arm is told while nothing is heard."""
+"""Commands of the watchdog while answers come and after they stop."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def test_nothing_moves_before_the_first_answer() -> None:
     assert watchdog.is_at_rest(0.0)
 
 
-def test_an_answer_holds_for_its_time_and_then_every_joint_brakes_with_its_own_limit() -> None:
+def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit() -> None:
     watchdog = Watchdog([2.0, 4.0])
     watchdog.obey(ANSWER, 10.0, 10.0)
     np.testing.assert_array_equal(watchdog.command(10.1), [0.4, -0.1])
@@ -36,13 +36,13 @@ def test_a_newer_answer_ends_the_ramp_and_an_older_one_does_not() -> None:
     np.testing.assert_array_equal(watchdog.command(10.2), [1.0, 1.0])
 
 
-def test_an_answer_that_has_expired_before_it_came_does_not_count() -> None:
+def test_an_answer_that_arrives_expired_is_ignored() -> None:
     watchdog = Watchdog([2.0, 4.0])
     assert not watchdog.obey(ANSWER, 10.0, 10.11)
     assert not watchdog.command(10.11).any()
 
 
-def test_a_loop_that_ends_brakes_at_once() -> None:
+def test_expire_starts_the_ramp_at_once() -> None:
     watchdog = Watchdog([2.0, 4.0])
     watchdog.obey(ANSWER, 10.0, 10.0)
     watchdog.expire(10.05)
@@ -57,7 +57,7 @@ def test_limits_must_be_one_positive_number_per_joint() -> None:
         Watchdog([1, 1, 1]).obey(ANSWER, 0.0, 0.0)
 
 
-def test_a_robot_without_limits_needs_some() -> None:
+def test_a_robot_without_acceleration_limits_is_refused() -> None:
     joint = {"name": "j", "kind": "revolute", "unit": "rad"}
     robot = Robot.model_validate({"name": "r", "description": "", "source": "urdf", "joints": [joint]})
     with pytest.raises(ValueError, match="acceleration limit"):
