@@ -1,9 +1,9 @@
-"""A torque-controlled Sawyer in MuJoCo goes to a wall and presses on it with 30 N; revprio gives its joint velocities.
+"""A torque-controlled Sawyer arm in MuJoCo presses on a wall with 30 N; revprio computes the joint velocities.
 
     pip install 'revprio[examples]'
     python mujoco_wall.py --url http://127.0.0.1:8080 --figure mujoco.png
 
-What differs from the simulator that ships with the service, and what that does to the gains: README.md beside this.
+README.md in this directory lists the differences to the built-in simulator and explains the gains.
 """
 
 import argparse
@@ -31,33 +31,33 @@ from revprio import (
 
 URDF = Path(__file__).resolve().parents[3] / "fixtures/robots/sawyer.urdf"
 PERIOD_S = 0.002
-"""T, s: one call each."""
+"""Control period T, s; one call of the service per period."""
 TIMESTEP_S = 0.0005
-"""Of the physics and of the inner loop, s."""
+"""Time step of the physics and of the inner velocity loop, s."""
 GAP_M = 0.01
-"""From the tool to the wall at the start, m."""
+"""Distance from the tool to the wall at the start, m."""
 CONTACT_TIME_S = 0.016
 """Time constant of MuJoCo's contact, s."""
 FRICTION_N_M = 0.5
-"""Coulomb friction in each joint, which nothing compensates but the loop, N·m."""
+"""Coulomb friction in each joint, N·m; only the integral part of the inner loop compensates it."""
 LAG_S = 0.005
-"""Of the inner loop without friction and limits of torque, s."""
+"""Lag of the inner loop without friction and torque limits, s."""
 TARGET_N = 30.0
 WALL_N_PER_M = 1e5
-"""What the gains are chosen for; the wall of MuJoCo comes out softer or harder than a number in its file."""
+"""Wall stiffness for which the gains are chosen, N/m; the stiffness in MuJoCo is only known after the run."""
 
 Array = NDArray[np.float64]
 
 
 @dataclass
 class Run:
-    """Force over time."""
+    """Contact force over time."""
 
     time_s: Array
     force_n: Array
 
     def measures(self) -> tuple[float, float, float]:
-        """Peak, N; time after which it stays within 5 % of the target, s; mean error over the last tenth, N."""
+        """Returns peak force, N; settling time to ±5 % of the target, s; mean error over the last tenth, N."""
         outside = np.flatnonzero(np.abs(self.force_n - TARGET_N) > 0.05 * TARGET_N)
         settled = outside[-1] + 1 if outside.size else 0
         settling_s = self.time_s[settled] if settled < self.time_s.size else np.nan
@@ -66,10 +66,10 @@ class Run:
 
 
 class Sawyer:
-    """The arm in MuJoCo behind an inner velocity loop: computed torque with a proportional and an integral part."""
+    """The arm in MuJoCo with an inner velocity loop: computed torque with a proportional and an integral part."""
 
     def __init__(self, wall_x_m: float) -> None:
-        """At rest in the nominal posture."""
+        """Creates the arm at rest in the nominal posture."""
         mjcf = sawyer_with_wall(URDF, wall_x_m, TIMESTEP_S, CONTACT_TIME_S, FRICTION_N_M)
         self._model = mujoco.MjModel.from_xml_string(mjcf)
         self._data = mujoco.MjData(self._model)
@@ -79,31 +79,31 @@ class Sawyer:
 
     @property
     def position(self) -> Array:
-        """q, 7, rad."""
+        """Joint position q, 7, rad."""
         return np.array(self._data.qpos)
 
     @property
     def velocity(self) -> Array:
-        """q̇, 7, rad/s."""
+        """Joint velocity q̇, 7, rad/s."""
         return np.array(self._data.qvel)
 
     @property
     def tool_m(self) -> Array:
-        """Where the tool point is, 3, base frame, m."""
+        """Position of the tool point, 3, base frame, m."""
         return np.array(self._data.geom("tool").xpos)
 
     def wrench(self) -> Array:
-        """What the tool exerts on the wall, 6, base frame, N and N·m: its force, no torque as it is a ball."""
+        """Returns the wrench of the tool on the wall, 6, base frame, N and N·m; the torque of a sphere is 0."""
         wrench = np.zeros(6)
         for index in range(self._data.ncon):
-            of_contact = np.zeros(6)
-            mujoco.mj_contactForce(self._model, self._data, index, of_contact)
-            # In the frame of the contact, whose first axis points from its first geom, the wall, to the second.
-            wrench[:3] += self._data.contact[index].frame.reshape(3, 3).T @ of_contact[:3]
+            contact_force = np.zeros(6)
+            mujoco.mj_contactForce(self._model, self._data, index, contact_force)
+            # MuJoCo gives the force in the contact frame. Its first axis points from the wall to the tool.
+            wrench[:3] += self._data.contact[index].frame.reshape(3, 3).T @ contact_force[:3]
         return wrench
 
     def follow(self, command: Array) -> None:
-        """Lets one period pass under commanded joint velocities, rad/s."""
+        """Simulates one period with commanded joint velocities, rad/s."""
         for _ in range(round(PERIOD_S / TIMESTEP_S)):
             error = command - self._data.qvel
             self._integral += TIMESTEP_S * error
@@ -115,7 +115,10 @@ class Sawyer:
 
 
 def controller(client: Client) -> ControllerConfig:
-    """Force along x, the rest held; 1.5 times the damping that the margin of this contact and lag asks for."""
+    """Returns a controller with a force task along x and an impedance task for the other axes.
+
+    The damping of the force law is 1.5 times the minimum that is stable with this contact stiffness and lag.
+    """
     wall = EnvironmentAxis(stiffness=WALL_N_PER_M)
     margin = client.stability(
         inertia=15, damping=150, environment=wall, period_s=PERIOD_S, lag_s=LAG_S, delay_periods=1
@@ -134,7 +137,7 @@ def controller(client: Client) -> ControllerConfig:
 
 
 def in_mujoco(client: Client, config: ControllerConfig, duration_s: float) -> tuple[Run, float]:
-    """The run, and how stiff the wall has turned out, N/m."""
+    """Runs the controller in MuJoCo; returns the run and the measured stiffness of the wall, N/m."""
     start = client.kinematics(robot="sawyer", joint_position=posture()).pose.position
     wall_x_m = float(np.asarray(start)[0]) + GAP_M
     arm = Sawyer(wall_x_m)
@@ -150,7 +153,7 @@ def in_mujoco(client: Client, config: ControllerConfig, duration_s: float) -> tu
 
 
 def built_in(client: Client, config: ControllerConfig, duration_s: float, stiffness: float) -> Run:
-    """The same with the simulator of the service: a spring for the wall, a lag for the arm."""
+    """Runs the controller in the built-in simulator: the wall is a spring, the arm a first-order lag."""
     scenario = Scenario(
         name="mujoco_equivalent", description="The arm of the MuJoCo example as a lag, its wall as a spring.",
         duration_s=duration_s, start_joint_position=posture(), controller=config,
@@ -164,8 +167,8 @@ def built_in(client: Client, config: ControllerConfig, duration_s: float, stiffn
 
 
 def draw(runs: dict[str, Run], path: str) -> None:
-    """Both forces over time."""
-    from matplotlib.figure import Figure  # noqa: PLC0415  only where a figure is asked for
+    """Draws the forces of all runs over time."""
+    from matplotlib.figure import Figure  # noqa: PLC0415  only needed for a figure
 
     figure = Figure(figsize=(8, 3.2), layout="constrained")
     axes = figure.subplots()
@@ -178,11 +181,11 @@ def draw(runs: dict[str, Run], path: str) -> None:
 
 
 def main() -> dict[str, Run]:
-    """Runs both, prints a table, draws a figure."""
-    parser = argparse.ArgumentParser(description="Sawyer of MuJoCo at a wall, driven by revprio")
+    """Runs both simulations, prints a table and draws a figure; returns the runs."""
+    parser = argparse.ArgumentParser(description="A Sawyer arm in MuJoCo presses on a wall, controlled by revprio")
     parser.add_argument("--url", default="http://127.0.0.1:8080")
     parser.add_argument("--duration", type=float, default=1.2, help="s")
-    parser.add_argument("--figure", help="where to draw, .svg or .png")
+    parser.add_argument("--figure", help="output file of the figure, .svg or .png")
     options = parser.parse_args()
     with Client(options.url, step_timeout_s=30) as client:
         config = controller(client)
@@ -190,7 +193,7 @@ def main() -> dict[str, Run]:
         runs = {"MuJoCo": mujoco_run, "built-in": built_in(client, config, options.duration, stiffness)}
     law = config.tasks[0].law
     assert isinstance(law, ForceLaw)
-    print(f"damping of the law {float(np.asarray(law.damping)):.0f} N·s/m; wall {stiffness:.3g} N/m")
+    print(f"damping of the force law {float(np.asarray(law.damping)):.0f} N·s/m; wall {stiffness:.3g} N/m")
     print(f"{'':10}{'peak (N)':>10}{'settling (s)':>14}{'steady error (N)':>18}")
     for name, run in runs.items():
         peak, settling, error = run.measures()

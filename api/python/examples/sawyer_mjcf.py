@@ -1,4 +1,4 @@
-"""A torque-controlled Sawyer for MuJoCo, made from the URDF fixture, with a wall in front of its tool."""
+"""Creates a MuJoCo model of a torque-controlled Sawyer arm with a wall, from the URDF file in `fixtures`."""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-# mass (kg); centre of mass x y z (m); inertia xx yy zz xy xz yz (kg m²), all in the link's frame. As the manufacturer
-# publishes them: RethinkRobotics/sawyer_robot, sawyer_description/urdf/sawyer_base.urdf.xacro.
+# Mass (kg), centre of mass x y z (m), inertia xx yy zz xy xz yz (kg m²), all in the frame of the link.
+# Published by the manufacturer: RethinkRobotics/sawyer_robot, sawyer_description/urdf/sawyer_base.urdf.xacro.
 INERTIAL: dict[str, tuple[float, str, str]] = {
     "right_l0": (5.3213, "0.024366 0.010969 0.14363", "0.053314 0.057902 0.023659 0.0047093 0.011734 0.0080179"),
     "right_l1": (4.505, "-0.0030849 -0.026811 0.092521", "0.022398 0.014613 0.017295 -2.3986e-4 -2.9362e-4 -6.0875e-3"),
@@ -23,14 +23,15 @@ TOOL_RADIUS_M = 0.02
 
 
 def sawyer_with_wall(urdf: Path, wall_x_m: float, timestep_s: float, contact_time_s: float, friction: float) -> str:
-    """The MJCF text.
+    """Returns the MJCF text of the model.
 
-    `wall_x_m`: where the tool point is when it touches, x in the base frame, m; `contact_time_s`: time constant of the
-    contact (`solref`), s: the wall is softer the longer it is; `friction`: Coulomb friction in each joint, N·m.
+    `wall_x_m`: x coordinate of the tool point at first contact, base frame, m.
+    `contact_time_s`: time constant of the contact (`solref`), s; a longer time constant makes the wall softer.
+    `friction`: Coulomb friction in each joint, N·m.
     """
     robot = ET.parse(urdf).getroot()
     mjcf = ET.Element("mujoco", model="sawyer at a wall")
-    ET.SubElement(mjcf, "compiler", angle="radian", eulerseq="XYZ")  # rpy of URDF: about fixed axes
+    ET.SubElement(mjcf, "compiler", angle="radian", eulerseq="XYZ")  # URDF: roll, pitch, yaw about fixed axes
     ET.SubElement(mjcf, "option", timestep=f"{timestep_s}", integrator="implicitfast", cone="elliptic")
     world = ET.SubElement(mjcf, "worldbody")
     surface = {"solref": f"{contact_time_s} 1", "friction": "0.2 0.005 0.0001"}
@@ -54,7 +55,7 @@ def sawyer_with_wall(urdf: Path, wall_x_m: float, timestep_s: float, contact_tim
 
 
 def add_joint(body: ET.Element, joint: ET.Element, actuators: ET.Element, friction: float) -> None:
-    """A joint with its limits, friction and a motor that is as strong as the manufacturer says."""
+    """Adds a joint with its limits and friction, and a motor with the torque limit of the URDF file."""
     name, limit = joint.attrib["name"], joint.find("limit").attrib  # type: ignore[union-attr]
     bounds = f"{limit['lower']} {limit['upper']}"
     ET.SubElement(body, "joint", name=name, axis="0 0 1", range=bounds, frictionloss=f"{friction}", armature="0.1")
@@ -63,7 +64,7 @@ def add_joint(body: ET.Element, joint: ET.Element, actuators: ET.Element, fricti
 
 
 def draw_link(body: ET.Element, end: str) -> None:
-    """A capsule to the next joint, to look at: it touches nothing and weighs nothing."""
+    """Adds a capsule to the next joint. It is only visible: it has no mass and no contacts."""
     if np.any(np.array(end.split(), dtype=float)):
         shape = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": "0.045"}
         looks = {"contype": "0", "conaffinity": "0", "mass": "0", "rgba": "0.6 0.1 0.1 1"}
@@ -71,7 +72,7 @@ def draw_link(body: ET.Element, end: str) -> None:
 
 
 def posture() -> NDArray[np.float64]:
-    """The nominal posture of the scenarios, in the manufacturer's joint positions, rad."""
-    signs, turns = np.array([1, -1, 1, 1, 1, -1, 1]), np.radians([180, -90, 180, 0, 180, 0, 0])
-    result: NDArray[np.float64] = signs * (np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]) - turns)
+    """Returns the nominal posture of the scenarios as joint positions of the URDF model, rad."""
+    signs, offsets = np.array([1, -1, 1, 1, 1, -1, 1]), np.radians([180, -90, 180, 0, 180, 0, 0])
+    result: NDArray[np.float64] = signs * (np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]) - offsets)
     return result
