@@ -1,4 +1,4 @@
-// Writes src/generated.ts: the types of the OpenAPI document and what to do about each type of problem.
+// Writes src/generated.ts: the types of the OpenAPI document and the remedy for each type of problem.
 //     node generate.js ../openapi.json
 import { readFile, writeFile } from "node:fs/promises";
 import { resolve } from "node:path";

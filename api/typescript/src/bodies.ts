@@ -1,4 +1,4 @@
-/** The bodies of requests and answers by their names in the OpenAPI document. */
+/** Types of request and answer bodies, with the names of the OpenAPI document. */
 import type { components } from "./generated.js";
 
 type Schemas = components["schemas"];
@@ -30,5 +30,5 @@ export type StepAnswer = Schemas["StepAnswer"];
 export type StepRequest = Schemas["StepRequest"];
 export type Wrench = Schemas["Wrench"];
 
-/** What is measured in one period: a state without its number; `time_s` is the number times the period if left out. */
+/** Measured values of one period: a state without its number. Default of `time_s`: sequence number times period. */
 export type Measurement = Omit<State, "sequence" | "time_s"> & { time_s?: number };

@@ -23,39 +23,39 @@ import { ForeignAnswerError, isProblem, LateAnswerError, NoAnswerError, ProblemE
 import { SimulationRun } from "./simulation.js";
 import type { WebSocketFactory, WebSocketLike } from "./stream.js";
 
-/** How one call may end early. */
+/** Options of one call. */
 export interface CallOptions {
-  /** Ends the call; what is thrown is the signal's reason. */
+  /** Aborts the call, which then rejects with the reason of the signal. */
   signal?: AbortSignal;
-  /** Longest time for the call with its repetitions, ms. */
+  /** Time limit of the call including its retries, ms. */
   timeoutMs?: number;
 }
 
-/** How a client is set up. */
+/** Options of a client. */
 export interface ClientOptions {
-  /** What the service was given as `--token-file`. */
+  /** Content of the service's `--token-file`. */
   token?: string;
-  /** Longest time for a call with its repetitions, ms; 10 000 if left out. */
+  /** Time limit of a call including its retries, ms; default 10 000. */
   timeoutMs?: number;
-  /** The same for a control period; 1000 if left out. */
+  /** Time limit of a control period including retries, ms; default 1000. */
   stepTimeoutMs?: number;
-  /** Repetitions of a call at most, only where they cannot do harm; 2 if left out. */
+  /** Maximum number of retries of a call; default 2. Only calls that are safe to repeat are retried. */
   retries?: number;
-  /** Stands in for the global `fetch`. */
+  /** Replaces the global `fetch`. */
   fetch?: typeof fetch;
-  /** Stands in for the global `WebSocket`, which Node has since version 22 and which sends no token. */
+  /** Replaces the global `WebSocket`. Node has one since version 22; it cannot send a token. */
   webSocket?: WebSocketFactory;
 }
 
 type Method = "GET" | "POST" | "DELETE";
 
-/** Before the first repetition where the service names no time, ms; doubled each time. */
+/** Pause before the first retry if the answer has no `Retry-After`, ms; doubled for each further retry. */
 const FIRST_PAUSE_MS = 20;
 
-/** Without these calls the service is as before, or they may be made twice without harm. */
-const NOT_REPEATABLE = new Set(["/v1/controllers", "/v1/robots", "/v1/simulations"]);
+/** Paths whose POST creates something, so that it must not be repeated after a lost connection. */
+const CREATING_PATHS = new Set(["/v1/controllers", "/v1/robots", "/v1/simulations"]);
 
-/** A client of one service. Every method rejects with a `RevprioError` where there is no answer or the service refuses. */
+/** A client of one service. Every method rejects with a `RevprioError` if no answer comes or the service refuses. */
 export class Client {
   readonly url: string;
   readonly stepTimeoutMs: number;
@@ -65,7 +65,7 @@ export class Client {
   readonly #fetch: typeof fetch;
   readonly #webSocket: WebSocketFactory;
 
-  /** `url`: base address of the service; nothing is sent before the first call. */
+  /** Creates the client; nothing is sent before the first call. `url`: base address of the service. */
   constructor(url = "http://127.0.0.1:8080", options: ClientOptions = {}) {
     this.url = url.replace(/\/+$/, "");
     this.stepTimeoutMs = options.stepTimeoutMs ?? 1000;
@@ -73,86 +73,86 @@ export class Client {
     this.#retries = options.retries ?? 2;
     this.#token = options.token === undefined ? {} : { authorization: `Bearer ${options.token}` };
     this.#fetch = options.fetch ?? globalThis.fetch.bind(globalThis);
-    this.#webSocket = options.webSocket ?? ownWebSocket;
+    this.#webSocket = options.webSocket ?? globalWebSocket;
   }
 
-  /** Joint velocities (n, rad/s or m/s) for tasks at a posture, and what became of each task. */
+  /** Computes joint velocities (n, rad/s or m/s) for tasks, and the result of each task. */
   resolve(request: ResolveRequest, options?: CallOptions): Promise<ResolveAnswer> {
     return this.call("POST", "/v1/resolve", request, options);
   }
 
-  /** Many questions at once: for each an answer or, where it is refused, a problem, in the same order. */
+  /** Resolves many requests at once. Returns, in the same order, an answer or a problem for each. */
   async resolveBatch(items: ResolveRequest[], options?: CallOptions): Promise<(ResolveAnswer | Problem)[]> {
     const answer = await this.call<{ items: (ResolveAnswer | Problem)[] }>("POST", "/v1/resolve/batch", { items }, options);
     return answer.items;
   }
 
-  /** Tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames. */
+  /** Returns tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames. */
   kinematics(request: KinematicsRequest, options?: CallOptions): Promise<KinematicsAnswer> {
     return this.call("POST", "/v1/kinematics", request, options);
   }
 
-  /** How much lag (s) and delay (periods) one axis in contact bears, and how little damping it needs. */
+  /** Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping. */
   stability(request: StabilityRequest, options?: CallOptions): Promise<StabilityAnswer> {
     return this.call("POST", "/v1/stability", request, options);
   }
 
-  /** One stateless control period; `stateless` keeps the memory for you. */
+  /** Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you. */
   step(request: StepRequest, options?: CallOptions): Promise<StepAnswer> {
     return this.call("POST", "/v1/step", request, this.stepOptions(options));
   }
 
-  /** Opens a controller whose memory the service keeps; `close` it. */
+  /** Opens a controller whose memory the service keeps. Call `close` on it at the end. */
   async session(controller: Controller, options?: CallOptions): Promise<Session> {
     return new Session(this, controller, await this.call<CreatedController>("POST", "/v1/controllers", controller, options));
   }
 
-  /** The sessions of all clients that are open now. */
+  /** Lists the open sessions of all clients. */
   async sessions(options?: CallOptions): Promise<SessionEntry[]> {
     return (await this.call<{ controllers: SessionEntry[] }>("GET", "/v1/controllers", undefined, options)).controllers;
   }
 
-  /** A controller whose memory travels with each request. */
+  /** Returns a controller that sends its memory with each request. */
   stateless(controller: Controller): Stateless {
     return new Stateless(this, controller);
   }
 
-  /** The arms that requests can name, with limits and units of their joints. */
+  /** Lists the robots that requests can name, with limits and units of their joints. */
   async robots(options?: CallOptions): Promise<Robot[]> {
     return (await this.call<{ robots: Robot[] }>("GET", "/v1/robots", undefined, options)).robots;
   }
 
-  /** One of them. */
+  /** Returns the robot of this name, with limits and units of its joints. */
   robot(name: string, options?: CallOptions): Promise<Robot> {
     return this.call("GET", `/v1/robots/${encodeURIComponent(name)}`, undefined, options);
   }
 
-  /** Makes an arm known from the text of a URDF file. */
+  /** Registers a robot from the text of a URDF file. */
   registerRobot(registration: RobotRegistration, options?: CallOptions): Promise<Robot> {
     return this.call("POST", "/v1/robots", registration, options);
   }
 
-  /** Forgets a registered arm. */
+  /** Deletes a registered robot. */
   deleteRobot(name: string, options?: CallOptions): Promise<void> {
     return this.call("DELETE", `/v1/robots/${encodeURIComponent(name)}`, undefined, options);
   }
 
-  /** The experiments that ship with the service. */
+  /** Lists the scenarios that ship with the service. */
   async scenarios(options?: CallOptions): Promise<ScenarioEntry[]> {
     return (await this.call<{ scenarios: ScenarioEntry[] }>("GET", "/v1/scenarios", undefined, options)).scenarios;
   }
 
-  /** One of them. */
+  /** Returns the scenario of this name. */
   scenario(name: string, options?: CallOptions): Promise<Scenario> {
     return this.call("GET", `/v1/scenarios/${encodeURIComponent(name)}`, undefined, options);
   }
 
-  /** Starts an experiment, by name or of your own; `result()` waits for its end, `trace()` has every period. */
+  /** Starts a simulation of a scenario. `result()` waits for its end; `trace()` returns every control period. */
   async simulate(request: SimulationRequest, options?: CallOptions): Promise<SimulationRun> {
     return new SimulationRun(this, (await this.call<Simulation>("POST", "/v1/simulations", request, options)).id);
   }
 
-  /** Sends a call, again where that is safe, and reads its answer. */
+  /** Sends a call, retries it where that is safe, and returns its answer. */
   async call<A>(method: Method, path: string, body?: unknown, options: CallOptions = {}): Promise<A> {
     const timeoutMs = options.timeoutMs ?? this.#timeoutMs;
     const endMs = performance.now() + timeoutMs;
@@ -168,12 +168,12 @@ export class Client {
     }
   }
 
-  /** Options with the time limit of a control period. */
+  /** Adds the time limit of a control period to options that have none. */
   stepOptions(options: CallOptions = {}): CallOptions {
     return { timeoutMs: this.stepTimeoutMs, ...options };
   }
 
-  /** A WebSocket to a path of the service. */
+  /** Opens a WebSocket to a path of the service. */
   webSocket(path: string): WebSocketLike {
     return this.#webSocket(this.url.replace(/^http/, "ws") + path, "revprio.json", this.#token);
   }
@@ -187,13 +187,13 @@ export class Client {
     signal?.addEventListener("abort", stop, { once: true });
     try {
       const headers = { ...this.#token, accept: "application/json", "content-type": "application/json" };
-      const content = body === undefined ? null : JSON.stringify(body, finite);
+      const content = body === undefined ? null : JSON.stringify(body, rejectNonFinite);
       const response = await this.#fetch(url, { method, headers, body: content, signal: timer.signal });
       return read<A>(url, response, await response.text());
     } catch (error) {
       signal?.throwIfAborted();
       if (error instanceof RevprioError || error instanceof RangeError) throw error;
-      if (timer.signal.aborted) throw new LateAnswerError(url, `nothing within ${timeoutMs.toFixed(0)} ms`);
+      if (timer.signal.aborted) throw new LateAnswerError(url, `no reply within ${timeoutMs.toFixed(0)} ms`);
       throw new NoAnswerError(url, error);
     } finally {
       clearTimeout(timeout);
@@ -215,16 +215,16 @@ function read<A>(url: string, response: Response, text: string): A {
   throw new ProblemError(body, after !== null && /^\d+$/.test(after) ? Number(after) : undefined);
 }
 
-/** Whether the service has certainly not taken the call, or may take it twice. An answer that is late is not asked for again. */
+/** Returns whether a call may be sent again: it was not processed, or may be processed twice, and did not time out. */
 function mayRepeat(failure: unknown, method: Method, path: string): boolean {
   if (failure instanceof ProblemError) return failure.status === 503 || failure.status === 429;
-  // An order to a run may be to go on by some periods.
-  const repeatable = method !== "POST" || !(NOT_REPEATABLE.has(path) || path.endsWith("/control"));
+  // A control command can advance a run by a number of periods, so it must not be repeated.
+  const repeatable = method !== "POST" || !(CREATING_PATHS.has(path) || path.endsWith("/control"));
   return repeatable && failure instanceof NoAnswerError && !(failure instanceof LateAnswerError);
 }
 
-/** `JSON.stringify` would write `null` for what is not finite. */
-function finite(field: string, value: unknown): unknown {
+/** Replacer for `JSON.stringify` that throws for a number that is not finite, instead of writing `null`. */
+function rejectNonFinite(field: string, value: unknown): unknown {
   if (typeof value === "number" && !Number.isFinite(value)) throw new RangeError(`${field}: every number must be finite`);
   return value;
 }
@@ -237,9 +237,9 @@ function pause(durationMs: number, signal?: AbortSignal): Promise<void> {
   });
 }
 
-function ownWebSocket(url: string, protocol: string, headers: Record<string, string>): WebSocketLike {
+function globalWebSocket(url: string, protocol: string, headers: Record<string, string>): WebSocketLike {
   if (globalThis.WebSocket === undefined || Object.keys(headers).length > 0) {
-    throw new TypeError("give the client a `webSocket`: this platform has none, or none that can show the token");
+    throw new TypeError("set the option `webSocket`: this platform has no WebSocket, or none that can send the token");
   }
   return new WebSocket(url, protocol);
 }

@@ -10,7 +10,7 @@ export class Session extends Stepping {
   constructor(
     private readonly client: Client,
     controller: Controller,
-    /** Joint order, and warnings about contacts that would bounce. */
+    /** The answer of the service: session name, joint order, and warnings about unstable contacts. */
     readonly created: CreatedController,
   ) {
     super(controller.period_s);
@@ -21,12 +21,12 @@ export class Session extends Stepping {
     return this.client.call<StepAnswer>("POST", `${this.path()}/step`, state, this.client.stepOptions(options));
   }
 
-  /** Configuration, last sequence number and counters. */
+  /** Returns the configuration, the last sequence number and counters. */
   status(options: CallOptions = {}): Promise<SessionStatus> {
     return this.client.call<SessionStatus>("GET", this.path(), undefined, options);
   }
 
-  /** The same controller over a WebSocket, for loops faster than requests allow. Closing it keeps the session. */
+  /** Opens a WebSocket to the same controller, for loops too fast for single requests. Closing it keeps the session. */
   stream(options: CallOptions = {}): Promise<Stream> {
     return Stream.open(this.client, this, `${this.path()}/stream`, options);
   }
@@ -41,9 +41,9 @@ export class Session extends Stepping {
   }
 }
 
-/** A controller whose memory travels with each request, so that any replica of the service answers any of them. */
+/** A controller that sends its memory with each request, so that any replica of the service can answer it. */
 export class Stateless extends Stepping {
-  /** What the last answer asked to be told; may be stored and put back. */
+  /** The controller memory of the last answer, for the next request. It may be stored and set again. */
   memory: Memory | null = null;
 
   constructor(

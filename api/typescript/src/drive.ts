@@ -3,29 +3,35 @@ import { RevprioError } from "./errors.js";
 import type { Stepping } from "./stepping.js";
 import type { Watchdog } from "./watchdog.js";
 
-/** What a loop needs of an arm. */
+/** Interface between `drive` and an arm. */
 export interface Arm {
-  /** The state now. */
+  /** Returns the current state. */
   read(): Measurement;
-  /** Joint velocities to follow from now on: n, rad/s or m/s. */
+  /** Commands joint velocities: n, rad/s or m/s. */
   write(jointVelocity: number[]): void;
 }
 
-/** How a loop went. */
+/** Statistics of a control loop. */
 export interface Drive {
+  /** Number of control periods. */
   periods: number;
-  /** Periods with an answer to their own state before their end. */
+  /** Number of periods in which the answer to the period's own state came before its end. */
   answered: number;
 }
 
 /**
- * Runs a controller in real time: once per period read, call, write. `write` is heard in every period, with what the
- * watchdog allows, however late an answer is. While the service is silent the arm ramps to rest; if it answers before
- * that, the loop goes on. It ends with the arm at rest: when the signal says so, which is the ordinary way; when silence
- * has led to rest, with the last error; when the service refuses a state, with that error; and when `read` throws. Answers
- * that come after that do not count.
+ * Runs a controller in real time. In each period it calls `read`, the service, and `write`. `write` receives a command
+ * in every period, however late an answer is; the watchdog decides which command is allowed. While no answers come, the
+ * arm slows down to rest. The loop continues if an answer comes before the arm is at rest.
  *
- * Timers of JavaScript are good for some 250 Hz; a page in the background gets one a second.
+ * The arm is at rest when the loop ends. The loop ends
+ * - when the signal is aborted (the normal way);
+ * - when the arm has come to rest because no answers came: rejects with the last error;
+ * - when the service refuses a state: rejects with that error;
+ * - when `read` throws.
+ *
+ * Answers that come after the end are ignored. Timers in JavaScript allow about 250 Hz. A page in the background gets
+ * only one timer event per second.
  */
 export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, signal: AbortSignal): Promise<Drive> {
   const report: Drive = { periods: 0, answered: 0 };

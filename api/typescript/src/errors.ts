@@ -1,14 +1,14 @@
 import type { Problem } from "./bodies.js";
 import { REMEDIES } from "./generated.js";
 
-/** Anything that this package throws about the service. */
+/** Base class of all errors that concern the service. */
 export class RevprioError extends Error {
   override name = "RevprioError";
-  /** Whether a later call may succeed: the service cannot be reached, is late, or has no time. */
+  /** Whether a later call may succeed: the service cannot be reached, is late, or is overloaded. */
   readonly isSilence: boolean = false;
 }
 
-/** The service cannot be reached, or the connection broke. */
+/** The service cannot be reached, or the connection was lost. */
 export class NoAnswerError extends RevprioError {
   override name = "NoAnswerError";
   override readonly isSilence = true;
@@ -23,33 +23,33 @@ export class LateAnswerError extends NoAnswerError {
   override name = "LateAnswerError";
 }
 
-/** Something answered, but not as a revprio service does. */
+/** The answer is not one of a revprio service. */
 export class ForeignAnswerError extends RevprioError {
   override name = "ForeignAnswerError";
   override readonly isSilence: boolean;
 
   constructor(readonly url: string, readonly status: number) {
-    super(`${url} answered with status ${status}, but not as a revprio service does`);
+    super(`the answer of ${url} (status ${status}) is not from a revprio service`);
     this.isSilence = status >= 500;
   }
 }
 
-/** The service refused a request and says why (RFC 9457, `application/problem+json`). */
+/** The service refused a request; the fields give the reason (RFC 9457, `application/problem+json`). */
 export class ProblemError extends RevprioError {
   override name = "ProblemError";
   /** Stable identifier of the kind of problem. */
   readonly type: string;
   /** HTTP status. */
   readonly status: number;
-  /** What is wrong, in words. */
+  /** Description of the problem. */
   readonly detail: string;
-  /** JSON pointer of the offending field, if there is one. */
+  /** JSON pointer of the invalid field, if there is one. */
   readonly pointer: string | undefined;
-  /** What to do about it. */
+  /** What to do about the problem. */
   readonly remedy: string;
   override readonly isSilence: boolean;
 
-  constructor(readonly problem: Problem, /** What `Retry-After` asks for, s. */ readonly retryAfterS?: number) {
+  constructor(readonly problem: Problem, /** Value of the header `Retry-After`, s. */ readonly retryAfterS?: number) {
     const remedy = REMEDIES[problem.type] ?? problem.title;
     const place = problem.pointer ? ` at ${problem.pointer}` : "";
     super(`${problem.detail} (${problem.status} ${problem.type}${place}). ${remedy}`);
@@ -60,7 +60,7 @@ export class ProblemError extends RevprioError {
   }
 }
 
-/** Whether something is a problem of the service. */
+/** Returns whether a body is a problem that the service reports. */
 export function isProblem(body: unknown): body is Problem {
   return typeof body === "object" && body !== null && "status" in body && "detail" in body && "type" in body;
 }

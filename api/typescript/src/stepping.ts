@@ -1,27 +1,27 @@
 import type { Measurement, State, StepAnswer } from "./bodies.js";
 import type { CallOptions } from "./client.js";
 
-/** Something that takes a measured state and answers with joint velocities, once per period. */
+/** A running controller: once per period, a measured state goes in and joint velocities come out. */
 export abstract class Stepping {
   #next = 0;
 
   constructor(
-    /** T, s. */
+    /** Control period T, s. */
     readonly periodS: number,
   ) {}
 
   /**
-   * One control period. The state gets the next sequence number; where its answer is lost on the way it is sent again
-   * under the same one, which is never stepped twice.
+   * Runs one control period. The state gets the next sequence number. If its answer is lost, the client sends the state
+   * again with the same number; the service never runs the same number twice.
    */
   step(measurement: Measurement, options: CallOptions = {}): Promise<StepAnswer> {
     return this.stepState(this.number(measurement), options);
   }
 
-  /** One control period with a state that has its own sequence number, which must grow. */
+  /** Runs one control period with a state that has its own sequence number. Sequence numbers must increase. */
   abstract stepState(state: State, options?: CallOptions): Promise<StepAnswer>;
 
-  /** Gives a measurement the next sequence number and, where it has none, the time at which its period begins. */
+  /** Adds the next sequence number to a measurement and, if it has no time, the start time of its period. */
   number(measurement: Measurement): State {
     const sequence = this.#next++;
     return { time_s: sequence * this.periodS, ...measurement, sequence };

@@ -4,7 +4,7 @@ import type { Session } from "./controller.js";
 import { ForeignAnswerError, isProblem, LateAnswerError, NoAnswerError, ProblemError } from "./errors.js";
 import { Stepping } from "./stepping.js";
 
-/** What a stream needs of a WebSocket: that of browsers and Node 22, or of the package `ws`. */
+/** The part of a WebSocket that a stream uses; browsers, Node 22 and the package `ws` provide it. */
 export interface WebSocketLike {
   send(data: string): void;
   close(): void;
@@ -13,17 +13,18 @@ export interface WebSocketLike {
   addEventListener(type: "message", listener: (event: { data: unknown }) => void): void;
 }
 
-/** Opens a WebSocket; `headers` hold the token, which the WebSocket of browsers cannot send. */
+/** Opens a WebSocket. `headers` contains the token, which the WebSocket of browsers cannot send. */
 export type WebSocketFactory = (url: string, protocol: string, headers: Record<string, string>) => WebSocketLike;
 
-interface Waiting {
+/** A state that was sent and awaits its reply. */
+interface PendingReply {
   resolve(answer: StepAnswer): void;
   reject(error: unknown): void;
 }
 
-/** A session over a WebSocket: each state gets one reply, in order. */
+/** A session over a WebSocket. The service sends one reply per state, in the same order. */
 export class Stream extends Stepping {
-  #waiting: Waiting[] = [];
+  #pending: PendingReply[] = [];
   #failure: NoAnswerError | undefined;
 
   private constructor(
@@ -34,26 +35,26 @@ export class Stream extends Stepping {
     super(session.periodS);
     const end = (cause: unknown) => {
       this.#failure ??= new NoAnswerError(client.url, cause);
-      for (const waiting of this.#waiting.splice(0)) waiting.reject(this.#failure);
+      for (const pending of this.#pending.splice(0)) pending.reject(this.#failure);
     };
     socket.addEventListener("close", () => end("the connection was closed"));
     socket.addEventListener("error", (event) => end("message" in event ? event.message : "the connection failed"));
-    socket.addEventListener("message", ({ data }) => this.#hear(data));
+    socket.addEventListener("message", ({ data }) => this.#handleMessage(data));
   }
 
-  /** Connects. */
+  /** Opens the connection. */
   static async open(client: Client, session: Session, path: string, { signal }: CallOptions): Promise<Stream> {
     signal?.throwIfAborted();
     const stream = new Stream(client, session, client.webSocket(path));
     await new Promise<void>((resolve, reject) => {
-      stream.#waiting.push({ resolve: () => resolve(), reject });
-      stream.socket.addEventListener("open", () => (stream.#waiting.shift(), resolve()));
+      stream.#pending.push({ resolve: () => resolve(), reject });
+      stream.socket.addEventListener("open", () => (stream.#pending.shift(), resolve()));
       signal?.addEventListener("abort", () => (stream.close(), reject(signal.reason)), { once: true });
     });
     return stream;
   }
 
-  /** One session, one count. */
+  /** Uses the sequence numbers of the session, so that the session and its stream never use the same number. */
   override number(measurement: Parameters<Stepping["number"]>[0]): State {
     return this.session.number(measurement);
   }
@@ -63,26 +64,29 @@ export class Stream extends Stepping {
       signal?.throwIfAborted();
       if (this.#failure) throw this.#failure;
       const stop = () => reject(signal?.reason);
-      const late = () => reject(new LateAnswerError(this.client.url, `nothing within ${timeoutMs} ms`));
+      const late = () => reject(new LateAnswerError(this.client.url, `no reply within ${timeoutMs} ms`));
       const timer = setTimeout(late, timeoutMs);
       signal?.addEventListener("abort", stop, { once: true });
-      const over = () => (clearTimeout(timer), signal?.removeEventListener("abort", stop));
-      this.#waiting.push({ resolve: (answer) => (over(), resolve(answer)), reject: (error) => (over(), reject(error)) });
+      const cleanUp = () => (clearTimeout(timer), signal?.removeEventListener("abort", stop));
+      this.#pending.push({
+        resolve: (answer) => (cleanUp(), resolve(answer)),
+        reject: (error) => (cleanUp(), reject(error)),
+      });
       this.socket.send(JSON.stringify(state));
     });
   }
 
-  /** Ends the connection, not the session. */
+  /** Closes the connection. The session stays open. */
   close(): void {
     this.socket.close();
   }
 
-  #hear(data: unknown): void {
-    const waiting = this.#waiting.shift();
+  #handleMessage(data: unknown): void {
+    const pending = this.#pending.shift();
     const reply = parse(data);
-    if (isProblem(reply)) waiting?.reject(new ProblemError(reply));
-    else if (reply === undefined) waiting?.reject(new ForeignAnswerError(this.client.url, 200));
-    else waiting?.resolve(reply as StepAnswer);
+    if (isProblem(reply)) pending?.reject(new ProblemError(reply));
+    else if (reply === undefined) pending?.reject(new ForeignAnswerError(this.client.url, 200));
+    else pending?.resolve(reply as StepAnswer);
   }
 }
 

@@ -1,18 +1,18 @@
 import type { Robot, StepAnswer } from "./bodies.js";
 
 /**
- * Gives the joint velocities to command at any time, whether answers come or not.
+ * Computes the joint velocities to command at any time, also when no answers come.
  *
- * The last answer counts for `valid_for_ms` from the moment at which its *state* was measured. After that each joint
- * slows down to rest with its largest acceleration, and stays there until a newer answer comes. Time is an argument, in
- * milliseconds of any clock that does not go back, such as `performance.now()`.
+ * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint slows
+ * down to rest at its maximum acceleration and stays at rest until a newer answer comes. All times are arguments, in
+ * milliseconds of any monotonic clock, such as `performance.now()`.
  */
 export class Watchdog {
   #velocity: readonly number[];
   #measuredAtMs = -Infinity;
   #expiresAtMs = -Infinity;
 
-  /** `accelerationLimit`: n, rad/s² or m/s². */
+  /** `accelerationLimit`: maximum acceleration of each joint, n, rad/s² or m/s². */
   constructor(private readonly accelerationLimit: readonly number[]) {
     if (accelerationLimit.length === 0 || !accelerationLimit.every((limit) => limit > 0)) {
       throw new RangeError(`accelerationLimit: give one positive number per joint, not [${accelerationLimit}]`);
@@ -20,7 +20,7 @@ export class Watchdog {
     this.#velocity = accelerationLimit.map(() => 0);
   }
 
-  /** With the acceleration limits of a robot, as `Client.robot` gives it. */
+  /** Creates a watchdog with the acceleration limits of a robot, as `Client.robot` returns it. */
   static of(robot: Robot): Watchdog {
     return new Watchdog(
       robot.joints.map((joint) => {
@@ -33,8 +33,8 @@ export class Watchdog {
   }
 
   /**
-   * Takes an answer that comes now (ms) to a state that was measured before (ms). `false` if it does not count: it has
-   * expired, or a state that was measured later was answered before.
+   * Accepts the answer that came at `nowMs` to the state measured at `measuredAtMs`. Returns `false` and ignores the
+   * answer if it has expired, or if an answer to a later state was accepted before.
    */
   obey(answer: StepAnswer, measuredAtMs: number, nowMs: number): boolean {
     const velocity = answer.joint_velocity;
@@ -49,21 +49,21 @@ export class Watchdog {
     return true;
   }
 
-  /** Joint velocities to command at a time (ms): n, rad/s or m/s. */
+  /** Returns the joint velocities to command at `nowMs`: n, rad/s or m/s. */
   command(nowMs: number): number[] {
     const silenceS = Math.max(nowMs - this.#expiresAtMs, 0) / 1e3;
     return this.#velocity.map((velocity, joint) => {
-      const lost = silenceS === 0 ? 0 : (this.accelerationLimit[joint] ?? 0) * silenceS;
-      return Math.sign(velocity) * Math.max(Math.abs(velocity) - lost, 0);
+      const decrease = silenceS === 0 ? 0 : (this.accelerationLimit[joint] ?? 0) * silenceS;
+      return Math.sign(velocity) * Math.max(Math.abs(velocity) - decrease, 0);
     });
   }
 
-  /** Lets the ramp begin at a time (ms), if it has not yet. */
+  /** Starts the ramp to rest at `nowMs`, if it has not started yet. */
   expire(nowMs: number): void {
     this.#expiresAtMs = Math.min(this.#expiresAtMs, nowMs);
   }
 
-  /** Whether the ramp is over at a time, ms. */
+  /** Returns whether the ramp is over and all joints are at rest at `nowMs`. */
   isAtRest(nowMs: number): boolean {
     return nowMs >= this.#expiresAtMs && this.command(nowMs).every((velocity) => velocity === 0);
   }

@@ -8,7 +8,7 @@ import { test, type TestContext } from "node:test";
 import { chromium } from "playwright-core";
 import { CONTROLLER, POSTURE, serve } from "./service.js";
 
-/** A site that holds the built client and an empty page. */
+/** Starts a web server with the built client and an empty page; returns its origin. */
 async function site(t: TestContext): Promise<string> {
   const server = createServer(async (request, response) => {
     if (request.url === "/") return response.setHeader("content-type", "text/html").end("<!doctype html><title>arm</title>");
@@ -21,7 +21,7 @@ async function site(t: TestContext): Promise<string> {
   return `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
 }
 
-test("a page of another origin resolves, steps and streams with the browser's own fetch and WebSocket", async (t) => {
+test("a page of another origin can resolve, step and stream with the fetch and WebSocket of the browser", async (t) => {
   const origin = await site(t);
   const { url } = await serve(t, "--allow-origin", origin);
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);

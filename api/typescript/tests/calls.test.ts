@@ -3,13 +3,13 @@ import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
 import { suite, test } from "node:test";
 import { Client, ForeignAnswerError, LateAnswerError, NoAnswerError, ProblemError, type ResolveRequest } from "../src/index.js";
-import { CONTROLLER, example, lineTo, patient, POSTURE, serve, tokenFile } from "./service.js";
+import { CONTROLLER, example, startFaultyProxy, testClient, POSTURE, serve, tokenFile } from "./service.js";
 
 const PUSH: ResolveRequest = { robot: "sawyer_dh", joint_position: POSTURE, tasks: [{ axes: ["x"], velocity: [0.05] }] };
 
 suite("calls", () => {
-  test("the resolved velocity moves the tool as the task asks", async (t) => {
-    const client = patient((await serve(t)).url);
+  test("the resolved velocity gives the tool the velocity of the task", async (t) => {
+    const client = testClient((await serve(t)).url);
     const [answer, { jacobian }] = await Promise.all([
       client.resolve(PUSH),
       client.kinematics({ robot: "sawyer_dh", joint_position: POSTURE }),
@@ -18,8 +18,8 @@ suite("calls", () => {
     assert.ok(Math.abs(moved - 0.05) < 1e-12);
   });
 
-  test("a refusal says what, where and what to do", async (t) => {
-    const client = patient((await serve(t)).url);
+  test("a problem names the error, the field and the remedy", async (t) => {
+    const client = testClient((await serve(t)).url);
     await assert.rejects(client.resolve({ ...PUSH, joint_position: [0] }), (error: unknown) => {
       assert.ok(error instanceof ProblemError);
       assert.deepEqual([error.status, error.type, error.pointer], [422, "/problems/invalid", "/joint_position"]);
@@ -32,12 +32,12 @@ suite("calls", () => {
     await assert.rejects(client.robot("no/such"), { status: 404 });
   });
 
-  test("numbers that are none are not sent as null", async () => {
+  test("a number that is not finite is refused and not sent as null", async () => {
     await assert.rejects(new Client("http://127.0.0.1:9").resolve({ ...PUSH, period_s: NaN }), /period_s: every number/);
   });
 
-  test("lists, margins and experiments", async (t) => {
-    const client = patient((await serve(t)).url);
+  test("robots, scenarios, stability margins and simulations", async (t) => {
+    const client = testClient((await serve(t)).url);
     const names = (await client.robots()).map((robot) => robot.name);
     assert.ok(names.includes((await client.robot("sawyer")).name));
     assert.equal((await client.scenario("stiff_wall")).name, "stiff_wall");
@@ -63,17 +63,17 @@ suite("calls", () => {
     await assert.rejects(client.robot("mine"), { status: 404 });
   });
 
-  test("a service that is not there is named", async () => {
+  test("the error of an unreachable service contains its address", async () => {
     const client = new Client("http://127.0.0.1:9");
     await assert.rejects(client.robots(), (error: unknown) => error instanceof NoAnswerError && /127.0.0.1:9/.test(error.message));
   });
 
-  test("a token opens what is closed without", async (t) => {
+  test("a service with a token refuses clients without it", async (t) => {
     const token = "s".repeat(32);
     const { url } = await serve(t, "--token-file", tokenFile(token));
-    await assert.rejects(patient(url).robots(), { status: 401, type: "/problems/unauthorized" });
-    await assert.rejects(patient(url, { token: "t".repeat(32) }).robots(), { status: 401 });
-    const client = patient(url, { token });
+    await assert.rejects(testClient(url).robots(), { status: 401, type: "/problems/unauthorized" });
+    await assert.rejects(testClient(url, { token: "t".repeat(32) }).robots(), { status: 401 });
+    const client = testClient(url, { token });
     assert.ok((await client.robots()).length > 0);
     const stream = await (await client.session(CONTROLLER)).stream();
     stream.close();
@@ -81,34 +81,34 @@ suite("calls", () => {
     await assert.rejects((await bare.session(CONTROLLER)).stream(), /webSocket/);
   });
 
-  test("a full service says when to come again", async (t) => {
-    const client = patient((await serve(t, "--max-sessions", "1")).url, { retries: 0 });
+  test("a full service reports when to retry", async (t) => {
+    const client = testClient((await serve(t, "--max-sessions", "1")).url, { retries: 0 });
     const session = await client.session(CONTROLLER);
     await assert.rejects(client.session(CONTROLLER), { status: 503, retryAfterS: 1, isSilence: true });
     await session.close();
   });
 
-  test("what a busy service has not taken is sent again, unless the pause is too long", async (t) => {
-    let busy = 2;
-    let after = "0";
+  test("a request refused because of overload is sent again, unless the pause is too long", async (t) => {
+    let refusals = 2;
+    let retryAfter = "0";
     const server = createServer((_, response) => {
-      const isBusy = busy-- > 0;
-      response.writeHead(isBusy ? 503 : 200, isBusy ? { "retry-after": after } : {});
+      const isBusy = refusals-- > 0;
+      response.writeHead(isBusy ? 503 : 200, isBusy ? { "retry-after": retryAfter } : {});
       response.end(isBusy ? '{"type": "/problems/overloaded", "title": "t", "status": 503, "detail": "d"}' : '{"robots": []}');
     });
     await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
     t.after(() => (server.closeAllConnections(), server.close()));
     const client = new Client(`http://127.0.0.1:${(server.address() as AddressInfo).port}`, { retries: 2 });
     assert.deepEqual(await client.robots(), []);
-    busy = 3;
+    refusals = 3;
     await assert.rejects(client.robots(), { status: 503 });
-    busy = 1;
-    after = "3600";
+    refusals = 1;
+    retryAfter = "3600";
     await assert.rejects(client.robots(), { status: 503, retryAfterS: 3600 });
-    assert.equal(busy, 0);
+    assert.equal(refusals, 0);
   });
 
-  test("an answer of something else is not taken for one", async (t) => {
+  test("the answer of another server is rejected", async (t) => {
     const server = createServer((_, response) => response.end("<html>"));
     await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
     t.after(() => (server.closeAllConnections(), server.close()));
@@ -116,15 +116,15 @@ suite("calls", () => {
     await assert.rejects(client.robots(), ForeignAnswerError);
   });
 
-  test("a signal ends a call with its own reason, and a limit of time with LateAnswerError", async (t) => {
-    const line = await lineTo(t, (await serve(t)).url);
-    line.stall();
-    const client = new Client(line.url);
+  test("a signal aborts a call with its reason, and a timeout with LateAnswerError", async (t) => {
+    const proxy = await startFaultyProxy(t, (await serve(t)).url);
+    proxy.stall();
+    const client = new Client(proxy.url);
     const abort = new AbortController();
     const call = client.robots({ signal: abort.signal });
-    abort.abort(new Error("enough"));
-    await assert.rejects(call, /enough/);
-    await assert.rejects(client.robots({ signal: abort.signal }), /enough/);
+    abort.abort(new Error("aborted by the test"));
+    await assert.rejects(call, /aborted by the test/);
+    await assert.rejects(client.robots({ signal: abort.signal }), /aborted by the test/);
     await assert.rejects(client.robots({ timeoutMs: 50 }), LateAnswerError);
   });
 });

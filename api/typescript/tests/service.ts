@@ -1,4 +1,4 @@
-/** A running service, and a line to it that can stall or lose an answer. */
+/** A running service, and a TCP proxy that simulates a faulty network. */
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { connect, createServer, type AddressInfo, type Socket } from "node:net";
@@ -25,7 +25,7 @@ export interface Service {
   kill(): void;
 }
 
-/** A service until the end of the test. */
+/** Starts a service that runs until the end of the test. */
 export async function serve(test: TestContext, ...flags: string[]): Promise<Service> {
   const program = process.env["REVPRIO"] ?? join(ROOT, "target/debug/revprio");
   const child = spawn(program, ["serve", "--listen", "127.0.0.1:0", ...flags], { stdio: ["ignore", "pipe", "ignore"] });
@@ -35,53 +35,55 @@ export async function serve(test: TestContext, ...flags: string[]): Promise<Serv
   throw new Error("the service does not start");
 }
 
-/** A file with a token. */
+/** Writes a token to a file; returns its path. */
 export function tokenFile(token: string): string {
   const path = join(mkdtempSync(join(tmpdir(), "revprio-")), "token");
   writeFileSync(path, token, { mode: 0o600 });
   return path;
 }
 
-/** A client that is patient with a busy machine, with the WebSocket of `ws`. */
-export function patient(url: string, options: ClientOptions = {}): Client {
+/** Creates a client with long time limits, for slow test machines, and with the WebSocket of `ws`. */
+export function testClient(url: string, options: ClientOptions = {}): Client {
   const webSocket: ClientOptions["webSocket"] = (to, protocol, headers) => new WebSocket(to, protocol, { headers });
   return new Client(url, { timeoutMs: 60_000, stepTimeoutMs: 60_000, webSocket, ...options });
 }
 
-export interface Line {
+export interface FaultyProxy {
   url: string;
+  /** Holds back all answers. */
   stall(): void;
   resume(): void;
-  loseNextAnswer(): void;
+  /** Drops the connection instead of forwarding the next answer. */
+  dropNextAnswer(): void;
 }
 
-/** A TCP line to a service until the end of the test. */
-export async function lineTo(test: TestContext, url: string): Promise<Line> {
+/** Starts a TCP proxy to a service, which runs until the end of the test. */
+export async function startFaultyProxy(test: TestContext, url: string): Promise<FaultyProxy> {
   const port = Number(new URL(url).port);
-  const backwards = new Set<Socket>();
+  const serviceSockets = new Set<Socket>();
   let isStalled = false;
-  let loses = false;
-  const server = createServer((near) => {
-    const far = connect(port, "127.0.0.1");
-    backwards.add(far);
-    near.on("data", (data) => far.write(data));
-    far.on("data", (data) => {
-      if (loses) near.destroy();
-      else near.write(data);
-      loses = false;
+  let dropsAnswer = false;
+  const server = createServer((client) => {
+    const service = connect(port, "127.0.0.1");
+    serviceSockets.add(service);
+    client.on("data", (data) => service.write(data));
+    service.on("data", (data) => {
+      if (dropsAnswer) client.destroy();
+      else client.write(data);
+      dropsAnswer = false;
     });
-    if (isStalled) far.pause();
-    for (const [from, to] of [[near, far], [far, near]] as const) {
+    if (isStalled) service.pause();
+    for (const [from, to] of [[client, service], [service, client]] as const) {
       from.on("error", () => to.destroy());
-      from.on("close", () => (backwards.delete(far), to.destroy()));
+      from.on("close", () => (serviceSockets.delete(service), to.destroy()));
     }
   });
   await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
-  test.after(() => (backwards.forEach((socket) => socket.destroy()), server.close()));
+  test.after(() => (serviceSockets.forEach((socket) => socket.destroy()), server.close()));
   return {
     url: `http://127.0.0.1:${(server.address() as AddressInfo).port}`,
-    stall: () => ((isStalled = true), backwards.forEach((socket) => socket.pause())),
-    resume: () => ((isStalled = false), backwards.forEach((socket) => socket.resume())),
-    loseNextAnswer: () => void (loses = true),
+    stall: () => ((isStalled = true), serviceSockets.forEach((socket) => socket.pause())),
+    resume: () => ((isStalled = false), serviceSockets.forEach((socket) => socket.resume())),
+    dropNextAnswer: () => void (dropsAnswer = true),
   };
 }

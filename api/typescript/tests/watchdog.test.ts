@@ -5,33 +5,33 @@ import { example } from "./service.js";
 
 const ANSWER = { ...example("answers/step"), joint_velocity: [0.4, -0.1], valid_for_ms: 100 };
 
-function near(actual: number[], expected: number[]): void {
+function assertClose(actual: number[], expected: number[]): void {
   actual.forEach((entry, joint) => assert.ok(Math.abs(entry - expected[joint]!) < 1e-9, `${actual}`));
 }
 
 test("nothing moves before the first answer", () => {
   const watchdog = new Watchdog([2, 2]);
-  near(watchdog.command(0), [0, 0]);
+  assertClose(watchdog.command(0), [0, 0]);
   assert.ok(watchdog.isAtRest(0));
 });
 
-test("an answer holds for its time, and then every joint brakes with its own limit", () => {
+test("an answer is held while valid, then each joint brakes at its own limit", () => {
   const watchdog = new Watchdog([2, 4]);
   assert.ok(watchdog.obey(ANSWER, 1000, 1010));
-  near(watchdog.command(1100), [0.4, -0.1]);
-  near(watchdog.command(1110), [0.38, -0.06]);
-  near(watchdog.command(1200), [0.2, 0]);
-  near(watchdog.command(1301), [0, 0]);
+  assertClose(watchdog.command(1100), [0.4, -0.1]);
+  assertClose(watchdog.command(1110), [0.38, -0.06]);
+  assertClose(watchdog.command(1200), [0.2, 0]);
+  assertClose(watchdog.command(1301), [0, 0]);
   assert.ok(!watchdog.isAtRest(1290) && watchdog.isAtRest(1301));
 });
 
-test("what has expired or is older does not count", () => {
+test("an expired or older answer is ignored", () => {
   const watchdog = new Watchdog([2, 4]);
   assert.ok(!watchdog.obey(ANSWER, 1000, 1101));
   assert.ok(watchdog.obey(ANSWER, 1000, 1001));
   assert.ok(!watchdog.obey(ANSWER, 999, 1001));
   watchdog.expire(1050);
-  near(watchdog.command(1100), [0.3, 0]);
+  assertClose(watchdog.command(1100), [0.3, 0]);
 });
 
 test("limits must be one positive number per joint", () => {
