@@ -1,9 +1,9 @@
-// A 500 Hz loop with a watchdog: the arm moves to a wall and presses on it.
+// A control loop at 500 Hz with a watchdog: the arm moves to a wall and presses on it.
 //
 //     g++ -std=c++17 -O2 touch_wall.cpp -o touch_wall $(pkg-config --cflags --libs cpp-httplib) -pthread
 //     ./touch_wall http://127.0.0.1:8080
 //
-// The arm here is one of numbers; for yours write `measure` and `command`.
+// The arm is simulated. For a real arm, replace `Arm::measure` and `Arm::command`.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -30,16 +30,16 @@ Json controller(double period_s) {
         .patch(Json::array({{{"op", "add"}, {"path", "/period_s"}, {"value", period_s}}}));
 }
 
-/// An arm that does what it is told, at a wall 1 cm in front of the tool.
+/// A simulated arm that follows its commands exactly, with a wall 1 cm in front of the tool.
 class Arm {
 public:
-    explicit Arm(revprio::Client& client) : client_(client), start_(reach()) {}
+    explicit Arm(revprio::Client& client) : client_(client), start_x_(tool_x()) {}
 
     revprio::Measurement measure() {
         revprio::Measurement now;
         now.joint_position = q_;
         now.joint_velocity = qdot_;
-        now.force[0] = force_n = std::max(1000 * (reach() - start_ - 0.01), 0.0);
+        now.force[0] = force_n = std::max(1000 * (tool_x() - start_x_ - 0.01), 0.0);
         return now;
     }
 
@@ -51,14 +51,14 @@ public:
     double force_n = 0;
 
 private:
-    double reach() {
+    double tool_x() {
         return client_.kinematics({{"robot", "sawyer_dh"}, {"joint_position", q_}}).at("pose").at("position").at(0);
     }
 
     revprio::Client& client_;
     std::vector<double> q_{2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2};
     std::vector<double> qdot_ = std::vector<double>(7, 0.0);
-    double start_;
+    double start_x_;
 };
 
 } // namespace
@@ -70,12 +70,12 @@ int main(int argc, char** argv) try {
     const std::string url = argc > 1 ? argv[1] : "http://127.0.0.1:8080";
     revprio::Client client(url);
     revprio::Session session(client, controller(period_s));
-    revprio::Client arms_own(url); // a client serves one thread
-    revprio::Watchdog watchdog = revprio::Watchdog::of(arms_own.robot("sawyer_dh"));
-    Arm arm(arms_own);
+    revprio::Client arm_client(url); // only one thread may use a client
+    revprio::Watchdog watchdog = revprio::Watchdog::of(arm_client.robot("sawyer_dh"));
+    Arm arm(arm_client);
     std::signal(SIGINT, [](int) { is_interrupted = 1; });
 
-    // The call blocks, so it has a thread of its own: the arm hears a command in every period, whatever comes back.
+    // The call of the service blocks, so `Loop` has a separate thread. The arm gets a command in every period.
     revprio::Loop loop(session, watchdog);
     auto tick = Clock::now();
     for (int i = 0; i < periods && !is_interrupted; ++i, std::this_thread::sleep_until(tick += period)) {
