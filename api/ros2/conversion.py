@@ -1,6 +1,6 @@
-"""ROS 2 messages to the bodies of revprio and back.
+"""Conversion between ROS 2 messages and the JSON bodies of revprio.
 
-Nothing here needs ROS: whatever has the fields of the message will do, which is how the tests call it.
+This module does not import ROS. It accepts any object with the fields of the message; the tests use this.
 """
 
 from math import copysign, inf, isfinite
@@ -9,19 +9,19 @@ AXES = ("x", "y", "z")
 
 
 class NotFresh(ValueError):
-    """No state to send: a message is missing, late, or without what is needed."""
+    """No state can be sent: a message is missing, too old, or lacks a joint position."""
 
 
 def seconds(stamp):
-    """builtin_interfaces/Time in s."""
+    """Converts builtin_interfaces/Time to seconds."""
     return stamp.sec + 1e-9 * stamp.nanosec
 
 
 def by_name(joint_state, field, joints):
-    """A field of sensor_msgs/JointState as {name: value} for these joints alone; None where the message has no such values.
+    """Returns a field of sensor_msgs/JointState as {name: value} for `joints`, or None if a value is missing.
 
-    Names come in any order, and with those of other joints, of a gripper say; a driver that does not measure a quantity
-    leaves the field empty or fills it with NaN.
+    The message can list joints in any order and can include other joints, for example of a gripper. A driver that does
+    not measure a quantity leaves the field empty or fills it with NaN.
     """
     values = dict(zip(joint_state.name, getattr(joint_state, field)))
     chosen = {joint: values.get(joint, float("nan")) for joint in joints}
@@ -29,12 +29,12 @@ def by_name(joint_state, field, joints):
 
 
 def vector(xyz):
-    """geometry_msgs/Vector3 as a list."""
+    """Converts geometry_msgs/Vector3 to a list."""
     return [getattr(xyz, axis) for axis in AXES]
 
 
 def rotated(q, v):
-    """A vector (list) turned by a geometry_msgs/Quaternion of unit length: v + 2w (u × v) + 2u × (u × v)."""
+    """Rotates a vector (list) by a geometry_msgs/Quaternion of unit length: v + 2w (u × v) + 2u × (u × v)."""
     u = vector(q)
     once = cross(u, v)
     twice = cross(u, once)
@@ -42,15 +42,15 @@ def rotated(q, v):
 
 
 def cross(a, b):
-    """a × b."""
+    """Returns a × b."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def wrench(message, transform=None):
-    """geometry_msgs/Wrench as `wrench` of a state, N and N·m.
+    """Converts geometry_msgs/Wrench to the `wrench` of a state, N and N·m.
 
-    `transform` (geometry_msgs/Transform) leads from the frame that the message is in to the one that the controller
-    expects, as tf2's lookup_transform(target, source) gives it. The torque is moved to the new origin: τ' = R τ + p × R f.
+    `transform` (geometry_msgs/Transform) maps the frame of the message to the frame that the controller expects, as
+    tf2's lookup_transform(target, source) returns it. The torque is moved to the new origin: τ' = R τ + p × R f.
     """
     force, torque = vector(message.force), vector(message.torque)
     if transform is not None:
@@ -61,16 +61,16 @@ def wrench(message, transform=None):
 
 
 def state(joint_state, wrench_stamped, joints, *, sequence, start_s, now_s, max_age_s, transform=None):
-    """sensor_msgs/JointState and geometry_msgs/WrenchStamped as a state.
+    """Converts sensor_msgs/JointState and geometry_msgs/WrenchStamped to a state.
 
-    `time_s` counts from `start_s`, as the set-points of the controller do. Both messages must be younger than `max_age_s`.
+    `time_s` and the set-points of the controller count from `start_s`. Both messages must be within `max_age_s` of now.
     """
     for message in (joint_state, wrench_stamped):
         if message is None or abs(now_s - seconds(message.header.stamp)) > max_age_s:
             raise NotFresh(f"no joint state or wrench within {max_age_s} s of now")
     position = by_name(joint_state, "position", joints)
     if position is None:
-        raise NotFresh(f"the joint state lacks a position of {', '.join(joints)}")
+        raise NotFresh(f"the joint state must have a position for each of {', '.join(joints)}")
     body = {
         "sequence": sequence,
         "time_s": seconds(joint_state.header.stamp) - start_s,
@@ -82,7 +82,10 @@ def state(joint_state, wrench_stamped, joints, *, sequence, start_s, now_s, max_
 
 
 def twist_problem(robot, joint_position, twist, period_s):
-    """geometry_msgs/Twist of the tool, base axes, as a body of POST /v1/resolve: translation before rotation."""
+    """Converts geometry_msgs/Twist of the tool, base axes, to a body of POST /v1/resolve.
+
+    Translation is the task of higher priority, rotation the task of lower priority.
+    """
     def task(name, axes, velocity):
         return {"name": name, "axes": axes, "velocity": vector(velocity)}
 
@@ -92,35 +95,37 @@ def twist_problem(robot, joint_position, twist, period_s):
 
 
 def in_order(velocity, joints, wanted):
-    """Joint velocities of an answer, which follow `joints`, in the order of the controller that takes them."""
+    """Reorders joint velocities from the order `joints` of an answer to the order `wanted` of a ROS controller."""
     speed = dict(zip(joints, velocity, strict=True))
     return [speed[joint] for joint in wanted]
 
 
 def trajectory_point(position, velocity, period_s):
-    """positions, velocities and time_from_start (sec, nanosec) of a JointTrajectoryPoint one period ahead."""
+    """Returns positions, velocities and time_from_start (sec, nanosec) of a JointTrajectoryPoint one period ahead."""
     sec, nanosec = divmod(round(1e9 * period_s), 10**9)
     return [q + period_s * v for q, v in zip(position, velocity, strict=True)], list(velocity), (sec, nanosec)
 
 
 class Watchdog:
-    """What the arm is told each period: the last answer while it is valid, then the way to rest at `acceleration`.
+    """Computes the command of each period: the last answer while it is valid, then a ramp to rest at `acceleration`.
 
-    A joint whose acceleration is None, as the service says where the robot's description has no limit, rests at once.
+    `acceleration` is None for a joint without an acceleration limit in the robot's description. Such a joint stops at
+    once.
     """
 
     def __init__(self, acceleration, period_s):
-        self.most = [inf if a is None else a * period_s for a in acceleration]
+        self.max_change = [inf if a is None else a * period_s for a in acceleration]
         self.velocity = [0.0] * len(acceleration)
         self.valid_until_s = float("-inf")
 
     def heard(self, answer, measured_s):
-        """Takes an answer to the state that was measured at `measured_s`."""
+        """Stores an answer to the state that was measured at `measured_s`."""
         self.velocity = answer["joint_velocity"]
         self.valid_until_s = measured_s + answer["valid_for_ms"] / 1e3
 
     def command(self, now_s):
-        """The velocity for this period, rad/s or m/s."""
+        """Returns the joint velocities for this period, rad/s or m/s. Call it once per period."""
         if now_s > self.valid_until_s:
-            self.velocity = [copysign(max(0.0, abs(v) - most), v) for v, most in zip(self.velocity, self.most)]
+            slower = [max(0.0, abs(v) - change) for v, change in zip(self.velocity, self.max_change)]
+            self.velocity = [copysign(speed, v) for speed, v in zip(slower, self.velocity)]
         return self.velocity

@@ -1,4 +1,4 @@
-"""A force-controlled arm in ROS 2: joint states and wrench in, joint velocities out, one step per control period."""
+"""A ROS 2 node for a force-controlled arm: receives joint states and wrenches, publishes joint velocities."""
 
 import json
 import sys
@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 import conversion
-from service import SILENCE, Service
+from service import NO_COMMAND_ERRORS, Service
 
 
 class Revprio(Node):
@@ -24,18 +24,18 @@ class Revprio(Node):
         self.joints, self.step = session["joints"], f"/v1/controllers/{session['id']}/step"
         self.watchdog = conversion.Watchdog(accelerations, controller["period_s"])
         self.sequence, self.start_s, self.joint_state, self.wrench = 0, self.now_s(), None, None
-        self.create_subscription(JointState, "joint_states", self.hear_joints, qos_profile_sensor_data)
-        self.create_subscription(WrenchStamped, "wrench", self.hear_wrench, qos_profile_sensor_data)
+        self.create_subscription(JointState, "joint_states", self.on_joint_state, qos_profile_sensor_data)
+        self.create_subscription(WrenchStamped, "wrench", self.on_wrench, qos_profile_sensor_data)
         self.commands = self.create_publisher(Float64MultiArray, "forward_velocity_controller/commands", 1)
         self.create_timer(controller["period_s"], self.control)
 
     def now_s(self):
         return 1e-9 * self.get_clock().now().nanoseconds
 
-    def hear_joints(self, message):
+    def on_joint_state(self, message):
         self.joint_state = message
 
-    def hear_wrench(self, message):
+    def on_wrench(self, message):
         self.wrench = message
 
     def control(self):
@@ -45,8 +45,8 @@ class Revprio(Node):
                                      start_s=self.start_s, now_s=self.now_s(), max_age_s=0.02)
             answer = self.service.call("POST", self.step, state)
             self.watchdog.heard(answer, conversion.seconds(self.joint_state.header.stamp))
-        except SILENCE as silence:
-            self.get_logger().error(str(silence), throttle_duration_sec=1.0)
+        except NO_COMMAND_ERRORS as error:
+            self.get_logger().error(str(error), throttle_duration_sec=1.0)
         self.commands.publish(Float64MultiArray(data=self.watchdog.command(self.now_s())))
 
 

@@ -1,10 +1,10 @@
-"""Calls of one revprio service over a connection that stays open, by the standard library alone."""
+"""HTTP client of a revprio service with one persistent connection. It needs only the standard library."""
 
 import json
 from http.client import HTTPConnection, HTTPException
 
-SILENCE = (OSError, HTTPException, ValueError)
-"""What a call raises when there is no answer, or none that is a command: late, lost or refused."""
+NO_COMMAND_ERRORS = (OSError, HTTPException, ValueError)
+"""Exceptions of a call that returns no command: the answer is late, lost or a refusal."""
 
 
 class Service:
@@ -15,14 +15,14 @@ class Service:
             self.headers["Authorization"] = f"Bearer {token}"
 
     def call(self, method, path, body=None):
-        """The answer as a dictionary; ValueError with the service's reason if it refuses."""
+        """Returns the answer as a dictionary; raises ValueError with the reason if the service refuses."""
         text = None if body is None else json.dumps(body, allow_nan=False)
         try:
             self.connection.request(method, path, text, self.headers)
             response = self.connection.getresponse()
             answer = json.loads(response.read())
-        except SILENCE:
-            self.connection.close()  # A late answer must not pass for that of the next call.
+        except NO_COMMAND_ERRORS:
+            self.connection.close()  # Otherwise a late answer would be read as the answer to the next call.
             raise
         if response.status >= 400:
             raise ValueError(f"{answer['detail']} ({response.status}, {answer.get('pointer', path)})")

@@ -1,4 +1,4 @@
-"""The node with stand-ins for ROS against a running service: REVPRIO=target/debug/revprio python3 -m unittest …"""
+"""Tests of the node without ROS, with a running service: REVPRIO=target/debug/revprio python3 -m unittest …"""
 
 import json
 import os
@@ -12,14 +12,14 @@ from types import SimpleNamespace as Message
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
-class StandInNode:
-    """As much of rclpy's Node as the example uses; its clock stands still until a test moves it."""
+class FakeNode:
+    """Implements the part of rclpy's Node that the example uses. Tests set its clock."""
 
     def __init__(self, name):
-        self.hears, self.time_ns, self.errors, self.published = {}, 0, [], []
+        self.callbacks, self.time_ns, self.errors, self.published = {}, 0, [], []
 
     def create_subscription(self, kind, topic, callback, qos):
-        self.hears[topic] = callback
+        self.callbacks[topic] = callback
 
     def create_publisher(self, kind, topic, depth):
         return Message(publish=lambda message: self.published.append(list(message.data)))
@@ -34,24 +34,24 @@ class StandInNode:
         return Message(error=lambda text, throttle_duration_sec: self.errors.append(text))
 
 
-def stand_in(name, **contents):
+def add_fake_module(name, **contents):
     module = ModuleType(name)
     module.__dict__.update(contents)
     sys.modules[name] = module
 
 
 for name, contents in {
-    "rclpy": {}, "rclpy.node": {"Node": StandInNode}, "rclpy.qos": {"qos_profile_sensor_data": None},
+    "rclpy": {}, "rclpy.node": {"Node": FakeNode}, "rclpy.qos": {"qos_profile_sensor_data": None},
     "geometry_msgs": {}, "geometry_msgs.msg": {"WrenchStamped": None},
     "sensor_msgs": {}, "sensor_msgs.msg": {"JointState": None},
     "std_msgs": {}, "std_msgs.msg": {"Float64MultiArray": Message},
 }.items():
-    stand_in(name, **contents)
+    add_fake_module(name, **contents)
 
 from revprio_node import Revprio  # noqa: E402 (it imports ROS)
 
 
-@unittest.skipUnless("REVPRIO" in os.environ, "the variable REVPRIO names no program")
+@unittest.skipUnless("REVPRIO" in os.environ, "the variable REVPRIO is not set")
 class Nodes(unittest.TestCase):
     def setUp(self):
         command = [os.environ["REVPRIO"], "serve", "--listen", "127.0.0.1:0"]
@@ -67,52 +67,52 @@ class Nodes(unittest.TestCase):
         self.server.wait()
         self.server.stdout.close()
 
-    def hear(self, force_x=0.0):
+    def send_messages(self, force_x=0.0):
         header = Message(stamp=Message(sec=self.node.time_ns // 10**9, nanosec=self.node.time_ns % 10**9))
         names = list(reversed(self.position))
         values = [self.position[name] for name in names]
-        self.node.hears["joint_states"](Message(header=header, name=names, position=values, velocity=[]))
-        nothing = Message(x=0.0, y=0.0, z=0.0)
-        wrench = Message(force=Message(x=force_x, y=0.0, z=0.0), torque=nothing)
-        self.node.hears["wrench"](Message(header=header, wrench=wrench))
+        self.node.callbacks["joint_states"](Message(header=header, name=names, position=values, velocity=[]))
+        zero = Message(x=0.0, y=0.0, z=0.0)
+        wrench = Message(force=Message(x=force_x, y=0.0, z=0.0), torque=zero)
+        self.node.callbacks["wrench"](Message(header=header, wrench=wrench))
 
     def tick(self):
-        """One period: control, and an arm that does what it is told."""
+        """Runs one control period and moves an ideal arm by its command."""
         self.node.tick()
         for name, speed in zip(self.node.joints, self.node.published[-1]):
             self.position[name] += self.node.period_s * speed
         self.node.time_ns += round(1e9 * self.node.period_s)
 
-    def test_without_contact_the_arm_goes_towards_the_force_and_pushes_back_against_too_much(self):
+    def test_the_arm_approaches_without_contact_and_retreats_when_the_force_is_too_large(self):
         for _ in range(50):
-            self.hear()
+            self.send_messages()
             self.tick()
         self.assertEqual(self.node.errors, [])
         free = self.node.published[-1]
         self.assertGreater(max(map(abs, free)), 0.05)
         for _ in range(50):
-            self.hear(force_x=60.0)
+            self.send_messages(force_x=60.0)
             self.tick()
-        pushed = self.node.published[-1]
-        self.assertLess(sum(a * b for a, b in zip(free, pushed)), 0.0)
+        retreating = self.node.published[-1]
+        self.assertLess(sum(a * b for a, b in zip(free, retreating)), 0.0)
 
     def test_without_messages_or_service_the_arm_comes_to_rest(self):
         self.node.tick()
         self.assertEqual(self.node.published, [[0.0] * 7])
         for _ in range(50):
-            self.hear()
+            self.send_messages()
             self.tick()
         moving = self.node.published[-1]
         self.server.kill()
         self.server.wait()
         for _ in range(30):
-            self.hear()
+            self.send_messages()
             self.tick()
-        self.assertEqual(self.node.published[-21], moving, "an answer holds for 100 ms")
+        self.assertEqual(self.node.published[-21], moving, "an answer is valid for 100 ms")
         self.assertEqual(self.node.published[-1], [0.0] * 7)
         self.assertEqual(len(self.node.errors), 31)
 
-    def test_a_refusal_says_why(self):
+    def test_a_refusal_contains_status_and_field(self):
         with self.assertRaisesRegex(ValueError, r"422, /robot"):
             self.node.service.call("POST", "/v1/controllers", {"robot": "none", "period_s": 0.01, "tasks": []})
 
