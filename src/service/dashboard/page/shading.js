@@ -1,6 +1,6 @@
-// Shaded rods and drums on a two-dimensional canvas: a gradient across the outline looks round, and needs no graphics card.
+// Draws shaded rods and cylinders on a two-dimensional canvas. Colour gradients make them look round; needs no GPU.
 
-import { across, add, cross, dot, scale, sub, unit } from './geometry.js';
+import { perpendiculars, add, cross, dot, scale, sub, unit } from './geometry.js';
 
 /**
  * @typedef {import('./types.js').Vec3} Vec3
@@ -10,14 +10,14 @@ import { across, add, cross, dot, scale, sub, unit } from './geometry.js';
  * @typedef {[number, number, number]} Rgb 0 to 255
  */
 
-/** Corners of a drum's end. */
+/** Number of corners of a drawn circle. */
 const CORNERS = 28;
 
-/** How light each stop across a rod is computed at: −1 one edge, 0 the middle, 1 the other. */
-const STOPS = [-1, -0.7, -0.35, 0, 0.35, 0.7, 1];
+/** Positions across a rod where its brightness is computed: −1 and 1 are the edges, 0 is the middle. */
+const GRADIENT_STOPS = [-1, -0.7, -0.35, 0, 0.35, 0.7, 1];
 
 /**
- * Draws bodies, the farthest first.
+ * Draws bodies in order of decreasing distance to the camera.
  * @param {CanvasRenderingContext2D} context
  * @param {Camera} camera
  * @param {Body[]} bodies
@@ -25,11 +25,11 @@ const STOPS = [-1, -0.7, -0.35, 0, 0.35, 0.7, 1];
  */
 export function drawBodies(context, camera, bodies, colour) {
   const light = unit(add(add(scale(camera.right, -0.45), scale(camera.up, 0.75)), scale(camera.back, 0.6)));
-  const away = (/** @type {Body} */ body) => -dot(sub(scale(add(body.a, body.b), 0.5), camera.eye), camera.back);
-  const sorted = bodies.map((body) => ({ body, depth: away(body) })).sort((one, other) => other.depth - one.depth);
+  const depthOf = (/** @type {Body} */ body) => -dot(sub(scale(add(body.a, body.b), 0.5), camera.eye), camera.back);
+  const sorted = bodies.map((body) => ({ body, depth: depthOf(body) })).sort((one, other) => other.depth - one.depth);
   for (const { body } of sorted) {
     if (body.kind === 'rod') drawRod(context, camera, body, colour(body), light);
-    else drawDrum(context, camera, body, colour(body), light);
+    else drawCylinder(context, camera, body, colour(body), light);
   }
 }
 
@@ -60,7 +60,7 @@ function drawRod(context, camera, body, rgb, light) {
 }
 
 /**
- * Light across a round body whose axis goes from `a` to `b` on the screen.
+ * Returns the colour gradient across a round body whose axis goes from `a` to `b` on the screen.
  * @param {CanvasRenderingContext2D} context
  * @param {Camera} camera
  * @param {Vec3} axis
@@ -74,12 +74,12 @@ function drawRod(context, camera, body, rgb, light) {
 function gradient(context, camera, axis, a, b, radius, [nx, ny], rgb, light) {
   const [mx, my] = [(a.x + b.x) / 2, (a.y + b.y) / 2];
   const fill = context.createLinearGradient(mx - nx * radius, my - ny * radius, mx + nx * radius, my + ny * radius);
-  // The direction in space that is across on the screen, and the one at right angles to it that looks at the eye.
+  // `side`: direction in space across the body on the screen. `facing`: perpendicular to it, towards the camera.
   const flat = add(scale(camera.right, nx), scale(camera.up, -ny));
   const side = unit(sub(flat, scale(axis, dot(flat, axis))));
   const front = unit(cross(side, axis));
   const facing = dot(front, camera.back) >= 0 ? front : scale(front, -1);
-  for (const stop of STOPS) {
+  for (const stop of GRADIENT_STOPS) {
     const normal = add(scale(side, stop), scale(facing, Math.sqrt(Math.max(0, 1 - stop * stop))));
     fill.addColorStop((stop + 1) / 2, shade(rgb, brightness(normal, light)));
   }
@@ -89,13 +89,13 @@ function gradient(context, camera, axis, a, b, radius, [nx, ny], rgb, light) {
 /**
  * @param {CanvasRenderingContext2D} context
  * @param {Camera} camera
- * @param {import('./arm.js').Drum} body
+ * @param {import('./arm.js').Cylinder} body
  * @param {Rgb} rgb
  * @param {Vec3} light
  */
-function drawDrum(context, camera, body, rgb, light) {
+function drawCylinder(context, camera, body, rgb, light) {
   const axis = unit(sub(body.b, body.a));
-  const [u, v] = across(axis);
+  const [u, v] = perpendiculars(axis);
   /** @type {(center: Vec3, r: number) => Spot[]} */
   const rim = (center, r) =>
     Array.from({ length: CORNERS }, (_, i) => {
@@ -156,7 +156,7 @@ function hull(spots) {
     /** @type {Spot[]} */
     const kept = [];
     for (const spot of list) {
-      while (kept.length > 1 && turn(kept[kept.length - 2], kept[kept.length - 1], spot) <= 0) kept.pop();
+      while (kept.length > 1 && orientation(kept[kept.length - 2], kept[kept.length - 1], spot) <= 0) kept.pop();
       kept.push(spot);
     }
     kept.pop();
@@ -165,7 +165,7 @@ function hull(spots) {
   return [...chain(sorted), ...chain(sorted.reverse())];
 }
 
-/** @type {(a: Spot, b: Spot, c: Spot) => number} */
-function turn(a, b, c) {
+/** @type {(a: Spot, b: Spot, c: Spot) => number} positive if a, b, c turn in the direction from x to y */
+function orientation(a, b, c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }

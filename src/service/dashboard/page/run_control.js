@@ -1,4 +1,4 @@
-// What the page does: starts runs, orders them about, looks on at sessions. What it shows is asked from here.
+// State and actions of the page: starts and controls runs, watches sessions, and provides the data to draw.
 
 import { axisOf, vec } from './arm.js';
 import { add, dot, scale, sub, unit } from './geometry.js';
@@ -24,12 +24,12 @@ import { Watch } from './watch.js';
  * @typedef {import('./plots.js').View} View
  */
 
-/** Between two orders that hold a push, ms; the service lets go of one after a second. */
-const PUSH_PAUSE = 100;
+/** Minimum interval between two commands with a push, ms; the service ends a push after one second. */
+const PUSH_INTERVAL = 100;
 
-export class Desk {
+export class RunControl {
   /**
-   * @param {() => void} onChange hears whenever there is something new to draw
+   * @param {() => void} onChange called when the page must be redrawn
    * @param {(error: unknown) => void} onError
    */
   constructor(onChange, onError) {
@@ -37,44 +37,44 @@ export class Desk {
     this.onError = onError;
     /** @type {Scenario[]} */
     this.scenarios = [];
-    /** @type {Scenario | null} as the service knows it */
+    /** @type {Scenario | null} the selected scenario, without the changes of the setup */
     this.scenario = null;
     /** @type {Setup | null} */
     this.setup = null;
     /** @type {Robot | null} */
     this.robot = null;
-    /** @type {ArmView | null} the arm before a run */
+    /** @type {ArmView | null} the arm at the start of the scenario */
     this.preview = null;
     /** @type {Run | null} */
     this.run = null;
     /** @type {Run | null} */
     this.ghost = null;
-    /** @type {Scenario | null} what the run was started with */
+    /** @type {Scenario | null} scenario of the current run, with the changes of the setup */
     this.running = null;
     /** @type {Watch | null} */
     this.watch = null;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
-    this.pushed = 0;
+    this.lastPushTime = 0;
     this.closeUp = false;
-    this.nothing = new History();
-    /** Shows the set-up in its form; the form's own affair. */
+    this.emptyHistory = new History();
+    /** Shows the setup in the form; set by the module `controls`. */
     this.showSetup = () => {};
   }
 
-  /** Asks for what there is; takes the set-up from the address, if it has one. */
+  /** Loads the scenarios. Uses the setup in the address of the page, if there is one. */
   async load() {
     /** @type {ScenarioList} */
     const { scenarios } = await get('/v1/scenarios');
     this.scenarios = scenarios.map(({ scenario }) => scenario);
     const fallback = this.scenarios.find(({ name }) => name === 'stiff_wall') ?? this.scenarios[0];
-    this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? setups.plain(fallback);
+    this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? setups.defaults(fallback);
     const { scenario } = this.setup;
     this.scenario = this.scenarios.find(({ name }) => name === scenario) ?? fallback;
     await this.showStart();
   }
 
-  /** The arm where the scenario starts. */
+  /** Shows the arm at the start of the scenario. */
   async showStart() {
     if (!this.scenario) return;
     const { robot } = this.scenario.controller;
@@ -88,76 +88,81 @@ export class Desk {
     this.onChange();
   }
 
-  /** @param {string} name */
-  async choose(name) {
+  /**
+   * Selects a scenario and resets the run.
+   * @param {string} name
+   */
+  async selectScenario(name) {
     const scenario = this.scenarios.find((known) => known.name === name);
     if (!scenario || !this.setup) return;
     const { method, solver, ghost, speed } = this.setup;
     this.scenario = scenario;
-    this.setup = { ...setups.plain(scenario), method, solver, ghost, speed };
+    this.setup = { ...setups.defaults(scenario), method, solver, ghost, speed };
     this.reset();
     await this.showStart();
   }
 
   /**
-   * Changes the set-up; what the run can take over, it does.
+   * Changes the setup and applies to the current run what can change during a run.
    * @param {Partial<Setup>} change
    */
   async change(change) {
     if (!this.setup || !this.scenario) return;
     this.setup = { ...this.setup, ...change };
     this.onChange();
-    const order = this.orderOf(change);
-    const goesOn = ['running', 'paused', 'starting'].includes(state.value.phase) && this.run;
-    if (!goesOn) return;
+    const command = this.commandFor(change);
+    const isActive = ['running', 'paused', 'starting'].includes(state.value.phase) && this.run;
+    if (!isActive) return;
     state.set({ pending: this.isPending() });
-    if (order) await this.order(order, change.method === undefined);
+    if (command) await this.sendControl(command, change.method === undefined);
   }
 
   /**
+   * Returns the command for the parts of a change that can be applied during a run, or null.
    * @param {Partial<Setup>} change
    * @returns {SimulationControl | null}
    */
-  orderOf(change) {
+  commandFor(change) {
     if (!this.setup || !this.scenario) return null;
     if (change.gains) {
-      const changed = setups.effective(this.scenario, this.setup).controller;
+      const changed = setups.applyTo(this.scenario, this.setup).controller;
       return { controller: changed };
     }
     const { method, solver, speed } = change;
     return method ?? solver ?? speed ? { method, solver, speed } : null;
   }
 
-  /** Whether only a new run takes over some of the set-up. */
+  /** Returns whether the setup has changes that need a new run. */
   isPending() {
     if (!this.running || !this.setup || !this.scenario) return false;
-    const wanted = setups.effective(this.scenario, this.setup);
-    const differs = (/** @type {unknown} */ one, /** @type {unknown} */ other) => JSON.stringify(one) !== JSON.stringify(other);
+    const changed = setups.applyTo(this.scenario, this.setup);
+    const differ = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) !== JSON.stringify(b);
     return (
-      differs(wanted.contacts, this.running.contacts) ||
-      differs(wanted.velocity_loop, this.running.velocity_loop) ||
+      differ(changed.contacts, this.running.contacts) ||
+      differ(changed.velocity_loop, this.running.velocity_loop) ||
       (this.ghost?.simulation.method ?? '') !== this.setup.ghost
     );
   }
 
   /**
-   * @param {SimulationControl} order
-   * @param {boolean} both whether the ghost obeys it too
+   * Sends a control command to the run.
+   * @param {SimulationControl} command
+   * @param {boolean} both whether the ghost gets the command too
    */
-  async order(order, both = true) {
+  async sendControl(command, both = true) {
     const runs = [this.run, both ? this.ghost : null];
-    const ghost = order.controller && this.ghost
-      ? { ...order, controller: { ...order.controller, method: this.ghost.simulation.method } }
-      : order;
-    await Promise.all(runs.map((run) => run?.control(run === this.ghost ? ghost : order)));
-    this.follow();
+    const ghostCommand = command.controller && this.ghost
+      ? { ...command, controller: { ...command.controller, method: this.ghost.simulation.method } }
+      : command;
+    await Promise.all(runs.map((run) => run?.control(run === this.ghost ? ghostCommand : command)));
+    this.updatePhase();
   }
 
-  /** Runs, pauses or goes on. */
-  async go() {
+  /** Starts, pauses or resumes the run. */
+  async togglePause() {
     const { phase } = state.value;
-    if (phase === 'running') await this.order({ paused: true });
-    else if (phase === 'paused') await this.order({ paused: false });
+    if (phase === 'running') await this.sendControl({ paused: true });
+    else if (phase === 'paused') await this.sendControl({ paused: false });
     else if (phase !== 'starting') await this.start(false);
   }
 
@@ -165,7 +170,7 @@ export class Desk {
   async step(periods) {
     const { phase } = state.value;
     if (phase !== 'running' && phase !== 'paused') await this.start(true);
-    await this.order({ step: periods });
+    await this.sendControl({ step: periods });
   }
 
   /** @param {boolean} paused */
@@ -174,16 +179,16 @@ export class Desk {
     this.reset();
     state.set({ phase: 'starting' });
     const { setup, scenario } = this;
-    this.running = setups.effective(scenario, setup);
-    const follow = () => this.follow();
-    const ended = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
-      this.ended(run, reason, error);
+    this.running = setups.applyTo(scenario, setup);
+    const onFrame = () => this.updatePhase();
+    const onEnd = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
+      this.handleEnd(run, reason, error);
     try {
       const waits = paused || setup.ghost !== '';
-      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), follow, ended);
+      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), onFrame, onEnd);
       if (setup.ghost) {
-        this.ghost = await Run.start(setups.request(scenario, setup, setup.ghost, true), follow, ended);
-        if (!paused) await this.order({ paused: false });
+        this.ghost = await Run.start(setups.request(scenario, setup, setup.ghost, true), onFrame, onEnd);
+        if (!paused) await this.sendControl({ paused: false });
       }
     } catch (error) {
       this.reset();
@@ -191,8 +196,8 @@ export class Desk {
     }
   }
 
-  /** Takes over what the run does. */
-  follow() {
+  /** Sets the phase of the page from the state of the run. */
+  updatePhase() {
     if (this.run) {
       const { state: now, interactive, error } = this.run.simulation;
       const phase = now === 'queued' ? 'starting' : now === 'running' ? (interactive?.paused ? 'paused' : 'running') : now;
@@ -203,7 +208,7 @@ export class Desk {
   }
 
   /** @type {(run: Run, reason: 'end' | 'lost', error: unknown) => void} */
-  ended(run, reason, error) {
+  handleEnd(run, reason, error) {
     if (run === this.run && reason === 'lost') {
       state.set({ phase: 'lost' });
       if (error) this.onError(error);
@@ -211,15 +216,15 @@ export class Desk {
     this.onChange();
   }
 
-  /** Finishes the run where it is. */
+  /** Ends the run at its current time. */
   async end() {
-    await this.order({ end: true });
+    await this.sendControl({ end: true });
   }
 
-  /** Back to before the run. */
+  /** Deletes the run. */
   reset() {
-    this.run?.drop();
-    this.ghost?.drop();
+    this.run?.delete();
+    this.ghost?.delete();
     this.run = null;
     this.ghost = null;
     this.running = null;
@@ -228,8 +233,8 @@ export class Desk {
   }
 
   /**
-   * Holds a push, or lets go of it.
-   * @param {Vec3 | null} force on the tool, N
+   * Pushes the tool, or ends the push.
+   * @param {Vec3 | null} force on the tool, N; null ends the push
    */
   pushWith(force) {
     if (!['running', 'paused'].includes(state.value.phase)) return;
@@ -237,13 +242,16 @@ export class Desk {
     this.push = force ?? [0, 0, 0];
     const isHeld = this.push.some((part) => part !== 0);
     const now = performance.now();
-    if (isHeld && now - this.pushed < PUSH_PAUSE) return;
+    if (isHeld && now - this.lastPushTime < PUSH_INTERVAL) return;
     if (!isHeld && before.every((part) => part === 0)) return;
-    this.pushed = now;
-    this.order({ external_force: this.push }).catch(this.onError);
+    this.lastPushTime = now;
+    this.sendControl({ external_force: this.push }).catch(this.onError);
   }
 
-  /** @param {string} id */
+  /**
+   * Watches a session; an empty id ends watching.
+   * @param {string} id
+   */
   async watchSession(id) {
     this.reset();
     this.watch?.close();
@@ -268,14 +276,14 @@ export class Desk {
     await this.showStart();
   }
 
-  /** @returns {Promise<StepRequest>} the latest cycle as a question to `POST /v1/step` */
+  /** @returns {Promise<StepRequest>} the latest control cycle as a request of `POST /v1/step` */
   async cycle() {
     if (this.run?.frame && this.run.frame.done > 0) return get(`${this.run.path}/cycle`);
     if (this.watch?.step) return { controller: this.watch.session.controller, state: this.watch.step.state, memory: null };
-    if (!this.scenario || !this.setup) throw new Error('there is no cycle yet');
+    if (!this.scenario || !this.setup) throw new Error('there is no control cycle yet');
     const start = this.scenario.start_joint_position;
     return {
-      controller: setups.effective(this.scenario, this.setup).controller,
+      controller: setups.applyTo(this.scenario, this.setup).controller,
       state: {
         sequence: 0, time_s: 0, joint_position: start, joint_velocity: start.map(() => 0),
         wrench: { force: [0, 0, 0], torque: [0, 0, 0] },
@@ -286,7 +294,7 @@ export class Desk {
 
   /** @returns {History} */
   get history() {
-    return this.watch?.history ?? this.run?.history ?? this.nothing;
+    return this.watch?.history ?? this.run?.history ?? this.emptyHistory;
   }
 
   /** @returns {LiveSample | undefined} */
@@ -300,18 +308,19 @@ export class Desk {
     return this.run?.frame?.arm ?? this.preview;
   }
 
-  /** @returns {World} what the scene shows */
+  /** @returns {World} data of the scene */
   world() {
     const { sample, arm } = this;
     const scenario = this.watch ? null : (this.running ?? this.scenario);
     const start = vec(this.history.start ?? this.preview?.tool.position ?? [0, 0, 0]);
     const tool = vec(arm?.tool.position ?? [0, 0, 0]);
-    const contacts = (scenario?.contacts ?? []).map((contact) => placed(contact, start, tool, sample?.wall_distance_m ?? null));
-    const held = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
+    const distance = sample?.wall_distance_m ?? null;
+    const contacts = (scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance));
+    const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
     const ghost = this.ghost?.frame ? { arm: this.ghost.frame.arm, history: this.ghost.history } : null;
     return {
       arm,
-      atLimit: (arm?.joints ?? []).map((_, joint) => held.includes(joint)),
+      atLimit: (arm?.joints ?? []).map((_, joint) => limited.includes(joint)),
       history: this.history,
       contacts,
       start,
@@ -322,7 +331,7 @@ export class Desk {
     };
   }
 
-  /** @returns {View} what the plots show */
+  /** @returns {View} data of the plots */
   view() {
     const controller = this.watch?.session.controller ?? (this.running ?? this.scenario)?.controller;
     const frame = this.run?.frame;
@@ -345,7 +354,7 @@ export class Desk {
 }
 
 /**
- * Direction of the z axis of a frame.
+ * Returns the direction of the z axis of a frame.
  * @param {{w: number, x: number, y: number, z: number}} quaternion
  */
 function zOf({ w, x, y, z }) {
@@ -353,21 +362,21 @@ function zOf({ w, x, y, z }) {
 }
 
 /**
- * A contact where it is now.
+ * Returns a contact at its current position.
  * @param {NonNullable<Scenario['contacts']>[number]} contact
  * @param {Vec3} start of the tool
  * @param {Vec3} tool
- * @param {number | null} distance of the tool to the wall
+ * @param {number | null} distance from the tool to the wall, m
  * @returns {import('./scene.js').Contact}
  */
-function placed(contact, start, tool, distance) {
+function currentContact(contact, start, tool, distance) {
   const offset = contact.offset_m ?? 0;
   const isWall = contact.kind !== 'spring';
   const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
   const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
   const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
   if (!contact.motion || distance === null) return { isWall, inwards, at };
-  // It moves: where it is can be told from the tool.
-  const way = dot(sub(tool, at), inwards) + distance;
-  return { isWall, inwards, at: add(at, scale(inwards, way)) };
+  // The contact moves. Compute its position from the tool and the distance.
+  const shift = dot(sub(tool, at), inwards) + distance;
+  return { isWall, inwards, at: add(at, scale(inwards, shift)) };
 }
