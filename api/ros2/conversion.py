@@ -118,7 +118,7 @@ class Watchdog:
         self.velocity = [0.0] * len(acceleration)
         self.valid_until_s = float("-inf")
 
-    def heard(self, answer, measured_s):
+    def update(self, answer, measured_s):
         """Stores an answer to the state that was measured at `measured_s`."""
         self.velocity = answer["joint_velocity"]
         self.valid_until_s = measured_s + answer["valid_for_ms"] / 1e3

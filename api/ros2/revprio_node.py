@@ -44,7 +44,7 @@ class Revprio(Node):
             state = conversion.state(self.joint_state, self.wrench, self.joints, sequence=self.sequence,
                                      start_s=self.start_s, now_s=self.now_s(), max_age_s=0.02)
             answer = self.service.call("POST", self.step, state)
-            self.watchdog.heard(answer, conversion.seconds(self.joint_state.header.stamp))
+            self.watchdog.update(answer, conversion.seconds(self.joint_state.header.stamp))
         except NO_COMMAND_ERRORS as error:
             self.get_logger().error(str(error), throttle_duration_sec=1.0)
         self.commands.publish(Float64MultiArray(data=self.watchdog.command(self.now_s())))

@@ -120,11 +120,11 @@ class Watchdogs(unittest.TestCase):
         self.assertEqual(self.watchdog.command(0.0), [0.0, 0.0])
 
     def test_an_answer_is_held_for_its_validity_from_the_measurement(self):
-        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
         self.assertEqual(self.watchdog.command(1.1), [0.25, -0.12])
 
     def test_after_that_each_joint_brakes_at_its_own_limit_to_rest(self):
-        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
         ramp = [self.watchdog.command(1.11 + 0.01 * i) for i in range(5)]
         for actual, expected in zip(ramp, [[0.15, -0.07], [0.05, -0.02], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]):
             for a, b in zip(actual, expected):
@@ -132,15 +132,15 @@ class Watchdogs(unittest.TestCase):
 
     def test_a_joint_without_an_acceleration_limit_stops_at_once(self):
         watchdog = conversion.Watchdog([None, 5.0], 0.01)
-        watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
         velocity = watchdog.command(1.2)
         self.assertEqual(velocity[0], 0.0)
         self.assertAlmostEqual(velocity[1], -0.07, places=12)
 
     def test_a_new_answer_ends_the_ramp(self):
-        self.watchdog.heard({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
+        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
         self.watchdog.command(2.0)
-        self.watchdog.heard({"joint_velocity": [0.2, 0.1], "valid_for_ms": 100}, 2.0)
+        self.watchdog.update({"joint_velocity": [0.2, 0.1], "valid_for_ms": 100}, 2.0)
         self.assertEqual(self.watchdog.command(2.05), [0.2, 0.1])
 
 

@@ -59,11 +59,11 @@ def test_both_give_the_same_answers(url: str) -> None:
         async with AsyncClient(url) as client:
             request = ResolveRequest(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
             resolved = await client.resolve(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
-            first, second = await client.resolve_batch([request, ResolveRequest(robot="nobody", tasks=[PUSH])])
+            first, second = await client.resolve_batch([request, ResolveRequest(robot="unknown", tasks=[PUSH])])
             assert isinstance(first, ResolveAnswer)
             assert isinstance(second, Problem)
             with pytest.raises(InvalidError):
-                await client.resolve(robot="nobody", tasks=[PUSH])
+                await client.resolve(robot="unknown", tasks=[PUSH])
             names = [robot.name for robot in await client.robots()]
             assert (await client.robot("sawyer_dh")).name in names
             assert (await client.scenario("stiff_wall")).name in [entry.name for entry in await client.scenarios()]

@@ -46,7 +46,7 @@ def test_joint_positions_can_be_given_by_name(client: Client) -> None:
 
 def test_a_batch_keeps_its_order_and_reports_a_problem_per_item(client: Client) -> None:
     good = ResolveRequest(robot="sawyer_dh", joint_position=Q, tasks=[PUSH])
-    bad = ResolveRequest(robot="nobody", joint_position=Q, tasks=[PUSH])
+    bad = ResolveRequest(robot="unknown", joint_position=Q, tasks=[PUSH])
     first, second, third = client.resolve_batch([good, bad, good])
     assert isinstance(first, ResolveAnswer)
     assert isinstance(second, Problem)

@@ -37,18 +37,18 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
   const report: Drive = { periods: 0, answered: 0 };
   const periodMs = stepping.periodS * 1e3;
   const startMs = performance.now();
-  let silence: RevprioError | undefined;
+  let noAnswer: RevprioError | undefined;
   let refusal: unknown;
   let call: Promise<void> | undefined;
   let isOver = false;
-  const ask = async (measurement: Measurement, measuredAtMs: number, period: number) => {
+  const step = async (measurement: Measurement, measuredAtMs: number, period: number) => {
     try {
       const answer = await stepping.step({ time_s: (measuredAtMs - startMs) / 1e3, ...measurement });
       if (isOver || signal.aborted) return;
-      silence = undefined;
+      noAnswer = undefined;
       if (watchdog.obey(answer, measuredAtMs, performance.now()) && period === report.periods) report.answered++;
     } catch (error) {
-      if (error instanceof RevprioError && error.isSilence) silence = error;
+      if (error instanceof RevprioError && error.isSilence) noAnswer = error;
       else refusal = error;
     } finally {
       call = undefined;
@@ -58,10 +58,10 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
     while (!signal.aborted) {
       const endMs = startMs + (Math.floor((performance.now() - startMs) / periodMs) + 1) * periodMs;
       const measurement = arm.read();
-      call ??= ask(measurement, performance.now(), report.periods);
+      call ??= step(measurement, performance.now(), report.periods);
       await Promise.race([call, until(endMs)]);
       if (refusal !== undefined) throw refusal;
-      if (silence !== undefined && watchdog.isAtRest(performance.now())) throw silence;
+      if (noAnswer !== undefined && watchdog.isAtRest(performance.now())) throw noAnswer;
       arm.write(watchdog.command(performance.now()));
       report.periods++;
       await until(endMs);

@@ -30,8 +30,8 @@ export class SimulationRun {
   }
 
   /** Controls an interactive run: `run.control({ paused: false, speed: 0.5 })`. */
-  control(order: SimulationControl, options?: CallOptions): Promise<Simulation> {
-    return this.client.call("POST", `${this.#path()}/control`, order, options);
+  control(command: SimulationControl, options?: CallOptions): Promise<Simulation> {
+    return this.client.call("POST", `${this.#path()}/control`, command, options);
   }
 
   /** Returns the latest control period of an interactive run, as a request for `Client.step`. */

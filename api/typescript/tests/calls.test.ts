@@ -26,7 +26,7 @@ suite("calls", () => {
       assert.match(error.message, /1 numbers? for 7 joints.*Change the field/);
       return !error.isSilence;
     });
-    const [first, second] = await client.resolveBatch([PUSH, { ...PUSH, robot: "nobody" }]);
+    const [first, second] = await client.resolveBatch([PUSH, { ...PUSH, robot: "unknown" }]);
     assert.ok("joint_velocity" in first!);
     assert.ok("pointer" in second! && second.pointer === "/items/1/robot");
     await assert.rejects(client.robot("no/such"), { status: 404 });

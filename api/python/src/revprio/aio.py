@@ -356,9 +356,9 @@ class AsyncSimulationRun:
         return status
 
     @fields_of(SimulationControl)
-    async def control(self, order: SimulationControl) -> Simulation:
+    async def control(self, command: SimulationControl) -> Simulation:
         """As `SimulationRun.control`."""
-        return await self._client.call(routes.CONTROL_SIMULATION(self.id, body=order))
+        return await self._client.call(routes.CONTROL_SIMULATION(self.id, body=command))
 
     async def cycle(self) -> StepRequest:
         """As `SimulationRun.cycle`."""

@@ -38,9 +38,9 @@ class SimulationRun:
         return status
 
     @fields_of(SimulationControl)
-    def control(self, order: SimulationControl) -> Simulation:
+    def control(self, command: SimulationControl) -> Simulation:
         """Controls an interactive run: `run.control(paused=False, speed=0.5, external_force=[0, 20, 0])`."""
-        return self._client.call(routes.CONTROL_SIMULATION(self.id, body=order))
+        return self._client.call(routes.CONTROL_SIMULATION(self.id, body=command))
 
     def cycle(self) -> StepRequest:
         """Returns the latest control period of an interactive run, as a request for `Client.step`."""

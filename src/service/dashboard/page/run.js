@@ -10,6 +10,7 @@ import { events, post, remove } from './transport.js';
  * @typedef {import('./types.js').LiveFrame} LiveFrame
  */
 
+/** One run; `follow` receives its frames until it ends or is deleted. */
 export class Run {
   /**
    * @param {Simulation} simulation

@@ -27,6 +27,7 @@ import { Watch } from './watch.js';
 /** Minimum interval between two commands with a push, ms; the service ends a push after one second. */
 const PUSH_INTERVAL = 100;
 
+/** Controls the run, its ghost (a second run with another method, for comparison) and the watched session. */
 export class RunControl {
   /**
    * @param {() => void} onChange called when the page must be redrawn
@@ -166,14 +167,20 @@ export class RunControl {
     else if (phase !== 'starting') await this.start(false);
   }
 
-  /** @param {number} periods */
+  /**
+   * Advances the run by a number of control periods; starts a paused run first if there is none.
+   * @param {number} periods
+   */
   async step(periods) {
     const { phase } = state.value;
     if (phase !== 'running' && phase !== 'paused') await this.start(true);
     await this.sendControl({ step: periods });
   }
 
-  /** @param {boolean} paused */
+  /**
+   * Deletes the current run, then starts a new run and its ghost.
+   * @param {boolean} paused whether the new run waits for a command
+   */
   async start(paused) {
     if (!this.setup || !this.scenario) return;
     this.reset();
@@ -207,7 +214,7 @@ export class RunControl {
     this.onChange();
   }
 
-  /** @type {(run: Run, reason: 'end' | 'lost', error: unknown) => void} */
+  /** Handles the end of the event stream of a run. @type {(run: Run, reason: 'end' | 'lost', error: unknown) => void} */
   handleEnd(run, reason, error) {
     if (run === this.run && reason === 'lost') {
       state.set({ phase: 'lost' });
@@ -269,6 +276,7 @@ export class RunControl {
     });
   }
 
+  /** Stops watching the session and shows the scenario again. */
   async leaveSession() {
     this.watch?.close();
     this.watch = null;

@@ -16,6 +16,7 @@ export function sessions() {
   return get('/v1/controllers');
 }
 
+/** A watched session: receives its steps and converts them to samples. */
 export class Watch {
   /**
    * @param {SessionStatus} session
