@@ -68,7 +68,8 @@ fn the_package_is_small_and_complete_for_its_users() {
         assert!(packaged.contains(Path::new(needed)), "{needed}");
     }
     // Tests, and golden data of several MB, stay in the repository.
-    assert!(!packaged.iter().any(|path| path.starts_with("tests") || path.starts_with("api/clients")));
+    let is_for_contributors = |path: &PathBuf| ["tests", "tools", "api/python"].iter().any(|dir| path.starts_with(dir));
+    assert!(!packaged.iter().any(is_for_contributors));
     let bytes: u64 = packaged.iter().filter_map(|path| Some(root().join(path).metadata().ok()?.len())).sum();
     assert!(bytes < LARGEST, "{bytes} bytes");
 }

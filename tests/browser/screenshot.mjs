@@ -1,15 +1,16 @@
-// Takes docs/dashboard.png after tests/browser/run: node target/browser/screenshot.mjs FILE.png [SCENARIO [WIDTH [dark]]]
+// Creates docs/dashboard.png. Run it after tests/browser/run:
+//     node target/browser/screenshot.mjs FILE.png [SCENARIO [WIDTH [dark]]]
 
-import { cleanUp, launch, open, serve, until } from './harness.mjs';
+import { cleanUp, launch, open, serve, waitForState } from './harness.mjs';
 
 const [file, scenario = 'stiff_wall_singular', width = '1440', colorScheme = 'light'] = process.argv.slice(2);
 const browser = await launch();
 const service = await serve();
 const viewport = { width: Number(width), height: 1000 };
 const { page, close } = await open(browser, `${service.url}/#scenario=${scenario}&ghost=damped_least_squares`, { viewport, colorScheme });
-await until(page, 'link', 'ready');
+await waitForState(page, 'connection', 'ready');
 await page.click('#go');
-await until(page, 'phase', 'running');
+await waitForState(page, 'phase', 'running');
 await page.waitForFunction(() => Number.parseFloat(document.getElementById('clock').textContent) > 2.5);
 await page.screenshot({ path: file });
 await close();

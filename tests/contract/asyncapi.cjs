@@ -1,4 +1,4 @@
-// AsyncAPI documents without errors.
+// Checks an AsyncAPI document: node asyncapi.cjs FILE
 const { Parser } = require("@asyncapi/parser");
 const text = require("fs").readFileSync(process.argv[2], "utf8");
 new Parser().parse(text).then(({ document, diagnostics }) => {

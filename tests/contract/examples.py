@@ -1,4 +1,4 @@
-"""Every example in the document is valid by the schema beside it; so are the examples of single fields."""
+"""Checks that every example in the OpenAPI document is valid by its schema, including examples of single fields."""
 
 import json
 import sys
@@ -9,28 +9,29 @@ document = json.load(open(sys.argv[1]))
 count = 0
 
 
-def check(schema, value, place):
+def check(schema, value, location):
     global count
     count += 1
-    whole = {"components": document["components"], **schema}
-    errors = [f"{place}{error.json_path[1:]}: {error.message[:200]}" for error in Draft202012Validator(whole).iter_errors(value)]
-    if errors:
-        sys.exit("\n".join(errors))
+    with_references = {"components": document["components"], **schema}
+    errors = Draft202012Validator(with_references).iter_errors(value)
+    messages = [f"{location}{error.json_path[1:]}: {error.message[:200]}" for error in errors]
+    if messages:
+        sys.exit("\n".join(messages))
 
 
-def fields(schema, place):
+def check_fields(schema, location):
     for name, field in schema.get("properties", {}).items():
         for value in field.get("examples", []):
-            check(field, value, f"{place}/{name}")
-        fields(field, f"{place}/{name}")
+            check(field, value, f"{location}/{name}")
+        check_fields(field, f"{location}/{name}")
     for key in ("oneOf", "allOf"):
         for i, part in enumerate(schema.get(key, [])):
-            fields(part, f"{place}/{i}")
+            check_fields(part, f"{location}/{i}")
 
 
 for name, schema in document["components"]["schemas"].items():
     Draft202012Validator.check_schema(schema)
-    fields(schema, name)
+    check_fields(schema, name)
 for path, item in document["paths"].items():
     for method, operation in item.items():
         if method == "parameters":

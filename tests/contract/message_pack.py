@@ -1,4 +1,4 @@
-"""For schemathesis: requests are JSON, whose schema they try; answers in MessagePack are read all the same."""
+"""Hooks for schemathesis: it sends only JSON requests, and it can read answers in MessagePack."""
 
 import msgpack
 import schemathesis

@@ -1,4 +1,4 @@
-"""Recordings as programs of others read them: MCAP with its Foxglove messages, Parquet, CSV and JSON lines say the same."""
+"""Reads a recording as MCAP, Parquet, CSV and JSON lines with standard libraries; all must have the same content."""
 
 import csv
 import json
@@ -20,7 +20,7 @@ with open(f"{stem}.recording.json") as file:
 assert len(rows) == len(samples) == table.num_rows > 0
 joints = run["joint_names"]
 
-# Parquet and CSV: the same columns and, read by others, the same numbers to the last bit.
+# Parquet and CSV have the same columns and exactly the same numbers.
 assert table.column_names == list(rows[0])
 assert json.loads(table.schema.metadata[b"revprio"]) == run
 for name in table.column_names:
@@ -32,7 +32,7 @@ for name in table.column_names:
         else:
             assert row[name] == ("" if value is None else str(value)), name
 
-# MCAP: whole, with checksums, indexed, and its messages decode by the schemas that it carries.
+# The MCAP file is complete, has checksums and an index, and its messages can be decoded with its own schemas.
 SCHEMAS = {
     "/sample": ("revprio.Sample", "jsonschema"),
     "/wrench": ("revprio.Wrench", "jsonschema"),
@@ -69,12 +69,12 @@ for sample, (time, wrench), (_, states), (_, pose) in zip(
     assert [joint.name for joint in states.joints] == joints
     assert [joint.position for joint in states.joints] == sample["joint_position"]
     assert [joint.velocity for joint in states.joints] == sample["actual_velocity"]
-    point, turn = pose.pose.position, pose.pose.orientation
+    point, rotation = pose.pose.position, pose.pose.orientation
     assert [point.x, point.y, point.z] == sample["position"]
-    assert [turn.w, turn.x, turn.y, turn.z] == sample["orientation"]
+    assert [rotation.w, rotation.x, rotation.y, rotation.z] == sample["orientation"]
 _, transforms = seen["/tf"][0]
 assert [frame.child_frame_id for frame in transforms.transforms] == [*joints, "tool"]
 _, scene = seen["/scene"][-1]
 arm, walls, force = scene.entities
 assert len(arm.lines[0].points) == len(joints) + 2 and len(walls.cubes) == 1 and len(force.arrows) == 1
-print(f"{len(samples)} periods in four formats: the same")
+print(f"{len(samples)} periods are equal in four formats")

@@ -1,4 +1,4 @@
-"""Imports all of the generated client, and asks the service through it."""
+"""Imports all modules of the generated client and sends a request with it."""
 
 import importlib
 import json

@@ -1,4 +1,4 @@
-// A client in TypeScript, as far as its types go.
+// Uses the generated TypeScript types; it is only compiled.
 import type { components, paths } from "./api";
 
 const state: components["schemas"]["State"] = { sequence: 1, time_s: 0, joint_position: [0, 0, 0, 0, 0, 0, 0] };

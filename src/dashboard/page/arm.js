@@ -1,4 +1,4 @@
-// The bodies that an arm is drawn with, from the axes of its joints: any robot has those.
+// Builds the bodies that draw an arm. It only needs the joint axes, so any robot can be drawn.
 
 import { add, dot, mix, norm, scale, sub, unit } from './geometry.js';
 
@@ -8,14 +8,15 @@ import { add, dot, mix, norm, scale, sub, unit } from './geometry.js';
  *
  * @typedef {'link' | 'joint' | 'limit' | 'tool'} Material
  * @typedef {{kind: 'rod', a: Vec3, b: Vec3, ra: number, rb: number, material: Material}} Rod
- * @typedef {{kind: 'drum', a: Vec3, b: Vec3, r: number, material: Material}} Drum
- * @typedef {Rod | Drum} Body
+ * @typedef {{kind: 'cylinder', a: Vec3, b: Vec3, r: number, material: Material}} Cylinder
+ * @typedef {Rod | Cylinder} Body
  */
 
-/** Long rods are drawn in pieces, so that what is nearer covers what is farther away. */
-const PIECE = 0.09;
+/** Approximate length of the pieces in which a rod is drawn, m. Short pieces can be sorted by depth. */
+const PIECE_LENGTH = 0.09;
 
 /**
+ * Returns rods for the links, cylinders for the joints, and a tapered rod for the tool.
  * @param {ArmView} arm
  * @param {boolean[]} atLimit per joint
  * @returns {Body[]}
@@ -23,40 +24,43 @@ const PIECE = 0.09;
 export function bodies(arm, atLimit) {
   const joints = arm.joints.map(({ origin, axis }) => ({ origin: vec(origin), axis: vec(axis) }));
   const tool = vec(arm.tool.position);
-  const stops = [...joints.map(({ origin }) => origin), tool];
-  const reach = stops.reduce((sum, stop, i) => sum + norm(sub(stop, i > 0 ? stops[i - 1] : [0, 0, 0])), 0);
-  const thick = (/** @type {number} */ i) => reach * 0.036 * (1 - (0.55 * i) / joints.length);
+  const points = [...joints.map(({ origin }) => origin), tool];
+  const length = points.reduce((sum, point, i) => sum + norm(sub(point, i > 0 ? points[i - 1] : [0, 0, 0])), 0);
+  const radius = (/** @type {number} */ i) => length * 0.036 * (1 - (0.55 * i) / joints.length);
   /** @type {Body[]} */
-  const all = [{ kind: 'drum', a: [0, 0, -0.004], b: [0, 0, reach * 0.022], r: reach * 0.075, material: 'joint' }];
-  rod(all, [0, 0, 0], joints[0].origin, thick(0) * 1.15, thick(0), 'link');
+  const all = [
+    { kind: 'cylinder', a: [0, 0, -0.004], b: [0, 0, length * 0.022], r: length * 0.075, material: 'joint' },
+  ];
+  addRod(all, [0, 0, 0], joints[0].origin, radius(0) * 1.15, radius(0), 'link');
   joints.forEach(({ origin, axis }, i) => {
-    const next = stops[i + 1];
-    const r = thick(i);
+    const next = points[i + 1];
+    const r = radius(i);
     const elbow = add(origin, scale(axis, dot(sub(next, origin), axis)));
     const isLast = i + 1 === joints.length;
-    const end = isLast ? thick(i) * 0.75 : thick(i + 1);
-    rod(all, origin, elbow, r, r, 'link');
-    rod(all, elbow, isLast ? mix(elbow, next, 0.72) : next, r, end, 'link');
+    const end = isLast ? radius(i) * 0.75 : radius(i + 1);
+    addRod(all, origin, elbow, r, r, 'link');
+    addRod(all, elbow, isLast ? mix(elbow, next, 0.72) : next, r, end, 'link');
     const half = scale(axis, r * 1.3);
     const material = atLimit[i] ? 'limit' : 'joint';
-    all.push({ kind: 'drum', a: sub(origin, half), b: add(origin, half), r: r * 1.22, material });
-    if (isLast) rod(all, mix(elbow, next, 0.72), next, end * 0.7, end * 0.22, 'tool');
+    all.push({ kind: 'cylinder', a: sub(origin, half), b: add(origin, half), r: r * 1.22, material });
+    if (isLast) addRod(all, mix(elbow, next, 0.72), next, end * 0.7, end * 0.22, 'tool');
   });
   return all;
 }
 
 /**
- * @param {Body[]} all where the rod's pieces are added
+ * Appends a rod, in pieces, to `all`.
+ * @param {Body[]} all
  * @param {Vec3} a
  * @param {Vec3} b
  * @param {number} ra
  * @param {number} rb
  * @param {Material} material
  */
-function rod(all, a, b, ra, rb, material) {
+function addRod(all, a, b, ra, rb, material) {
   const length = norm(sub(b, a));
   if (length < 0.4 * Math.min(ra, rb)) return;
-  const pieces = Math.max(1, Math.round(length / PIECE));
+  const pieces = Math.max(1, Math.round(length / PIECE_LENGTH));
   for (let i = 0; i < pieces; i += 1) {
     const [from, to] = [i / pieces, (i + 1) / pieces];
     const radius = (/** @type {number} */ s) => ra + s * (rb - ra);
@@ -65,7 +69,7 @@ function rod(all, a, b, ra, rb, material) {
 }
 
 /**
- * Where the arm and what it touches are, and how large.
+ * Returns the center and the size of the box around the arm.
  * @param {ArmView} arm
  * @returns {{center: Vec3, size: number}}
  */
@@ -77,6 +81,7 @@ export function extent(arm) {
 }
 
 /**
+ * Converts an array to a vector.
  * @param {number[]} list
  * @returns {Vec3}
  */
@@ -85,7 +90,7 @@ export function vec(list) {
 }
 
 /**
- * Direction of an axis by its number.
+ * Returns the unit vector of axis 0 (x), 1 (y) or 2 (z).
  * @param {number} axis
  * @returns {Vec3}
  */

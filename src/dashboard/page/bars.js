@@ -1,4 +1,4 @@
-// Joints as rows: velocities against the box that they may have now, positions against their range.
+// Plots with one row per joint: velocities with their current bounds, positions with their limits.
 
 import { FONT, line } from './plot.js';
 import { short } from './plots.js';
@@ -15,8 +15,8 @@ import { short } from './plots.js';
  * @property {number} width px
  */
 
-/** As near to its bound as a velocity that is held by it. */
-const AT = 1e-4;
+/** Distance to a bound below which a velocity counts as limited by it, rad/s or m/s. */
+const BOUND_TOLERANCE = 1e-4;
 
 /** @type {(surface: Surface, width: number, height: number, names: string[], values: string[], colours: Palette) => Row[]} */
 function rows(surface, width, height, names, values, colours) {
@@ -36,37 +36,39 @@ function rows(surface, width, height, names, values, colours) {
 }
 
 /** @type {(value: number | undefined) => string} */
-const number = (value) => (value === undefined ? '' : value.toFixed(3).replace('-', '−'));
+const format = (value) => (value === undefined ? '' : value.toFixed(3).replace('-', '−'));
 
 /** @type {Draw} */
 export function velocities(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
   const fastest = Math.max(0.1, ...joints.map((joint) => joint.velocity_limit ?? 0));
   const names = joints.map((joint) => joint.name);
-  rows(surface, width, height, names, view.velocity.map(number), colours).forEach((row, i) => {
+  rows(surface, width, height, names, view.velocity.map(format), colours).forEach((row, i) => {
     const at = (/** @type {number} */ v) => row.left + (row.width * (clamp(v / fastest, 1.04) + 1.04)) / 2.08;
     const { lower, upper } = view.arm?.joints[i] ?? { lower: null, upper: null };
     const [low, high] = [lower ?? -Infinity, upper ?? Infinity];
     const middle = row.top + row.high / 2;
-    const thick = Math.min(15, row.high - 5);
+    const thickness = Math.min(15, row.high - 5);
     const velocity = view.velocity[i] ?? 0;
     surface.strokeStyle = colours.grid;
     surface.lineWidth = 1;
     line(surface, row.left, middle, row.left + row.width, middle);
-    surface.fillStyle = colours.calm;
+    surface.fillStyle = colours.allowed;
     surface.globalAlpha = 0.5;
-    surface.fillRect(at(low), middle - thick / 2, at(high) - at(low), thick);
+    surface.fillRect(at(low), middle - thickness / 2, at(high) - at(low), thickness);
     surface.globalAlpha = 1;
     surface.strokeStyle = colours.muted;
     for (const bound of [low, high]) {
-      if (Math.abs(bound) <= fastest * 1.001) line(surface, at(bound), middle - thick / 2, at(bound), middle + thick / 2);
+      if (Math.abs(bound) > fastest * 1.001) continue;
+      line(surface, at(bound), middle - thickness / 2, at(bound), middle + thickness / 2);
     }
-    const held = view.arm && (velocity >= high - AT ? 1 : velocity <= low + AT ? -1 : 0);
-    surface.fillStyle = held ? colours.alarm : colours.accent;
-    surface.fillRect(Math.min(at(0), at(velocity)), middle - thick / 4, Math.max(1, Math.abs(at(velocity) - at(0))), thick / 2);
+    const side = view.arm && (velocity >= high - BOUND_TOLERANCE ? 1 : velocity <= low + BOUND_TOLERANCE ? -1 : 0);
+    surface.fillStyle = side ? colours.alarm : colours.accent;
+    const length = Math.max(1, Math.abs(at(velocity) - at(0)));
+    surface.fillRect(Math.min(at(0), at(velocity)), middle - thickness / 4, length, thickness / 2);
     surface.strokeStyle = colours.text;
-    line(surface, at(0), middle - thick / 2 - 1, at(0), middle + thick / 2 + 1);
-    if (held) mark(surface, at(velocity) + held * 7, middle, held, colours.alarm);
+    line(surface, at(0), middle - thickness / 2 - 1, at(0), middle + thickness / 2 + 1);
+    if (side) drawMarker(surface, at(velocity) + side * 7, middle, side, colours.alarm);
   });
 }
 
@@ -74,19 +76,19 @@ export function velocities(surface, width, height, view, colours) {
 export function positions(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
   const names = joints.map((joint) => joint.name);
-  rows(surface, width, height, names, view.position.map(number), colours).forEach((row, i) => {
+  rows(surface, width, height, names, view.position.map(format), colours).forEach((row, i) => {
     const range = joints[i].position_limit ?? [-Math.PI, Math.PI];
     const q = view.position[i];
     const middle = row.top + row.high / 2;
-    const thick = Math.min(7, row.high / 2);
-    surface.fillStyle = colours.calm;
+    const thickness = Math.min(7, row.high / 2);
+    surface.fillStyle = colours.allowed;
     surface.globalAlpha = 0.5;
-    surface.fillRect(row.left, middle - thick / 2, row.width, thick);
+    surface.fillRect(row.left, middle - thickness / 2, row.width, thickness);
     surface.globalAlpha = 1;
     surface.strokeStyle = colours.muted;
     surface.lineWidth = 1;
-    for (const end of [row.left, row.left + row.width]) line(surface, end, middle - thick, end, middle + thick);
-    line(surface, row.left + row.width / 2, middle - thick / 2, row.left + row.width / 2, middle + thick / 2);
+    for (const end of [row.left, row.left + row.width]) line(surface, end, middle - thickness, end, middle + thickness);
+    line(surface, row.left + row.width / 2, middle - thickness / 2, row.left + row.width / 2, middle + thickness / 2);
     if (q === undefined) return;
     const part = (q - range[0]) / (range[1] - range[0]);
     const isNear = part < 0.03 || part > 0.97;
@@ -94,12 +96,13 @@ export function positions(surface, width, height, view, colours) {
     surface.beginPath();
     surface.arc(row.left + row.width * Math.max(0, Math.min(1, part)), middle, Math.min(6, row.high / 2.6), 0, 2 * Math.PI);
     surface.fill();
-    if (isNear) mark(surface, row.left + row.width * part + (part > 0.5 ? -12 : 12), middle, part > 0.5 ? 1 : -1, colours.alarm);
+    const side = part > 0.5 ? 1 : -1;
+    if (isNear) drawMarker(surface, row.left + row.width * part - 12 * side, middle, side, colours.alarm);
   });
 }
 
-/** A triangle that points to the bound. @type {(surface: Surface, x: number, y: number, side: number, colour: string) => void} */
-function mark(surface, x, y, side, colour) {
+/** Draws a triangle that points to the bound. @type {(surface: Surface, x: number, y: number, side: number, colour: string) => void} */
+function drawMarker(surface, x, y, side, colour) {
   surface.fillStyle = colour;
   surface.beginPath();
   surface.moveTo(x + 4 * side, y);
@@ -109,7 +112,7 @@ function mark(surface, x, y, side, colour) {
   surface.fill();
 }
 
-/** @type {(value: number, most: number) => number} */
-function clamp(value, most) {
-  return Math.max(-most, Math.min(most, value));
+/** @type {(value: number, max: number) => number} */
+function clamp(value, max) {
+  return Math.max(-max, Math.min(max, value));
 }

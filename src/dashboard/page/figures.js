@@ -1,4 +1,4 @@
-// The cards of plots, the numbers beside them, and when they are drawn.
+// Draws the plots, their legends and the numbers next to the scene.
 
 import { positions, velocities } from './bars.js';
 import { element } from './notices.js';
@@ -8,13 +8,13 @@ import { state } from './state.js';
 import { palette } from './theme.js';
 
 /**
- * @typedef {import('./desk.js').Desk} Desk
+ * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./plots.js').View} View
  * @typedef {import('./plots.js').Draw} Draw
  * @typedef {import('./theme.js').Palette} Palette
  */
 
-/** All plots by the names of their cards. @type {Record<string, Draw>} */
+/** Draw functions by the `data-plot` value of their card. @type {Record<string, Draw>} */
 export const DRAWINGS = {
   force, velocities, positions, residuals, limits: activeLimits, singularity, solver, trips: roundTrips,
 };
@@ -24,7 +24,7 @@ const AXES = 'xyz';
 /** @type {() => NodeListOf<HTMLElement>} */
 const cards = () => document.querySelectorAll('[data-plot]');
 
-/** Draws the plots that are in sight. @type {(view: View) => void} */
+/** Draws the plots that are visible on the screen. @type {(view: View) => void} */
 export function drawFigures(view) {
   const colours = palette();
   for (const card of cards()) {
@@ -55,9 +55,9 @@ function entry(kind, colour, text) {
   return line;
 }
 
-let legends = '';
+let shownLegends = '';
 
-/** Names the curves; anew only when something of it changes. @type {(view: View) => void} */
+/** Updates the legends of the plots when they have changed. @type {(view: View) => void} */
 export function drawLegends(view) {
   const colours = palette();
   const shown = forceAxes(view);
@@ -72,10 +72,10 @@ export function drawLegends(view) {
       entry('dot', colours.text, 'desired'), ...ghost,
     ],
     residuals: view.tasks.slice(0, 6).map((name, k) => entry((DASHES[k] ?? []).length > 0 ? 'dash' : '', colours.axes[k % 3], `${k + 1}. ${name}`)),
-    velocities: [entry('block', colours.accent, 'rad/s or m/s'), entry('block', colours.calm, 'allowed now'), entry('block', colours.alarm, '▶ at a limit')],
-    positions: [entry('block', colours.accent, 'rad or m'), entry('block', colours.calm, 'range')],
-    limits: [entry('block', colours.alarm, 'upper, in the upper half'), entry('block', colours.axes[0], 'lower')],
-    singularity: [entry('', colours.accent, 'all task rows'), ...ghost],
+    velocities: [entry('block', colours.accent, 'rad/s or m/s'), entry('block', colours.allowed, 'current bounds'), entry('block', colours.alarm, '▶ at a limit')],
+    positions: [entry('block', colours.accent, 'rad or m'), entry('block', colours.allowed, 'allowed range')],
+    limits: [entry('block', colours.alarm, 'upper limit'), entry('block', colours.axes[0], 'lower limit')],
+    singularity: [entry('', colours.accent, 'all tasks'), ...ghost],
     solver: [
       entry('block', colours.paths.closed_form, `closed form ${share(total.closed_form)}`),
       entry('block', colours.paths.active_set, `active set ${share(total.active_set)}`),
@@ -84,8 +84,8 @@ export function drawLegends(view) {
     trips: [],
   };
   const text = JSON.stringify(Object.values(content).map((parts) => parts.map((part) => part.outerHTML)));
-  if (text === legends) return;
-  legends = text;
+  if (text === shownLegends) return;
+  shownLegends = text;
   for (const card of cards()) {
     card.querySelector('[data-legend]')?.replaceChildren(...(content[card.dataset.plot ?? ''] ?? []));
   }
@@ -102,7 +102,7 @@ function short(value) {
   return value === 0 ? '0' : value.toExponential(1).replace('e-', 'e−').replace('e+', 'e');
 }
 
-/** @type {(counts: number[], part: number) => number} µs below which that part of the times lies */
+/** @type {(counts: number[], part: number) => number} quantile of the times, µs */
 function quantile(counts, part) {
   const wanted = part * counts.reduce((sum, count) => sum + count, 0);
   let sum = 0;
@@ -112,16 +112,16 @@ function quantile(counts, part) {
 
 const STATUS = { optimal: 'optimal', not_certified: 'not certified', failed: 'failed' };
 
-/** The numbers of now. @type {(desk: Desk, view: View) => void} */
-export function drawNumbers(desk, view) {
-  const { sample, run, watch } = desk;
+/** Shows the current numbers. @type {(runControl: RunControl, view: View) => void} */
+export function drawNumbers(runControl, view) {
+  const { sample, run, watch } = runControl;
   const [axis] = forceAxes(view);
   const target = sample?.target_force[axis];
   const frame = run?.frame;
   element('force-value').textContent = fixed(sample?.force[axis], 1);
   element('force-target').textContent = `F${AXES[axis]} on the environment${target === null || target === undefined ? '' : `, desired ${target.toFixed(1)} N`}`;
-  const running = desk.watch ? desk.watch.session.controller : run?.simulation;
-  const method = running?.method ?? desk.setup?.method ?? '';
+  const running = runControl.watch ? runControl.watch.session.controller : run?.simulation;
+  const method = running?.method ?? runControl.setup?.method ?? '';
   element('caption').textContent = methodName(method);
   element('clock').textContent = `${fixed(sample?.time_s ?? 0, 3)} s`;
   /** @type {HTMLProgressElement} */ (element('progress')).value = run?.simulation.progress ?? 0;
@@ -154,12 +154,12 @@ export function drawNumbers(desk, view) {
     if (number.textContent !== value) number.textContent = value;
     list.children[i].classList.toggle('bad', Boolean(bad));
   });
-  describe(desk, view, fixed(sample?.force[axis], 1), target);
+  describe(runControl, view, fixed(sample?.force[axis], 1), target);
 }
 
-/** What the scene and the force plot show, for those who do not see them. @type {(desk: Desk, view: View, value: string, target: number | null | undefined) => void} */
-function describe(desk, view, value, target) {
-  const [tool] = [desk.arm?.tool.position];
+/** Describes the scene and the force plot for screen readers. @type {(runControl: RunControl, view: View, value: string, target: number | null | undefined) => void} */
+function describe(runControl, view, value, target) {
+  const [tool] = [runControl.arm?.tool.position];
   const at = tool ? `, tool at ${tool.map((part) => part.toFixed(3)).join(', ')} m` : '';
   const text = `${view.robot?.name ?? 'The arm'}${at}; contact force ${value} N`;
   const scene = element('scene');
@@ -168,10 +168,10 @@ function describe(desk, view, value, target) {
   if (plot) plot.ariaLabel = `Contact force ${value} N${target === null || target === undefined ? '' : `, desired ${target.toFixed(1)} N`}`;
 }
 
-/** The second arm's method, and what lines mean. @type {(desk: Desk) => void} */
-export function drawSceneLegend(desk) {
+/** Shows the method of the ghost arm in the scene. @type {(runControl: RunControl) => void} */
+export function drawSceneLegend(runControl) {
   const list = element('scene-legend');
-  const ghost = desk.ghost ? methodName(desk.ghost.simulation.method) : '';
+  const ghost = runControl.ghost ? methodName(runControl.ghost.simulation.method) : '';
   if (list.dataset.ghost === ghost) return;
   list.dataset.ghost = ghost;
   if (!ghost) {

@@ -1,4 +1,4 @@
-// Vectors in the base frame, and the eye that looks at them.
+// Vectors in the base frame, and the camera of the scene.
 
 /** @typedef {import('./types.js').Vec3} Vec3 */
 
@@ -17,18 +17,18 @@ export const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 /** @type {(a: Vec3, b: Vec3, s: number) => Vec3} */
 export const mix = (a, b, s) => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])];
 
-/** @type {(a: Vec3) => Vec3} any direction for a vector without one */
+/** @type {(a: Vec3) => Vec3} a unit vector in this direction; z for a zero vector */
 export function unit(a) {
   const length = norm(a);
   return length > 1e-9 ? scale(a, 1 / length) : [0, 0, 1];
 }
 
 /**
- * Two directions that are at right angles to a direction and to each other.
+ * Returns two unit vectors that form a right-handed orthonormal basis with the unit vector `axis`.
  * @param {Vec3} axis
  * @returns {[Vec3, Vec3]}
  */
-export function across(axis) {
+export function perpendiculars(axis) {
   const u = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
   return [u, cross(axis, u)];
 }
@@ -42,7 +42,7 @@ export function across(axis) {
  * @property {number} scale px per m there
  */
 
-/** Looks at a point from anywhere around it. */
+/** A perspective camera that orbits around a target point. */
 export class Camera {
   constructor() {
     /** @type {Vec3} */
@@ -52,7 +52,7 @@ export class Camera {
     this.distance = 2.6;
     this.width = 1;
     this.height = 1;
-    /** @type {Vec3} towards the eye */
+    /** @type {Vec3} from the target to the eye, unit length */
     this.back = [1, 0, 0];
     /** @type {Vec3} */
     this.eye = [0, 0, 0];
@@ -64,7 +64,7 @@ export class Camera {
     this.update();
   }
 
-  /** Takes over what was changed. */
+  /** Limits elevation and distance, and computes the view from them. */
   update() {
     const limit = Math.PI / 2 - 0.02;
     this.elevation = Math.max(-0.2, Math.min(limit, this.elevation));
@@ -78,23 +78,24 @@ export class Camera {
   }
 
   /**
+   * Projects a point to the screen.
    * @param {Vec3} point
    * @returns {Spot}
    */
   project(point) {
-    const away = sub(point, this.eye);
-    const depth = Math.max(0.02, -dot(away, this.back));
+    const fromEye = sub(point, this.eye);
+    const depth = Math.max(0.02, -dot(fromEye, this.back));
     const perMeter = this.focal / depth;
     return {
-      x: this.width / 2 + perMeter * dot(away, this.right),
-      y: this.height / 2 - perMeter * dot(away, this.up),
+      x: this.width / 2 + perMeter * dot(fromEye, this.right),
+      y: this.height / 2 - perMeter * dot(fromEye, this.up),
       depth,
       scale: perMeter,
     };
   }
 
   /**
-   * The vector in space that looks like a way on the screen, parallel to it.
+   * Converts a displacement on the screen to a displacement in space, parallel to the screen.
    * @param {number} dx px
    * @param {number} dy px
    * @param {number} perMeter px per m

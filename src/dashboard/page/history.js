@@ -1,20 +1,20 @@
-// The samples of a run as columns, so that curves are drawn without a look at objects.
+// The samples of a run, stored as one array per quantity for fast drawing.
 
 /** @typedef {import('./types.js').LiveSample} LiveSample */
 
-/** Beyond so many samples every second one is forgotten. */
+/** Maximum number of samples. When it is reached, every second sample is removed. */
 const CAPACITY = 8192;
 
-/** Tasks whose residuals are kept. */
-export const MOST_TASKS = 6;
+/** Maximum number of tasks whose residuals are stored. */
+export const MAX_TASKS = 6;
 
-/** Names of the ways that lead to an answer, by their number in `path`. */
+/** Names of the solver paths; the column `path` has their index. */
 export const PATHS = /** @type {const} */ (['closed_form', 'active_set', 'qp']);
 
 const NAMES = [
   'time', 'x', 'y', 'z', 'force0', 'force1', 'force2', 'target0', 'target1', 'target2', 'error0', 'error1', 'error2',
   'sigma', 'roundTrip', 'solve', 'path', 'lower', 'upper',
-  ...Array.from({ length: MOST_TASKS }, (_, k) => `residual${k}`),
+  ...Array.from({ length: MAX_TASKS }, (_, k) => `residual${k}`),
 ];
 
 export class History {
@@ -22,7 +22,7 @@ export class History {
     this.length = 0;
     /** @type {LiveSample | undefined} */
     this.last = undefined;
-    /** @type {number[] | undefined} where the tool was first, m */
+    /** @type {number[] | undefined} position of the tool in the first sample, m */
     this.start = undefined;
     /** @type {Record<string, Float64Array>} */
     this.columns = {};
@@ -36,11 +36,11 @@ export class History {
   push(sample) {
     this.last = sample;
     this.start ??= sample.position;
-    this.tasks = Math.min(sample.residual_norms.length, MOST_TASKS);
+    this.tasks = Math.min(sample.residual_norms.length, MAX_TASKS);
     this.skipped += 1;
     if (this.skipped < this.stride) return;
     this.skipped = 0;
-    if (this.length === CAPACITY) this.thin();
+    if (this.length === CAPACITY) this.halve();
     const at = this.length;
     const column = this.columns;
     column.time[at] = sample.time_s;
@@ -63,30 +63,33 @@ export class History {
     this.length += 1;
   }
 
-  /** Forgets every second sample; a limit that was active in it counts with its neighbour. */
-  thin() {
+  /** Removes every second sample. Limits that were active in it are added to its neighbour. */
+  halve() {
     const half = CAPACITY / 2;
     for (const name of NAMES) {
       const column = this.columns[name];
-      const joins = name === 'lower' || name === 'upper';
-      for (let i = 0; i < half; i += 1) column[i] = joins ? column[2 * i] | column[2 * i + 1] : column[2 * i + 1];
+      const isMask = name === 'lower' || name === 'upper';
+      for (let i = 0; i < half; i += 1) column[i] = isMask ? column[2 * i] | column[2 * i + 1] : column[2 * i + 1];
     }
     this.length = half;
     this.stride *= 2;
   }
 
-  /** Time of the latest sample, s. */
+  /** Returns the time of the latest sample, s. */
   get now() {
     return this.length > 0 ? this.columns.time[this.length - 1] : 0;
   }
 
-  /** @param {number} axis */
-  follows(axis) {
+  /**
+   * Returns whether the last sample has a desired force along an axis.
+   * @param {number} axis
+   */
+  hasTarget(axis) {
     return this.length > 0 && !Number.isNaN(this.columns[`target${axis}`][this.length - 1]);
   }
 }
 
-/** @param {number[]} joints as bits; beyond 31 joints the last bit stands for all */
+/** Returns joint indices as a bit mask; bit 30 stands for index 30 and above. @param {number[]} joints */
 function mask(joints) {
   return joints.reduce((bits, joint) => bits | (1 << Math.min(joint, 30)), 0);
 }

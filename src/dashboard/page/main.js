@@ -1,85 +1,85 @@
-// Puts the page together and draws it when there is something new.
+// Connects the modules of the page and redraws it when something has changed.
 
 import * as controls from './controls.js';
-import { Desk } from './desk.js';
-import * as exporting from './exporting.js';
+import { RunControl } from './run_control.js';
+import * as exporting from './export.js';
 import { drawFigures, drawLegends, drawNumbers, drawSceneLegend } from './figures.js';
-import { watchLink } from './link.js';
-import { element, explain, hideNotice, notify } from './notices.js';
+import { watchConnection } from './connection.js';
+import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
 import { Scene } from './scene.js';
 import { state } from './state.js';
 import * as theme from './theme.js';
 
-/** Between two pictures of the scene and of the plots, ms: some twenty and ten a second. */
-const SCENE_PAUSE = 45;
-const PLOTS_PAUSE = 95;
+/** Minimum interval between two drawings of the scene and of the plots, ms: about 20 and 10 per second. */
+const SCENE_INTERVAL = 45;
+const PLOTS_INTERVAL = 95;
 
-let isNew = true;
+let needsRedraw = true;
 let [sceneDrawn, plotsDrawn] = [0, 0];
 
 const scene = new Scene(element('scene'));
-const desk = new Desk(() => { isNew = true; }, explain);
+const runControl = new RunControl(() => { needsRedraw = true; }, showError);
 
 /** @type {(work: () => Promise<unknown>) => void} */
 function attempt(work) {
-  work().catch((error) => explain(error, () => attempt(work)));
+  work().catch((error) => showError(error, () => attempt(work)));
 }
 
-controls.bind(desk, attempt);
-pointer.bind(scene, desk);
-exporting.bind(desk, scene, attempt);
+controls.bind(runControl, attempt);
+pointer.bind(scene, runControl);
+exporting.bind(runControl, scene, attempt);
 
 element('theme').onclick = () => theme.toggle();
-theme.onTheme(() => { isNew = true; });
+theme.onTheme(() => { needsRedraw = true; });
 element('notice-close').onclick = hideNotice;
 element('close-up').onclick = () => {
-  desk.closeUp = !desk.closeUp;
-  element('close-up').ariaPressed = String(desk.closeUp);
-  isNew = true;
+  runControl.closeUp = !runControl.closeUp;
+  element('close-up').ariaPressed = String(runControl.closeUp);
+  needsRedraw = true;
 };
-new ResizeObserver(() => { isNew = true; }).observe(element('scene'));
-addEventListener('scroll', () => { isNew = true; }, { passive: true });
-addEventListener('pagehide', () => desk.reset());
+new ResizeObserver(() => { needsRedraw = true; }).observe(element('scene'));
+addEventListener('scroll', () => { needsRedraw = true; }, { passive: true });
+addEventListener('pagehide', () => runControl.reset());
 if (matchMedia('(max-width: 760px)').matches) element('setup').removeAttribute('open');
 
 /** @param {number} now ms */
 function draw(now) {
   requestAnimationFrame(draw);
-  if (!isNew || now - sceneDrawn < SCENE_PAUSE) return;
-  isNew = false;
+  if (!needsRedraw || now - sceneDrawn < SCENE_INTERVAL) return;
+  needsRedraw = false;
   sceneDrawn = now;
-  const { arm } = desk;
-  const world = desk.world();
-  if (arm) scene.fit(arm, world.contacts, desk.watch?.session.id ?? desk.scenario?.name ?? '');
+  const { arm } = runControl;
+  const world = runControl.world();
+  if (arm) scene.fit(arm, world.contacts, runControl.watch?.session.id ?? runControl.scenario?.name ?? '');
   scene.draw(world);
-  if (now - plotsDrawn < PLOTS_PAUSE) {
-    isNew = true;
+  if (now - plotsDrawn < PLOTS_INTERVAL) {
+    needsRedraw = true;
     return;
   }
   plotsDrawn = now;
-  const view = desk.view();
+  const view = runControl.view();
   drawFigures(view);
   drawLegends(view);
-  drawNumbers(desk, view);
-  drawSceneLegend(desk);
+  drawNumbers(runControl, view);
+  drawSceneLegend(runControl);
 }
 requestAnimationFrame(draw);
 
-watchLink(async () => {
-  const wasGone = state.value.link === 'gone';
+watchConnection(async () => {
+  const wasUnreachable = state.value.connection === 'unreachable';
   try {
-    await desk.load();
-    desk.showSetup();
-    state.set({ link: 'ready' });
-    if (!wasGone) return;
-    if (state.value.phase === 'lost') notify('The service is back', 'The run ended with it; Run starts a new one.', { calm: true });
-    else notify('The service is back', 'Everything works as before.', { calm: true });
+    await runControl.load();
+    runControl.showSetup();
+    state.set({ connection: 'ready' });
+    if (!wasUnreachable) return;
+    const detail = state.value.phase === 'lost' ? 'The run was lost. Press Run to start a new one.' : 'No run was lost.';
+    notify('The service is available again', detail, { info: true });
   } catch (error) {
-    explain(error, () => attempt(async () => {
-      await desk.load();
-      desk.showSetup();
-      state.set({ link: 'ready' });
+    showError(error, () => attempt(async () => {
+      await runControl.load();
+      runControl.showSetup();
+      state.set({ connection: 'ready' });
     }));
   }
 });

@@ -1,9 +1,9 @@
-// What went wrong, with what to do; the question for the token.
+// Messages about errors with a remedy, and the dialog for the token.
 
 import { state } from './state.js';
-import { ApiError, keepToken, token } from './transport.js';
+import { ApiError, storeToken, token } from './transport.js';
 
-/** @type {<T extends HTMLElement>(id: string) => T} an element that the page has */
+/** @type {<T extends HTMLElement>(id: string) => T} the element with this id; throws if there is none */
 export function element(id) {
   const found = document.getElementById(id);
   if (!found) throw new Error(`the page has no #${id}`);
@@ -11,15 +11,16 @@ export function element(id) {
 }
 
 /** @type {number | undefined} */
-let fading;
+let hideTimer;
 
 /**
+ * Shows a message; an `info` message disappears after 8 s.
  * @param {string} title
  * @param {string} detail
- * @param {{calm?: boolean, act?: string, onAct?: () => void}} [options]
+ * @param {{info?: boolean, act?: string, onAct?: () => void}} [options]
  */
-export function notify(title, detail, { calm = false, act, onAct } = {}) {
-  clearTimeout(fading);
+export function notify(title, detail, { info = false, act, onAct } = {}) {
+  clearTimeout(hideTimer);
   element('notice-title').textContent = title;
   element('notice-detail').textContent = detail;
   const button = element('notice-act');
@@ -29,9 +30,9 @@ export function notify(title, detail, { calm = false, act, onAct } = {}) {
     hideNotice();
     onAct?.();
   };
-  element('notice').classList.toggle('calm', calm);
+  element('notice').classList.toggle('info', info);
   element('notice').hidden = false;
-  if (calm) fading = window.setTimeout(hideNotice, 8000);
+  if (info) hideTimer = window.setTimeout(hideNotice, 8000);
 }
 
 export function hideNotice() {
@@ -39,25 +40,26 @@ export function hideNotice() {
 }
 
 /**
- * Says what a failure means and what would help.
+ * Shows an error and what to do about it.
  * @param {unknown} error
- * @param {() => void} [again] tries once more what failed
+ * @param {() => void} [retry] repeats the failed action
  */
-export function explain(error, again) {
+export function showError(error, retry) {
   if (!(error instanceof ApiError)) {
-    notify('The run did not go on', error instanceof Error ? error.message : String(error));
+    notify('The run was interrupted', error instanceof Error ? error.message : String(error));
     return;
   }
   const { status, problem, retryAfter } = error;
   if (status === 0) {
-    state.set({ link: 'gone' });
+    state.set({ connection: 'unreachable' });
   } else if (status === 401) {
-    askForToken(again);
+    askForToken(retry);
   } else if (status === 503) {
-    state.set({ link: 'overloaded' });
+    state.set({ connection: 'overloaded' });
     const wait = retryAfter ?? 1;
-    notify(problem.title, `${capital(problem.detail)}. The service asks to wait ${wait} s.`, { act: 'Try again', onAct: again });
-    setTimeout(() => state.value.link === 'overloaded' && state.set({ link: 'ready' }), 1000 * wait);
+    const detail = `${capital(problem.detail)}. Wait ${wait} s before you try again.`;
+    notify(problem.title, detail, { act: 'Try again', onAct: retry });
+    setTimeout(() => state.value.connection === 'overloaded' && state.set({ connection: 'ready' }), 1000 * wait);
   } else {
     const at = problem.pointer ? ` (at ${problem.pointer})` : '';
     notify(problem.title, `${capital(problem.detail)}${at}.`);
@@ -67,21 +69,21 @@ export function explain(error, again) {
 /** @type {(text: string) => string} */
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
-/** @param {(() => void) | undefined} again */
-function askForToken(again) {
-  state.set({ link: 'locked' });
+/** @param {(() => void) | undefined} retry */
+function askForToken(retry) {
+  state.set({ connection: 'token_needed' });
   /** @type {HTMLDialogElement} */
   const dialog = element('token-dialog');
   /** @type {HTMLInputElement} */
   const field = element('token');
   element('token-wrong').hidden = token() === null;
-  keepToken(null);
+  storeToken(null);
   field.value = '';
   if (!dialog.open) dialog.showModal();
   dialog.onclose = () => {
     if (field.value.trim() === '') return;
-    keepToken(field.value.trim());
+    storeToken(field.value.trim());
     field.value = '';
-    again?.();
+    retry?.();
   };
 }

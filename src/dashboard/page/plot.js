@@ -1,4 +1,4 @@
-// Axes, curves, bars: the parts that all plots are made of. They draw on anything that has the methods of a canvas.
+// Axes, curves and other parts of plots. They draw on any object with the methods of a canvas context.
 
 /**
  * @typedef {import('./theme.js').Palette} Palette
@@ -7,9 +7,9 @@
  * @typedef {object} Range
  * @property {number} low
  * @property {number} high
- * @property {boolean} [log] whether equal ways are equal factors
+ * @property {boolean} [log] whether the scale is logarithmic
  *
- * @typedef {object} Frame where curves are drawn, px
+ * @typedef {object} Frame the area of a plot, px, with its axes
  * @property {number} left
  * @property {number} top
  * @property {number} width
@@ -20,21 +20,21 @@
 
 export const FONT = '11px system-ui, -apple-system, "Segoe UI", sans-serif';
 
-/** @type {(range: Range, value: number) => number} 0 to 1 inside */
-function part(range, value) {
+/** @type {(range: Range, value: number) => number} position of the value in the range, 0 to 1 */
+function fraction(range, value) {
   if (!range.log) return (value - range.low) / (range.high - range.low);
   return Math.log(Math.max(value, 1e-300) / range.low) / Math.log(range.high / range.low);
 }
 
 /** @type {(frame: Frame, value: number) => number} */
-export const atX = (frame, value) => frame.left + frame.width * part(frame.x, value);
+export const atX = (frame, value) => frame.left + frame.width * fraction(frame.x, value);
 /** @type {(frame: Frame, value: number) => number} */
-export const atY = (frame, value) => frame.top + frame.height * (1 - part(frame.y, value));
+export const atY = (frame, value) => frame.top + frame.height * (1 - fraction(frame.y, value));
 
-/** @type {(range: Range, most: number) => number[]} round numbers in a range */
-export function ticks(range, most) {
-  if (range.log) return decades(range, most);
-  const raw = (range.high - range.low) / Math.max(1, most);
+/** @type {(range: Range, max: number) => number[]} at most about `max` round numbers in the range */
+export function ticks(range, max) {
+  if (range.log) return decades(range, max);
+  const raw = (range.high - range.low) / Math.max(1, max);
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= raw) ?? 10 * power;
   const found = [];
@@ -42,10 +42,10 @@ export function ticks(range, most) {
   return found;
 }
 
-/** @type {(range: Range, most: number) => number[]} */
-function decades({ low, high }, most) {
+/** @type {(range: Range, max: number) => number[]} */
+function decades({ low, high }, max) {
   const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
-  const step = Math.max(1, Math.ceil((last - first + 1) / Math.max(1, most)));
+  const step = Math.max(1, Math.ceil((last - first + 1) / Math.max(1, max)));
   const found = [];
   for (let i = first; i <= last; i += 1) if ((i - first) % step === 0) found.push(10 ** i);
   return found;
@@ -64,11 +64,11 @@ export function tickLabel(value, log) {
 }
 
 /**
- * Grid, ticks and labels; what is drawn later lies over them.
+ * Draws grid, ticks and labels. Draw curves after this, so that they are on top.
  * @param {Surface} surface
  * @param {Frame} frame
  * @param {Palette} colours
- * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number}} [options] whether there are labels below and beside
+ * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number}} [options] `x`, `y`: draw labels
  */
 export function axes(surface, frame, colours, { x = true, y = true, xLabel = '', yTicks } = {}) {
   const { left, top, width, height } = frame;
@@ -86,11 +86,11 @@ export function axes(surface, frame, colours, { x = true, y = true, xLabel = '',
   }
   surface.textAlign = 'center';
   surface.textBaseline = 'top';
-  const room = xLabel ? left + width - 24 : Infinity;
+  const labelEnd = xLabel ? left + width - 24 : Infinity;
   for (const tick of ticks(frame.x, Math.max(2, width / 70))) {
     const at = Math.round(atX(frame, tick)) + 0.5;
     line(surface, at, top, at, top + height);
-    if (x && at < room) surface.fillText(tickLabel(tick, Boolean(frame.x.log)), at, top + height + 5);
+    if (x && at < labelEnd) surface.fillText(tickLabel(tick, Boolean(frame.x.log)), at, top + height + 5);
   }
   if (x && xLabel) {
     surface.textAlign = 'right';
@@ -107,7 +107,7 @@ export function line(surface, x1, y1, x2, y2) {
 }
 
 /**
- * A curve. Where several samples share a column of pixels, the lowest and the highest of them are drawn.
+ * Draws a curve. Of several samples in one pixel column, only the lowest and the highest are drawn.
  * @param {Surface} surface
  * @param {Frame} frame
  * @param {Float64Array} xs
@@ -149,7 +149,7 @@ export function curve(surface, frame, xs, ys, length, { colour, width = 1.6, das
 }
 
 /**
- * A line across with a name at its right end.
+ * Draws a horizontal line with a label at its right end.
  * @param {Surface} surface
  * @param {Frame} frame
  * @param {number} value
@@ -171,7 +171,7 @@ export function level(surface, frame, value, colour, label) {
   surface.fillText(label, frame.left + frame.width - 3, y - 2);
 }
 
-/** @type {(columns: Float64Array[], length: number) => {low: number, high: number}} of all finite values */
+/** @type {(columns: Float64Array[], length: number) => {low: number, high: number}} smallest and largest value, without nan */
 export function bounds(columns, length) {
   let [low, high] = [Infinity, -Infinity];
   for (const column of columns) {

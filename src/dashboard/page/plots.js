@@ -1,4 +1,4 @@
-// The plots, each a function that draws what the view holds.
+// The plots. Each is a function that draws one plot from the view.
 
 import { History, PATHS } from './history.js';
 import { atX, atY, axes, bounds, curve, FONT, hint, level, line } from './plot.js';
@@ -12,10 +12,10 @@ import { atX, atY, axes, bounds, curve, FONT, hint, level, line } from './plot.j
  * @typedef {import('./types.js').TimeHistogram} TimeHistogram
  * @typedef {import('./types.js').PathCounts} PathCounts
  *
- * @typedef {object} View what the plots show
+ * @typedef {object} View data of all plots
  * @property {History} history
  * @property {History | null} ghost
- * @property {number} duration of the run, s; 0 where it has no end
+ * @property {number} duration of the run, s; 0 if it has no end
  * @property {ArmView | null} arm
  * @property {Robot | null} robot
  * @property {number[]} position q, rad or m
@@ -25,7 +25,7 @@ import { atX, atY, axes, bounds, curve, FONT, hint, level, line } from './plot.j
  * @property {number} period T, s
  * @property {PathCounts | null} paths
  * @property {TimeHistogram | null} solveTime
- * @property {boolean} closeUp whether force is shown around its target
+ * @property {boolean} closeUp whether the force axis is zoomed to the desired force
  *
  * @typedef {(surface: Surface, width: number, height: number, view: View, colours: Palette) => void} Draw
  */
@@ -34,7 +34,7 @@ const LEFT = 44;
 const RIGHT = 12;
 const BOTTOM = 20;
 
-/** Way of the time axis where a run has no end, s. */
+/** Length of the time axis for a run without end, s. */
 const WINDOW = 20;
 
 /** @type {(view: View) => {low: number, high: number}} */
@@ -48,15 +48,15 @@ function timeFrame(width, height, view, y, top = 8, bottom = BOTTOM) {
   return { left: LEFT, top, width: width - LEFT - RIGHT, height: height - top - bottom, x: timeRange(view), y };
 }
 
-/** Axes along which there is something to see. @type {(view: View) => number[]} */
+/** Returns the axes with a desired force; without any, those whose measured force changes; otherwise x. @type {(view: View) => number[]} */
 export function forceAxes({ history }) {
-  const followed = [0, 1, 2].filter((axis) => history.follows(axis));
-  if (followed.length > 0) return followed;
-  const felt = [0, 1, 2].filter((axis) => {
+  const withTarget = [0, 1, 2].filter((axis) => history.hasTarget(axis));
+  if (withTarget.length > 0) return withTarget;
+  const changing = [0, 1, 2].filter((axis) => {
     const { low, high } = bounds([history.columns[`force${axis}`]], history.length);
     return high - low > 1e-9;
   });
-  return felt.length > 0 ? felt : [0];
+  return changing.length > 0 ? changing : [0];
 }
 
 /** @type {Draw} */
@@ -78,18 +78,18 @@ export function force(surface, width, height, view, colours) {
     curve(surface, frame, columns.time, columns[`target${axis}`], history.length, target);
   }
   const errors = bounds(column('error'), history.length);
-  const reach = niceReach(view.closeUp ? 10 : Math.max(1, Math.abs(errors.low), Math.abs(errors.high)));
-  const strip = timeFrame(width, height, view, { low: -reach, high: reach }, height - below - BOTTOM + 4);
+  const limit = roundUp(view.closeUp ? 10 : Math.max(1, Math.abs(errors.low), Math.abs(errors.high)));
+  const strip = timeFrame(width, height, view, { low: -limit, high: limit }, height - below - BOTTOM + 4);
   axes(surface, strip, colours, { xLabel: 's', yTicks: 2 });
   for (const axis of shown) {
     curve(surface, strip, history.columns.time, history.columns[`error${axis}`], history.length, { colour: colours.axes[axis], width: 1.3 });
   }
-  hintLeft(surface, 'error', strip, colours);
-  hintLeft(surface, 'N', frame, colours);
+  frameLabel(surface, 'error', strip, colours);
+  frameLabel(surface, 'N', frame, colours);
 }
 
 /** @type {(surface: Surface, text: string, frame: Frame, colours: Palette) => void} */
-function hintLeft(surface, text, frame, colours) {
+function frameLabel(surface, text, frame, colours) {
   surface.font = FONT;
   surface.fillStyle = colours.muted;
   surface.textAlign = 'left';
@@ -109,14 +109,14 @@ function forceRange({ history, ghost, closeUp }, shown) {
   return { low: low < 0 ? low - margin : 0, high: high + margin };
 }
 
-/** @type {(value: number) => number} the next round number */
-function niceReach(value) {
+/** @type {(value: number) => number} the next larger round number */
+function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return ([1, 2, 3, 5, 10].find((factor) => factor * power >= value) ?? 10) * power;
 }
 
-/** Residuals below this are rounding. */
-const LEAST = 1e-16;
+/** Lower end of the residual axis; smaller residuals are rounding errors. */
+const MIN_RESIDUAL = 1e-16;
 
 /** @type {Draw} */
 export function residuals(surface, width, height, view, colours) {
@@ -124,15 +124,16 @@ export function residuals(surface, width, height, view, colours) {
   const columns = Array.from({ length: history.tasks }, (_, k) => history.columns[`residual${k}`]);
   const { high } = bounds(columns, history.length);
   const top = 10 ** Math.ceil(Math.log10(Math.max(1e-3, high || 0)) + 0.1);
-  const frame = timeFrame(width, height, view, { low: LEAST, high: top, log: true });
+  const frame = timeFrame(width, height, view, { low: MIN_RESIDUAL, high: top, log: true });
   axes(surface, frame, colours, { xLabel: 's' });
   columns.forEach((column, k) => {
-    const style = { colour: colours.axes[k % 3], dash: DASHES[k] ?? [1, 2], floor: LEAST, width: k === 0 ? 1.9 : 1.5 };
+    const width = k === 0 ? 1.9 : 1.5;
+    const style = { colour: colours.axes[k % 3], dash: DASHES[k] ?? [1, 2], floor: MIN_RESIDUAL, width };
     curve(surface, frame, history.columns.time, column, history.length, style);
   });
 }
 
-/** Dashes of the curves of tasks, highest first. */
+/** Dash patterns of the task curves, highest priority first. */
 export const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 2], [4, 4]];
 
 /** @type {Draw} */
@@ -181,20 +182,20 @@ export function microseconds(micros) {
 /** @type {Draw} */
 export function solver(surface, width, height, view, colours) {
   const { history, solveTime } = view;
-  const ribbon = timeFrame(width, height, view, { low: 0, high: 1 }, 6, height - 22);
+  const strip = timeFrame(width, height, view, { low: 0, high: 1 }, 6, height - 22);
   surface.strokeStyle = colours.grid;
   surface.lineWidth = 1;
-  surface.strokeRect(ribbon.left + 0.5, ribbon.top + 0.5, ribbon.width, ribbon.height);
-  pathRibbon(surface, ribbon, history, colours);
+  surface.strokeRect(strip.left + 0.5, strip.top + 0.5, strip.width, strip.height);
+  drawPaths(surface, strip, history, colours);
   const counts = solveTime?.counts ?? [];
-  const most = Math.max(1, ...counts);
+  const max = Math.max(1, ...counts);
   const first = Math.max(0, counts.findIndex((count) => count > 0) - 2);
   const last = Math.min(counts.length, counts.findLastIndex((count) => count > 0) + 3);
   const [low, high] = last > first ? [first, Math.max(last, first + 12)] : [1, 31];
   const edge = (/** @type {number} */ bin) => 10 ** ((bin - 1) / 10);
   const frame = {
     left: LEFT, top: 36, width: width - LEFT - RIGHT, height: height - 36 - BOTTOM,
-    x: { low: edge(low), high: edge(high), log: true }, y: { low: 0, high: most * 1.08 },
+    x: { low: edge(low), high: edge(high), log: true }, y: { low: 0, high: max * 1.08 },
   };
   axes(surface, frame, colours, { xLabel: 'µs' });
   surface.fillStyle = colours.accent;
@@ -203,25 +204,25 @@ export function solver(surface, width, height, view, colours) {
     const [x, next, y] = [atX(frame, edge(bin)), atX(frame, edge(bin + 1)), atY(frame, count)];
     surface.fillRect(x + 0.5, y, Math.max(1, next - x - 1), frame.top + frame.height - y);
   });
-  if (most === 1 && counts.every((count) => count === 0)) {
+  if (max === 1 && counts.every((count) => count === 0)) {
     hint('no answers yet', surface, frame.left + frame.width / 2, frame.top + frame.height / 2, colours);
   }
 }
 
 /** @type {(surface: Surface, frame: Frame, history: History, colours: Palette) => void} */
-function pathRibbon(surface, frame, history, colours) {
+function drawPaths(surface, frame, history, colours) {
   const { time, path } = history.columns;
   for (let i = 0; i < history.length; ) {
     let end = i + 1;
     while (end < history.length && path[end] === path[i]) end += 1;
     const x = atX(frame, time[i]);
-    const until = atX(frame, time[Math.min(end, history.length - 1)]);
+    const endX = atX(frame, time[Math.min(end, history.length - 1)]);
     const at = PATHS[path[i]];
     if (at) {
       surface.fillStyle = colours.paths[at];
-      // Each way has its own height too, so that it can be told without colours.
+      // Each path also has its own height, for readers who cannot distinguish the colours.
       const high = frame.height * [0.45, 0.72, 1][path[i]];
-      surface.fillRect(x, frame.top + frame.height - high, Math.max(1, until - x), high);
+      surface.fillRect(x, frame.top + frame.height - high, Math.max(1, endX - x), high);
     }
     i = end;
   }
@@ -244,13 +245,14 @@ export function activeLimits(surface, width, height, view, colours) {
     surface.textBaseline = 'middle';
     surface.fillText(short(joint.name), frame.left - 6, top + row / 2);
     const bit = 1 << Math.min(i, 30);
-    stripes(surface, frame, time, upper, bit, view.history.length, top + 1, row / 2 - 1.5, colours.alarm);
-    stripes(surface, frame, time, lower, bit, view.history.length, top + row / 2 + 0.5, row / 2 - 1.5, colours.axes[0]);
+    drawIntervals(surface, frame, time, upper, bit, view.history.length, top + 1, row / 2 - 1.5, colours.alarm);
+    const middle = top + row / 2 + 0.5;
+    drawIntervals(surface, frame, time, lower, bit, view.history.length, middle, row / 2 - 1.5, colours.axes[0]);
   });
 }
 
 /** @type {(surface: Surface, frame: Frame, time: Float64Array, bits: Float64Array, bit: number, length: number, top: number, high: number, colour: string) => void} */
-function stripes(surface, frame, time, bits, bit, length, top, high, colour) {
+function drawIntervals(surface, frame, time, bits, bit, length, top, high, colour) {
   surface.fillStyle = colour;
   for (let i = 0; i < length; i += 1) {
     if ((bits[i] & bit) === 0) continue;
@@ -262,7 +264,7 @@ function stripes(surface, frame, time, bits, bit, length, top, high, colour) {
   }
 }
 
-/** @type {(name: string) => string} fits beside a row */
+/** @type {(name: string) => string} a joint name shortened to fit next to its row */
 export function short(name) {
   return name.length > 6 ? `…${name.slice(-5)}` : name;
 }

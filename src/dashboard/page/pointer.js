@@ -1,4 +1,4 @@
-// Mouse, touch and keys in the scene: orbit, zoom, push.
+// Mouse, touch and keyboard in the scene: orbit, zoom and push.
 
 import { vec } from './arm.js';
 import { norm, scale } from './geometry.js';
@@ -6,57 +6,58 @@ import { element } from './notices.js';
 import { state } from './state.js';
 
 /**
- * @typedef {import('./desk.js').Desk} Desk
+ * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./scene.js').Scene} Scene
  * @typedef {import('./types.js').Vec3} Vec3
  */
 
-/** Near enough to the tool to take hold of it, px. */
-const REACH = 34;
+/** Distance to the tool within which the pointer grabs it, px. */
+const GRAB_RADIUS = 34;
 
-/** Force per way of the pointer, N/m, and the largest one, N. */
-const PULL = 200;
-const STRONGEST = 80;
+/** Force per displacement of the pointer, N/m, and maximum force, N. */
+const FORCE_PER_METER = 200;
+const MAX_FORCE = 80;
 
 /**
  * @param {Scene} scene
- * @param {Desk} desk
+ * @param {RunControl} runControl
  */
-export function bind(scene, desk) {
-  orbit(scene, desk);
-  keys(scene, desk);
-  pad(desk);
+export function bind(scene, runControl) {
+  bindPointer(scene, runControl);
+  bindKeys(scene, runControl);
+  bindPushButtons(runControl);
 }
 
-/** @type {(scene: Scene, desk: Desk) => void} */
-function orbit(scene, desk) {
+/** @type {(scene: Scene, runControl: RunControl) => void} */
+function bindPointer(scene, runControl) {
   const { canvas, camera } = scene;
   /** @type {Map<number, {x: number, y: number}>} */
   const fingers = new Map();
-  /** @type {{x: number, y: number, scale: number} | null} where the tool was taken hold of */
-  let hold = null;
-  const toolSpot = () => (desk.arm ? camera.project(vec(desk.arm.tool.position)) : null);
+  /** @type {{x: number, y: number, scale: number} | null} where the pointer grabbed the tool */
+  let grab = null;
+  const toolSpot = () => (runControl.arm ? camera.project(vec(runControl.arm.tool.position)) : null);
   const isNear = (/** @type {PointerEvent} */ event) => {
     const spot = toolSpot();
-    const pushes = state.value.phase === 'running' || state.value.phase === 'paused';
-    return pushes && spot !== null && Math.hypot(spot.x - event.offsetX, spot.y - event.offsetY) < REACH;
+    const isActive = state.value.phase === 'running' || state.value.phase === 'paused';
+    return isActive && spot !== null && Math.hypot(spot.x - event.offsetX, spot.y - event.offsetY) < GRAB_RADIUS;
   };
   canvas.onpointerdown = (event) => {
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     const spot = toolSpot();
-    if (spot && fingers.size === 1 && isNear(event)) hold = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
+    if (spot && fingers.size === 1 && isNear(event)) grab = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
     canvas.classList.add('held');
   };
   canvas.onpointermove = (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) {
-      canvas.classList.toggle('aims', isNear(event));
+      canvas.classList.toggle('grabbable', isNear(event));
       return;
     }
     const now = { x: event.offsetX, y: event.offsetY };
-    if (hold) {
-      desk.pushWith(limited(scale(camera.unproject(now.x - hold.x, now.y - hold.y, hold.scale), PULL)));
+    if (grab) {
+      const displacement = camera.unproject(now.x - grab.x, now.y - grab.y, grab.scale);
+      runControl.pushWith(limited(scale(displacement, FORCE_PER_METER)));
     } else if (fingers.size === 2) {
       pinch(scene, fingers, event.pointerId, now);
     } else {
@@ -64,12 +65,12 @@ function orbit(scene, desk) {
       camera.elevation += (now.y - before.y) * 0.008;
     }
     fingers.set(event.pointerId, now);
-    desk.onChange();
+    runControl.onChange();
   };
   const release = (/** @type {PointerEvent} */ event) => {
     fingers.delete(event.pointerId);
-    if (hold) desk.pushWith(null);
-    hold = null;
+    if (grab) runControl.pushWith(null);
+    grab = null;
     canvas.classList.remove('held');
   };
   canvas.onpointerup = release;
@@ -77,16 +78,16 @@ function orbit(scene, desk) {
   canvas.addEventListener('wheel', (event) => {
     event.preventDefault();
     camera.distance *= Math.exp(event.deltaY * 0.0012);
-    desk.onChange();
+    runControl.onChange();
   }, { passive: false });
-  // A hand that holds still pushes on.
-  setInterval(() => hold && desk.pushWith(desk.push), 200);
+  // The service ends a push after one second, so a pointer that does not move must repeat its force.
+  setInterval(() => grab && runControl.pushWith(runControl.push), 200);
 }
 
 /** @type {(force: Vec3) => Vec3} */
 function limited(force) {
   const size = norm(force);
-  return size > STRONGEST ? scale(force, STRONGEST / size) : force;
+  return size > MAX_FORCE ? scale(force, MAX_FORCE / size) : force;
 }
 
 /** @type {(scene: Scene, fingers: Map<number, {x: number, y: number}>, moved: number, now: {x: number, y: number}) => void} */
@@ -98,8 +99,8 @@ function pinch({ camera }, fingers, moved, now) {
   camera.distance *= was / is;
 }
 
-/** @type {(scene: Scene, desk: Desk) => void} */
-function keys(scene, desk) {
+/** @type {(scene: Scene, runControl: RunControl) => void} */
+function bindKeys(scene, runControl) {
   const { camera } = scene;
   /** @type {Record<string, () => void>} */
   const acts = {
@@ -117,12 +118,12 @@ function keys(scene, desk) {
     if (!act) return;
     event.preventDefault();
     act();
-    desk.onChange();
+    runControl.onChange();
   });
 }
 
-/** Buttons that push for as long as they are held. @type {(desk: Desk) => void} */
-function pad(desk) {
+/** Buttons that push the tool while they are pressed. @type {(runControl: RunControl) => void} */
+function bindPushButtons(runControl) {
   /** @type {Vec3 | null} */
   let held = null;
   /** @type {HTMLSelectElement} */
@@ -132,13 +133,13 @@ function pad(desk) {
     const press = () => {
       held = scale(direction, Number(strength.value));
       button.classList.add('held');
-      desk.pushWith(held);
+      runControl.pushWith(held);
     };
     const release = () => {
       if (!held) return;
       held = null;
       button.classList.remove('held');
-      desk.pushWith(null);
+      runControl.pushWith(null);
     };
     button.onpointerdown = (event) => {
       button.setPointerCapture(event.pointerId);
@@ -156,5 +157,5 @@ function pad(desk) {
     button.onkeyup = release;
     button.oncontextmenu = (event) => event.preventDefault();
   }
-  setInterval(() => held && desk.pushWith(held), 200);
+  setInterval(() => held && runControl.pushWith(held), 200);
 }

@@ -1,4 +1,4 @@
-// A simulation in the service: started, followed, ordered about.
+// An interactive simulation in the service: starts it, receives its frames, and sends control commands.
 
 import { History } from './history.js';
 import { events, post, remove } from './transport.js';
@@ -10,6 +10,7 @@ import { events, post, remove } from './transport.js';
  * @typedef {import('./types.js').LiveFrame} LiveFrame
  */
 
+/** One run; `follow` receives its frames until it ends or is deleted. */
 export class Run {
   /**
    * @param {Simulation} simulation
@@ -42,7 +43,7 @@ export class Run {
    * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
    */
   async follow(onFrame, onEnd) {
-    const take = (/** @type {string} */ name, /** @type {LiveFrame} */ frame) => {
+    const onEvent = (/** @type {string} */ name, /** @type {LiveFrame} */ frame) => {
       this.frame = frame;
       this.simulation = frame.run;
       for (const sample of frame.samples) this.history.push(sample);
@@ -50,23 +51,23 @@ export class Run {
       onFrame(this);
     };
     try {
-      await events(`${this.path}/live`, take, this.abort.signal);
+      await events(`${this.path}/live`, onEvent, this.abort.signal);
       if (!this.abort.signal.aborted) onEnd(this, this.ended ? 'end' : 'lost');
     } catch (error) {
       if (!this.abort.signal.aborted) onEnd(this, 'lost', error);
     }
   }
 
-  /** @param {SimulationControl} order */
-  async control(order) {
+  /** @param {SimulationControl} command */
+  async control(command) {
     if (this.ended) return;
-    const simulation = await post(`${this.path}/control`, order);
-    // The last frame may have come before this answer, and knows more.
+    const simulation = await post(`${this.path}/control`, command);
+    // The last frame can arrive before this answer; it is newer.
     if (!this.ended) this.simulation = simulation;
   }
 
-  /** Forgets the run, here and in the service. */
-  drop() {
+  /** Stops following the run and deletes it in the service. */
+  delete() {
     this.abort.abort();
     remove(this.path).catch(() => {});
   }

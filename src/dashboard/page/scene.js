@@ -1,8 +1,8 @@
-// The arm, the wall, forces and paths in space.
+// Draws the three-dimensional scene: arm, walls, springs, forces and the path of the tool.
 
 import { axisOf, bodies, extent, vec } from './arm.js';
-import { Camera, across, add, dot, mix, norm, scale, sub, unit } from './geometry.js';
-import { drawBodies, polygon } from './solids.js';
+import { Camera, perpendiculars, add, dot, mix, norm, scale, sub, unit } from './geometry.js';
+import { drawBodies, polygon } from './shading.js';
 import { palette } from './theme.js';
 
 /**
@@ -11,10 +11,10 @@ import { palette } from './theme.js';
  * @typedef {import('./history.js').History} History
  * @typedef {import('./theme.js').Palette} Palette
  *
- * @typedef {object} Contact what the tool touches
- * @property {boolean} isWall whether it is a surface, and no spring
- * @property {Vec3} inwards direction into its material, of unit length
- * @property {Vec3} at a point of its surface, m
+ * @typedef {object} Contact a wall or a spring
+ * @property {boolean} isWall true for a wall, false for a spring
+ * @property {Vec3} inwards unit vector into the material
+ * @property {Vec3} at a point on its surface, m
  *
  * @typedef {object} Ghost
  * @property {ArmView} arm
@@ -25,17 +25,17 @@ import { palette } from './theme.js';
  * @property {boolean[]} atLimit
  * @property {History} history
  * @property {Contact[]} contacts
- * @property {Vec3} start of the tool
+ * @property {Vec3} start initial position of the tool, m
  * @property {Vec3} force on the environment, N
  * @property {(number | null)[]} target force, N
  * @property {Vec3} push force on the tool, N
  * @property {Ghost | null} ghost
  */
 
-/** Half the width of a wall, m. */
-const WALL = 0.32;
+/** Half the width of a drawn wall, m. */
+const WALL_HALF_WIDTH = 0.32;
 
-/** Length of an arrow: grows with small forces and hardly with large ones. @type {(newton: number) => number} */
+/** Returns the length of a force arrow, m: linear for small forces, logarithmic for large ones. @type {(newton: number) => number} */
 const arrowLength = (newton) => 0.12 * Math.asinh(newton / 10);
 
 export class Scene {
@@ -48,10 +48,10 @@ export class Scene {
   }
 
   /**
-   * Turns the eye to an arm, once for each set-up.
+   * Points the camera at the arm, once for each scenario or session.
    * @param {ArmView} arm
    * @param {Contact[]} contacts
-   * @param {string} name of the set-up
+   * @param {string} name of the scenario or id of the session
    */
   fit(arm, contacts, name) {
     if (this.fitted === name) return;
@@ -60,7 +60,7 @@ export class Scene {
     const tool = vec(arm.tool.position);
     this.camera.target = mix(center, tool, 0.15);
     this.camera.distance = 2.15 * size;
-    // From the side, so that neither the arm nor what it touches is seen edge-on.
+    // Look from the side, so that neither the arm nor the wall is seen edge-on.
     const upright = contacts.find(({ inwards }) => Math.abs(inwards[2]) < 0.7);
     const ahead = upright ? upright.inwards : tool;
     this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - 2.05;
@@ -90,19 +90,19 @@ export class Scene {
     const { arm } = world;
     const parts = bodies(arm, world.atLimit);
     shadow(context, camera, parts, colours);
-    const behind = world.contacts.filter((contact) => contact.isWall && isBehind(camera, contact));
-    const before = world.contacts.filter((contact) => contact.isWall && !isBehind(camera, contact));
-    behind.forEach((contact) => wall(context, camera, contact, world, colours));
+    const wallsBehind = world.contacts.filter((contact) => contact.isWall && isBehind(camera, contact));
+    const wallsInFront = world.contacts.filter((contact) => contact.isWall && !isBehind(camera, contact));
+    wallsBehind.forEach((contact) => wall(context, camera, contact, world, colours));
     world.contacts.filter(({ isWall }) => !isWall).forEach((contact) => spring(context, camera, contact, world, colours));
     if (world.ghost) this.drawGhost(context, world.ghost, colours, density);
     trail(context, camera, world.history, colours.accent, []);
     drawBodies(context, camera, parts, ({ material }) => colours.materials[material]);
-    before.forEach((contact) => wall(context, camera, contact, world, colours));
+    wallsInFront.forEach((contact) => wall(context, camera, contact, world, colours));
     forces(context, camera, world, colours);
   }
 
   /**
-   * A shadow of the other arm that shines through as a whole.
+   * Draws the second arm transparently. It is drawn on a separate canvas first, so that its parts do not show through.
    * @param {CanvasRenderingContext2D} context
    * @param {Ghost} ghost
    * @param {Palette} colours
@@ -128,7 +128,7 @@ export class Scene {
   }
 }
 
-/** @type {(hex: string) => import('./solids.js').Rgb} */
+/** @type {(hex: string) => import('./shading.js').Rgb} */
 function rgbOf(hex) {
   const value = Number.parseInt(hex.slice(1), 16);
   return [value >> 16, (value >> 8) & 255, value & 255];
@@ -184,7 +184,7 @@ function segment(context, camera, a, b) {
 }
 
 /**
- * What the arm keeps the light from, straight down.
+ * Draws the shadow of the arm on the floor, for light from above.
  * @param {CanvasRenderingContext2D} context
  * @param {Camera} camera
  * @param {import('./arm.js').Body[]} parts
@@ -209,10 +209,10 @@ function shadow(context, camera, parts, colours) {
 
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, contact: Contact, world: World, colours: Palette) => void} */
 function wall(context, camera, contact, world, colours) {
-  const [u, v] = across(contact.inwards);
+  const [u, v] = perpendiculars(contact.inwards);
   const center = contact.at;
   /** @type {(s: number, t: number) => Vec3} */
-  const place = (s, t) => add(center, add(scale(u, s * WALL), scale(v, t * WALL)));
+  const place = (s, t) => add(center, add(scale(u, s * WALL_HALF_WIDTH), scale(v, t * WALL_HALF_WIDTH)));
   const corners = [place(-1, -1), place(1, -1), place(1, 1), place(-1, 1)].map((corner) => camera.project(corner));
   const touched = Math.abs(dot(world.force, contact.inwards)) > 0.5;
   const rgb = colours.dark ? '120,170,205' : '70,120,160';
@@ -237,23 +237,23 @@ function spring(context, camera, contact, world, colours) {
   if (!world.arm) return;
   const axis = contact.inwards;
   const tool = vec(world.arm.tool.position);
-  const rest = 0.26;
-  const anchor = add(tool, scale(axis, rest + dot(sub(contact.at, tool), axis)));
-  const [side] = across(axis);
+  const restLength = 0.26;
+  const anchor = add(tool, scale(axis, restLength + dot(sub(contact.at, tool), axis)));
+  const [side] = perpendiculars(axis);
   const turns = 9;
   context.strokeStyle = colours.muted;
   context.lineWidth = 1.5;
   context.lineJoin = 'round';
   context.beginPath();
   for (let i = 0; i <= 2 * turns + 2; i += 1) {
-    const inner = i > 0 && i < 2 * turns + 2;
-    const point = add(mix(tool, anchor, i / (2 * turns + 2)), scale(side, inner ? (i % 2 ? 0.018 : -0.018) : 0));
+    const isInner = i > 0 && i < 2 * turns + 2;
+    const point = add(mix(tool, anchor, i / (2 * turns + 2)), scale(side, isInner ? (i % 2 ? 0.018 : -0.018) : 0));
     const spot = camera.project(point);
     if (i === 0) context.moveTo(spot.x, spot.y);
     else context.lineTo(spot.x, spot.y);
   }
   context.stroke();
-  const [u, v] = across(axis);
+  const [u, v] = perpendiculars(axis);
   const plate = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([s, t]) =>
     camera.project(add(anchor, add(scale(u, 0.05 * s), scale(v, 0.05 * t)))));
   context.fillStyle = colours.dark ? 'rgba(120,170,205,0.35)' : 'rgba(70,120,160,0.3)';
@@ -334,13 +334,13 @@ function arrow(context, camera, from, force, colour, outlined, label) {
   context.textBaseline = 'bottom';
   context.lineWidth = 4;
   context.lineJoin = 'round';
-  context.strokeStyle = colours(context) ?? colour;
+  context.strokeStyle = haloColour(context) ?? colour;
   const away = context.textAlign === 'left' ? 8 : -8;
   context.strokeText(label, b.x + away, b.y - 4);
   context.fillText(label, b.x + away, b.y - 4);
 }
 
-/** @type {(context: CanvasRenderingContext2D) => string | null} a halo that keeps labels readable */
-function colours(context) {
+/** @type {(context: CanvasRenderingContext2D) => string | null} colour of the outline that keeps labels readable */
+function haloColour(context) {
   return context.canvas.width > 0 ? palette().scene : null;
 }

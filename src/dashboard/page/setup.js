@@ -1,4 +1,4 @@
-// What is to be run: a scenario and what differs from it. It fits into the fragment of the page's address.
+// The setup of a run: a scenario and the user's changes to it. The fragment of the page's address can store a setup.
 
 /**
  * @typedef {import('./types.js').Scenario} Scenario
@@ -13,9 +13,9 @@
  * @property {Solver} solver
  * @property {Method | ''} ghost method of the second arm
  * @property {number} speed simulated seconds per second
- * @property {number | null} lag of the arm's velocity loop, s; null as the scenario says
- * @property {Record<string, number[]>} gains that differ, by `task.gain`
- * @property {Record<string, number>} stiffness of contacts that differ, by place, N/m
+ * @property {number | null} lag of the arm's velocity loop, s; null: as in the scenario
+ * @property {Record<string, number[]>} gains changed gains, by `task.gain`
+ * @property {Record<string, number>} stiffness changed stiffness of contacts, by index, N/m
  */
 
 /** @type {{value: Method, name: string}[]} */
@@ -43,8 +43,8 @@ export function methodName(value) {
   return METHODS.find((method) => method.value === value)?.name ?? value;
 }
 
-/** @type {(scenario: Scenario) => Setup} */
-export function plain(scenario) {
+/** @type {(scenario: Scenario) => Setup} the setup without changes */
+export function defaults(scenario) {
   return {
     scenario: scenario.name,
     method: scenario.controller.method ?? 'reverse_priority',
@@ -58,7 +58,7 @@ export function plain(scenario) {
 }
 
 /**
- * The gain of a task as a list; null where its law has none.
+ * Returns a gain of a task as a list; null if its law does not have this gain.
  * @param {Scenario} scenario
  * @param {number} task
  * @param {Gain} gain
@@ -71,8 +71,8 @@ export function gainOf(scenario, task, gain) {
   return Array.isArray(value) ? value : null;
 }
 
-/** @type {(scenario: Scenario, setup: Setup) => Scenario} the scenario with all that differs */
-export function effective(scenario, setup) {
+/** @type {(scenario: Scenario, setup: Setup) => Scenario} the scenario with the changes of the setup */
+export function applyTo(scenario, setup) {
   /** @type {Scenario} */
   const changed = structuredClone(scenario);
   changed.controller.method = setup.method;
@@ -80,19 +80,19 @@ export function effective(scenario, setup) {
   if (setup.lag !== null) {
     changed.velocity_loop = { delay_periods: 0, ...changed.velocity_loop, lag_s: setup.lag };
   }
-  for (const [place, stiffness] of Object.entries(setup.stiffness)) {
-    const contact = changed.contacts?.[Number(place)];
+  for (const [index, stiffness] of Object.entries(setup.stiffness)) {
+    const contact = changed.contacts?.[Number(index)];
     if (contact) contact.stiffness = stiffness;
   }
-  for (const [place, values] of Object.entries(setup.gains)) {
-    const [task, gain] = place.split('.');
+  for (const [key, values] of Object.entries(setup.gains)) {
+    const [task, gain] = key.split('.');
     const law = /** @type {Record<string, unknown> | undefined} */ (changed.controller.tasks[Number(task)]?.law);
     if (law && gain in law) law[gain] = values.length === 1 && !Array.isArray(law[gain]) ? values[0] : values;
   }
   return changed;
 }
 
-/** @type {(setup: Setup) => boolean} whether the scenario is as it ships, but for method and solver */
+/** @type {(setup: Setup) => boolean} whether the scenario is unchanged, apart from method and solver */
 export function isUnchanged(setup) {
   return setup.lag === null && Object.keys(setup.gains).length === 0 && Object.keys(setup.stiffness).length === 0;
 }
@@ -100,31 +100,28 @@ export function isUnchanged(setup) {
 /** @type {(scenario: Scenario, setup: Setup, method: Method, paused: boolean) => SimulationRequest} */
 export function request(scenario, setup, method, paused) {
   return {
-    scenario: isUnchanged(setup) ? setup.scenario : effective(scenario, setup),
+    scenario: isUnchanged(setup) ? setup.scenario : applyTo(scenario, setup),
     method,
     solver: setup.solver,
     interactive: { speed: setup.speed, paused },
   };
 }
 
-/** What a change asks of a run that goes on: null where only a new run takes it over. */
-export const LIVE = /** @type {const} */ (['method', 'solver', 'gains', 'speed']);
-
 /** @type {(setup: Setup, scenario: Scenario) => string} */
 export function toFragment(setup, scenario) {
-  const usual = plain(scenario);
+  const unchanged = defaults(scenario);
   const text = new URLSearchParams({ scenario: setup.scenario });
   for (const key of /** @type {const} */ (['method', 'solver', 'ghost', 'speed'])) {
-    if (setup[key] !== usual[key]) text.set(key, String(setup[key]));
+    if (setup[key] !== unchanged[key]) text.set(key, String(setup[key]));
   }
   if (setup.lag !== null) text.set('lag', String(setup.lag));
-  for (const [place, values] of Object.entries(setup.gains)) text.set(place, values.join(','));
-  for (const [place, value] of Object.entries(setup.stiffness)) text.set(`contact.${place}`, String(value));
+  for (const [key, values] of Object.entries(setup.gains)) text.set(key, values.join(','));
+  for (const [index, value] of Object.entries(setup.stiffness)) text.set(`contact.${index}`, String(value));
   return text.toString();
 }
 
 /**
- * Reads a fragment; what makes no sense is left out.
+ * Reads a setup from a fragment; invalid entries are ignored.
  * @param {string} fragment
  * @param {Scenario[]} scenarios
  * @returns {Setup | null}
@@ -133,7 +130,7 @@ export function fromFragment(fragment, scenarios) {
   const text = new URLSearchParams(fragment.replace(/^#/, ''));
   const scenario = scenarios.find(({ name }) => name === text.get('scenario'));
   if (!scenario) return null;
-  const setup = plain(scenario);
+  const setup = defaults(scenario);
   const known = (/** @type {{value: string}[]} */ words, /** @type {string | null} */ word) =>
     words.some(({ value }) => value === word);
   if (known(METHODS, text.get('method'))) setup.method = /** @type {Method} */ (text.get('method'));
@@ -142,13 +139,13 @@ export function fromFragment(fragment, scenarios) {
   setup.speed = positive(text.get('speed')) ?? setup.speed;
   const lag = Number(text.get('lag') ?? NaN);
   setup.lag = lag >= 0 ? lag : null;
-  for (const [place, value] of text) {
-    const contact = /^contact\.(\d+)$/.exec(place);
+  for (const [key, value] of text) {
+    const contact = /^contact\.(\d+)$/.exec(key);
     const stiffness = positive(value);
     if (contact && stiffness !== null && scenario.contacts?.[Number(contact[1])]) setup.stiffness[contact[1]] = stiffness;
-    const gain = /^(\d+)\.(inertia|damping|stiffness)$/.exec(place);
+    const gain = /^(\d+)\.(inertia|damping|stiffness)$/.exec(key);
     const values = numbers(value);
-    if (gain && values && scenario.controller.tasks[Number(gain[1])]) setup.gains[place] = values;
+    if (gain && values && scenario.controller.tasks[Number(gain[1])]) setup.gains[key] = values;
   }
   return setup;
 }
@@ -159,7 +156,7 @@ function positive(text) {
   return value > 0 && Number.isFinite(value) ? value : null;
 }
 
-/** @type {(text: string) => number[] | null} numbers between commas or spaces, none negative */
+/** @type {(text: string) => number[] | null} non-negative numbers, separated by commas or spaces; null if invalid */
 export function numbers(text) {
   const words = text.split(/[\s,;]+/).filter(Boolean);
   const values = words.map(Number);

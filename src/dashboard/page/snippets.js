@@ -1,4 +1,4 @@
-// One control cycle as a command that repeats it.
+// Commands that repeat one control cycle with curl or Python.
 
 import { token } from './transport.js';
 
@@ -11,7 +11,7 @@ export function asCurl(request) {
   return `curl -s ${location.origin}/v1/step -H 'Content-Type: application/json'${header} -d '${body}'\n`;
 }
 
-/** @type {(request: StepRequest) => string} needs nothing but Python's own library */
+/** @type {(request: StepRequest) => string} a program that needs only the standard library */
 export function asPython(request) {
   const headers = token()
     ? `{"Content-Type": "application/json", "Authorization": "Bearer " + os.environ["REVPRIO_TOKEN"]}`

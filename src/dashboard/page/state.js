@@ -1,19 +1,19 @@
-// What the page knows, and who hears of changes.
+// The state of the page, with notification of changes.
 
 /**
- * @typedef {'connecting' | 'ready' | 'overloaded' | 'gone' | 'locked'} Link whether the service can be talked to
+ * @typedef {'connecting' | 'ready' | 'overloaded' | 'unreachable' | 'token_needed'} Connection
  * @typedef {'none' | 'starting' | 'running' | 'paused' | 'finished' | 'failed' | 'cancelled' | 'lost' | 'watching'} Phase
  *
  * @typedef {object} State
- * @property {Link} link
+ * @property {Connection} connection
  * @property {Phase} phase
  * @property {'simulation' | 'session'} source
- * @property {string} session session that is watched
- * @property {boolean} pending whether the set-up differs from that of the run in what only a new run takes over
+ * @property {string} session id of the watched session
+ * @property {boolean} pending whether the setup has changes that need a new run
  */
 
 /**
- * A value whose changes others hear of.
+ * A value that notifies listeners of changes.
  * @template {object} T
  */
 export class Store {
@@ -34,7 +34,7 @@ export class Store {
     for (const listener of this.listeners) listener(this.value, before);
   }
 
-  /** @param {(now: T, before: T) => void} listener hears of the present value too */
+  /** @param {(now: T, before: T) => void} listener called now and after each change */
   subscribe(listener) {
     this.listeners.add(listener);
     listener(this.value, this.value);
@@ -42,6 +42,6 @@ export class Store {
 }
 
 /** @type {State} */
-const initial = { link: 'connecting', phase: 'none', source: 'simulation', session: '', pending: false };
+const initial = { connection: 'connecting', phase: 'none', source: 'simulation', session: '', pending: false };
 
 export const state = new Store(initial);

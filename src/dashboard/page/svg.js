@@ -1,4 +1,4 @@
-// The part of a canvas that plots use, which writes SVG.
+// A drawing surface with the canvas methods that the plots use. It writes SVG.
 
 /** @type {(text: string) => string} */
 export const escaped = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('"', '&quot;');
@@ -11,7 +11,7 @@ const BASELINES = { top: 'hanging', middle: 'central', bottom: 'text-after-edge'
 
 let clips = 0;
 
-/** Draws where a `CanvasRenderingContext2D` would; only what the plots need. */
+/** Replaces a `CanvasRenderingContext2D`; implements only the methods that the plots use. */
 export class SvgSurface {
   constructor() {
     this.fillStyle = '#000';
@@ -29,7 +29,7 @@ export class SvgSurface {
     this.dash = [];
     this.path = '';
     this.text = '';
-    /** @type {{open: number, dash: number[]}[]} groups that are open */
+    /** @type {{open: number, dash: number[]}[]} open groups of each saved state */
     this.saved = [];
     this.open = 0;
   }
@@ -53,7 +53,7 @@ export class SvgSurface {
     this.path += `L${short(x)} ${short(y)}`;
   }
 
-  /** @type {(x: number, y: number, r: number) => void} whole circles alone */
+  /** @type {(x: number, y: number, r: number) => void} only complete circles */
   arc(x, y, r) {
     this.path += `M${short(x - r)} ${short(y)}a${short(r)} ${short(r)} 0 1 0 ${short(2 * r)} 0a${short(r)} ${short(r)} 0 1 0 ${short(-2 * r)} 0`;
   }

@@ -1,4 +1,4 @@
-// Light and dark, and the colours of curves: those of Okabe and Ito, which colour-blind readers can tell apart.
+// Light and dark colours. The curves use the palette of Okabe and Ito, which colour-blind readers can distinguish.
 
 /**
  * @typedef {object} Palette
@@ -7,15 +7,15 @@
  * @property {string} muted
  * @property {string} grid
  * @property {string} card
- * @property {string} scene top of the background of the scene
- * @property {string} ground bottom of it
+ * @property {string} scene background of the scene, top
+ * @property {string} ground background of the scene, bottom
  * @property {string[]} axes curves of x, y, z; also of the tasks, highest first
  * @property {string} ghost
- * @property {string} alarm limits that are active
- * @property {string} calm
+ * @property {string} alarm active limits, warnings
+ * @property {string} allowed allowed ranges
  * @property {string} accent
  * @property {Record<'closed_form' | 'active_set' | 'qp', string>} paths
- * @property {Record<import('./arm.js').Material, import('./solids.js').Rgb>} materials
+ * @property {Record<import('./arm.js').Material, import('./shading.js').Rgb>} materials
  */
 
 /** @type {Palette} */
@@ -30,7 +30,7 @@ const LIGHT = {
   axes: ['#0072b2', '#d55e00', '#009e73'],
   ghost: '#b5568f',
   alarm: '#d55e00',
-  calm: '#b9d4e8',
+  allowed: '#b9d4e8',
   accent: '#0072b2',
   paths: { closed_form: '#009e73', active_set: '#e69f00', qp: '#d55e00' },
   materials: { link: [226, 231, 238], joint: [70, 86, 104], limit: [226, 98, 12], tool: [0, 122, 190] },
@@ -48,53 +48,48 @@ const DARK = {
   axes: ['#56b4e9', '#e69f00', '#2fc79b'],
   ghost: '#df94bd',
   alarm: '#ff7f2a',
-  calm: '#29506b',
+  allowed: '#29506b',
   accent: '#56b4e9',
   paths: { closed_form: '#2fc79b', active_set: '#e69f00', qp: '#ff7f2a' },
   materials: { link: [196, 206, 218], joint: [84, 102, 124], limit: [255, 127, 42], tool: [86, 180, 233] },
 };
 
-const CHOICE = 'revprio-theme';
+const STORAGE_KEY = 'revprio-theme';
 const system = matchMedia('(prefers-color-scheme: dark)');
 
 /** @type {Set<() => void>} */
 const listeners = new Set();
 
 /** @returns {'light' | 'dark'} */
-function chosen() {
-  const kept = localStorage.getItem(CHOICE);
+function currentTheme() {
+  const kept = localStorage.getItem(STORAGE_KEY);
   if (kept === 'light' || kept === 'dark') return kept;
   return system.matches ? 'dark' : 'light';
 }
 
 /** @returns {Palette} */
 export function palette() {
-  return chosen() === 'dark' ? DARK : LIGHT;
+  return currentTheme() === 'dark' ? DARK : LIGHT;
 }
 
-/** Light printing, whatever the screen shows. */
-export function printing() {
+/** Returns the palette of exported figures, which is always light. */
+export function printPalette() {
   return LIGHT;
 }
 
 export function toggle() {
-  localStorage.setItem(CHOICE, chosen() === 'dark' ? 'light' : 'dark');
+  localStorage.setItem(STORAGE_KEY, currentTheme() === 'dark' ? 'light' : 'dark');
   apply();
 }
 
 function apply() {
-  document.documentElement.dataset.theme = chosen();
+  document.documentElement.dataset.theme = currentTheme();
   for (const listener of listeners) listener();
 }
 
-/** @param {() => void} listener hears of every change */
+/** @param {() => void} listener called after each change */
 export function onTheme(listener) {
   listeners.add(listener);
-}
-
-/** Whether motion is to be kept small. */
-export function reducedMotion() {
-  return matchMedia('(prefers-reduced-motion: reduce)').matches;
 }
 
 system.addEventListener('change', apply);

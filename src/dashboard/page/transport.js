@@ -1,10 +1,10 @@
-// Requests to the service: JSON, server-sent events, problems, the token.
+// Requests to the service: JSON bodies, server-sent events, problem reports and the token.
 
 /** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer'>} Problem */
 
 const TOKEN = 'revprio-token';
 
-/** A request that was refused, or got no answer (status 0). */
+/** An error of a request: the service refused it, or there was no answer (status 0). */
 export class ApiError extends Error {
   /**
    * @param {number} status
@@ -19,13 +19,13 @@ export class ApiError extends Error {
   }
 }
 
-/** @returns {string | null} the token of this tab */
+/** @returns {string | null} the token that is stored in this browser tab */
 export function token() {
   return sessionStorage.getItem(TOKEN);
 }
 
-/** @param {string | null} value for this tab alone, until it is closed */
-export function keepToken(value) {
+/** @param {string | null} value stored in this browser tab until it is closed */
+export function storeToken(value) {
   if (value) sessionStorage.setItem(TOKEN, value);
   else sessionStorage.removeItem(TOKEN);
 }
@@ -39,7 +39,7 @@ function credentials() {
 /**
  * @param {string} path
  * @param {RequestInit} [init]
- * @returns {Promise<Response>} an answer that is a success
+ * @returns {Promise<Response>} a successful answer; otherwise throws an `ApiError`
  */
 async function send(path, init = {}) {
   let response;
@@ -61,8 +61,8 @@ async function send(path, init = {}) {
 async function problemOf(response) {
   const isProblem = response.headers.get('content-type')?.startsWith('application/problem+json');
   if (isProblem) return response.json();
-  const detail = `answered with status ${response.status}, but not as a revprio service does`;
-  return { title: 'A foreign answer', status: response.status, detail };
+  const detail = `the answer with status ${response.status} is not from a revprio service`;
+  return { title: 'Unexpected answer', status: response.status, detail };
 }
 
 /**
@@ -86,7 +86,7 @@ export async function post(path, body) {
 }
 
 /**
- * Deletes something; goes on although the page is closed.
+ * Sends a DELETE request, which continues when the page is closed.
  * @param {string} path
  */
 export async function remove(path) {
@@ -95,14 +95,14 @@ export async function remove(path) {
 
 /**
  * @param {string} path
- * @param {string} type media type that is accepted
+ * @param {string} type accepted media type
  * @returns {Promise<Blob>}
  */
 export async function download(path, type) {
   return (await send(path, { headers: { accept: type } })).blob();
 }
 
-/** Whether the service lives; needs no token. */
+/** Returns whether the service is reachable; needs no token. */
 export async function isAlive() {
   try {
     return (await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) })).ok;
@@ -112,7 +112,7 @@ export async function isAlive() {
 }
 
 /**
- * Reads server-sent events until the stream ends; an EventSource could not show the token.
+ * Reads server-sent events until the stream ends. An EventSource cannot send the token.
  * @param {string} path
  * @param {(name: string, data: any) => void} onEvent
  * @param {AbortSignal} signal

@@ -1,4 +1,4 @@
-// The bodies of the service, by the names that they have in its OpenAPI document; `api.d.ts` is made of that for checking.
+// Types of the service's bodies, with the names of the OpenAPI document. The tests generate `api.d.ts` from it.
 
 import type { components } from './api';
 

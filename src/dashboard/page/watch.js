@@ -1,4 +1,4 @@
-// Looking on while a real client uses a session: nothing of it can be changed from here.
+// Watches a session that another client uses. The page cannot change the session.
 
 import { History } from './history.js';
 import { events, get } from './transport.js';
@@ -16,6 +16,7 @@ export function sessions() {
   return get('/v1/controllers');
 }
 
+/** A watched session: receives its steps and converts them to samples. */
 export class Watch {
   /**
    * @param {SessionStatus} session
@@ -27,7 +28,7 @@ export class Watch {
     this.history = new History();
     /** @type {WatchedStep | null} */
     this.step = null;
-    /** How many of the steps that were seen each way solved. */
+    /** Number of watched steps by solver path. */
     this.paths = { closed_form: 0, active_set: 0, qp: 0 };
     this.solveTime = { counts: /** @type {number[]} */ (Array(52).fill(0)), worst_us: 0 };
     this.abort = new AbortController();
@@ -45,12 +46,12 @@ export class Watch {
    * @param {(reason: 'end' | 'lost', error?: unknown) => void} onEnd
    */
   async follow(onStep, onEnd) {
-    const take = (/** @type {string} */ _name, /** @type {WatchedStep} */ step) => {
-      this.take(step);
+    const onEvent = (/** @type {string} */ _name, /** @type {WatchedStep} */ step) => {
+      this.addStep(step);
       onStep(this);
     };
     try {
-      await events(`/v1/controllers/${this.session.id}/watch`, take, this.abort.signal);
+      await events(`/v1/controllers/${this.session.id}/watch`, onEvent, this.abort.signal);
       if (!this.abort.signal.aborted) onEnd('end');
     } catch (error) {
       if (!this.abort.signal.aborted) onEnd('lost', error);
@@ -58,7 +59,7 @@ export class Watch {
   }
 
   /** @param {WatchedStep} step */
-  take(step) {
+  addStep(step) {
     this.step = step;
     const { answer } = step;
     this.paths[answer.solver.path] += 1;
@@ -69,12 +70,13 @@ export class Watch {
   }
 
   /**
+   * Converts a step to a sample.
    * @param {WatchedStep} step
    * @returns {LiveSample}
    */
   sample({ state, answer, arm }) {
     const names = this.robot.joints.map((joint) => joint.name);
-    const held = (/** @type {string} */ side) =>
+    const limited = (/** @type {string} */ side) =>
       [...answer.active_limits, ...answer.violated_limits]
         .filter((limit) => limit.side === side)
         .map((limit) => names.indexOf(limit.joint))
@@ -90,8 +92,8 @@ export class Watch {
       wall_distance_m: null,
       residual_norms: answer.tasks.map((task) => task.residual_norm),
       smallest_singular_value: answer.singularity.smallest_singular_value,
-      at_lower: held('lower'),
-      at_upper: held('upper'),
+      at_lower: limited('lower'),
+      at_upper: limited('upper'),
       path: answer.solver.path,
       status: answer.solver.status,
       kkt_residual: answer.solver.kkt_residual,
@@ -102,6 +104,7 @@ export class Watch {
   }
 
   /**
+   * Returns a joint vector in the robot's joint order.
    * @param {number[] | Record<string, number>} vector
    * @returns {number[]}
    */
@@ -115,7 +118,7 @@ export class Watch {
 }
 
 /**
- * F_d along the axes of the base.
+ * Returns the desired force along the base axes x, y and z, N; null for axes without one.
  * @param {SessionStatus} session
  * @param {WatchedStep['answer']} answer
  * @returns {(number | null)[]}

@@ -1,5 +1,5 @@
-// The problems through Pinocchio with Eigen, eiquadprog and DAQP: peers PROBLEMS ARM. A line per peer:
-// name,median_s,p99_s,error,task_1_error. Each call does kinematics and resolution.
+// Solves the problems with Pinocchio and Eigen, eiquadprog or DAQP: peers PROBLEMS ARM. Prints one line per peer:
+// name,median_s,p99_s,error,task_1_error. Each call includes kinematics and resolution.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -52,7 +52,7 @@ struct Arm {
   pinocchio::FrameIndex tool;
   pinocchio::Data::Matrix6x J6;
 
-  // A row per joint about z, the last one the tool: rotation row by row, position, in the frame before.
+  // Each joint has one row and rotates about z; the last row is the tool. See problems.py for the columns.
   explicit Arm(const char* path) {
     std::ifstream file(path);
     std::vector<pinocchio::SE3> placements;
@@ -81,8 +81,8 @@ struct Arm {
 
 constexpr double regularisation = 1e-8;
 
-// Two levels: min |J_1 v - x_1|^2, then min |J_2 v - x_2|^2 with J_1 v kept; both with a little |v|^2, which a strictly
-// convex solver needs.
+// Two levels: min |J_1 v - x_1|^2, then min |J_2 v - x_2|^2 with J_1 v fixed. Both add a small multiple of |v|^2, because
+// the solver needs a strictly convex problem.
 struct Eiquadprog {
   eiquadprog::solvers::EiquadprogFast solver;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(7, 7), CE0 = Eigen::MatrixXd::Zero(0, 7), CE1 = Eigen::MatrixXd::Zero(1, 7);
@@ -111,7 +111,7 @@ struct Eiquadprog {
   }
 };
 
-// The same two levels.
+// The same two levels with DAQP.
 struct Daqp {
   double H[49], f[7], A[7], upper[8], lower[8], x[7], lam[8];
   int sense[8] = {0};
@@ -129,7 +129,7 @@ struct Daqp {
     DAQPSettings settings;
     daqp_default_settings(&settings);
     std::fill(std::begin(sense), std::end(sense), 0);
-    if (rows) sense[7] = 5;  // active and immutable: an equality
+    if (rows) sense[7] = 5;  // active and immutable: an equality constraint
     daqp_quadprog(&result, &qp, &settings);
   }
   Joints solve(const Jacobian& J, const Problem& p) {
@@ -143,7 +143,7 @@ struct Daqp {
   }
 };
 
-// Eq. (32) with damped normal equations, limits ignored: what is usually written for speed.
+// Eq. (32) with damped normal equations and without limits: the usual fast implementation.
 static Joints normal_equations(const Jacobian& J, const Problem& p) {
   auto solve = [](const auto& A, const auto& b) -> Joints {
     auto AAt = (A * A.transpose()).eval();
@@ -157,7 +157,7 @@ static Joints normal_equations(const Jacobian& J, const Problem& p) {
   return q2 + T * gap / J.row(0).dot(T);
 }
 
-// The same with Eigen's rank-revealing decomposition.
+// Eq. (32) with Eigen's rank-revealing decomposition.
 static Joints orthogonal(const Jacobian& J, const Problem& p) {
   Joints q2 = J.bottomRows<5>().completeOrthogonalDecomposition().solve(p.xdot.tail<5>());
   Joints T = J.completeOrthogonalDecomposition().solve(Eigen::Matrix<double, 6, 1>::Unit(0));

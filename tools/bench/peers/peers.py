@@ -1,8 +1,8 @@
-"""The problems through Python: NumPy on Pinocchio, placo, pink. Lines as those of peers.cpp: python peers.py FILE URDF
-PROGRAM, where PROGRAM is placo or pink; placo needs another Pinocchio than the others.
+"""Solves the problems in Python with NumPy on Pinocchio, placo or pink: python peers.py FILE URDF PROGRAM
 
-Each call does kinematics and resolution. placo and pink weigh the tasks (x a thousand times the rest) instead of ordering
-them, as is their way; what that costs in accuracy stands in the columns of the errors.
+PROGRAM is placo or pink; placo needs another version of Pinocchio. The output has the format of peers.cpp. Each call
+includes kinematics and resolution. placo and pink are used with weights instead of priorities: task x has 1000 times the
+weight of the others. The error columns show the effect on the accuracy.
 """
 import sys
 import time
@@ -59,10 +59,10 @@ def with_placo():
     first, others = (solver.add_position_task('tool', np.zeros(3)) for _ in range(2))
     first.mask.set_axises('x')
     others.mask.set_axises('yz')
-    turn = solver.add_orientation_task('tool', np.eye(3))
+    rotation = solver.add_orientation_task('tool', np.eye(3))
     first.configure('x', 'soft', WEIGHT)
     others.configure('yz', 'soft', 1.0)
-    turn.configure('turn', 'soft', 1.0)
+    rotation.configure('rotation', 'soft', 1.0)
     solver.add_regularization_task(1e-8)
 
     def solve(i):
@@ -73,7 +73,7 @@ def with_placo():
         T = robot.get_T_world_frame('tool')
         target = T[:3, 3] + DT * XDOT[i, :3]
         first.target_world = others.target_world = target
-        turn.R_world_frame = pinocchio.exp3(DT * XDOT[i, 3:]) @ T[:3, :3]
+        rotation.R_world_frame = pinocchio.exp3(DT * XDOT[i, 3:]) @ T[:3, :3]
         return solver.solve(False)[-7:] / DT
 
     return solve
@@ -85,7 +85,7 @@ def with_pink():
     from pink.tasks import Task
 
     class Rows(Task):
-        """Rows of the tool's twist in base axes."""
+        """A pink task for some rows of the tool twist in base axes."""
 
         def __init__(self, rows, cost):
             super().__init__(cost=cost)
@@ -116,7 +116,7 @@ def with_pink():
 def attempt(name, make):
     try:
         report(name, make(), EXACT)
-    except Exception as error:  # a peer that cannot be had is said so, never faked
+    except Exception as error:  # the table shows the error instead of a time
         print(f'{name}: {type(error).__name__}: {error}'.replace(',', ';').replace('\n', ' '), flush=True)
 
 

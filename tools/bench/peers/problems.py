@@ -1,8 +1,9 @@
 """Writes 200 resolution problems with exact answers, and the arm: python problems.py PROBLEMS ARM.
 
-A row: q (7), xdot (6: x, y, z, rx, ry, rz at the tool, base axes), limit (7, of -limit <= qdot <= limit), the closed form
-(7), the answer inside the limits (7). Arm: fixtures/robots/sawyer.urdf. Task 1 is x, task 2 the other five rows. In half of
-the problems limits are active. Answers by enumerating all 3^7 active sets (fixtures/golden/make/oracle.py).
+The columns of a row are q (7), xdot (6: x, y, z, rx, ry, rz at the tool, base axes), limit (7: -limit <= qdot <= limit),
+the closed-form solution (7) and the solution within the limits (7). The arm is fixtures/robots/sawyer.urdf. Task 1 is
+x, task 2 has the other five rows. Limits are active in half of the problems. The exact solutions come from an
+enumeration of all 3^7 active sets (fixtures/golden/make/oracle.py).
 """
 import sys
 from pathlib import Path
@@ -33,8 +34,8 @@ while len(rows) < 200:
     rows.append(','.join(repr(float(value)) for value in (*q, *xdot, *limit, *closed, *exact)))
 Path(sys.argv[1]).write_text('\n'.join(rows) + '\n')
 
-# The arm for programs without a URDF reader: a row per joint, all about z, and one for the tool; rotation row by row,
-# position, in the frame before.
+# The arm for programs without a URDF reader. Each joint has one row and rotates about z; the last row is the tool. A row
+# is the rotation matrix, row by row, then the position, both in the frame of the row before.
 placements = [model.jointPlacements[joint] for joint in range(1, model.njoints)] + [model.frames[frame].placement]
 numbers = [[*placement.rotation.ravel(), *placement.translation] for placement in placements]
 Path(sys.argv[2]).write_text('\n'.join(','.join(repr(float(value)) for value in row) for row in numbers) + '\n')

@@ -1,4 +1,4 @@
-"""Lines of the peers as a table in Markdown, grouped and sorted by time: python table.py LINES [DOCUMENT]."""
+"""Prints the results of the peers as a Markdown table, grouped and sorted by time: python table.py LINES [DOCUMENT]."""
 import re
 import sys
 from pathlib import Path
@@ -17,16 +17,16 @@ for line in Path(sys.argv[1]).read_text().splitlines():
     if len(cells) < 5:
         remarks.append(line)
         continue
-    # Names may hold commas; the four numbers may not.
+    # Names can contain commas; the four numbers cannot.
     name, (median, p99, error, first) = ','.join(cells[:-4]), cells[-4:]
     rows.append((name.split(':')[0].split(',')[0], float(median), name, float(p99), error, first))
 groups = list(dict.fromkeys(row[0] for row in rows))
 rows.sort(key=lambda row: (groups.index(row[0]), row[1]))
-fastest_of_ours = {group: min(row[1] for row in rows if row[0] == group and 'revprio' in row[2]) for group in groups}
-table = '| what | median | p99 | × ours | error of q̇, rad/s | error of task 1, m/s |\n'
+revprio = {group: min(row[1] for row in rows if row[0] == group and 'revprio' in row[2]) for group in groups}
+table = '| program | median | p99 | × revprio | error of q̇, rad/s | error of task 1, m/s |\n'
 table += '| --- | ---: | ---: | ---: | ---: | ---: |\n'
 for group, median, name, p99, error, first in rows:
-    table += f'| {name} | {seconds(median)} | {seconds(p99)} | {median / fastest_of_ours[group]:.2f} | {error} | {first} |\n'
+    table += f'| {name} | {seconds(median)} | {seconds(p99)} | {median / revprio[group]:.2f} | {error} | {first} |\n'
 table += ''.join(f'\n{remark}\n' for remark in remarks)
 print(table)
 if len(sys.argv) > 2:

@@ -1,0 +1,392 @@
+// Client of the revprio service: joint velocities for redundant arms by reverse task priority.
+//
+// Header-only, C++17. Needs cpp-httplib and nlohmann/json (Debian: libcpp-httplib-dev nlohmann-json3-dev). Bodies are
+// JSON values with the field names of the OpenAPI document. All units are SI; revolute joints use rad and rad/s.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <httplib.h>
+#include <nlohmann/json.hpp>
+
+namespace revprio {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+/// Base class of all errors that concern the service.
+class Error : public std::runtime_error {
+public:
+    Error(const std::string& what, bool is_silence) : std::runtime_error(what), is_silence(is_silence) {}
+
+    /// Whether a later call may succeed: the service cannot be reached, is late, or is overloaded.
+    bool is_silence;
+};
+
+/// The service cannot be reached, the connection was lost, or the answer did not come in time.
+class NoAnswer : public Error {
+public:
+    NoAnswer(const std::string& url, const std::string& cause, bool is_late)
+        : Error("no answer from " + url + ": " + cause + "; is the service running there?", true), is_late(is_late) {}
+
+    /// Whether the time limit was exceeded.
+    bool is_late;
+};
+
+/// The answer is not one of a revprio service.
+class ForeignAnswer : public Error {
+public:
+    ForeignAnswer(const std::string& url, int status)
+        : Error("the answer of " + url + " (status " + std::to_string(status) + ") is not from a revprio service",
+                status >= 500) {}
+};
+
+/// The service refused a request; the fields give the reason (RFC 9457, application/problem+json).
+class Problem : public Error {
+public:
+    Problem(const Json& problem, std::optional<double> retry_after_s)
+        : Error(message_of(problem), is_temporary(problem.at("status"))), type(problem.at("type")),
+          detail(problem.at("detail")), pointer(pointer_of(problem)), status(problem.at("status")),
+          retry_after_s(retry_after_s) {}
+
+    std::string type;                    ///< Stable identifier of the kind of problem.
+    std::string detail;                  ///< Description of the problem, with the remedy.
+    std::string pointer;                 ///< JSON pointer of the invalid field, empty if there is none.
+    int status;                          ///< HTTP status.
+    std::optional<double> retry_after_s; ///< Value of the header `Retry-After`, s.
+
+private:
+    static std::string pointer_of(const Json& problem) {
+        return problem.contains("pointer") && problem["pointer"].is_string() ? problem["pointer"].get<std::string>() : "";
+    }
+    static std::string message_of(const Json& problem) {
+        const std::string pointer = pointer_of(problem);
+        return problem.at("detail").get<std::string>() + " (" + std::to_string(problem.at("status").get<int>()) + " " +
+               problem.at("type").get<std::string>() + (pointer.empty() ? "" : " at " + pointer) + ")";
+    }
+    static bool is_temporary(int status) { return status >= 500 || status == 408 || status == 429; }
+};
+
+/// Options of a client.
+struct Options {
+    std::string token;                 ///< Content of the service's --token-file.
+    Seconds timeout{10.0};             ///< Time limit of one attempt of a call.
+    Seconds step_timeout{0.1};         ///< Time limit of one attempt of a control period.
+    int retries = 2;                   ///< Maximum number of retries; only calls that are safe to repeat are retried.
+};
+
+/// A client of one service. It keeps one connection open. Only one thread at a time may use it.
+class Client {
+public:
+    explicit Client(std::string url = "http://127.0.0.1:8080", Options options = {})
+        : url_(std::move(url)), options_(std::move(options)), http_(url_) {
+        http_.set_keep_alive(true);
+        http_.set_tcp_nodelay(true);
+        http_.set_default_headers({{"Accept", "application/json"}});
+        if (!options_.token.empty()) http_.set_bearer_token_auth(options_.token);
+    }
+
+    /// Computes joint velocities for tasks, and the result of each task.
+    Json resolve(const Json& request) { return post("/v1/resolve", request); }
+    /// Resolves many requests at once. Returns, in the same order, an answer or a problem for each.
+    Json resolve_batch(const Json& items) { return post("/v1/resolve/batch", {{"items", items}}).at("items"); }
+    /// Returns tool pose (m), Jacobian (6 × n, base axes, linear rows first), singular values and link frames.
+    Json kinematics(const Json& request) { return post("/v1/kinematics", request); }
+    /// Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping.
+    Json stability(const Json& request) { return post("/v1/stability", request); }
+    /// Returns a robot with the limits and units of its joints.
+    Json robot(const std::string& name) { return call("GET", "/v1/robots/" + name); }
+
+    /// Sends any other call; `body` is sent unless it is null. `repeatable`: whether the call may be sent again when it
+    /// is unknown if the service received it.
+    Json call(const std::string& method, const std::string& path, const Json& body = nullptr, bool repeatable = true,
+              std::optional<Seconds> timeout = {}) {
+        const std::string content = body.is_null() ? "" : require_finite(body).dump();
+        auto pause = Seconds(0.02);
+        for (int left = options_.retries;; --left, pause *= 2) {
+            try {
+                return send(method, path, content, timeout.value_or(options_.timeout));
+            } catch (const Problem& problem) {
+                const Seconds wait = problem.retry_after_s ? Seconds(*problem.retry_after_s) : pause;
+                const bool is_busy = problem.status == 503 || problem.status == 429;
+                if (left == 0 || !is_busy || wait >= timeout.value_or(options_.timeout)) throw;
+                std::this_thread::sleep_for(wait);
+            } catch (const NoAnswer& failure) {
+                if (left == 0 || !repeatable || failure.is_late) throw;
+                std::this_thread::sleep_for(pause);
+            }
+        }
+    }
+
+    const std::string& url() const { return url_; }
+    Seconds step_timeout() const { return options_.step_timeout; }
+
+private:
+    Json post(const std::string& path, const Json& body) { return call("POST", path, body); }
+
+    Json send(const std::string& method, const std::string& path, const std::string& content, Seconds timeout) {
+        const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(timeout);
+        http_.set_connection_timeout(micros);
+        http_.set_read_timeout(micros);
+        http_.set_write_timeout(micros);
+        const auto start = Clock::now();
+        const httplib::Result result = method == "POST"     ? http_.Post(path, content, "application/json")
+                                       : method == "DELETE" ? http_.Delete(path)
+                                                            : http_.Get(path);
+        if (!result) throw NoAnswer(url_, httplib::to_string(result.error()), Clock::now() - start >= timeout);
+        return read(*result);
+    }
+
+    Json read(const httplib::Response& response) const {
+        const bool is_good = response.status >= 200 && response.status < 300;
+        if (is_good && response.body.empty()) return nullptr;
+        const Json body = Json::parse(response.body, nullptr, false);
+        if (body.is_discarded()) throw ForeignAnswer(url_, response.status);
+        if (is_good) return body;
+        if (!body.is_object() || !body.contains("detail") || !body.contains("type") || !body.contains("status"))
+            throw ForeignAnswer(url_, response.status);
+        std::optional<double> after;
+        const std::string header = response.get_header_value("Retry-After");
+        if (!header.empty() && std::all_of(header.begin(), header.end(), ::isdigit)) after = std::stod(header);
+        throw Problem(body, after);
+    }
+
+    /// Throws if a number is not finite, because the JSON library would write `null` for it.
+    static const Json& require_finite(const Json& value) {
+        if (value.is_number_float() && !std::isfinite(value.get<double>()))
+            throw std::invalid_argument("every number of a request must be finite");
+        if (value.is_structured())
+            for (const Json& entry : value) require_finite(entry);
+        return value;
+    }
+
+    std::string url_;
+    Options options_;
+    httplib::Client http_;
+};
+
+/// Measured values of an arm in one period.
+struct Measurement {
+    std::vector<double> joint_position;                ///< q, n, rad or m.
+    std::optional<std::vector<double>> joint_velocity; ///< q̇, n, rad/s or m/s; default: the last command.
+    std::vector<double> force{0, 0, 0};                ///< N; see wrench_convention, wrench_frame of the controller.
+    std::vector<double> torque{0, 0, 0};               ///< N·m.
+};
+
+/// A controller whose memory the service keeps. The destructor ends the session.
+class Session {
+public:
+    Session(Client& client, const Json& controller)
+        : client_(client), period_s_(controller.at("period_s")),
+          created_(client.call("POST", "/v1/controllers", controller, false)), path_("/v1/controllers/" + id()) {}
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+    ~Session() {
+        try {
+            client_.call("DELETE", path_);
+        } catch (const Error&) {
+            // The service ends an idle session itself.
+        }
+    }
+
+    /// Runs one control period. If the answer is lost, the client sends the state again with the same sequence number;
+    /// the service never runs the same number twice.
+    Json step(const Measurement& now) {
+        const unsigned long sequence = next_++;
+        Json state = {{"sequence", sequence},
+                      {"time_s", static_cast<double>(sequence) * period_s_},
+                      {"joint_position", now.joint_position},
+                      {"wrench", {{"force", now.force}, {"torque", now.torque}}}};
+        if (now.joint_velocity) state["joint_velocity"] = *now.joint_velocity;
+        return client_.call("POST", path_ + "/step", state, true, client_.step_timeout());
+    }
+
+    std::string id() const { return created_.at("id"); }
+    /// Returns the answer of the service: session name, joint order, and warnings about unstable contacts.
+    const Json& created() const { return created_; }
+    double period_s() const { return period_s_; }
+
+private:
+    Client& client_;
+    double period_s_;
+    Json created_;
+    std::string path_;
+    unsigned long next_ = 0;
+};
+
+/// Computes the joint velocities to command at any time, also when no answers come.
+///
+/// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
+/// slows down to rest at its maximum acceleration and stays at rest until a newer answer comes.
+class Watchdog {
+public:
+    /// `acceleration_limit`: maximum acceleration of each joint, n, rad/s² or m/s².
+    explicit Watchdog(std::vector<double> acceleration_limit)
+        : acceleration_(std::move(acceleration_limit)), velocity_(acceleration_.size(), 0.0) {
+        for (double limit : acceleration_)
+            if (!(limit > 0)) throw std::invalid_argument("acceleration_limit: give one positive number per joint");
+        if (acceleration_.empty()) throw std::invalid_argument("acceleration_limit: give one number per joint");
+    }
+
+    /// Creates a watchdog with the acceleration limits of a robot, as Client::robot returns it.
+    static Watchdog of(const Json& robot) {
+        std::vector<double> limits;
+        for (const Json& joint : robot.at("joints")) limits.push_back(joint.at("acceleration_limit"));
+        return Watchdog(std::move(limits));
+    }
+
+    /// Accepts the answer that came at `now` to the state measured at `measured_at`. Returns false and ignores the
+    /// answer if it has expired, or if an answer to a later state was accepted before.
+    bool obey(const Json& answer, Clock::time_point measured_at, Clock::time_point now) {
+        auto velocity = answer.at("joint_velocity").get<std::vector<double>>();
+        if (velocity.size() != velocity_.size())
+            throw std::invalid_argument(std::to_string(velocity.size()) + " joint velocities for " +
+                                        std::to_string(velocity_.size()) + " joints");
+        const auto expires_at = measured_at + std::chrono::milliseconds(answer.at("valid_for_ms").get<long>());
+        if (now > expires_at || measured_at < measured_at_) return false;
+        velocity_ = std::move(velocity);
+        measured_at_ = measured_at;
+        expires_at_ = expires_at;
+        return true;
+    }
+
+    /// Returns the joint velocities to command at `now`: n, rad/s or m/s.
+    std::vector<double> command(Clock::time_point now) const {
+        const double silence_s = std::max(Seconds(now - expires_at_).count(), 0.0);
+        std::vector<double> velocity(velocity_.size());
+        for (std::size_t joint = 0; joint < velocity.size(); ++joint) {
+            const double speed = std::max(std::abs(velocity_[joint]) - acceleration_[joint] * silence_s, 0.0);
+            velocity[joint] = std::copysign(speed, velocity_[joint]);
+        }
+        return velocity;
+    }
+
+    /// Starts the ramp to rest at `now`, if it has not started yet.
+    void expire(Clock::time_point now) { expires_at_ = std::min(expires_at_, now); }
+
+    /// Returns whether the ramp is over and all joints are at rest at `now`.
+    bool is_at_rest(Clock::time_point now) const {
+        const std::vector<double> velocity = command(now);
+        return now >= expires_at_ && std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0; });
+    }
+
+private:
+    std::vector<double> acceleration_;
+    std::vector<double> velocity_;
+    Clock::time_point measured_at_{};
+    Clock::time_point expires_at_{};
+};
+
+/// Calls the service in a separate thread, so that a late answer never delays the control loop.
+///
+/// In each period, call `ask` with the measured state, then `wait_until` with the end of the period, and send the
+/// result of `command` to the arm. While no answers come, `command` returns a ramp to rest. Once the arm is at rest,
+/// `command` throws the last failure. If the service refuses a state, `command` throws at once: call `stop`, and keep
+/// sending the result of `command` to the arm until `is_at_rest`.
+class Loop {
+public:
+    Loop(Session& session, Watchdog& watchdog)
+        : session_(session), watchdog_(watchdog), caller_([this] { run(); }) {}
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+    ~Loop() {
+        {
+            std::lock_guard lock(mutex_);
+            is_shut_down_ = true;
+        }
+        changed_.notify_all();
+        caller_.join();
+    }
+
+    /// Sends a state, unless the answer to an earlier state is still pending.
+    void ask(Measurement now) {
+        std::lock_guard lock(mutex_);
+        if (pending_state_) return;
+        pending_state_ = std::move(now);
+        measured_at_ = Clock::now();
+        changed_.notify_all();
+    }
+
+    /// Waits for the answer until `end` at the latest; returns whether the call has finished.
+    bool wait_until(Clock::time_point end) {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_until(lock, end, [this] { return !pending_state_; });
+    }
+
+    /// Returns the joint velocities to command now: n, rad/s or m/s.
+    std::vector<double> command() {
+        std::lock_guard lock(mutex_);
+        const auto now = Clock::now();
+        if (failure_ && !is_stopped_ && (!is_silence_ || watchdog_.is_at_rest(now))) std::rethrow_exception(failure_);
+        return watchdog_.command(now);
+    }
+
+    /// Starts the ramp to rest. After this, answers are ignored and `command` does not throw.
+    void stop() {
+        std::lock_guard lock(mutex_);
+        is_stopped_ = true;
+        watchdog_.expire(Clock::now());
+    }
+
+    /// Returns whether the ramp is over and all joints are at rest.
+    bool is_at_rest() {
+        std::lock_guard lock(mutex_);
+        return watchdog_.is_at_rest(Clock::now());
+    }
+
+private:
+    /// Body of the calling thread.
+    void run() {
+        std::unique_lock lock(mutex_);
+        for (;;) {
+            changed_.wait(lock, [this] { return is_shut_down_ || pending_state_; });
+            if (is_shut_down_) return;
+            const Measurement now = *pending_state_;
+            lock.unlock();
+            Json answer;
+            std::exception_ptr failure;
+            bool is_silence = false;
+            try {
+                answer = session_.step(now);
+            } catch (const Error& error) {
+                failure = std::current_exception();
+                is_silence = error.is_silence;
+            } catch (...) {
+                failure = std::current_exception();
+            }
+            lock.lock();
+            failure_ = failure;
+            is_silence_ = is_silence;
+            if (!failure && !is_stopped_) watchdog_.obey(answer, measured_at_, Clock::now());
+            pending_state_.reset();
+            changed_.notify_all();
+        }
+    }
+
+    Session& session_;
+    Watchdog& watchdog_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<Measurement> pending_state_;
+    Clock::time_point measured_at_{};
+    std::exception_ptr failure_;
+    bool is_silence_ = false;
+    bool is_stopped_ = false;
+    bool is_shut_down_ = false;
+    std::thread caller_; // declared last: the thread uses the other members
+};
+
+} // namespace revprio

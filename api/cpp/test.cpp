@@ -1,0 +1,189 @@
+// Tests of the client. They need two running services: ./test URL URL-WITH-TOKEN
+#include <cstdio>
+#include <cstdlib>
+
+#include "revprio.hpp"
+
+using revprio::Clock;
+using revprio::Json;
+
+namespace {
+
+void check(bool holds, const char* claim) {
+    if (holds) return;
+    std::fprintf(stderr, "failed: %s\n", claim);
+    std::exit(1);
+}
+
+/// Returns the exception that `action` must throw.
+template <class Failure, class Action> Failure expect_throw(Action action, const char* claim) {
+    try {
+        action();
+    } catch (const Failure& failure) {
+        return failure;
+    }
+    check(false, claim);
+    std::abort();
+}
+
+const std::vector<double> POSTURE{2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2};
+
+/// Returns the x coordinate of the tool, m: applies the Denavit-Hartenberg transforms from the tool to the base.
+double tool_x(const Json& robot, const std::vector<double>& q) {
+    double x = 0, y = 0, z = 0;
+    for (std::size_t joint = q.size(); joint-- > 0;) {
+        const Json& link = robot.at("joints").at(joint).at("denavit_hartenberg");
+        const double a = link.at("a_m"), d = link.at("d_m"), alpha = link.at("alpha_rad");
+        const double theta = link.at("theta_rad").get<double>() + q[joint];
+        const double u = x + a, v = std::cos(alpha) * y - std::sin(alpha) * z;
+        z = std::sin(alpha) * y + std::cos(alpha) * z + d;
+        x = std::cos(theta) * u - std::sin(theta) * v;
+        y = std::sin(theta) * u + std::cos(theta) * v;
+    }
+    return x;
+}
+
+/// A closed loop with an arm simulated here equals the built-in simulation of the service.
+void closed_loop(revprio::Client& client) {
+    Json scenario = client.call("GET", "/v1/scenarios/stiff_wall");
+    scenario["duration_s"] = 0.45;
+    const Json wall = scenario.at("contacts").at(0), robot = client.robot("sawyer_dh");
+    revprio::Session session(client, scenario.at("controller"));
+    revprio::Measurement now;
+    now.joint_position = scenario.at("start_joint_position").get<std::vector<double>>();
+    now.joint_velocity = std::vector<double>(7, 0.0);
+    const double start = tool_x(robot, now.joint_position);
+    double peak = 0;
+    for (int period = 0; period < 450; ++period) {
+        const double depth = tool_x(robot, now.joint_position) - start - wall.at("offset_m").get<double>();
+        now.force[0] = std::max(wall.at("stiffness").get<double>() * depth, 0.0);
+        peak = std::max(peak, now.force[0]);
+        now.joint_velocity = session.step(now).at("joint_velocity").get<std::vector<double>>();
+        for (std::size_t joint = 0; joint < 7; ++joint)
+            now.joint_position[joint] += session.period_s() * (*now.joint_velocity)[joint];
+    }
+    check(peak > 100, "the arm touches the wall");
+
+    const std::string path = "/v1/simulations/" +
+                             client.call("POST", "/v1/simulations", {{"scenario", scenario}}, false).at("id").get<std::string>();
+    while (client.call("GET", path).at("state") != "finished") std::this_thread::sleep_for(revprio::Seconds(0.1));
+    const Json last = client.call("GET", path + "/trace").at("samples").at(449);
+    for (std::size_t joint = 0; joint < 7; ++joint) {
+        const double simulated = last.at("joint_velocity").at(joint);
+        check(std::abs((*now.joint_velocity)[joint] - simulated) < 1e-9, "the loop equals the built-in simulation");
+    }
+}
+
+void refusals(revprio::Client& client) {
+    const Json tasks = Json::parse(R"([{"axes": ["x"], "velocity": [0.05]}])");
+    const Json good = {{"robot", "sawyer_dh"}, {"joint_position", POSTURE}, {"tasks", tasks}};
+    check(client.resolve(good).at("joint_velocity").size() == 7, "the answer has a velocity for each joint");
+    Json bad = good;
+    bad["joint_position"] = {1, 2};
+    const auto problem = expect_throw<revprio::Problem>([&] { client.resolve(bad); }, "a wrong vector size is refused");
+    check(problem.status == 422 && problem.pointer == "/joint_position", "the problem names the field");
+    check(!problem.is_silence, "a later call cannot succeed after a refusal");
+    const Json items = client.resolve_batch({good, bad});
+    check(items.at(0).contains("joint_velocity") && items.at(1).at("pointer") == "/items/1/joint_position",
+          "a batch reports a problem per item");
+    bad["joint_position"] = std::vector<double>{NAN};
+    expect_throw<std::invalid_argument>([&] { client.resolve(bad); }, "a number that is not finite is not sent");
+
+    revprio::Client unreachable("http://127.0.0.1:9");
+    const auto failure = expect_throw<revprio::NoAnswer>([&] { unreachable.robot("sawyer_dh"); },
+                                                         "an unreachable service raises NoAnswer");
+    check(failure.is_silence, "a later call to an unreachable service may succeed");
+}
+
+void token(const std::string& url) {
+    const auto problem = expect_throw<revprio::Problem>([&] { revprio::Client(url).robot("sawyer"); },
+                                                        "the token is required");
+    check(problem.status == 401, "a missing token gives 401");
+    revprio::Options options;
+    options.token = std::string(32, 's');
+    options.retries = 0;
+    options.step_timeout = revprio::Seconds(10);
+    revprio::Client client(url, options);
+    const Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
+    revprio::Session only(client, controller);
+    const auto full = expect_throw<revprio::Problem>([&] { revprio::Session(client, controller); },
+                                                     "a second session is refused");
+    check(full.status == 503 && full.retry_after_s == 1.0 && full.is_silence, "a full service reports when to retry");
+}
+
+void watchdog() {
+    const Json answer = {{"joint_velocity", {0.4, -0.1}}, {"valid_for_ms", 100}};
+    const auto at = [](int milliseconds) { return Clock::time_point(std::chrono::milliseconds(1000 + milliseconds)); };
+    const auto is_close = [](const std::vector<double>& given, double first, double second) {
+        return std::abs(given.at(0) - first) < 1e-9 && std::abs(given.at(1) - second) < 1e-9;
+    };
+    revprio::Watchdog dog({2, 4});
+    check(is_close(dog.command(at(0)), 0, 0) && dog.is_at_rest(at(0)), "nothing moves before the first answer");
+    check(!dog.obey(answer, at(0), at(101)), "an expired answer is ignored");
+    check(dog.obey(answer, at(0), at(1)) && !dog.obey(answer, at(-1), at(1)), "an answer to an older state is ignored");
+    check(is_close(dog.command(at(100)), 0.4, -0.1), "an answer is held while it is valid");
+    check(is_close(dog.command(at(110)), 0.38, -0.06), "then each joint brakes at its own limit");
+    check(!dog.is_at_rest(at(290)) && dog.is_at_rest(at(301)), "the joints come to rest");
+    expect_throw<std::invalid_argument>([] { revprio::Watchdog({1, 0}); }, "limits must be positive");
+}
+
+/// The session ends during the loop: the arm brakes within its limits and comes to rest.
+void loop_ends_at_rest(revprio::Client& client) {
+    Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
+    controller["period_s"] = 0.01;
+    const std::vector<double> limits{8, 8, 8, 8, 10, 10, 10};
+    revprio::Watchdog dog(limits);
+    revprio::Session session(client, controller);
+    revprio::Measurement now;
+    now.joint_position = POSTURE;
+    std::vector<double> command(7, 0.0);
+    revprio::Loop loop(session, dog);
+    const auto moves = [&command] {
+        return std::any_of(command.begin(), command.end(), [](double v) { return v != 0; });
+    };
+    while (!moves()) {
+        loop.ask(now);
+        loop.wait_until(Clock::now() + std::chrono::milliseconds(10));
+        command = loop.command();
+    }
+    revprio::Client(client.url()).call("DELETE", "/v1/controllers/" + session.id());
+    auto before = Clock::now(); // at or before the time for which `command` was computed
+    expect_throw<revprio::Problem>(
+        [&] {
+            for (;;) {
+                loop.ask(now);
+                loop.wait_until(Clock::now() + std::chrono::milliseconds(10));
+                const auto now_computed = Clock::now();
+                command = loop.command();
+                before = now_computed;
+            }
+        },
+        "a state for a deleted session is refused");
+    for (loop.stop(); !loop.is_at_rest();) {
+        const auto earlier = before;
+        before = Clock::now();
+        const std::vector<double> slower = loop.command();
+        const double elapsed_s = revprio::Seconds(Clock::now() - earlier).count();
+        for (std::size_t joint = 0; joint < 7; ++joint) {
+            check(std::abs(slower[joint]) <= std::abs(command[joint]) + 1e-12, "no joint speeds up");
+            check(std::abs(command[joint]) - std::abs(slower[joint]) <= limits[joint] * elapsed_s + 1e-12,
+                  "no joint exceeds its braking limit");
+        }
+        command = slower;
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 3) return std::fprintf(stderr, "test URL URL-WITH-TOKEN\n"), 2;
+    revprio::Options options;
+    options.step_timeout = revprio::Seconds(10);
+    revprio::Client client(argv[1], options);
+    watchdog();
+    refusals(client);
+    closed_loop(client);
+    loop_ends_at_rest(client);
+    token(argv[2]);
+    std::puts("all tests passed");
+}

@@ -1,0 +1,184 @@
+"""Writes src/revprio/models.py: one pydantic model for each schema of the OpenAPI document.
+
+python generate.py ../openapi.json | ruff format - > src/revprio/models.py
+"""
+
+import json
+import re
+import sys
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+Schema = dict[str, Any]
+
+# The class `Controller` of the client is a running controller; the schema of that name is its configuration.
+NAMES = {"Controller": "ControllerConfig"}
+# Python types of schemas that are arrays of numbers. `PerAxis_f64` is one number for all axes or one for each.
+ARRAYS = {"PerAxis_f64": "ArrayLike", "JointVector": "JointVector"}
+SIMPLE = {"null": "None", "boolean": "bool", "integer": "int", "number": "float", "string": "str"}
+HEADER = '''"""The bodies of requests and answers. Generated from the OpenAPI document by `generate.py`; do not edit."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, Tagged
+'''
+
+
+class Models:
+    """The source text of all models, each after the models that it uses."""
+
+    def __init__(self, document: Schema) -> None:
+        """Writes the models of all schemas of an OpenAPI document."""
+        self.schemas: dict[str, Schema] = document["components"]["schemas"]
+        self.requests = self._reachable_from_requests(document)
+        self.written: dict[str, str] = {}
+        for name in self.schemas:
+            self.reference(name)
+
+    def _reachable_from_requests(self, document: Schema) -> set[str]:
+        bodies = [
+            operation["requestBody"]
+            for item in document["paths"].values()
+            for operation in item.values()
+            if isinstance(operation, dict) and "requestBody" in operation
+        ]
+        found: set[str] = set()
+        waiting = list(references(bodies))
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                waiting.extend(references(self.schemas[name]))
+        return found
+
+    def reference(self, name: str) -> str:
+        """Returns the Python name of a schema; writes its model first if it is missing."""
+        if name in ARRAYS:
+            return ARRAYS[name]
+        python = NAMES.get(name) or re.sub("_(.)", lambda part: part[1].upper(), name)
+        if python not in self.written:
+            schema = self.schemas[name]
+            if schema.get("type") == "object":
+                self.model(python, schema, is_request=name in self.requests)
+            else:
+                kind = self.type(schema, python, is_request=name in self.requests)
+                self.written[python] = f"{python} = {kind}\n{docstring(schema)}"
+        return python
+
+    def model(self, name: str, schema: Schema, *, is_request: bool) -> str:
+        """Writes the class of an object schema; returns its name."""
+        required = schema.get("required", [])
+        tagged = is_tagged(schema)
+        lines = [f"class {name}({'Tagged' if tagged else 'Body' if is_request else 'Answer'}):"]
+        lines += indented(docstring(schema))
+        properties = schema["properties"].items()
+        for field, content in sorted(properties, key=lambda item: item[0] not in required):
+            kind = self.type(content, f"{name}{field.title()}", is_request=is_request)
+            if field == "kind" and tagged:
+                lines.append(f'    kind: {kind} = "{content["enum"][0]}"')
+            elif field in required:
+                lines.append(f"    {field}: {kind}")
+            elif not is_request and content.get("type") == "array":
+                lines.append(f"    {field}: {kind} = Field(default_factory=list)")
+            else:
+                lines.append(f"    {field}: {kind.removesuffix(' | None')} | None = None")
+            lines += indented(docstring(content))
+        self.written[name] = "\n".join(lines)
+        return name
+
+    def type(self, schema: Schema, name: str, *, is_request: bool) -> str:
+        """Returns the annotation of a schema; `name` names a class for an inline object schema."""
+        if "$ref" in schema:
+            return self.reference(schema["$ref"].rsplit("/", 1)[1])
+        if "enum" in schema:
+            return f"Literal[{', '.join(json.dumps(word) for word in schema['enum'])}]"
+        if "oneOf" in schema:
+            return self.union(schema["oneOf"], name, is_request=is_request)
+        kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+        options = [self.plain(kind, schema, name, is_request=is_request) for kind in kinds]
+        return " | ".join(sorted(options, key="None".__eq__))
+
+    def union(self, options: list[Schema], name: str, *, is_request: bool) -> str:
+        """Returns the annotation of a union."""
+        kinds = [self.type(option, f"Explicit{name}", is_request=is_request) for option in options]
+        union = " | ".join(sorted(kinds, key="None".__eq__))
+        return f'Annotated[{union}, Field(discriminator="kind")]' if all(map(is_tagged, options)) else union
+
+    def plain(self, kind: str, schema: Schema, name: str, *, is_request: bool) -> str:
+        """Returns the annotation of a schema with one JSON type."""
+        if kind in SIMPLE:
+            return SIMPLE[kind]
+        if kind == "array" and is_numeric(schema["items"]):
+            return "ArrayLike" if is_request else "FloatArray"
+        if kind == "array":
+            return f"list[{self.type(schema['items'], name, is_request=is_request)}]"
+        if "properties" in schema:
+            return self.model(schema.get("title", name), schema, is_request=is_request)
+        message = f"{name}: no Python type for {schema}"
+        raise ValueError(message)
+
+
+def references(schema: object) -> Iterator[str]:
+    """Yields the names of all referenced schemas."""
+    if isinstance(schema, dict):
+        if isinstance(schema.get("$ref"), str):
+            yield schema["$ref"].rsplit("/", 1)[1]
+        for value in schema.values():
+            yield from references(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from references(value)
+
+
+def is_tagged(schema: Schema) -> bool:
+    """Returns whether a field `kind` with one allowed value names the variant."""
+    return len(schema.get("properties", {}).get("kind", {}).get("enum", [])) == 1
+
+
+def is_numeric(schema: Schema) -> bool:
+    """Returns whether the schema is a number, a number or null, or an array of numbers of fixed size.
+
+    Arrays without a size can differ in length, so an array of them is not a NumPy array.
+    """
+    kinds = schema.get("type")
+    return kinds in ("number", ["number", "null"]) or ("minItems" in schema and is_numeric(schema["items"]))
+
+
+def docstring(schema: Schema) -> str:
+    """Returns the docstring of a schema: its description and its fixed sizes."""
+    text = schema.get("description", "")
+    size, items = schema.get("minItems"), schema.get("items", {})
+    if size and size == schema.get("maxItems"):
+        inner = items.get("minItems")
+        text += f" Shape: {size} × {inner}." if inner == items.get("maxItems") and inner else f" Shape: {size}."
+    return textwrap.fill(f'"""{text.strip()}"""', width=116) if text else ""
+
+
+def indented(text: str) -> list[str]:
+    """Indents a text for a class body."""
+    return [f"    {line}" for line in text.splitlines()]
+
+
+def remedies(document: Schema) -> str:
+    """Returns the source of `REMEDIES`, from the table of problem types in the document's description."""
+    rows = re.findall(r"^\| `(/problems/[\w-]+)` \| \d+ \| (?:.*?) \| (.*?) \|$", document["info"]["description"], re.M)
+    entries = "".join(f"    {json.dumps(kind)}: {json.dumps(remedy)},\n" for kind, remedy in rows)
+    return f'REMEDIES: dict[str, str] = {{\n{entries}}}\n"""What to do about each type of problem."""'
+
+
+def source(document: Schema) -> str:
+    """Returns the source text of the module."""
+    models = Models(document).written
+    names = ", ".join(json.dumps(name) for name in sorted([*models, "REMEDIES"]))
+    parts = [HEADER, f"__all__ = [{names}]", *models.values(), remedies(document)]
+    return "\n\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(source(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))))

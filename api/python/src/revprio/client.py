@@ -1,0 +1,197 @@
+"""The blocking HTTP client."""
+
+from __future__ import annotations
+
+import ssl
+import time
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import Self, TypeVar
+
+import httpx
+from websockets.sync.client import ClientConnection, connect
+
+from revprio import routes
+from revprio.controller import Session, Stateless
+from revprio.errors import RevprioError
+from revprio.models import (
+    BatchItem,
+    BatchRequest,
+    ControllerConfig,
+    KinematicsAnswer,
+    KinematicsRequest,
+    ResolveAnswer,
+    ResolveRequest,
+    Robot,
+    RobotRegistration,
+    Scenario,
+    ScenarioEntry,
+    SessionEntry,
+    SimulationRequest,
+    StabilityAnswer,
+    StabilityRequest,
+    StepAnswer,
+    StepRequest,
+)
+from revprio.retry import RetryBudget, no_answer
+from revprio.simulations import SimulationRun
+from revprio.streaming import SUBPROTOCOL, websocket_url
+from revprio.typed import fields_of
+
+A = TypeVar("A")
+
+
+class Client:
+    """A client of one service. It keeps its connections open between calls: use it in a `with` block, or call `close`.
+
+    Every method raises a `RevprioError` if no answer comes or the service refuses the request; see `revprio.errors`.
+    """
+
+    def __init__(  # noqa: PLR0913
+        self,
+        url: str = "http://127.0.0.1:8080",
+        *,
+        token: str | None = None,
+        timeout_s: float = 10.0,
+        step_timeout_s: float = 1.0,
+        retries: int = 2,
+        tls: ssl.SSLContext | None = None,
+    ) -> None:
+        """Creates the client; nothing is sent before the first call.
+
+        `url`: base address of the service.
+        `token`: the content of the service's `--token-file`.
+        `timeout_s`: time limit of a call including its retries, s; `step_timeout_s`: the same for a control period.
+        `retries`: maximum number of retries of a call. Only calls that are safe to repeat are retried.
+        `tls`: TLS settings for `https://` with a certificate that the system does not trust.
+        """
+        self.url = url.rstrip("/")
+        self.step_timeout_s = step_timeout_s
+        self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
+        self._headers = {"authorization": f"Bearer {token}"} if token else {}
+        self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=tls or True)
+
+    def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
+        """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
+        budget = RetryBudget(
+            repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
+        )
+        while True:
+            try:
+                return call.route.read(self._send(call.request(self._http, budget.remaining_s())))
+            except RevprioError as failure:
+                time.sleep(budget.pause_s(failure))
+
+    def _send(self, request: httpx.Request) -> httpx.Response:
+        try:
+            return self._http.send(request)
+        except httpx.TransportError as error:
+            raise no_answer(self.url, error) from error
+
+    def connect(self, path: str) -> AbstractContextManager[ClientConnection]:
+        """Returns a context manager that opens a WebSocket to a path of the service."""
+        return connect(
+            websocket_url(self.url, path),
+            additional_headers=self._headers,
+            subprotocols=[SUBPROTOCOL],  # type: ignore[list-item]
+            ssl=self._tls,
+            open_timeout=self._timeout_s,
+            proxy=None,
+        )
+
+    @fields_of(ResolveRequest)
+    def resolve(self, request: ResolveRequest) -> ResolveAnswer:
+        """Computes joint velocities for tasks: `client.resolve(robot=…, joint_position=…, tasks=[…])`.
+
+        In the answer, `joint_velocity` has n numbers, rad/s or m/s; `tasks` has the result of each task, highest
+        priority first.
+        """
+        return self.call(routes.RESOLVE(body=request))
+
+    def resolve_batch(self, items: Sequence[ResolveRequest]) -> list[BatchItem]:
+        """Resolves many requests at once. Returns, in the same order, an answer or a `Problem` for each."""
+        return self.call(routes.RESOLVE_BATCH(body=BatchRequest(items=list(items)))).items
+
+    @fields_of(KinematicsRequest)
+    def kinematics(self, request: KinematicsRequest) -> KinematicsAnswer:
+        """Returns tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames."""
+        return self.call(routes.KINEMATICS(body=request))
+
+    @fields_of(StabilityRequest)
+    def stability(self, request: StabilityRequest) -> StabilityAnswer:
+        """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
+        return self.call(routes.STABILITY(body=request))
+
+    @fields_of(StepRequest)
+    def step(self, request: StepRequest) -> StepAnswer:
+        """Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you."""
+        return self.call(routes.STEP(body=request), self.step_timeout_s)
+
+    @fields_of(ControllerConfig)
+    def session(self, config: ControllerConfig) -> Session:
+        """Opens a controller whose memory the service keeps: `client.session(robot=…, period_s=…, tasks=[…])`."""
+        return Session(self, config)
+
+    def sessions(self) -> list[SessionEntry]:
+        """Lists the open sessions of all clients."""
+        return self.call(routes.LIST_CONTROLLERS()).controllers
+
+    @fields_of(ControllerConfig)
+    def stateless(self, config: ControllerConfig) -> Stateless:
+        """Returns a controller that sends its memory with each request."""
+        return Stateless(self, config)
+
+    def robots(self) -> list[Robot]:
+        """Lists the robots that requests can name, with limits and units of their joints."""
+        return self.call(routes.ROBOTS()).robots
+
+    def robot(self, name: str) -> Robot:
+        """Returns the robot of this name, with limits and units of its joints."""
+        return self.call(routes.ROBOT(name))
+
+    @fields_of(RobotRegistration)
+    def register_robot(self, registration: RobotRegistration) -> Robot:
+        """Registers a robot from the text of a URDF file. `tip` names the link of its tool."""
+        return self.call(routes.REGISTER_ROBOT(body=registration))
+
+    def delete_robot(self, name: str) -> None:
+        """Deletes a registered robot."""
+        self.call(routes.DELETE_ROBOT(name))
+
+    def scenarios(self) -> list[ScenarioEntry]:
+        """Lists the scenarios that ship with the service."""
+        return self.call(routes.SCENARIOS()).scenarios
+
+    def scenario(self, name: str) -> Scenario:
+        """Returns the scenario of this name."""
+        return self.call(routes.SCENARIO(name))
+
+    @fields_of(SimulationRequest)
+    def simulate(self, request: SimulationRequest) -> SimulationRun:
+        """Starts a simulation of a scenario, by name or your own.
+
+        `result()` waits for its end; `trace()` returns every control period.
+        """
+        return SimulationRun(self, request)
+
+    def is_ready(self) -> bool:
+        """Returns whether the service can be reached and accepts requests."""
+        try:
+            return self._send(self._http.build_request("GET", "/readyz")).is_success
+        except RevprioError:
+            return False
+
+    def close(self) -> None:
+        """Closes the connections."""
+        self._http.close()
+
+    def __enter__(self) -> Self:
+        """Returns this object."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Closes the connections."""
+        self.close()

@@ -1,0 +1,182 @@
+"""Running controllers: once per period, a measured state goes in and joint velocities come out."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from contextlib import ExitStack, suppress
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+
+from revprio import routes
+from revprio.bodies import ArrayLike, JointVector
+from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError
+from revprio.models import (
+    ControllerConfig,
+    CreatedController,
+    Memory,
+    SessionStatus,
+    State,
+    StepAnswer,
+    StepRequest,
+    Wrench,
+)
+from revprio.states import StateNumbering
+from revprio.streaming import ReplyMatcher, refused_handshake
+
+if TYPE_CHECKING:
+    from revprio.client import Client
+
+
+class Controller(ABC):
+    """A running controller, made by `Client.session` or `Client.stateless`. Use it in a `with` block."""
+
+    def __init__(self, period_s: float) -> None:
+        """`period_s`: control period T, s."""
+        self.period_s = period_s
+        self._numbering = StateNumbering(period_s)
+
+    def step(
+        self,
+        joint_position: JointVector,
+        *,
+        joint_velocity: JointVector | None = None,
+        wrench: Wrench | ArrayLike | None = None,
+        time_s: float | None = None,
+    ) -> StepAnswer:
+        """Runs one control period.
+
+        `joint_position`: q, n, rad or m, as an array in the robot's joint order or a mapping by joint name.
+        `joint_velocity`: q̇, n, rad/s or m/s; default: the last commanded velocity.
+        `wrench`: force (N) and torque (N·m), 6, as the controller's `wrench_convention` and `wrench_frame` define.
+        `time_s`: time t of the set-point profiles, s; default: the sequence number times the period.
+
+        Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
+        `Watchdog`. If an answer is lost, the client sends the state again with the same sequence number; the service
+        never runs the same number twice.
+        """
+        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s))
+
+    @abstractmethod
+    def step_state(self, state: State) -> StepAnswer:
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Ends the controller."""
+
+    def __enter__(self) -> Self:
+        """Returns this object."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Ends the controller."""
+        self.close()
+
+
+class Session(Controller):
+    """A controller whose memory the service keeps."""
+
+    def __init__(self, client: Client, config: ControllerConfig) -> None:
+        """Opens the session."""
+        super().__init__(config.period_s)
+        self._client = client
+        self.created: CreatedController = client.call(routes.CREATE_CONTROLLER(body=config))
+        """The answer of the service: session name, joint order, and warnings about unstable contacts."""
+
+    @property
+    def id(self) -> str:
+        """Name of the session."""
+        return self.created.id
+
+    def step_state(self, state: State) -> StepAnswer:
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        return self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
+
+    def status(self) -> SessionStatus:
+        """Returns the configuration, the last sequence number and counters."""
+        return self._client.call(routes.SHOW_CONTROLLER(self.id))
+
+    def stream(self) -> Stream:
+        """Opens a WebSocket to the same controller, for loops that are too fast for single requests.
+
+        Closing the stream keeps the session.
+        """
+        return Stream(self._client, self)
+
+    def close(self) -> None:
+        """Ends the session; does nothing if it has already ended."""
+        with suppress(NotFoundError):
+            self._client.call(routes.DELETE_CONTROLLER(self.id))
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Ends the session.
+
+        An error of the block has precedence over an error of `close`. The service ends an idle session itself.
+        """
+        try:
+            self.close()
+        except Exception:
+            if error is None:
+                raise
+
+
+class Stateless(Controller):
+    """A controller that sends its memory with each request, so that any replica of the service can answer it."""
+
+    def __init__(self, client: Client, config: ControllerConfig) -> None:
+        """Starts without memory."""
+        super().__init__(config.period_s)
+        self._client, self._config = client, config
+        self.memory: Memory | None = None
+        """The controller memory of the last answer, for the next request. It may be stored and set again."""
+
+    def step_state(self, state: State) -> StepAnswer:
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        request = StepRequest(controller=self._config, state=state, memory=self.memory)
+        answer = self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
+        self.memory = answer.memory
+        return answer
+
+    def close(self) -> None:
+        """Does nothing, because the service stores nothing."""
+
+
+class Stream(Controller):
+    """A session over a WebSocket."""
+
+    def __init__(self, client: Client, session: Session) -> None:
+        """Opens the connection."""
+        super().__init__(session.period_s)
+        self._numbering = session._numbering
+        self._url, self._timeout_s = client.url, client.step_timeout_s
+        self._replies = ReplyMatcher(client.url)
+        self._exit = ExitStack()
+        try:
+            self._socket = self._exit.enter_context(client.connect(routes.STREAM_CONTROLLER.format(session.id)))
+        except InvalidHandshake as error:
+            raise refused_handshake(client.url, error) from error
+        except OSError as error:
+            raise NoAnswerError(client.url, error) from error
+
+    def step_state(self, state: State) -> StepAnswer:
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        try:
+            self._socket.send(self._replies.encode(state))
+            while True:
+                answer = self._replies.decode(self._socket.recv(self._timeout_s))
+                if answer is not None:
+                    return answer
+        except TimeoutError as error:
+            raise LateAnswerError(self._url, f"no reply within {self._timeout_s} s") from error
+        except ConnectionClosed as error:
+            raise NoAnswerError(self._url, error) from error
+
+    def close(self) -> None:
+        """Closes the connection. The session stays open."""
+        self._exit.close()

@@ -1,0 +1,151 @@
+"""A real-time control loop with a watchdog."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from revprio.bodies import ArrayLike, FloatArray, JointVector
+from revprio.controller import Controller
+from revprio.errors import RevprioError
+from revprio.models import StepAnswer, Wrench
+from revprio.watchdog import Watchdog
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Measured values of an arm at one moment; units and shapes as in `Controller.step`."""
+
+    joint_position: JointVector
+    joint_velocity: JointVector | None = None
+    wrench: Wrench | ArrayLike | None = None
+
+
+@dataclass
+class Drive:
+    """Statistics of a control loop."""
+
+    periods: int = 0
+    """Number of control periods."""
+    answered: int = 0
+    """Number of periods in which the answer to the period's own state came before its end."""
+
+
+def drive(
+    controller: Controller,
+    read: Callable[[], Measurement],
+    write: Callable[[FloatArray], None],
+    *,
+    watchdog: Watchdog,
+    duration_s: float = math.inf,
+) -> Drive:
+    """Runs a controller in real time. In each period it calls `read`, the service, and `write` (n, rad/s or m/s).
+
+    The service is called in a separate thread. `write` therefore receives a command in every period, however late an
+    answer is; the watchdog decides which command is allowed. While no answers come, the arm slows down to rest. The
+    loop continues if an answer comes before the arm is at rest.
+
+    The arm is at rest when the loop ends. The loop ends
+
+    - after `duration_s`;
+    - when the arm has come to rest because no answers came: raises the last `NoAnswerError` or `UnavailableError`;
+    - when the service refuses a state: raises that `ProblemError`;
+    - when `read` fails or the program is interrupted.
+    """
+    report = Drive()
+    state = LoopState(watchdog)
+    pending: Future[StepAnswer] | None = None
+    with ThreadPoolExecutor(1, "revprio") as caller, ramp_to_rest(watchdog, write, controller.period_s):
+        for tick in ticks(controller.period_s, duration_s):
+            measurement = read()
+            is_own = pending is None
+            if pending is None:
+                pending = caller.submit(controller.step, **state.step_arguments(measurement, tick))
+            wait([pending], tick.remaining_s())
+            if pending.done():
+                report.answered += state.update(pending) and is_own
+                pending = None
+            write(state.command())
+            report.periods += 1
+            time.sleep(tick.remaining_s())
+    return report
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One period: its start, s since the start of the loop, and its end, s on the monotonic clock."""
+
+    time_s: float
+    end_s: float
+
+    def remaining_s(self) -> float:
+        """Returns the time until the end of the period, s."""
+        return max(self.end_s - time.monotonic(), 0.0)
+
+
+def ticks(period_s: float, duration_s: float) -> Iterator[Tick]:
+    """Yields the periods of a loop. A period that is already over is skipped."""
+    start_s = time.monotonic()
+    number = 0
+    while number * period_s < duration_s:
+        yield Tick(number * period_s, start_s + (number + 1) * period_s)
+        number = max(number + 1, int((time.monotonic() - start_s) / period_s))
+
+
+@contextmanager
+def ramp_to_rest(watchdog: Watchdog, write: Callable[[FloatArray], None], period_s: float) -> Iterator[None]:
+    """Slows the arm down to rest when the block ends, also after an exception."""
+    try:
+        yield
+    finally:
+        watchdog.expire(time.monotonic())
+        while not watchdog.is_at_rest(now_s := time.monotonic()):
+            write(watchdog.command(now_s))
+            time.sleep(period_s)
+        write(watchdog.command(now_s))
+
+
+class FinishedCall(Protocol):
+    """A finished call of the service: a `concurrent.futures.Future` or an `asyncio.Task`."""
+
+    def result(self) -> StepAnswer:
+        """Returns the answer or raises the exception of the call."""
+
+
+class LoopState:
+    """State of a control loop between periods: the watchdog, the last failure and the last measurement time."""
+
+    def __init__(self, watchdog: Watchdog) -> None:
+        """`watchdog`: receives the answers and limits the commands."""
+        self._watchdog = watchdog
+        self._failure: RevprioError | None = None
+        self._measured_at_s = -math.inf
+
+    def step_arguments(self, measurement: Measurement, tick: Tick) -> dict[str, Any]:
+        """Returns the arguments of `Controller.step` and stores the current time as that of the measurement."""
+        self._measured_at_s = time.monotonic()
+        return {**vars(measurement), "time_s": tick.time_s}
+
+    def update(self, call: FinishedCall) -> bool:
+        """Processes a finished call; returns whether the watchdog accepted its answer. Raises a refusal."""
+        try:
+            answer = call.result()
+        except RevprioError as failure:
+            if not failure.is_silence:
+                raise
+            self._failure = failure
+            return False
+        self._failure = None
+        return self._watchdog.obey(answer, self._measured_at_s, time.monotonic())
+
+    def command(self) -> FloatArray:
+        """Returns the joint velocities to command now; raises the last failure once it has brought the arm to rest."""
+        now_s = time.monotonic()
+        if self._failure is not None and self._watchdog.is_at_rest(now_s):
+            raise self._failure
+        return self._watchdog.command(now_s)

@@ -1,0 +1,107 @@
+"""Exceptions of the client."""
+
+from __future__ import annotations
+
+from revprio.models import REMEDIES, Problem, Simulation
+
+__all__ = [
+    "ConflictError", "ForeignAnswerError", "InvalidError", "LateAnswerError", "NoAnswerError", "NotFoundError",
+    "ProblemError", "RevprioError", "SimulationError", "UnauthorizedError", "UnavailableError",
+]  # fmt: skip
+
+
+class RevprioError(Exception):
+    """Base class of all errors that concern the service."""
+
+    is_silence: bool = False
+    """Whether a later call may succeed: the service cannot be reached, is late, or is overloaded."""
+
+
+class NoAnswerError(RevprioError):
+    """The service cannot be reached, or the connection was lost."""
+
+    is_silence = True
+
+    def __init__(self, url: str, cause: object) -> None:
+        """`url`: address of the service; `cause`: reason of the failure."""
+        super().__init__(f"no answer from {url}: {cause}; is the service running there?")
+        self.url = url
+
+
+class LateAnswerError(NoAnswerError):
+    """The service did not answer in time."""
+
+
+class ForeignAnswerError(RevprioError):
+    """The answer is not one of a revprio service of this version."""
+
+    def __init__(self, url: str, status: int, cause: object) -> None:
+        """`url`: address that answered; `status`: HTTP status of the answer; `cause`: why it cannot be read."""
+        super().__init__(f"the answer of {url} (status {status}) is not from a revprio service: {cause}")
+        self.url, self.status = url, status
+        self.is_silence = status >= 500  # noqa: PLR2004
+
+
+class SimulationError(RevprioError):
+    """A simulation failed or was cancelled."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """`simulation`: its state and error, as the service reports them."""
+        super().__init__(f"simulation {simulation.id} {simulation.state}: {simulation.error or 'a client deleted it'}")
+        self.simulation = simulation
+
+
+class ProblemError(RevprioError):
+    """The service refused a request; the fields give the reason (RFC 9457, `application/problem+json`)."""
+
+    def __init__(self, problem: Problem, retry_after_s: float | None = None) -> None:
+        """`retry_after_s`: value of the header `Retry-After`, s."""
+        self.problem = problem
+        self.type = problem.type
+        """Stable identifier of the kind of problem."""
+        self.status = problem.status
+        """HTTP status."""
+        self.detail = problem.detail
+        """Description of the problem."""
+        self.pointer = problem.pointer
+        """JSON pointer of the invalid field, if there is one."""
+        self.remedy = REMEDIES.get(problem.type, problem.title)
+        """What to do about the problem."""
+        self.retry_after_s = retry_after_s
+        place = f" at {problem.pointer}" if problem.pointer else ""
+        super().__init__(f"{problem.detail} ({problem.status} {problem.type}{place}). {self.remedy}")
+        self.is_silence = problem.status in (408, 429) or problem.status >= 500  # noqa: PLR2004
+
+
+class InvalidError(ProblemError):
+    """400, 413, 415, 422: the request is malformed, too large or invalid; `pointer` names the field."""
+
+
+class UnauthorizedError(ProblemError):
+    """401, 403: the token is missing or wrong, or the request is forbidden."""
+
+
+class NotFoundError(ProblemError):
+    """404: no such robot, controller, scenario or simulation; also a session that has ended."""
+
+
+class ConflictError(ProblemError):
+    """409: a sequence number does not increase, a name is already used, or a trace is not ready yet."""
+
+
+class UnavailableError(ProblemError):
+    """429, 503: the service is overloaded, full or shutting down; retry after `retry_after_s`."""
+
+
+_ERROR_BY_STATUS: dict[int, type[ProblemError]] = {
+    **dict.fromkeys((400, 413, 415, 422), InvalidError),
+    **dict.fromkeys((401, 403), UnauthorizedError),
+    404: NotFoundError,
+    409: ConflictError,
+    **dict.fromkeys((429, 503), UnavailableError),
+}
+
+
+def problem_error(problem: Problem, retry_after_s: float | None = None) -> ProblemError:
+    """Returns the exception class that matches the status of a problem."""
+    return _ERROR_BY_STATUS.get(problem.status, ProblemError)(problem, retry_after_s)

@@ -1,0 +1,128 @@
+"""Controllers with memory: sessions, stateless controllers and streams."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import FaultyProxy, example
+from numpy.typing import NDArray
+from plant import Plant, assert_same_run, scenario, simulated
+
+from revprio import (
+    Client,
+    ConflictError,
+    Controller,
+    ControllerConfig,
+    InvalidError,
+    NotFoundError,
+    Session,
+    State,
+    Stateless,
+    Wrench,
+)
+
+Q = np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])
+
+
+def run(controller: Controller, periods: int = 20) -> NDArray[np.float64]:
+    """Runs a closed loop whose force is 1000 N per rad of the first joint; returns the commands."""
+    q, commands = Q, []
+    for _ in range(periods):
+        answer = controller.step(q, wrench=[1000 * (q[0] - Q[0]), 0, 0, 0, 0, 0])
+        commands.append(answer.joint_velocity)
+        q = q + controller.period_s * answer.joint_velocity
+    return np.array(commands)
+
+
+@pytest.fixture
+def config() -> ControllerConfig:
+    return ControllerConfig.model_validate(example("controller"))
+
+
+def test_session_stateless_and_stream_give_identical_answers(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session:
+        by_session = run(session)
+        assert session.status().last_sequence == 19
+    with Stateless(client, config) as stateless:
+        by_memory = run(stateless)
+    with Session(client, config) as session, session.stream() as stream:
+        by_stream = run(stream)
+    np.testing.assert_array_equal(by_session, by_memory)
+    np.testing.assert_array_equal(by_session, by_stream)
+    assert np.abs(by_session).max() > 0
+
+
+def test_a_closed_loop_equals_the_built_in_simulation(client: Client) -> None:
+    touch = scenario(client)
+    plant = Plant(client, touch)
+    states: list[dict[str, Any]] = []
+    with Session(client, touch.controller) as session, session.stream() as stream:
+        for state in plant.periods():
+            states.append(state)
+            plant.advance(stream.step(**state).joint_velocity)
+    assert_same_run(states, simulated(client))
+
+
+def test_a_session_ends_with_its_with_block(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session:
+        session.step(Q, wrench=np.zeros(6))
+    with pytest.raises(NotFoundError) as ended:
+        session.status()
+    assert ended.value.type == "/problems/unknown-controller"
+
+
+def test_a_session_and_its_stream_share_sequence_numbers(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session, session.stream() as stream:
+        sequences = [controller.step(Q, wrench=np.zeros(6)).sequence for controller in (session, stream, session)]
+    assert sequences == [0, 1, 2]
+
+
+def test_a_repeated_state_is_not_run_twice_and_an_older_one_is_refused(
+    client: Client, config: ControllerConfig
+) -> None:
+    states = [state(number) for number in (0, 1)]
+    with Session(client, config) as session:
+        session.step_state(states[0])
+        first, again = (session.step_state(states[1]) for _ in range(2))
+        np.testing.assert_array_equal(first.joint_velocity, again.joint_velocity)
+        assert (session.status().steps, session.status().retries) == (2, 1)
+        with pytest.raises(ConflictError) as older:
+            session.step_state(states[0])
+        assert older.value.type == "/problems/sequence"
+
+
+def state(sequence: int) -> State:
+    return State(sequence=sequence, time_s=0, joint_position=Q, wrench=Wrench(force=[1, 0, 0], torque=[0, 0, 0]))
+
+
+def test_a_state_is_sent_again_with_its_number_if_the_answer_is_lost(
+    proxy: FaultyProxy, config: ControllerConfig
+) -> None:
+    with Client(proxy.url, step_timeout_s=30) as client, Session(client, config) as session:
+        session.step(Q, wrench=np.zeros(6))
+        proxy.drop_next_answer()
+        assert session.step(Q, wrench=np.zeros(6)).sequence == 1
+        status = session.status()
+    assert (status.steps, status.retries) == (2, 1)
+
+
+def test_a_refused_state_does_not_end_a_stream(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session, session.stream() as stream:
+        with pytest.raises(InvalidError) as refused:
+            stream.step(Q[:3], wrench=np.zeros(6))
+        assert refused.value.pointer == "/joint_position"
+        assert stream.step(Q, wrench=np.zeros(6)).sequence == 1
+
+
+def test_a_stream_of_an_ended_session_is_refused(client: Client, config: ControllerConfig) -> None:
+    session = Session(client, config)
+    session.close()
+    with pytest.raises(NotFoundError):
+        session.stream()
+
+
+def test_a_wrench_is_six_numbers_or_a_wrench_object(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session:
+        with pytest.raises(ValueError, match="6 numbers"):
+            session.step(Q, wrench=[1, 2, 3])
+        assert session.step(Q, wrench=Wrench(force=[0, 0, 0], torque=[0, 0, 0])).sequence == 0

@@ -1,0 +1,64 @@
+"""Commands of the watchdog while answers come and after they stop."""
+
+import numpy as np
+import pytest
+from conftest import example
+
+from revprio import Robot, StepAnswer, Watchdog
+
+ANSWER = StepAnswer.model_validate({**example("answers/step"), "joint_velocity": [0.4, -0.1], "valid_for_ms": 100})
+
+
+def test_nothing_moves_before_the_first_answer() -> None:
+    watchdog = Watchdog([2.0, 2.0])
+    assert not watchdog.command(0.0).any()
+    assert watchdog.is_at_rest(0.0)
+
+
+def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    np.testing.assert_array_equal(watchdog.command(10.1), [0.4, -0.1])
+    assert not watchdog.is_at_rest(10.1)
+    np.testing.assert_allclose(watchdog.command(10.11), [0.38, -0.06], atol=1e-9)
+    np.testing.assert_allclose(watchdog.command(10.2), [0.2, 0.0], atol=1e-9)
+    np.testing.assert_array_equal(np.abs(watchdog.command(10.31)), [0.0, 0.0])
+    assert watchdog.is_at_rest(10.31)
+
+
+def test_a_newer_answer_ends_the_ramp_and_an_older_one_does_not() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    faster = ANSWER.model_copy(update={"joint_velocity": np.array([1.0, 1.0])})
+    assert not watchdog.obey(faster, 9.95, 10.0)
+    np.testing.assert_array_equal(watchdog.command(10.05), [0.4, -0.1])
+    assert watchdog.obey(faster, 10.15, 10.16)
+    np.testing.assert_array_equal(watchdog.command(10.2), [1.0, 1.0])
+
+
+def test_an_answer_that_arrives_expired_is_ignored() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    assert not watchdog.obey(ANSWER, 10.0, 10.11)
+    assert not watchdog.command(10.11).any()
+
+
+def test_expire_starts_the_ramp_at_once() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    watchdog.expire(10.05)
+    np.testing.assert_allclose(watchdog.command(10.1), [0.3, 0.0], atol=1e-9)
+
+
+def test_limits_must_be_one_positive_number_per_joint() -> None:
+    for wrong in ([], [0.0], [-1.0], [[1.0]], 1.0, [float("nan")]):
+        with pytest.raises(ValueError, match="positive number per joint"):
+            Watchdog(wrong)
+    with pytest.raises(ValueError, match="2 joint velocities for 3 joints"):
+        Watchdog([1, 1, 1]).obey(ANSWER, 0.0, 0.0)
+
+
+def test_a_robot_without_acceleration_limits_is_refused() -> None:
+    joint = {"name": "j", "kind": "revolute", "unit": "rad"}
+    robot = Robot.model_validate({"name": "r", "description": "", "source": "urdf", "joints": [joint]})
+    with pytest.raises(ValueError, match="acceleration limit"):
+        Watchdog.of(robot)

@@ -1,0 +1,61 @@
+import type { Controller, CreatedController, Memory, SessionStatus, State, StepAnswer } from "./bodies.js";
+import type { Client, CallOptions } from "./client.js";
+import { Stepping } from "./stepping.js";
+import { Stream } from "./stream.js";
+
+/** A controller whose memory the service keeps; `Client.session` opens it. */
+export class Session extends Stepping {
+  readonly id: string;
+
+  constructor(
+    private readonly client: Client,
+    controller: Controller,
+    /** The answer of the service: session name, joint order, and warnings about unstable contacts. */
+    readonly created: CreatedController,
+  ) {
+    super(controller.period_s);
+    this.id = created.id;
+  }
+
+  override stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
+    return this.client.call<StepAnswer>("POST", `${this.path()}/step`, state, this.client.stepOptions(options));
+  }
+
+  /** Returns the configuration, the last sequence number and counters. */
+  status(options: CallOptions = {}): Promise<SessionStatus> {
+    return this.client.call<SessionStatus>("GET", this.path(), undefined, options);
+  }
+
+  /** Opens a WebSocket to the same controller, for loops too fast for single requests. Closing it keeps the session. */
+  stream(options: CallOptions = {}): Promise<Stream> {
+    return Stream.open(this.client, this, `${this.path()}/stream`, options);
+  }
+
+  /** Ends the session. */
+  close(options: CallOptions = {}): Promise<void> {
+    return this.client.call<void>("DELETE", this.path(), undefined, options);
+  }
+
+  private path(): string {
+    return `/v1/controllers/${encodeURIComponent(this.id)}`;
+  }
+}
+
+/** A controller that sends its memory with each request, so that any replica of the service can answer it. */
+export class Stateless extends Stepping {
+  /** The controller memory of the last answer, for the next request. It may be stored and set again. */
+  memory: Memory | null = null;
+
+  constructor(
+    private readonly client: Client,
+    private readonly controller: Controller,
+  ) {
+    super(controller.period_s);
+  }
+
+  override async stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
+    const answer = await this.client.step({ controller: this.controller, state, memory: this.memory }, options);
+    this.memory = answer.memory ?? null;
+    return answer;
+  }
+}

@@ -1,0 +1,42 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Watchdog, type Robot } from "../src/index.js";
+import { example } from "./service.js";
+
+const ANSWER = { ...example("answers/step"), joint_velocity: [0.4, -0.1], valid_for_ms: 100 };
+
+function assertClose(actual: number[], expected: number[]): void {
+  actual.forEach((entry, joint) => assert.ok(Math.abs(entry - expected[joint]!) < 1e-9, `${actual}`));
+}
+
+test("nothing moves before the first answer", () => {
+  const watchdog = new Watchdog([2, 2]);
+  assertClose(watchdog.command(0), [0, 0]);
+  assert.ok(watchdog.isAtRest(0));
+});
+
+test("an answer is held while valid, then each joint brakes at its own limit", () => {
+  const watchdog = new Watchdog([2, 4]);
+  assert.ok(watchdog.obey(ANSWER, 1000, 1010));
+  assertClose(watchdog.command(1100), [0.4, -0.1]);
+  assertClose(watchdog.command(1110), [0.38, -0.06]);
+  assertClose(watchdog.command(1200), [0.2, 0]);
+  assertClose(watchdog.command(1301), [0, 0]);
+  assert.ok(!watchdog.isAtRest(1290) && watchdog.isAtRest(1301));
+});
+
+test("an expired or older answer is ignored", () => {
+  const watchdog = new Watchdog([2, 4]);
+  assert.ok(!watchdog.obey(ANSWER, 1000, 1101));
+  assert.ok(watchdog.obey(ANSWER, 1000, 1001));
+  assert.ok(!watchdog.obey(ANSWER, 999, 1001));
+  watchdog.expire(1050);
+  assertClose(watchdog.command(1100), [0.3, 0]);
+});
+
+test("limits must be one positive number per joint", () => {
+  for (const wrong of [[], [0], [-1], [NaN]]) assert.throws(() => new Watchdog(wrong), /positive number per joint/);
+  assert.throws(() => new Watchdog([1, 1, 1]).obey(ANSWER, 0, 0), /2 joint velocities for 3 joints/);
+  const robot = { name: "r", description: "", source: "urdf", joints: [{ name: "j", kind: "revolute", unit: "rad" }] };
+  assert.throws(() => Watchdog.of(robot as Robot), /acceleration limit/);
+});

@@ -1,0 +1,113 @@
+// Exports: a link to the setup, the control cycle as a command, the trace, and the figures.
+
+import { DRAWINGS } from './figures.js';
+import { element } from './notices.js';
+import { methodName, toFragment } from './setup.js';
+import { asCurl, asPython } from './snippets.js';
+import { SvgSurface, escaped } from './svg.js';
+import { printPalette } from './theme.js';
+import { download } from './transport.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./scene.js').Scene} Scene
+ * @typedef {import('./controls.js').Attempt} Attempt
+ */
+
+const TRACES = { csv: 'text/csv', mcap: 'application/vnd.mcap' };
+
+/** @type {(runControl: RunControl, scene: Scene, attempt: Attempt) => void} */
+export function bind(runControl, scene, attempt) {
+  const act = (/** @type {string} */ id, /** @type {() => Promise<void>} */ work) => {
+    element(id).onclick = () => attempt(work);
+  };
+  act('copy-link', () => copy('Link', setupLink(runControl)));
+  act('copy-curl', async () => copy('curl command', asCurl(await runControl.cycle())));
+  act('copy-python', async () => copy('Python program', asPython(await runControl.cycle())));
+  act('export-csv', () => trace(runControl, 'csv'));
+  act('export-mcap', () => trace(runControl, 'mcap'));
+  act('export-svg', async () => {
+    save(new Blob([figureSheet(runControl, scene)], { type: 'image/svg+xml' }), `${fileStem(runControl)}.svg`);
+  });
+}
+
+/** @type {(runControl: RunControl) => string} */
+function setupLink(runControl) {
+  const fragment = runControl.setup && runControl.scenario ? toFragment(runControl.setup, runControl.scenario) : '';
+  return `${location.origin}/#${fragment}`;
+}
+
+/** @type {(what: string, text: string) => Promise<void>} */
+async function copy(what, text) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    copyWithSelection(text);
+  }
+  showNote(`${what} copied (${text.length} characters).`);
+}
+
+/** Copies where the clipboard API is not available, as on addresses without encryption. @type {(text: string) => void} */
+function copyWithSelection(text) {
+  const field = document.createElement('textarea');
+  field.value = text;
+  document.body.append(field);
+  field.select();
+  document.execCommand('copy');
+  field.remove();
+}
+
+/** @type {(text: string) => void} */
+function showNote(text) {
+  element('share-note').textContent = text;
+}
+
+/** @type {(runControl: RunControl) => string} */
+function fileStem(runControl) {
+  const { setup, run, watch } = runControl;
+  if (watch) return `session-${watch.session.id.slice(0, 8)}`;
+  return `${setup?.scenario}-${run?.simulation.method ?? setup?.method}-${run?.simulation.solver ?? setup?.solver}`;
+}
+
+/** @type {(runControl: RunControl, format: 'csv' | 'mcap') => Promise<void>} */
+async function trace(runControl, format) {
+  if (!runControl.run) return;
+  save(await download(`${runControl.run.path}/trace`, TRACES[format]), `${fileStem(runControl)}.${format}`);
+}
+
+/** @type {(content: Blob, file: string) => void} */
+function save(content, file) {
+  const anchor = document.createElement('a');
+  anchor.href = URL.createObjectURL(content);
+  anchor.download = file;
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
+  showNote(`${file} saved.`);
+}
+
+const TITLES = {
+  force: 'Contact force', velocities: 'Joint velocities', positions: 'Joint positions', residuals: 'Residual by priority',
+  limits: 'Active limits', singularity: 'Smallest singular value', solver: 'Solver path and time', trips: 'Round trips',
+};
+
+/** Returns an SVG with the scene and all plots. @type {(runControl: RunControl, scene: Scene) => string} */
+function figureSheet(runControl, scene) {
+  const [wide, high, gap] = [460, 230, 24];
+  const view = runControl.view();
+  const colours = printPalette();
+  const picture = scene.canvas.toDataURL('image/png');
+  const plots = Object.entries(TITLES).map(([plot, title], i) => {
+    const surface = new SvgSurface();
+    DRAWINGS[plot](/** @type {any} */ (surface), wide, high - 24, view, colours);
+    const [x, y] = [gap + ((i + 1) % 3) * (wide + gap), 60 + Math.floor((i + 1) / 3) * (high + gap)];
+    return `<g transform="translate(${x} ${y})"><text x="8" y="12" font-size="13" font-weight="600" fill="${colours.text}">${title}</text><g transform="translate(0 22)">${surface.text}</g></g>`;
+  });
+  const [width, height] = [3 * (wide + gap) + gap, 60 + 3 * (high + gap)];
+  const title = `${runControl.watch ? 'Session' : runControl.setup?.scenario.replaceAll('_', ' ')}: ${methodName(runControl.run?.simulation.method ?? runControl.setup?.method ?? '')}`;
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="system-ui, sans-serif">
+<rect width="100%" height="100%" fill="#ffffff"/><text x="${gap + 8}" y="36" font-size="20" font-weight="600" fill="${colours.text}">${escaped(title)}</text>
+<image x="${gap}" y="60" width="${wide}" height="${high}" href="${picture}"/>
+${plots.join('\n')}
+</svg>
+`;
+}
