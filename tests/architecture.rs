@@ -1,228 +1,281 @@
-//! The import table of the crate: which module may use which, read off the sources.
-//!
-//! What a folder hides (one file using its neighbour) is its own affair; what crosses a border stands in the table.
+//! The structure of the repository, read from manifests and sources: which crate and which file may use what.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Each module and what it may import of ours. `a::b` allows that part of `a` alone.
-const MAY_IMPORT: [(&str, &[&str]); 15] = [
-    ("linalg", &[]),
-    ("wire", &[]),
-    ("robot", &[]),
-    ("kinematics", &["robot", "linalg"]),
-    ("limits", &["robot", "kinematics", "linalg"]),
-    ("task", &["linalg"]),
-    ("law", &["linalg"]),
-    ("resolution", &["task", "limits", "linalg"]),
-    ("controller", &["robot", "kinematics", "task", "limits", "resolution", "law", "linalg"]),
-    ("client", &["wire"]),
-    // The service runs the simulator against itself, through the client and the network like everybody.
-    (
-        "service",
-        &[
-            "controller",
-            "robot",
-            "kinematics",
-            "task",
-            "limits",
-            "resolution",
-            "law",
-            "linalg",
-            "wire",
-            "client",
-            "simulator",
-            "report::metrics",
-        ],
-    ),
-    // Never control or resolution: it cannot cheat. Set-points over time move walls and people as they move targets.
-    ("simulator", &["client", "wire", "robot", "kinematics", "law"]),
-    // The page tells scenarios in words.
-    ("report", &["simulator::recording", "simulator::Scenario", "wire"]),
-    // Measures what the others do, from the inside and from the outside.
-    (
-        "bench",
-        &[
-            "controller",
-            "robot",
-            "kinematics",
-            "limits",
-            "task",
-            "resolution",
-            "linalg",
-            "wire",
-            "service",
-            "client",
-            "simulator",
-            "report",
-        ],
-    ),
-    ("cli", &["robot", "service", "simulator", "client", "report", "wire", "bench"]),
+/// The manifest of each crate and the crates of the workspace that it may use.
+const LAYERS: [(&str, &[&str]); 6] = [
+    ("crates/robot", &[]),
+    ("crates/core", &["revprio-robot"]),
+    ("api/rust", &[]),
+    // Never the core: the simulator sees the service as every client does.
+    ("crates/lab", &["revprio-api", "revprio-robot"]),
+    (".", &["revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
+    ("tools/bench", &["revprio", "revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
 ];
 
-/// Crates of others that only some files may name, and the paths (from `src`) that may.
-const MAY_NAME: [(&str, &[&str]); 21] = [
-    ("clarabel", &["resolution/qp_cascade/clarabel_level.rs", "bench/core/level.rs"]),
-    ("axum", &["service/", "bench/http/peers.rs"]),
-    ("flate2", &["service/body.rs", "service/simulations/trace.rs"]),
-    ("foxglove", &["simulator/recording/mcap_log/"]),
-    ("futures_util", &["service/"]),
-    ("hyper", &["service/"]),
-    ("hyper_util", &["service/"]),
-    ("mcap", &["simulator/recording/"]),
-    ("parquet", &["simulator/recording/", "cli/sweep/file.rs"]),
-    ("rayon", &["cli/sweep/"]),
-    ("rmp_serde", &["service/format/message_pack.rs"]),
-    ("tower_http", &["service/"]),
-    ("tokio", &["service/", "cli/serve.rs", "cli/load/", "bench/http/peers.rs"]),
-    ("rustix", &["service/background.rs", "bench/http/affinity.rs"]),
-    ("tokio_rustls", &["service/"]),
-    ("rand_pcg", &["simulator/chance.rs"]),
-    ("tungstenite", &["bench/http/websocket.rs"]),
-    ("prometheus_client", &["service/"]),
-    ("utoipa", &["service/", "simulator/", "wire/"]),
-    ("utoipa_axum", &["service/app.rs"]),
-    ("utoipa_swagger_ui", &["service/openapi/docs.rs"]),
+/// Folders whose modules must not import each other in a circle.
+const WITHOUT_CIRCLES: [&str; 9] = [
+    "crates/robot/src",
+    "crates/core/src",
+    "crates/core/src/limits",
+    "crates/core/src/law",
+    "crates/lab/src",
+    "crates/lab/src/report",
+    "crates/lab/src/sweep",
+    "src",
+    "src/service",
 ];
 
-/// One line of code.
-struct Line {
-    /// Path below `src`.
-    file: PathBuf,
-    number: usize,
-    code: String,
+/// Crates of others, and the only files and folders that may name them.
+const MAY_NAME: [(&str, &[&str]); 20] = [
+    ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
+    ("clarabel", &["crates/core/src/resolution/", "tools/bench/"]),
+    ("faer", &["crates/core/src/controller/stability.rs", "tools/bench/"]),
+    ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs"]),
+    ("foxglove", &["crates/lab/src/simulator/recording/mcap_log/"]),
+    ("futures_util", &["src/service/"]),
+    ("hyper", &["src/service/"]),
+    ("hyper_util", &["src/service/"]),
+    ("mcap", &["crates/lab/src/simulator/recording/"]),
+    ("parquet", &["crates/lab/src/simulator/recording/", "crates/lab/src/sweep/"]),
+    ("plotters", &["crates/lab/src/report/"]),
+    ("prometheus_client", &["src/service/"]),
+    ("rayon", &["src/cli/sweep.rs"]),
+    ("resvg", &["crates/lab/src/report/"]),
+    ("rmp_serde", &["src/service/format/"]),
+    ("rustix", &["src/service/background.rs", "tools/bench/src/http/affinity.rs"]),
+    ("tokio", &["src/service/", "src/cli/serve.rs", "tools/bench/src/"]),
+    ("tokio_rustls", &["src/service/"]),
+    ("tower_http", &["src/service/"]),
+    ("utoipa_axum", &["src/service/app.rs"]),
+];
+
+/// What can be added, words that name an existing one, its own file, and the other files that know it: at most three.
+/// `docs/architecture.md` shows the same table to contributors.
+const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
+    (
+        "law",
+        &["Law::Impedance", "ImpedanceLaw", "Self::Impedance"],
+        "crates/core/src/law/impedance.rs",
+        &["crates/core/src/law/mod.rs", "api/rust/src/wire/law.rs", "src/service/convert/task.rs"],
+    ),
+    (
+        "task kind",
+        &["TaskRows::Joints", "Self::Joints", "JointRows"],
+        "crates/core/src/controller/joint_rows.rs",
+        &["crates/core/src/controller/task.rs", "crates/core/src/controller/mod.rs", "src/service/convert/task.rs"],
+    ),
+    (
+        "constraint",
+        &["Barrier::Plane", "VirtualPlane", "Self::Plane"],
+        "crates/core/src/limits/plane.rs",
+        &["crates/core/src/limits/barrier.rs", "crates/core/src/limits/mod.rs", "src/service/convert/inequalities.rs"],
+    ),
+    (
+        "method",
+        &["SingularityRobust"],
+        "",
+        &["crates/core/src/resolution/problem.rs", "api/rust/src/wire/terms.rs", "src/service/convert/terms.rs"],
+    ),
+    (
+        "joint kind",
+        &["Prismatic"],
+        "",
+        &["crates/robot/src/joint_kind.rs", "api/rust/src/wire/terms.rs", "src/service/convert/terms.rs"],
+    ),
+];
+
+/// Source folders of the crates that users build.
+const SOURCES: [&str; 5] = ["crates/robot/src", "crates/core/src", "api/rust/src", "crates/lab/src", "src"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-impl fmt::Display for Line {
-    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        write!(formatter, "src/{}:{}: `{}`", self.file.display(), self.number, self.code.trim())
+/// Rust files below a folder, by path from the root.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap());
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = folder.join(entry.file_name());
+        if entry.path().is_dir() {
+            files.extend(self::files(&path));
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            files.push(path);
+        }
     }
-}
-
-impl Line {
-    /// The top-level module that the line belongs to; `None` in `lib.rs` and `main.rs`, which see everything.
-    fn module(&self) -> Option<&str> {
-        (self.file.components().count() > 1).then(|| self.file.iter().next()?.to_str()).flatten()
-    }
-
-    /// Paths that follow `crate::`, as far as the second word: `simulator::recording`.
-    fn imports(&self) -> Vec<String> {
-        let after = self.code.split("crate::").skip(1);
-        after.flat_map(branches).collect()
-    }
-}
-
-/// `a::b::C` → `a::b`; `{a, b::C}` → `a`, `b::C`.
-fn branches(rest: &str) -> Vec<String> {
-    let branches = match rest.strip_prefix('{') {
-        Some(list) => list.split('}').next().unwrap_or(list).split(',').collect(),
-        None => vec![rest],
-    };
-    branches.into_iter().map(|branch| leading_words(branch.trim())).collect()
-}
-
-fn leading_words(path: &str) -> String {
-    let end = path.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(path.len());
-    path[..end].split("::").filter(|word| !word.is_empty()).take(2).collect::<Vec<_>>().join("::")
-}
-
-fn files(directory: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> =
-        entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect();
-    files.retain(|path| path.extension().is_some_and(|ending| ending == "rs"));
     files.sort();
     files
 }
 
-/// All lines of `src` that are no comments.
-fn code() -> Vec<Line> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    files(&source).iter().flat_map(|path| lines(path, &source)).collect()
+/// The code of a file without comments and without its tests.
+fn code(path: &Path) -> String {
+    let text = std::fs::read_to_string(root().join(path)).unwrap();
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
-fn lines(path: &Path, source: &Path) -> Vec<Line> {
-    let text = std::fs::read_to_string(path).unwrap();
-    let file = path.strip_prefix(source).unwrap();
-    let line = |(i, code): (usize, &str)| Line { file: file.to_owned(), number: i + 1, code: code.to_owned() };
-    text.lines().enumerate().filter(|(_, code)| !code.trim_start().starts_with("//")).map(line).collect()
-}
-
-/// What the module may import; nothing if the table does not have it.
-fn allowed(module: &str) -> &'static [&'static str] {
-    MAY_IMPORT.iter().find(|(name, _)| *name == module).map_or(&[], |(_, allowed)| *allowed)
-}
-
-fn may_import(module: &str, import: &str) -> bool {
-    let within = |allowed: &&str| import == *allowed || import.starts_with(&format!("{allowed}::"));
-    module == import.split("::").next().unwrap_or(import) || allowed(module).iter().any(within)
-}
-
-#[test]
-fn every_module_stands_in_the_table() {
-    let known: BTreeSet<&str> = MAY_IMPORT.iter().map(|(name, _)| *name).collect();
-    let code = code();
-    let found: BTreeSet<&str> = code.iter().filter_map(Line::module).collect();
-    assert_eq!(found, known);
-}
-
-#[test]
-fn modules_import_what_the_table_allows() {
-    let code = code();
-    let mut broken = Vec::new();
-    for (line, module) in code.iter().filter_map(|line| line.module().map(|module| (line, module))) {
-        let forbidden = line.imports().into_iter().filter(|import| !may_import(module, import));
-        broken.extend(
-            forbidden.map(|import| format!("{line}: `{module}` may not import `{import}`, only {:?}", allowed(module))),
-        );
-    }
-    assert!(broken.is_empty(), "\n{}", broken.join("\n"));
-}
-
-#[test]
-fn the_table_has_no_circle() {
-    let mut left: BTreeMap<&str, BTreeSet<&str>> = MAY_IMPORT
-        .iter()
-        .map(|(name, allowed)| (*name, allowed.iter().map(|path| path.split("::").next().unwrap()).collect()))
-        .collect();
-    while !left.is_empty() {
-        let free: Vec<&str> = left
-            .iter()
-            .filter(|(_, needs)| needs.iter().all(|need| !left.contains_key(need)))
-            .map(|(name, _)| *name)
-            .collect();
-        assert!(!free.is_empty(), "these import each other: {:?}", left.keys());
-        left.retain(|name, _| !free.contains(name));
-    }
-}
-
-#[test]
-fn crates_of_others_stay_where_they_belong() {
-    let code = code();
-    let mut broken = Vec::new();
-    for ((name, places), line) in MAY_NAME.iter().flat_map(|rule| code.iter().map(move |line| (rule, line))) {
-        let file = line.file.to_str().unwrap();
-        if names(&line.code, name) && !places.iter().any(|place| file.starts_with(place)) {
-            broken.push(format!("{line}: `{name}` is named only in {places:?}"));
-        }
-    }
-    assert!(broken.is_empty(), "\n{}", broken.join("\n"));
+/// Whether the code contains the word, not as a part of a longer one.
+fn contains_word(code: &str, word: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    code.match_indices(word)
+        .any(|(at, _)| !code[..at].ends_with(is_part) && !code[at + word.len()..].starts_with(is_part))
 }
 
 /// Whether the code has a path that begins with the crate's name.
-fn names(code: &str, name: &str) -> bool {
-    code.match_indices(&format!("{name}::"))
-        .any(|(at, _)| !code[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_' || before == ':'))
+fn names_crate(code: &str, name: &str) -> bool {
+    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    code.match_indices(&format!("{name}::")).any(|(at, _)| !code[..at].ends_with(is_path))
+}
+
+/// First words of the paths that follow `prefix`: `a` and `b` of `prefix{a::X, b}`.
+fn imports(code: &str, prefix: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for (at, _) in code.match_indices(prefix) {
+        let rest = &code[at + prefix.len()..];
+        let branches: Vec<&str> = match rest.strip_prefix('{') {
+            Some(list) => top_level(list),
+            None => vec![rest],
+        };
+        let word = |branch: &str| branch.trim().split(|c: char| !(c.is_alphanumeric() || c == '_')).next().map(str::to_owned);
+        found.extend(branches.into_iter().filter_map(word).filter(|word| !word.is_empty()));
+    }
+    found
+}
+
+/// The branches of a list that `{` opened, without those of lists inside.
+fn top_level(list: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut branches) = (0, 0, Vec::new());
+    for (at, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                branches.push(&list[start..at]);
+                break;
+            }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                branches.push(&list[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    branches
+}
+
+/// The module of a folder that a file belongs to: its name, or that of its folder.
+fn module_of(folder: &Path, file: &Path) -> String {
+    let first = file.strip_prefix(folder).unwrap().components().next().unwrap();
+    first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned()
+}
+
+/// Which module of the folder imports which.
+fn graph(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let folder = Path::new(folder);
+    let inside = folder.to_str().unwrap().split("src").nth(1).unwrap_or_default().trim_start_matches('/');
+    let absolute = if inside.is_empty() { "crate::".to_owned() } else { format!("crate::{}::", inside.replace('/', "::")) };
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in files(folder) {
+        let module = module_of(folder, &file);
+        if matches!(module.as_str(), "mod" | "lib" | "main") {
+            continue;
+        }
+        let code = code(&file);
+        let mut imported = imports(&code, &absolute);
+        // `super` of the folder's own files and of its folders' mod.rs is the folder.
+        let depth = file.strip_prefix(folder).unwrap().components().count();
+        if depth == 1 || (depth == 2 && file.ends_with("mod.rs")) {
+            imported.extend(imports(&code, "use super::"));
+        }
+        if depth == 2 && !file.ends_with("mod.rs") {
+            imported.extend(imports(&code, "super::super::"));
+        }
+        imported.remove(&module);
+        graph.entry(module).or_default().extend(imported);
+    }
+    let known: BTreeSet<String> = graph.keys().cloned().collect();
+    graph.values_mut().for_each(|imported| imported.retain(|module| known.contains(module)));
+    graph
 }
 
 #[test]
-fn the_reader_of_this_test_sees_every_form_of_import() {
-    let imports = |code: &str| Line { file: PathBuf::new(), number: 1, code: code.to_owned() }.imports();
-    assert_eq!(imports("use revprio_api::wire;"), ["wire"]);
-    assert_eq!(imports("use revprio_lab::simulator::recording::{Recording, Sample};"), ["simulator::recording"]);
-    assert_eq!(imports("use crate::{wire, client::Client};"), ["wire", "client::Client"]);
-    assert_eq!(imports("fn f(a: &revprio_core::task::Task, b: revprio_core::law::Law)"), ["task::Task", "law::Law"]);
-    assert!(names("use clarabel::solver;", "clarabel") && names("let a = clarabel::b();", "clarabel"));
-    assert!(!names("use super::clarabel::level;", "clarabel") && !names("my_clarabel::level", "clarabel"));
+fn crates_use_only_the_layers_below_them() {
+    for (folder, allowed) in LAYERS {
+        let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
+        let manifest: toml::Table = manifest.parse().unwrap();
+        let used = manifest["dependencies"].as_table().unwrap().keys().filter(|name| name.starts_with("revprio"));
+        let used: Vec<&str> = used.map(String::as_str).collect();
+        assert_eq!(used, allowed, "{folder}");
+    }
+}
+
+#[test]
+fn the_core_needs_at_most_a_dozen_crates() {
+    let manifest = std::fs::read_to_string(root().join("crates/core/Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    assert!(manifest["dependencies"].as_table().unwrap().len() <= 12);
+}
+
+#[test]
+fn modules_import_each_other_without_circles() {
+    for folder in WITHOUT_CIRCLES {
+        let mut left = graph(folder);
+        assert!(left.len() > 1, "{folder}: no modules are found");
+        while !left.is_empty() {
+            let is_free = |imported: &BTreeSet<String>| imported.iter().all(|module| !left.contains_key(module));
+            let free: Vec<String> =
+                left.iter().filter(|(_, imported)| is_free(imported)).map(|(module, _)| module.clone()).collect();
+            assert!(!free.is_empty(), "{folder}: these import each other in a circle: {left:#?}");
+            left.retain(|module, _| !free.contains(module));
+        }
+    }
+}
+
+#[test]
+fn heavy_crates_are_named_only_where_they_belong() {
+    let mut wrong = Vec::new();
+    for file in SOURCES.iter().chain(&["tools/bench/src"]).flat_map(|folder| files(folder.as_ref())) {
+        let (code, path) = (code(&file), file.to_str().unwrap());
+        for (name, places) in MAY_NAME {
+            if names_crate(&code, name) {
+                let allowed = places.iter().any(|place| path.starts_with(place));
+                wrong.extend((!allowed).then(|| format!("{path}: `{name}` may be named only in {places:?}")));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn each_kind_is_known_to_at_most_three_files_and_its_own() {
+    let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let sources: Vec<PathBuf> = SOURCES.iter().flat_map(|folder| files(folder.as_ref())).collect();
+    for (kind, words, own, others) in KINDS {
+        assert!(others.len() <= 3 && page.contains(kind), "{kind}");
+        for file in &sources {
+            let (code, path) = (code(file), file.to_str().unwrap());
+            if path != own && !others.contains(&path) {
+                let known = words.iter().find(|word| contains_word(&code, word));
+                assert_eq!(known, None, "{path} knows a {kind}; only {own} and {others:?} may");
+            }
+        }
+        for file in others.iter().chain(&[own]).filter(|file| !file.is_empty()) {
+            assert!(root().join(file).exists(), "{kind}: {file} does not exist");
+        }
+    }
+}
+
+#[test]
+fn this_test_reads_every_form_of_import() {
+    let crate_imports = |code: &str| imports(code, "crate::").into_iter().collect::<Vec<_>>();
+    assert_eq!(crate_imports("use crate::limits;"), ["limits"]);
+    assert_eq!(crate_imports("use crate::{law, task::{A, B}, limits::C};"), ["law", "limits", "task"]);
+    assert_eq!(crate_imports("fn f(a: &crate::task::Task, b: crate::law::Law)"), ["law", "task"]);
+    assert!(names_crate("let a = clarabel::b();", "clarabel") && !names_crate("super::clarabel::a", "clarabel"));
+    assert!(contains_word("JointKind::Prismatic", "Prismatic") && !contains_word("Prismatics", "Prismatic"));
+    let graph = graph("crates/core/src");
+    assert!(graph["controller"].contains("resolution") && graph["linalg"].is_empty(), "{graph:?}");
 }

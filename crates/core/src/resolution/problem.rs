@@ -25,6 +25,36 @@ pub enum Method {
     StrictReversePriority,
 }
 
+/// How a method combines the tasks. All that the resolution knows about a method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scheme {
+    /// All tasks are one level.
+    OneLevel {
+        /// Whether the level is damped near singularities.
+        damped: bool,
+    },
+    /// Stages from the lowest task to the highest, Eq. (29).
+    LowestFirst {
+        /// Whether a stage ignores the lower tasks when it corrects them, Eq. (13).
+        ignores_lower_tasks: bool,
+    },
+    /// Levels from the highest task to the lowest; each keeps the optimum of the levels before it.
+    HighestFirst,
+}
+
+impl Method {
+    /// Returns how the method combines the tasks.
+    pub(super) fn scheme(self) -> Scheme {
+        match self {
+            Self::Pseudoinverse => Scheme::OneLevel { damped: false },
+            Self::DampedLeastSquares => Scheme::OneLevel { damped: true },
+            Self::SingularityRobust => Scheme::LowestFirst { ignores_lower_tasks: true },
+            Self::ReversePriority => Scheme::LowestFirst { ignores_lower_tasks: false },
+            Self::TaskPriority | Self::StrictReversePriority => Scheme::HighestFirst,
+        }
+    }
+}
+
 /// How the problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {

@@ -3,7 +3,7 @@
 
 use super::closed_form::{ClosedForm, Descent, least_squares, reverse_priority};
 use super::hierarchy::{Hierarchy, Singularity, Stage};
-use super::problem::{Method, Problem, ProblemError, Solver};
+use super::problem::{Problem, ProblemError, Scheme, Solver};
 use super::qp_cascade::{ActiveSet, Cascade, CascadeSolver, Guesses, Side};
 use crate::linalg::{TaskVector, Vector};
 
@@ -173,7 +173,7 @@ impl Resolver {
         problem.check()?;
         self.hierarchy.update(&problem.tasks, problem.damping);
         answer.singularity = self.hierarchy.singularity();
-        if problem.method == Method::SingularityRobust {
+        if problem.method.scheme() == (Scheme::LowestFirst { ignores_lower_tasks: true }) {
             self.hierarchy.spare_nothing(problem.damping);
         }
         let cascade = self.solve(problem, guess);
@@ -207,14 +207,11 @@ impl Resolver {
 fn closed_form(problem: &Problem, hierarchy: &Hierarchy, descent: &mut Descent) -> ClosedForm {
     let (stages, zeta) = (&hierarchy.stages, problem.start());
     let all = |lambda| least_squares(&hierarchy.all, hierarchy.conditioning.decomposition(), &zeta, lambda);
-    match problem.method {
-        Method::Pseudoinverse => all(0.0),
-        Method::DampedLeastSquares => all(hierarchy.top().lambda),
+    match problem.method.scheme() {
+        Scheme::OneLevel { damped } => all(if damped { hierarchy.top().lambda } else { 0.0 }),
         _ if hierarchy.is_compatible => all(0.0),
-        Method::ReversePriority | Method::SingularityRobust => reverse_priority(stages, zeta),
-        Method::StrictReversePriority | Method::TaskPriority => {
-            descent.strict_reverse_priority(stages, problem.damping, &zeta)
-        }
+        Scheme::LowestFirst { .. } => reverse_priority(stages, zeta),
+        Scheme::HighestFirst => descent.strict_reverse_priority(stages, problem.damping, &zeta),
     }
 }
 
@@ -284,10 +281,10 @@ fn refill<T>(list: &mut Vec<T>, entries: impl Iterator<Item = T>) {
 }
 
 fn scale(problem: &Problem, cascade: &Cascade, k: usize) -> Option<f64> {
-    let level = match problem.method {
-        Method::ReversePriority | Method::SingularityRobust => (k == 0).then_some(0)?,
-        Method::StrictReversePriority | Method::TaskPriority => k,
-        Method::Pseudoinverse | Method::DampedLeastSquares => 0,
+    let level = match problem.method.scheme() {
+        Scheme::LowestFirst { .. } => (k == 0).then_some(0)?,
+        Scheme::HighestFirst => k,
+        Scheme::OneLevel { .. } => 0,
     };
     let cut = cascade.scales.get(level).copied();
     problem.tasks.tasks()[k].scaled.then(|| cut.unwrap_or(Some(1.0)))?

@@ -28,7 +28,7 @@ use scaling::{ScaledTask, Scaling};
 
 use super::closed_form::{ClosedForm, Descent, least_squares, reverse_priority};
 use super::hierarchy::{Hierarchy, Rows, Stage};
-use super::problem::{Method, Problem};
+use super::problem::{Problem, Scheme};
 use super::resolve::Path;
 use crate::linalg::{Decomposition, TaskVector};
 
@@ -113,15 +113,15 @@ impl CascadeSolver {
     pub fn solve(&mut self, problem: &Problem, hierarchy: &Hierarchy, guesses: Guesses) -> Cascade {
         let zeta = problem.start();
         let stages = &hierarchy.stages;
-        match problem.method {
-            Method::ReversePriority | Method::SingularityRobust => {
-                return self.reverse_priority(problem, hierarchy, guesses);
-            }
-            Method::StrictReversePriority | Method::TaskPriority => {
+        match problem.method.scheme() {
+            Scheme::LowestFirst { .. } => return self.reverse_priority(problem, hierarchy, guesses),
+            Scheme::HighestFirst => {
                 self.objectives.become_strict(stages, problem.damping, &zeta, &mut self.descent);
             }
-            Method::Pseudoinverse => self.objectives.become_stack(hierarchy, 0.0, &zeta),
-            Method::DampedLeastSquares => self.objectives.become_stack(hierarchy, hierarchy.top().lambda, &zeta),
+            Scheme::OneLevel { damped } => {
+                let lambda = if damped { hierarchy.top().lambda } else { 0.0 };
+                self.objectives.become_stack(hierarchy, lambda, &zeta);
+            }
         }
         self.limit(problem);
         self.descend(guesses)
