@@ -34,7 +34,7 @@ enum Range {
 use Range::{Between, Items, NotNegative, Positive, Rows, UniqueItems, UpTo};
 
 /// As far as a component of a unit quaternion may be from zero.
-const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH;
+const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH_TOLERANCE;
 
 /// Schemas with their fields, whether in the schema itself or in one of its alternatives.
 const RANGES: &[(&str, &[(&str, Range)])] = &[

@@ -1,7 +1,7 @@
 //! Tasks about directions of the tool, and the pose that they are to reach.
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
-use revprio_robot::kinematics::{AxisSelection, Frame, TaskFrame, Turning, orientation_error};
+use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame, orientation_error};
 
 use super::task::Sensed;
 use crate::law::{Profile, SetPoint, TaskState};
@@ -78,7 +78,7 @@ impl ToolRows {
             Frame::Fixed(frame) => frame.rotation,
         };
         MovingPose::displaced(&resting, &displacement.at(sensed.time_s), |entries| {
-            let [x, y, z, rx, ry, rz] = self.axes.spread(entries);
+            let [x, y, z, rx, ry, rz] = self.axes.scatter(entries);
             [axes * Vector3::new(x, y, z), axes * Vector3::new(rx, ry, rz)]
         })
     }
@@ -105,12 +105,12 @@ impl MovingPose {
         let [moved, turned] = vectors(&displacement.value);
         let [linear_rate, angular_rate] = vectors(&displacement.rate);
         let [linear_acceleration, angular_acceleration] = vectors(&displacement.acceleration);
-        let turning = Turning::new(turned, angular_rate, angular_acceleration);
+        let rotation = RotationMotion::new(turned, angular_rate, angular_acceleration);
         let position = pose.translation.vector + moved;
         Self {
-            pose: IsometryMatrix3::from_parts(position.into(), turning.rotation * pose.rotation),
-            velocity: [linear_rate, turning.velocity],
-            acceleration: [linear_acceleration, turning.acceleration],
+            pose: IsometryMatrix3::from_parts(position.into(), rotation.rotation * pose.rotation),
+            velocity: [linear_rate, rotation.velocity],
+            acceleration: [linear_acceleration, rotation.acceleration],
         }
     }
 }

@@ -27,7 +27,7 @@ pub use gains::{GainError, Gains};
 pub use hybrid::HybridLaw;
 pub use impedance::ImpedanceLaw;
 pub use position::{GainRange, PositionLaw};
-pub use revprio_robot::profile::{Point, Profile, ProfileError, SHORTEST_TIME, SetPoint};
+pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 
 use smallvec::SmallVec;
 
