@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use revprio_core::controller::LONGEST_DELAY;
+use revprio_core::controller::MAX_DELAY_PERIODS;
 use serde_json::{Value, json};
 
 use super::schemas::{variants, visit};
@@ -103,7 +103,7 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("stiffness", NotNegative),
             ("period_s", Between(SHORTEST_PERIOD_S, LONGEST_PERIOD_S)),
             ("lag_s", NotNegative),
-            ("delay_periods", UpTo(LONGEST_DELAY)),
+            ("delay_periods", UpTo(MAX_DELAY_PERIODS)),
         ],
     ),
     (
