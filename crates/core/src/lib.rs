@@ -1,9 +1,9 @@
 //! Control of redundant robot arms by task priority: measured state in, joint velocities out, once per control period.
 //!
-//! A redundant arm has more joints than its main task needs, so it can do several Cartesian tasks at once: push with 30 N
-//! along x, hold the rest. The tasks have an order of priority. In each control period this crate computes the joint
-//! velocities and explains them: which task gave way, which limits are active, whether the solution is certified optimal.
-//! It has no server and no async runtime. This dependency is enough: the robot models are in [`robot`].
+//! A redundant arm has more joints than its main task needs, so it can do several Cartesian tasks at once: push with
+//! 30 N along x, hold the rest. The tasks have an order of priority. In each control period this crate computes the joint
+//! velocities and explains them: which task gave way, which limits are active, whether the solution is certified
+//! optimal. It has no server and no async runtime. This dependency is enough: the robot models are in [`robot`].
 //!
 //! | to | see |
 //! |---|---|
@@ -23,8 +23,8 @@
 //! q, q̇, F_e      tool pose, J      ẋ_k of each task  q̇ within limits      q̇ and its explanation
 //! ```
 //!
-//! Each arrow is a module: [`robot::kinematics`], [`law`], and [`resolution`] with [`limits`]. The module [`controller`]
-//! is the whole line.
+//! Each arrow is a module: [`robot::kinematics`], [`law`], and [`resolution`] with [`limits`]. The module
+//! [`controller`] is the whole line.
 //!
 //! # Example
 //!
@@ -62,8 +62,8 @@
 //!
 //! Classical task priority starts with the most important task and lets each further task move in the null space of the
 //! tasks above it. *Reverse* priority starts with the least important task: q̇_{l+1} = 0, and stage k = l, …, 1 adds to
-//! q̇_{k+1} the correction that reaches task k and disturbs the lower tasks least. The most important task comes last, so
-//! no later stage disturbs it. Stage k solves
+//! q̇_{k+1} the correction that reaches task k and disturbs the lower tasks least. The most important task comes last,
+//! so no later stage disturbs it. Stage k solves
 //!
 //! > minimise ‖J_{k+1}^RP (q̇ − q̇_{k+1})‖², then ‖q̇ − q̇_{k+1}‖², subject to J_k q̇ = the reachable part of ẋ_k,
 //!
@@ -103,9 +103,9 @@
 //! | M_e, B_e, K_e | inertia, damping, stiffness of the environment | diagonal |
 //! | T | control period | s |
 //!
-//! Rows are linear x y z, then angular x y z, along the base axes, at the tool point, unless a task names
-//! [another frame or point](robot::kinematics::TaskFrame). The orientation error is the rotation vector log(R R_dᵀ), with
-//! the sign of X − X_d. Denavit-Hartenberg parameters are the standard ones.
+//! Rows are linear x y z, then angular x y z, along the base axes, at the tool point, unless a task names [another
+//! frame or point](robot::kinematics::TaskFrame). The orientation error is the rotation vector log(R R_dᵀ), with the
+//! sign of X − X_d. Denavit-Hartenberg parameters are the standard ones.
 //!
 //! # Index from equations to code
 //!

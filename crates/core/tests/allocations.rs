@@ -1,4 +1,5 @@
-//! A control period allocates nothing once the first few are over, unless Clarabel is asked, which `auto` hardly ever does.
+//! A control period allocates nothing once the first few are over, unless Clarabel is asked, which `auto` hardly ever
+//! does.
 
 use std::sync::Arc;
 

@@ -48,13 +48,13 @@ pub struct Joint {
     pub name: String,
     /// Kind of motion.
     pub kind: JointKind,
-    /// Pose of this joint's frame at position zero, in the frame that the previous joint moves (for the first: the base).
+    /// Pose of the joint's frame at position zero, in the frame that the previous joint moves (first joint: the base).
     pub placement: IsometryMatrix3<f64>,
     /// Limits of the real arm.
     pub limits: JointLimits,
     /// Position range (lower, upper) in a publication, if it differs from `limits`. For information only.
     pub published_range: Option<[f64; 2]>,
-    /// Denavit-Hartenberg row, if the joint was described by one. For information only: `placement` already contains it.
+    /// Denavit-Hartenberg row, if the joint was described by one. For information only: `placement` contains it.
     pub denavit_hartenberg: Option<DenavitHartenberg>,
 }
 

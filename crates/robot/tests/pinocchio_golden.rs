@@ -1,4 +1,5 @@
-//! The URDF robots compared with Pinocchio (fixtures/golden/README.md), and the two descriptions of Sawyer with each other.
+//! The URDF robots compared with Pinocchio (fixtures/golden/README.md), and the two descriptions of Sawyer with each
+//! other.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

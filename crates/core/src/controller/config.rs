@@ -49,7 +49,7 @@ pub enum Limits {
 }
 
 impl Limits {
-    /// Returns the allowed velocities at a state: `joint_position` and `last_velocity` (the last command), n; `period`, s.
+    /// Returns the allowed velocities at a state: `joint_position` and the last command, n; `period`, s.
     pub fn at(&self, robot: &RobotModel, joint_position: &[f64], last_velocity: &[f64], period: f64) -> LimitedBox {
         match self {
             Self::Robot(kind) => robot_box(robot, *kind, joint_position, last_velocity, period),
@@ -102,8 +102,8 @@ pub struct ControllerConfig {
 impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
-    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, and the position and velocity limits of
-    /// the robot.
+    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, and the position and velocity
+    /// limits of the robot.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
             robot,

@@ -1,8 +1,8 @@
 //! The controller: computes a command from a measurement, once per control period.
 //!
 //! [`Controller::new`] checks a [`ControllerConfig`] once. A [`Stepper`] owns a controller and its workspace.
-//! [`Stepper::step`] checks each [`Measurement`] and computes the [`Command`]. The caller keeps the [`Memory`] from period
-//! to period.
+//! [`Stepper::step`] checks each [`Measurement`] and computes the [`Command`]. The caller keeps the [`Memory`] from
+//! period to period.
 //!
 //! ```
 //! use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};

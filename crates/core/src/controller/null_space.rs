@@ -88,7 +88,8 @@ impl NullSpaceMotion {
     }
 }
 
-/// Returns ∂²H/∂q_i², 1/rad² or 1/m²: per unit of gain, the rate at which −k ∇H moves a joint to the middle of its range.
+/// Returns ∂²H/∂q_i², 1/rad² or 1/m²: the rate, per unit of gain, at which −k ∇H
+/// moves a joint to the middle of its range.
 pub(super) fn mid_range_rate(robot: &RobotModel, joint: usize) -> f64 {
     let half = half_range(&robot.joints()[joint].limits);
     half.map_or(0.0, |half| 1.0 / (robot.joint_count() as f64 * half * half))

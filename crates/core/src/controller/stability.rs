@@ -1,15 +1,16 @@
 //! Stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
 //!
-//! One axis of a force, impedance or hybrid law touches an environment M_e Ẍ + B_e Ẋ + K_e X. The inner velocity loop of
-//! the arm has a first-order lag τ and a delay of d whole periods. Together they are a linear map from period to period:
+//! One axis of a force, impedance or hybrid law touches an environment M_e Ẍ + B_e Ẋ + K_e X. The inner velocity loop
+//! of the arm has a first-order lag τ and a delay of d whole periods. Together they are a linear map from period to
+//! period:
 //!
 //! - F_e = M_e (v − v⁻)/T + B_e v + K_e x,
 //! - u ← u + T M_d⁻¹ (−F_e − B_d Ẋ − K_d x), the integrator of the law. Its set-point does not affect stability. Ẋ = v if
 //!   the joint velocity is measured; otherwise Ẋ = u, the last command.
 //! - the velocity follows the delayed command a (u of d periods ago): v ← a + (v − a) e^(−T/τ); x ← the integral of v.
 //!
-//! The loop is stable if the spectral radius of the map is below 1. The map is exact, not an approximation: controller and
-//! arm carry out the same recursion.
+//! The loop is stable if the spectral radius of the map is below 1. The map is exact, not an approximation: controller
+//! and arm carry out the same recursion.
 //!
 //! For T → 0 and no delay, the characteristic polynomials are M_d τ s³ + M_d s² + B_d s + K_e (measured velocity) and
 //! M_d τ s³ + (M_d + B_d τ) s² + B_d s + K_e (commanded velocity). They give the maximum lags B_d/K_e and
@@ -57,7 +58,7 @@ pub struct Margin {
     pub spectral_radius: f64,
     /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if unstable at τ = 0.
     pub largest_lag_s: Option<f64>,
-    /// Maximum d, up to [`MAX_DELAY_PERIODS`], at which the loop is stable with its lag; `None` if unstable without delay.
+    /// Maximum d, up to [`MAX_DELAY_PERIODS`], at which the loop is stable with its lag; `None` if unstable at d = 0.
     pub largest_delay_periods: Option<usize>,
     /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,

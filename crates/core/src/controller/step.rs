@@ -44,7 +44,7 @@ pub struct Command {
     pub targets: Vec<TaskTarget>,
     /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflicts: Vec<usize>,
-    /// H, the joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
+    /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
     pub joint_limit_index: f64,
 }
 
@@ -209,14 +209,14 @@ impl Controller {
 
     /// Updates the memory after a command, with anti-windup.
     ///
-    /// If a limit or a conflict keeps an axis from following, its integrator continues from the achieved velocity. So the
-    /// command does not jump when the limit is released. For a law without integrator the memory holds the achieved
+    /// If a limit or a conflict keeps an axis from following, its integrator continues from the achieved velocity. So
+    /// the command does not jump when the limit is released. For a law without integrator the memory holds the achieved
     /// velocity.
     ///
-    /// Departs: damping alone does not reset the integrator. A reset would add a second damping to the classical control:
-    /// its F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The cost: near a singularity, a damped
-    /// lower task winds up (to 9 m/s after 5 s of `stiff_wall_singular`). Once the arm leaves the singularity, that task
-    /// may command joint speeds up to their limits.
+    /// Departs: damping alone does not reset the integrator. A reset would add a second damping to the classical
+    /// control: its F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The cost: near a
+    /// singularity, a damped lower task winds up (to 9 m/s after 5 s of `stiff_wall_singular`). Once the arm leaves the
+    /// singularity, that task may command joint speeds up to their limits.
     fn update_memory(&self, memory: &mut Memory, Command { resolution, targets, .. }: &Command) {
         let held_back = !resolution.active_limits.is_empty()
             || !resolution.active_inequalities.is_empty()

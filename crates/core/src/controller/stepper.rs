@@ -13,9 +13,9 @@ use crate::task::{Task, TaskStack};
 
 /// A controller with the workspace that its steps overwrite.
 ///
-/// After the first few periods a step allocates nothing. Exceptions: levels that Clarabel solves, tasks that are scaled to
-/// the limits, names of active inequalities, and vectors of more than 12 entries (joints, rows of all tasks together,
-/// limits).
+/// After the first few periods a step allocates nothing. Exceptions: levels that Clarabel solves, tasks that are scaled
+/// to the limits, names of active inequalities, and vectors of more than 12 entries (joints, rows of all tasks
+/// together, limits).
 pub struct Stepper {
     controller: Arc<Controller>,
     workspace: Workspace,
@@ -36,8 +36,8 @@ impl Stepper {
 
     /// Computes the command for a measurement.
     ///
-    /// `memory` is the memory of the previous step, `None` at the first step. The step replaces it by its own memory. On an
-    /// error it stays unchanged.
+    /// `memory` is the memory of the previous step, `None` at the first step. The step replaces it by its own memory.
+    /// On an error it stays unchanged.
     ///
     /// The same controller, memory and measurement give the same command to the last bit, whatever the stepper computed
     /// before.

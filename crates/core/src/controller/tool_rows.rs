@@ -16,8 +16,8 @@ pub struct ToolRows {
     pub frame: TaskFrame,
     /// Target pose X_d.
     pub target_pose: TargetPose,
-    /// Displacement added to X_d over time, m entries, m and rad (rotation vector), along the axes of the frame. In the tool
-    /// frame: along the tool's axes in the target pose.
+    /// Displacement added to X_d over time, m entries, m and rad (rotation vector), along the axes of the frame. In the
+    /// tool frame: along the tool's axes in the target pose.
     pub target_displacement: Option<Profile>,
 }
 
@@ -27,8 +27,8 @@ pub enum TargetPose {
     /// The pose of the tool at the first step.
     #[default]
     Initial,
-    /// A pose (m) of the frame at the reference point, parallel to the tool frame. It is given in the task's fixed frame,
-    /// if the task has one, otherwise in the base frame.
+    /// A pose (m) of the frame at the reference point, parallel to the tool frame. It is given in the task's fixed
+    /// frame, if the task has one, otherwise in the base frame.
     Fixed(IsometryMatrix3<f64>),
 }
 
@@ -96,7 +96,7 @@ impl MovingPose {
         Self { pose, velocity: [Vector3::zeros(); 2], acceleration: [Vector3::zeros(); 2] }
     }
 
-    /// Returns the pose moved by a displacement. `vectors` converts entries to a linear and an angular vector in base axes.
+    /// Returns the pose moved by a displacement. `vectors` converts entries to linear and angular vectors, base axes.
     fn displaced(
         pose: &IsometryMatrix3<f64>,
         displacement: &SetPoint,

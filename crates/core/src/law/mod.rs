@@ -1,8 +1,8 @@
 //! Control laws: each computes the velocity ẋ_k of its task from the measured state.
 //!
 //! T is the period, X the pose of the tool (or the joints), X_d its target and ΔX = X − X_d. K, M_d, B_d and K_d are
-//! diagonal. The guarantees hold on an axis that reaches its task velocity, so no limit, higher task or damping may hold it
-//! back.
+//! diagonal. The guarantees hold on an axis that reaches its task velocity, so no limit, higher task or damping may
+//! hold it back.
 //!
 //! | law | formula | guarantees | fails |
 //! |---|---|---|---|
@@ -13,9 +13,9 @@
 //! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; without contact a uniformly moving target is followed without error | B_d = 0 oscillates without decay, K_d = 0 drifts; bounces as the force law does |
 //! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where S is 1 | as the force and the impedance law; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
 //!
-//! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one velocity
-//! per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame; if these axes
-//! turn, the integrator turns with them.
+//! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one
+//! velocity per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame;
+//! if these axes turn, the integrator turns with them.
 
 mod gains;
 mod interaction;

@@ -5,8 +5,8 @@ use crate::linalg::{TaskVector, Vector};
 
 /// The position law ẋ = ẋ_d + K (x_d − x), K diagonal, 1/s.
 ///
-/// On rows of the tool it is closed-loop inverse kinematics; on joints it is q̇ = q̇_d + K (q_d − q). The distance of each
-/// axis to its target decays as e^(−K t), exactly as (1 − K T)^i after i periods.
+/// On rows of the tool it is closed-loop inverse kinematics; on joints it is q̇ = q̇_d + K (q_d − q). The distance of
+/// each axis to its target decays as e^(−K t), exactly as (1 − K T)^i after i periods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionLaw {
     gain: Vector,

@@ -48,8 +48,8 @@ pub enum PlanePoint {
 
 /// A virtual wall n·p ≤ d for a point p of the arm, kept by n·ṗ ≤ γ (d − n·p).
 ///
-/// The distance to the wall decreases no faster than e^(−γ t). Behind the wall, the inequality demands a motion back. It
-/// is a linearisation at the present posture; the error is of second order in the displacement of one period.
+/// The distance to the wall decreases no faster than e^(−γ t). Behind the wall, the inequality demands a motion back.
+/// It is a linearisation at the present posture; the error is of second order in the displacement of one period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualPlane {
     name: String,

@@ -22,8 +22,8 @@ pub enum InequalityError {
 }
 
 impl Inequality {
-    /// Checks and builds an inequality from a (`coefficients`, one per joint, any unit) and b (`bound`, in that unit times
-    /// rad/s, or m/s for prismatic joints).
+    /// Checks and builds an inequality from a (`coefficients`, one per joint, any unit) and b (`bound`, in that unit
+    /// times rad/s, or m/s for prismatic joints).
     pub fn new(name: impl Into<String>, coefficients: Vec<f64>, bound: f64) -> Result<Self, InequalityError> {
         let coefficients = Vector::from_vec(coefficients);
         if !(bound.is_finite() && coefficients.iter().all(|a| a.is_finite())) {

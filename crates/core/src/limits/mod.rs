@@ -12,24 +12,27 @@
 //!
 //! # Why the box is never empty
 //!
-//! Let the last command obey its own box, q̇⁻ T + q̇⁻²/2A ≤ d⁻, and let the joint follow it: d = d⁻ − q̇⁻ T.
-//! Then v = max(0, q̇⁻ − A T), the smallest speed that the acceleration limit allows, obeys the braking term: for
-//! q̇⁻ ≤ A T it is v = 0; otherwise
+//! Let the last command obey its own box, q̇⁻ T + q̇⁻²/2A ≤ d⁻, and let the joint follow it: d = d⁻ − q̇⁻ T. Then
+//! v = max(0, q̇⁻ − A T), the smallest speed that the acceleration limit allows, obeys the braking term. For q̇⁻ ≤ A T
+//! it is v = 0. Otherwise
+//!
 //! v T + v²/2A = (q̇⁻ − A T) T + (q̇⁻² − 2 q̇⁻ A T + A²T²)/2A = q̇⁻²/2A − A T²/2 ≤ d⁻ − q̇⁻ T = d.
+//!
 //! So q̇⁻ − A T never exceeds the upper braking term. By symmetry, q̇⁻ + A T is never below the lower one. If the arm
-//! starts inside its limits and follows its commands, then position, velocity and acceleration limits hold at all times.
+//! starts inside its limits and follows its commands, then position, velocity and acceleration limits hold at all
+//! times.
 //!
 //! # Outside the limits
 //!
 //! A measured state may lie outside. Beyond a position limit the box demands a motion back, within V and A. If the
-//! acceleration limit contradicts the others, for example after a jump of the measured state, then position and velocity
-//! limits hold, the acceleration limit does not, and the joint is reported as a conflict.
+//! acceleration limit contradicts the others, for example after a jump of the measured state, then position and
+//! velocity limits hold, the acceleration limit does not, and the joint is reported as a conflict.
 //!
 //! # Inequalities besides the box
 //!
-//! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The QP cascade treats it like a joint
-//! limit. If inequalities contradict the box or each other, the box holds, their violation is as small as possible, and
-//! the answer names them.
+//! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The QP cascade treats it like a
+//! joint limit. If inequalities contradict the box or each other, the box holds, their violation is as small as
+//! possible, and the answer names them.
 
 mod barrier;
 mod inequality;

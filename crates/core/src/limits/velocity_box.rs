@@ -207,10 +207,10 @@ impl Interval {
     }
 }
 
-/// Returns the maximum speed towards a limit at `distance`: the braking term in the documentation of `limits`, at most V.
+/// Returns the maximum speed towards a limit at `distance`: the braking term of the module `limits`, at most V.
 ///
-/// If the joint is beyond the limit (negative `distance`), the result is negative or zero, a motion back. Its speed is the
-/// mirrored braking term, as far as the acceleration limit allows it after the last command.
+/// If the joint is beyond the limit (negative `distance`), the result is negative or zero, a motion back. Its speed is
+/// the mirrored braking term, as far as the acceleration limit allows it after the last command.
 fn max_speed_towards(distance: f64, last: f64, velocity: f64, acceleration: f64, period: f64) -> f64 {
     // A(−T + √(T² + 2d/A)), rewritten: no cancellation for small d, and correct for infinite d.
     let braking =
@@ -313,7 +313,7 @@ mod tests {
         }
 
         #[test]
-        fn a_joint_that_starts_outside_returns_within_400_periods_and_stays_inside(distance in 0.0..2.0_f64, side in prop::bool::ANY) {
+        fn a_start_outside_returns_within_400_periods_and_stays_inside(distance in 0.0..2.0_f64, side in prop::bool::ANY) {
             let mut q = if side { LIMITS.upper + distance } else { LIMITS.lower - distance };
             let mut last = 0.0_f64;
             for _ in 0..400 {

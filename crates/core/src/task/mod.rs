@@ -11,8 +11,8 @@ pub struct Task {
     pub jacobian: Matrix,
     /// ẋ_k, m_k; m/s for linear rows, rad/s for angular rows.
     pub velocity: Vector,
-    /// How the task gives way to limits. `true`: its velocity keeps its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1.
-    /// `false`: its residual is as small as possible, and the direction may change.
+    /// How the task gives way to limits. `true`: its velocity keeps its direction, J_k q̇ = s ẋ_k with the largest
+    /// s ≤ 1. `false`: its residual is as small as possible, and the direction may change.
     pub scaled: bool,
 }
 

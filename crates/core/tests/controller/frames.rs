@@ -41,8 +41,8 @@ fn in_base([a, b, c, d, e, f]: [f64; 6]) -> [f64; 6] {
     [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
 }
 
-/// Both controllers steer an arm of their own under the same wrenches, which `other` may see in its own way, and command
-/// the same.
+/// Both controllers steer an arm of their own under the same wrenches, which `other` may see in its own way, and
+/// command the same.
 fn assert_same(one: &Controller, other: &Controller, seen_by_other: impl Fn(&Loop, [f64; 6]) -> [f64; 6]) {
     let (mut first, mut second, mut random) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL), Random(7));
     for i in 0..300 {

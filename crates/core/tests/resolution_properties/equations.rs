@@ -55,7 +55,8 @@ fn damped_inverse(J: &Matrix, lambda: f64) -> Matrix {
     J.transpose() * (J * J.transpose() + Matrix::identity(m, m) * (lambda * lambda)).try_inverse().unwrap()
 }
 
-/// Eq. (29) as it stands: q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}), with J_k J_k^# before the bracket if damped.
+/// Eq. (29) as it stands: q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}), with J_k J_k^# before the bracket if
+/// damped.
 fn printed(tasks: &TaskStack, damping: Option<Damping>) -> Vector {
     let mut qdot = Vector::zeros(tasks.joint_count());
     let mut J_low = Matrix::zeros(0, tasks.joint_count());

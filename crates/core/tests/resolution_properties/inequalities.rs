@@ -95,7 +95,8 @@ fn the_closed_form_reports_the_inequalities_that_it_breaks() {
 
 #[test]
 fn where_inequalities_contradict_the_box_it_holds_and_they_are_broken_least() {
-    // q̇₁ + q̇₂ ≥ 4 and q̇₁ − q̇₂ ≥ 3 in a box of ±1: least squares of (4 − s, 3 − d) at the corner (1, −½ …) of s and d.
+    // q̇₁ + q̇₂ ≥ 4 and q̇₁ − q̇₂ ≥ 3 in a box of ±1: least squares of (4 − s, 3 − d) at the corner (1, −½ …) of s and
+    // d.
     let inequalities = vec![
         Inequality::new("sum", vec![-1.0, -1.0], -4.0).unwrap(),
         Inequality::new("difference", vec![-1.0, 1.0], -3.0).unwrap(),

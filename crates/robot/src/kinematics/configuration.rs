@@ -167,7 +167,9 @@ impl JointAxis {
     }
 }
 
-/// Returns the frames of the joints after their motion, base first (n), in the base frame (m), at `joint_position` (n; rad or m).
+/// Returns the frames of the joints after their motion, base first (n), in the base frame, m.
+///
+/// `joint_position`: q, n; rad or m.
 ///
 /// Each frame has its origin on the axis of its joint and its z along it. The tool frame is the last one times
 /// [`RobotModel::tool`].

@@ -20,8 +20,8 @@ pub struct RotationMotion {
 impl RotationMotion {
     /// Computes the motion from a rotation vector d (rad) and its time derivatives ḋ, d̈.
     ///
-    /// ω = V ḋ and ω̇ = V d̈ + V̇ ḋ with V = I + a D + b D², D the matrix of d ×, a = (1 − cos θ)/θ², b = (θ − sin θ)/θ³,
-    /// θ = ‖d‖. If d keeps its direction, ω = ḋ and ω̇ = d̈.
+    /// ω = V ḋ and ω̇ = V d̈ + V̇ ḋ with V = I + a D + b D², D the matrix of d ×, a = (1 − cos θ)/θ²,
+    /// b = (θ − sin θ)/θ³, θ = ‖d‖. If d keeps its direction, ω = ḋ and ω̇ = d̈.
     pub fn new(d: Vector3<f64>, rate: Vector3<f64>, second_rate: Vector3<f64>) -> Self {
         let [a, b, a_slope, b_slope] = coefficients(d.norm());
         let (D, D_rate) = (d.cross_matrix(), rate.cross_matrix());

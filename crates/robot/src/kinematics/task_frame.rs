@@ -12,8 +12,8 @@ pub enum Frame {
     /// The axes of the base.
     #[default]
     Base,
-    /// The axes of the tool, which turn with it. Displacements, velocities and forces of the task are measured along the
-    /// present tool axes, even if the target rests in the base.
+    /// The axes of the tool, which turn with it. Displacements, velocities and forces of the task are measured along
+    /// the present tool axes, even if the target rests in the base.
     Tool,
     /// The axes of a frame that is fixed in the base (m).
     Fixed(IsometryMatrix3<f64>),
@@ -41,7 +41,7 @@ impl TaskFrame {
         PlacedFrame { configuration, axes, lever }
     }
 
-    /// Returns the pose of the frame at the reference point, parallel to the tool frame, for a tool pose (base frame, m).
+    /// Returns the pose at the reference point, parallel to the tool frame, for a tool pose (base frame, m).
     pub fn pose(&self, tool_pose: &IsometryMatrix3<f64>) -> IsometryMatrix3<f64> {
         let mut pose = *tool_pose;
         pose.translation.vector += tool_pose.rotation * self.reference_point;

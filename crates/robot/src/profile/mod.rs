@@ -127,9 +127,9 @@ impl Profile {
 
     /// Returns a curve through all points, twice continuously differentiable, at rest at the first and the last point.
     ///
-    /// Between inner points it is the cubic spline. The first and the last piece are quintics, so that motion begins and
-    /// ends without a jump of acceleration. If the spacing of the points is very unequal, the curve may overshoot between
-    /// them.
+    /// Between inner points it is the cubic spline. The first and the last piece are quintics, so that motion begins
+    /// and ends without a jump of acceleration. If the spacing of the points is very unequal, the curve may overshoot
+    /// between them.
     pub fn waypoints(points: &[Point]) -> Result<Self, ProfileError> {
         check_points(points)?;
         Ok(Self(Shape::Waypoints(Spline::through(points).ok_or(ProfileError::NotFinite)?)))

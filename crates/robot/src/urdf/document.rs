@@ -6,9 +6,9 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use super::UrdfError;
 
-// Bounds that keep the parsing time short. The parser compares every attribute with all others of its element, and every
-// prefix with all namespaces in scope, so a bound on the length of the text is not enough. The parser does not recurse.
-// Document type definitions are refused, so there are no entities except those of XML.
+// Bounds that keep the parsing time short. The parser compares every attribute with all others of its element, and
+// every prefix with all namespaces in scope, so a bound on the length of the text is not enough. The parser does not
+// recurse. Document type definitions are refused, so there are no entities except those of XML.
 const MAX_TEXT_BYTES: usize = 1 << 20;
 const MAX_ATTRIBUTES: usize = 256;
 const MAX_NAMESPACES: usize = 64;

@@ -65,7 +65,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Reads the pose of the joint's frame in the parent link's frame: x y z, then roll, pitch and yaw about fixed axes.
+    /// Reads the pose of the joint's frame in the parent link's frame: x y z; roll, pitch, yaw about fixed axes.
     fn origin(&self) -> Result<IsometryMatrix3<f64>, UrdfError> {
         let [x, y, z] = self.numbers("origin", "xyz")?.unwrap_or_default();
         let [roll, pitch, yaw] = self.numbers("origin", "rpy")?.unwrap_or_default();
@@ -98,7 +98,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Reads the numbers of an attribute of the joint's first child with this tag; `None` if there is no such attribute.
+    /// Reads the numbers of an attribute of the joint's first child with this tag; `None` without the attribute.
     fn numbers<const N: usize>(&self, tag: &str, field: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
         let Some(text) = child(self.element, tag).and_then(|node| node.attribute(field)) else { return Ok(None) };
         let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);

@@ -1,8 +1,9 @@
 //! Robots read from URDF, the Unified Robot Description Format.
 //!
-//! Only links and joints are read. Meshes, materials, inertias, transmissions and plug-ins are ignored, and no file that
-//! the text names is opened. The arm is the chain from one link, the base, to another, the tip. Fixed joints of the chain
-//! become constant transforms; the other joints of the chain become the joints of the model. Branches are left out.
+//! Only links and joints are read. Meshes, materials, inertias, transmissions and plug-ins are ignored, and no file
+//! that the text names is opened. The arm is the chain from one link, the base, to another, the tip. Fixed joints of
+//! the chain become constant transforms; the other joints of the chain become the joints of the model. Branches are
+//! left out.
 
 mod chain;
 mod document;
@@ -34,9 +35,9 @@ pub struct UrdfOptions<'a> {
 impl RobotModel {
     /// Reads the serial chain from base to tip from a URDF text.
     ///
-    /// Revolute and prismatic joints need a `<limit>` with `lower`, `upper` and `velocity`. The `<limit>` of a continuous
-    /// joint is optional; its `velocity` is read. The attributes `acceleration` and `deceleration` of URDF 1.2 are read in
-    /// every version of URDF; the smaller one limits both. Lengths are in m, angles in rad.
+    /// Revolute and prismatic joints need a `<limit>` with `lower`, `upper` and `velocity`. The `<limit>` of a
+    /// continuous joint is optional; its `velocity` is read. The attributes `acceleration` and `deceleration` of URDF
+    /// 1.2 are read in every version of URDF; the smaller one limits both. Lengths are in m, angles in rad.
     pub fn from_urdf(text: &str, options: &UrdfOptions) -> Result<Self, UrdfError> {
         let document = document::parse(text)?;
         let robot = document::robot(&document)?;
