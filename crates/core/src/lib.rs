@@ -1,7 +1,7 @@
 //! Control of redundant robot arms by task priority: measured state in, joint velocities out, once per control period.
 //!
-//! A redundant arm has more joints than its main task needs, so it can do several Cartesian tasks at once: push with
-//! 30 N along x, hold the rest. The tasks have an order of priority. In each control period this crate computes the joint
+//! A redundant arm has more joints than its main task needs, so it can do several Cartesian tasks at once: push with 30
+//! N along x, hold the rest. The tasks have an order of priority. In each control period this crate computes the joint
 //! velocities and explains them: which task gave way, which limits are active, whether the solution is certified
 //! optimal. It has no server and no async runtime. This dependency is enough: the robot models are in [`robot`].
 //!
