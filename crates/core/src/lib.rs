@@ -58,6 +58,8 @@
 //! # }
 //! ```
 //!
+//! Do not use [`resolution::Solver::ClosedForm`] on a real arm. It ignores joint limits. The default solver keeps them.
+//!
 //! # What reverse priority is
 //!
 //! Classical task priority starts with the most important task and lets each further task move in the null space of the

@@ -47,17 +47,17 @@ read_as_string!(Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, Limit
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Axis {
-    /// Along x, m/s.
+    /// Along x: velocity in m/s, force in N.
     X,
-    /// Along y, m/s.
+    /// Along y: velocity in m/s, force in N.
     Y,
-    /// Along z, m/s.
+    /// Along z: velocity in m/s, force in N.
     Z,
-    /// About x, rad/s.
+    /// About x: angular velocity in rad/s, torque in N·m.
     Rx,
-    /// About y, rad/s.
+    /// About y: angular velocity in rad/s, torque in N·m.
     Ry,
-    /// About z, rad/s.
+    /// About z: angular velocity in rad/s, torque in N·m.
     Rz,
 }
 
@@ -96,7 +96,7 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Solver {
-    /// Pseudo-inverses. It ignores limits: do not use it on a real arm.
+    /// Pseudo-inverses. Do not use it on a real arm. It ignores limits.
     ClosedForm,
     /// The quadratic-program solver Clarabel at every level.
     Qp,

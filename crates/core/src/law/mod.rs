@@ -23,7 +23,7 @@ mod position;
 
 pub use gains::{GainError, Gains};
 pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
-pub use position::{GainRange, PositionLaw};
+pub use position::{GainRangeError, PositionLaw};
 pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 
 use smallvec::SmallVec;

@@ -15,7 +15,7 @@ pub struct PositionLaw {
 /// Error: a gain is negative or not finite.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{value} is out of range; a gain must not be negative")]
-pub struct GainRange {
+pub struct GainRangeError {
     /// Row, from 0.
     pub row: usize,
     /// The value.
@@ -24,9 +24,9 @@ pub struct GainRange {
 
 impl PositionLaw {
     /// Checks and builds a law with K = `gain`, one entry per row, 1/s.
-    pub fn new(gain: Vec<f64>) -> Result<Self, GainRange> {
+    pub fn new(gain: Vec<f64>) -> Result<Self, GainRangeError> {
         match gain.iter().enumerate().find(|(_, value)| !(value.is_finite() && **value >= 0.0)) {
-            Some((row, &value)) => Err(GainRange { row, value }),
+            Some((row, &value)) => Err(GainRangeError { row, value }),
             None => Ok(Self { gain: Vector::from_vec(gain) }),
         }
     }
