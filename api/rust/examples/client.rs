@@ -1,18 +1,18 @@
-//! The typed HTTP client: a controller kept by a service, stepped once.
+//! Creates a controller on a service, steps it once and ends it, with the typed HTTP client.
 //!
-//! `cargo run --example client`, against `revprio serve`, or with the address of another service behind it.
+//! Start `revprio serve`, then run `cargo run -p revprio-api --example client [ADDRESS]`.
 
 use revprio_api::wire::{Controller, JointVector, State, Wrench};
 use revprio_api::{Client, Service};
 
-/// As sent by clients in any language; the fields may as well be filled in one by one.
+/// The body that clients in any language send. A program may also build [`Controller`] field by field.
 const CONTROLLER: &str = include_str!("../../examples/controller.json");
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(&std::env::args().nth(1).unwrap_or_else(|| "http://127.0.0.1:8080".to_owned()))
 }
 
-/// Opens a session, steps it once, ends it.
+/// Opens a session, steps it once, and ends it.
 pub fn run(address: &str) -> Result<(), Box<dyn std::error::Error>> {
     let client = Client::new(address);
     let controller: Controller = serde_json::from_str(CONTROLLER)?;
@@ -22,7 +22,7 @@ pub fn run(address: &str) -> Result<(), Box<dyn std::error::Error>> {
     let state = State { sequence: 1, time_s: 0.001, joint_position, joint_velocity: None, wrench };
     let answer = client.step_controller(&session.id, &state)?;
     println!("{:?}\nrad/s: {:.5?}", session.joints, answer.joint_velocity);
-    println!("good for {} ms from the measurement", answer.valid_for_ms);
+    println!("valid for {} ms from the measurement", answer.valid_for_ms);
     client.delete_controller(&session.id)?;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A typed, blocking client of the service.
+//! The calls of a control loop as a trait, and the typed, blocking HTTP client that implements it.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -11,10 +11,10 @@ use ureq::{Agent, Body, SendBody};
 
 use crate::wire;
 
-/// Longest wait for an answer; a step takes a thousandth of it, so that a dead server does not hold a loop for ever.
+/// Maximum wait for an answer, so that a dead server does not block a loop. A step takes about a thousandth of it.
 const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(10);
 
-/// Why there is no answer.
+/// Why a call has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// The server cannot be reached, or the connection broke.
@@ -22,34 +22,34 @@ pub enum ClientError {
         "no answer from {url}: {source}; is the service running there? An address looks like http://127.0.0.1:8080"
     )]
     Transport {
-        /// The address asked.
+        /// The address of the request.
         url: String,
-        /// What went wrong.
+        /// The error of the connection.
         source: Box<ureq::Error>,
     },
     /// The server refused the request.
-    #[error("{url} refused: {} ({}){}", problem.detail, problem.status, at(problem))]
+    #[error("{url} refused: {} ({}){}", problem.detail, problem.status, pointer_text(problem))]
     Refused {
-        /// The address asked.
+        /// The address of the request.
         url: String,
-        /// Why.
+        /// The reason, with the field and the remedy.
         problem: Box<wire::Problem>,
     },
-    /// The server answered something else than this client knows.
-    #[error("{url} answered with status {status}, but not as a revprio service does")]
-    Foreign {
-        /// The address asked.
+    /// The answer is not one of a revprio service.
+    #[error("{url} answered with status {status}, but not as a revprio service does; check the address")]
+    UnexpectedAnswer {
+        /// The address of the request.
         url: String,
-        /// HTTP status.
+        /// HTTP status of the answer.
         status: u16,
     },
 }
 
-fn at(problem: &wire::Problem) -> String {
+fn pointer_text(problem: &wire::Problem) -> String {
     problem.pointer.as_ref().map(|pointer| format!(" at {pointer}")).unwrap_or_default()
 }
 
-/// A client of one server; keeps its connection open between calls.
+/// A client of one server. It keeps its connection open between calls.
 #[derive(Debug, Clone)]
 pub struct Client {
     agent: Agent,
@@ -57,56 +57,90 @@ pub struct Client {
 }
 
 impl Client {
-    /// A client of the service at a base address such as `http://127.0.0.1:8080`.
+    /// Builds a client of the service at a base address such as `http://127.0.0.1:8080`.
     pub fn new(base: &str) -> Self {
         Self { agent: config().build().into(), base: base.trim_end_matches('/').to_owned() }
     }
 
-    /// The same client, showing a token; `None` if that cannot stand in a header.
+    /// Returns the same client with a token for each request; `None` if the token has characters that a header cannot
+    /// have.
     pub fn with_token(self, token: &str) -> Option<Self> {
         let authorization = HeaderValue::from_str(&format!("Bearer {token}")).ok()?;
-        let show = move |mut request: Request<SendBody>, next: MiddlewareNext| {
+        let authorize = move |mut request: Request<SendBody>, next: MiddlewareNext| {
             request.headers_mut().insert(AUTHORIZATION, authorization.clone());
             next.handle(request)
         };
-        Some(Self { agent: config().middleware(show).build().into(), ..self })
+        Some(Self { agent: config().middleware(authorize).build().into(), ..self })
     }
 
-    /// `POST /v1/resolve`
+    /// Resolves tasks at one posture. `POST /v1/resolve`
     pub fn resolve(&self, request: &wire::ResolveRequest) -> Result<wire::ResolveAnswer, ClientError> {
         self.post("/v1/resolve", request)
     }
 
-    /// `POST /v1/stability`
+    /// Computes the stability margins of one axis in contact. `POST /v1/stability`
     pub fn stability(&self, request: &wire::StabilityRequest) -> Result<wire::StabilityAnswer, ClientError> {
         self.post("/v1/stability", request)
     }
 
-    /// `GET /v1/robots`
+    /// Lists the robots. `GET /v1/robots`
     pub fn robots(&self) -> Result<wire::RobotList, ClientError> {
         let url = format!("{}/v1/robots", self.base);
-        read(sent(self.agent.get(&url).call(), &url)?, &url)
+        read(check_sent(self.agent.get(&url).call(), &url)?, &url)
     }
 
-    /// `POST /v1/robots`
+    /// Registers a robot from a URDF text. `POST /v1/robots`
     pub fn register_robot(&self, registration: &wire::RobotRegistration) -> Result<wire::Robot, ClientError> {
         self.post("/v1/robots", registration)
     }
 
-    /// `DELETE /v1/robots/{name}`
+    /// Deletes a registered robot. `DELETE /v1/robots/{name}`
     pub fn delete_robot(&self, name: &str) -> Result<(), ClientError> {
         self.delete(&format!("/v1/robots/{name}"))
     }
 
-    pub(crate) fn delete(&self, path: &str) -> Result<(), ClientError> {
+    fn delete(&self, path: &str) -> Result<(), ClientError> {
         let url = format!("{}{path}", self.base);
-        let mut response = sent(self.agent.delete(&url).call(), &url)?;
-        if response.status().is_success() { Ok(()) } else { Err(refusal(&mut response, &url)) }
+        let mut response = check_sent(self.agent.delete(&url).call(), &url)?;
+        if response.status().is_success() { Ok(()) } else { Err(refused(&mut response, &url)) }
     }
 
-    pub(crate) fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {
+    fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {
         let url = format!("{}{path}", self.base);
-        read(sent(self.agent.post(&url).send_json(body), &url)?, &url)
+        read(check_sent(self.agent.post(&url).send_json(body), &url)?, &url)
+    }
+}
+
+/// A service that computes commands, over HTTP ([`Client`]) or in the same process.
+pub trait Service {
+    /// Opens a session with a controller. `POST /v1/controllers`
+    fn create_controller(&self, controller: &wire::Controller) -> Result<wire::CreatedController, ClientError>;
+
+    /// Computes the command of a session for a state. `POST /v1/controllers/{id}/step`
+    fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError>;
+
+    /// Ends a session. `DELETE /v1/controllers/{id}`
+    fn delete_controller(&self, id: &str) -> Result<(), ClientError>;
+
+    /// Computes a command without a session: the request carries controller and memory. `POST /v1/step`
+    fn step(&self, request: &wire::StepRequest) -> Result<wire::StepAnswer, ClientError>;
+}
+
+impl Service for Client {
+    fn create_controller(&self, controller: &wire::Controller) -> Result<wire::CreatedController, ClientError> {
+        self.post("/v1/controllers", controller)
+    }
+
+    fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {
+        self.post(&format!("/v1/controllers/{id}/step"), state)
+    }
+
+    fn delete_controller(&self, id: &str) -> Result<(), ClientError> {
+        self.delete(&format!("/v1/controllers/{id}"))
+    }
+
+    fn step(&self, request: &wire::StepRequest) -> Result<wire::StepAnswer, ClientError> {
+        self.post("/v1/step", request)
     }
 }
 
@@ -114,22 +148,22 @@ fn config() -> ConfigBuilder<AgentScope> {
     Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT))
 }
 
-fn sent(result: Result<Response<Body>, ureq::Error>, url: &str) -> Result<Response<Body>, ClientError> {
+fn check_sent(result: Result<Response<Body>, ureq::Error>, url: &str) -> Result<Response<Body>, ClientError> {
     result.map_err(|source| ClientError::Transport { url: url.to_owned(), source: Box::new(source) })
 }
 
 fn read<A: DeserializeOwned>(mut response: Response<Body>, url: &str) -> Result<A, ClientError> {
     if !response.status().is_success() {
-        return Err(refusal(&mut response, url));
+        return Err(refused(&mut response, url));
     }
     let status = response.status().as_u16();
-    response.body_mut().read_json().map_err(|_| ClientError::Foreign { url: url.to_owned(), status })
+    response.body_mut().read_json().map_err(|_| ClientError::UnexpectedAnswer { url: url.to_owned(), status })
 }
 
-fn refusal(response: &mut Response<Body>, url: &str) -> ClientError {
+fn refused(response: &mut Response<Body>, url: &str) -> ClientError {
     let (url, status) = (url.to_owned(), response.status().as_u16());
     match response.body_mut().read_json::<wire::Problem>() {
         Ok(problem) => ClientError::Refused { url, problem: Box::new(problem) },
-        Err(_) => ClientError::Foreign { url, status },
+        Err(_) => ClientError::UnexpectedAnswer { url, status },
     }
 }

@@ -1,6 +1,7 @@
-//! A controller as a library, without any server: a measured state in, a command out, a thousand times a second.
+//! Controls an arm in a loop: a measured state in, a command out, a thousand times per second, without a server.
 //!
-//! `cargo run --example controller`: the tool presses on a spring of 1000 N/m until it feels 30 N.
+//! The tool pushes against a spring of 1000 N/m until it measures 30 N. Run with
+//! `cargo run -p revprio-core --example controller`.
 
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 use revprio_core::robot::built_in;
 use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
 
-/// Three seconds of pressing, with an arm that follows at once.
+/// Pushes for three seconds with an arm that follows its commands exactly.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (sawyer, period) = (Arc::clone(&built_in()[0]), 0.001);
     let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
@@ -19,12 +20,12 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let controller = Controller::new(ControllerConfig::new(Arc::clone(&sawyer), period, vec![push]))?;
     let mut stepper = Stepper::new(controller)?;
 
-    let mut q = vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+    let mut q = vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]; // rad
     let surface = Configuration::new(&sawyer, &q)?.tool_pose().translation.x;
     let (mut memory, mut force) = (None, 0.0);
     for cycle in 0..3000 {
         force = 1000.0 * (Configuration::new(&sawyer, &q)?.tool_pose().translation.x - surface);
-        let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // on the environment
+        let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // of the tool on the environment
         let time_s = period * f64::from(cycle);
         let measured = Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench };
         let command = stepper.step(&mut memory, &measured)?;

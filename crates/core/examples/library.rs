@@ -1,6 +1,6 @@
-//! The crate as a library, without any server: tasks at a posture in, joint velocities out.
+//! Resolves prioritised tasks at one posture into joint velocities, without a server.
 //!
-//! `cargo run --example library`
+//! Run with `cargo run -p revprio-core --example library`.
 
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, resolve};
@@ -8,7 +8,7 @@ use revprio_core::robot::built_in;
 use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_core::task::{Task, TaskStack};
 
-/// Moves along x at 0.05 m/s and holds the rest.
+/// Moves the tool along x at 0.05 m/s and holds the other axes.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sawyer = &built_in()[0];
     let configuration = Configuration::new(sawyer, &[2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])?;

@@ -1,4 +1,5 @@
-//! A control period allocates nothing once the first few are over, unless Clarabel is asked, which `auto` hardly ever does.
+//! After the first few periods a control period allocates nothing, unless Clarabel solves it, which is rare with
+//! `auto`.
 
 use std::sync::Arc;
 
@@ -20,7 +21,7 @@ fn sawyer() -> Arc<RobotModel> {
     Arc::clone(&built_in()[0])
 }
 
-/// Push along x, swinging; hold the other directions.
+/// Returns two tasks: an oscillating push along x, and hold the other axes.
 fn tasks() -> Vec<TaskConfig> {
     let rows = |axes: &[Axis]| TaskRows::Tool(ToolRows::new(AxisSelection::new(axes).unwrap()));
     let gains = Gains::new(1, &[15.0], &[150.0], &[0.0]).unwrap();
@@ -44,15 +45,15 @@ struct Loop {
     measured: Measurement,
 }
 
-/// What a run of periods came to.
+/// Counts over a run of periods.
 #[derive(Debug, Default)]
 struct Tally {
-    /// Allocations of periods that Clarabel had no part in.
-    own: u64,
-    /// Periods with an active limit, found by active sets.
-    guessed: u32,
-    /// Periods that asked Clarabel.
-    asked: u32,
+    /// Allocations in periods without Clarabel.
+    allocations: u64,
+    /// Periods solved by active sets.
+    active_set: u32,
+    /// Periods solved by Clarabel.
+    qp: u32,
 }
 
 impl Loop {
@@ -75,25 +76,25 @@ impl Loop {
                 self.measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += PERIOD * speed);
             });
             self.measured.time_s += PERIOD;
-            tally.asked += u32::from(path == Path::Qp);
-            tally.guessed += u32::from(path == Path::ActiveSet);
+            tally.qp += u32::from(path == Path::Qp);
+            tally.active_set += u32::from(path == Path::ActiveSet);
             if path != Path::Qp {
-                tally.own += counted.count_total;
+                tally.allocations += counted.count_total;
             }
         }
         tally
     }
 }
 
-/// Allocations of 2000 periods after as many to grow warm.
-fn after_warming_up(config: ControllerConfig) -> Tally {
+/// Counts over 2000 periods, after 2000 periods of warm-up.
+fn after_warm_up(config: ControllerConfig) -> Tally {
     let mut arm = Loop::new(config);
     arm.run(2000);
     arm.run(2000)
 }
 
 #[test]
-fn a_new_stepper_allocates_and_is_counted() {
+fn the_first_step_allocates_and_is_counted() {
     let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
     let counted = measure(|| drop(arm.stepper.step(&mut arm.memory, &arm.measured).cloned()));
     assert!(counted.count_total > 10);
@@ -110,15 +111,15 @@ fn closed_forms_allocate_nothing() {
         Method::Pseudoinverse,
     ] {
         let config = config(Solver::ClosedForm, Limits::Robot(LimitKind::PositionVelocity));
-        let tally = after_warming_up(ControllerConfig { method, ..config });
-        assert_eq!((tally.own, tally.asked, tally.guessed), (0, 0, 0), "{method:?}");
+        let tally = after_warm_up(ControllerConfig { method, ..config });
+        assert_eq!((tally.allocations, tally.qp, tally.active_set), (0, 0, 0), "{method:?}");
     }
 }
 
 #[test]
 fn auto_inside_the_limits_allocates_nothing() {
-    let tally = after_warming_up(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
-    assert_eq!((tally.own, tally.asked, tally.guessed), (0, 0, 0));
+    let tally = after_warm_up(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
+    assert_eq!((tally.allocations, tally.qp, tally.active_set), (0, 0, 0));
 }
 
 #[test]
@@ -126,9 +127,9 @@ fn auto_with_active_limits_allocates_nothing() {
     let slow = revprio_core::limits::VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap();
     for method in [Method::ReversePriority, Method::StrictReversePriority] {
         let config = ControllerConfig { method, ..config(Solver::Auto, Limits::Fixed(slow.clone())) };
-        let tally = after_warming_up(config);
-        assert!(tally.guessed > 200, "limits hardly ever act: {tally:?}");
-        assert_eq!((tally.own, tally.asked), (0, 0), "{method:?}: {tally:?}");
+        let tally = after_warm_up(config);
+        assert!(tally.active_set > 200, "limits are rarely active: {tally:?}");
+        assert_eq!((tally.allocations, tally.qp), (0, 0), "{method:?}: {tally:?}");
     }
 }
 
@@ -140,5 +141,5 @@ fn joints_and_null_space_motions_allocate_nothing() {
     let config = config(Solver::Auto, Limits::Robot(LimitKind::PositionVelocityAcceleration));
     let tasks = config.tasks.iter().take(1).cloned().chain([centre]).collect();
     let null_space = Some(NullSpaceMotion::JointLimits { gain: 0.5 });
-    assert_eq!(after_warming_up(ControllerConfig { tasks, null_space, ..config }).own, 0);
+    assert_eq!(after_warm_up(ControllerConfig { tasks, null_space, ..config }).allocations, 0);
 }

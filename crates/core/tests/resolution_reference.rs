@@ -1,5 +1,5 @@
-//! Resolution against exact answers that were computed independently: reverse priority from Eq. (29) with NumPy, limits
-//! by enumerating all 3ⁿ active sets (fixtures/golden/README.md).
+//! Resolution compared with exact answers that were computed independently: reverse priority by Eq. (29) with NumPy,
+//! limits by enumeration of all 3ⁿ active sets (fixtures/golden/README.md).
 
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
@@ -59,8 +59,8 @@ fn closed_form_equals_the_recursion_of_eq_29() {
     }
 }
 
-/// Both solvers that know limits, on every case: exact, certified, inside the limits.
-fn every_case_is_exact(method: Method, exact: impl Fn(&Case) -> (&[f64], &[f64])) {
+/// Asserts that both solvers with limits solve every case exactly, certified, and inside the limits.
+fn assert_every_case_is_exact(method: Method, exact: impl Fn(&Case) -> (&[f64], &[f64])) {
     for (i, case) in cases().iter().enumerate() {
         let (velocity, residuals) = exact(case);
         for solver in [Solver::Qp, Solver::Auto] {
@@ -78,19 +78,19 @@ fn every_case_is_exact(method: Method, exact: impl Fn(&Case) -> (&[f64], &[f64])
 
 #[test]
 fn reverse_priority_in_the_box_equals_enumeration() {
-    every_case_is_exact(Method::ReversePriority, |case| (&case.rp_qp, &case.rp_residuals));
+    assert_every_case_is_exact(Method::ReversePriority, |case| (&case.rp_qp, &case.rp_residuals));
 }
 
 #[test]
 fn strict_reverse_priority_in_the_box_equals_enumeration() {
-    every_case_is_exact(Method::StrictReversePriority, |case| (&case.strict_qp, &case.strict_residuals));
+    assert_every_case_is_exact(Method::StrictReversePriority, |case| (&case.strict_qp, &case.strict_residuals));
 }
 
 #[test]
-fn the_cases_shut_limits_and_leave_them_open() {
-    let open = cases()
+fn some_cases_have_active_limits_and_some_have_none() {
+    let inside = cases()
         .iter()
         .filter(|case| case.solve(Method::ReversePriority, Solver::Auto).solver.path == Path::ClosedForm)
         .count();
-    assert!((10..=48).contains(&open), "{open} of 58 cases inside the limits");
+    assert!((10..=48).contains(&inside), "{inside} of 58 cases inside the limits");
 }

@@ -1,8 +1,9 @@
-//! Robots read from files.
+//! Robots read from files, and the robots that ship with the crate.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
 
-use super::{FixtureError, RobotModel, UrdfError, UrdfOptions, from_json, from_toml};
+use super::{DescriptionError, RobotModel, UrdfError, UrdfOptions, from_json, from_toml};
 
 /// Why a robot file is refused.
 #[derive(Debug, thiserror::Error)]
@@ -12,53 +13,87 @@ pub enum RobotFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The ending of the name does not say what is in it.
+    /// The extension of the file name is unknown.
     #[error("{0}: robots are described in .urdf, .toml or .json")]
-    Ending(PathBuf),
-    /// Base or tip for a description that has but one chain.
+    Extension(PathBuf),
+    /// Base or tip is given for a description that has only one chain.
     #[error("{0}: `base` and `tip` are for .urdf; the joints of this file are the chain")]
-    Chain(PathBuf),
-    /// No robot in URDF.
+    BaseOrTip(PathBuf),
+    /// The URDF text is not a robot.
     #[error("{path}: {source}")]
     Urdf {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What is wrong with it.
         source: UrdfError,
     },
-    /// No robot in TOML or JSON.
+    /// The TOML or JSON text is not a robot.
     #[error("{path}: {source}")]
-    Fixture {
+    Description {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
-        source: FixtureError,
+        /// What is wrong with it.
+        source: DescriptionError,
     },
 }
 
-/// Reads a robot from a file, in URDF, TOML or JSON by the ending of its name.
+/// Reads a robot from a file. The extension of its name decides between URDF, TOML and JSON.
 pub fn from_file(path: &Path, options: &UrdfOptions) -> Result<RobotModel, RobotFileError> {
     let owned = || path.to_owned();
     let read = || std::fs::read_to_string(path).map_err(|source| RobotFileError::Read { path: owned(), source });
-    let ending = path.extension().and_then(|ending| ending.to_str());
-    let described = match ending {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let described = match extension {
         Some("urdf") => {
             let robot = RobotModel::from_urdf(&read()?, options);
             return robot.map_err(|source| RobotFileError::Urdf { path: owned(), source });
         }
         Some("toml" | "json") if options.base.is_some() || options.tip.is_some() => {
-            return Err(RobotFileError::Chain(owned()));
+            return Err(RobotFileError::BaseOrTip(owned()));
         }
         Some("toml") => from_toml(&read()?),
         Some("json") => from_json(&read()?),
-        _ => return Err(RobotFileError::Ending(owned())),
+        _ => return Err(RobotFileError::Extension(owned())),
     };
-    let robot = described.map_err(|source| RobotFileError::Fixture { path: owned(), source })?;
+    let robot = described.map_err(|source| RobotFileError::Description { path: owned(), source })?;
     Ok(match options.name {
         Some(name) => robot.renamed(name),
         None => robot,
     })
+}
+
+macro_rules! urdf {
+    ($name:literal, $description:literal) => {
+        (include_str!(concat!("../robots/", $name, ".urdf")), $description)
+    };
+}
+
+const SAWYER_DH: &str = include_str!("../robots/sawyer_dh.toml");
+
+/// URDF text and description of each robot.
+const URDF: [(&str, &str); 4] = [
+    urdf!(
+        "sawyer",
+        "Sawyer, 7 joints, joint positions and limits of the manufacturer's description; base and tool frame are those \
+         of Table 1 of Su et al. 2022"
+    ),
+    urdf!("ur5e", "UR5e-like, 6 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
+    urdf!("panda", "Panda-like, 7 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
+    urdf!("planar_3r", "three links of 0.5, 0.4 and 0.3 m in the horizontal plane, redundant for positions in it"),
+];
+
+/// Returns the robots that ship with the crate: `sawyer_dh`, `sawyer`, `ur5e`, `panda`, `planar_3r`, in this order.
+pub fn built_in() -> &'static [Arc<RobotModel>] {
+    static ROBOTS: LazyLock<Vec<Arc<RobotModel>>> = LazyLock::new(|| {
+        const VALID: &str = "the tests read every built-in robot";
+        let from_urdf = |(text, description): &(&str, &str)| {
+            let options = UrdfOptions { description: Some(description), ..UrdfOptions::default() };
+            Arc::new(RobotModel::from_urdf(text, &options).expect(VALID))
+        };
+        let sawyer_dh = Arc::new(from_toml(SAWYER_DH).expect(VALID));
+        std::iter::once(sawyer_dh).chain(URDF.iter().map(from_urdf)).collect()
+    });
+    &ROBOTS
 }

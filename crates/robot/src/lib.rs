@@ -1,6 +1,15 @@
-//! The arm: a serial chain of joints with limits, immutable once built.
+//! Models of robot arms: serial chains of joints with limits, their kinematics, and set-points over time.
 //!
-//! [`built_in`] has some; [`RobotModel::from_urdf`] and [`from_file`] read others.
+//! | to | see |
+//! |---|---|
+//! | use a robot that ships with the crate | [`built_in`] |
+//! | read a robot from URDF | [`RobotModel::from_urdf`] |
+//! | read a robot from a file (`.urdf`, `.toml`, `.json`) | [`from_file`] |
+//! | compute tool pose and Jacobian at a posture | [`kinematics::Configuration`] |
+//! | measure how near the joints are to their position limits | [`kinematics::joint_limit_index`] |
+//! | describe a set-point over time | [`profile::Profile`] |
+//!
+//! A [`RobotModel`] never changes after it is built. Units are SI: rad and m, rad/s and m/s.
 //!
 //! ```
 //! use revprio_robot::{JointKind, RobotModel, UrdfOptions};
@@ -18,25 +27,19 @@
 //! let rail = &lift.joints()[0];
 //! assert_eq!((rail.name.as_str(), rail.kind), ("rail", JointKind::Prismatic));
 //! assert_eq!((rail.limits.upper, rail.limits.velocity), (1.5, 0.2)); // m, m/s
-//! assert!(rail.limits.acceleration.is_infinite()); // none is given
+//! assert!(rail.limits.acceleration.is_infinite()); // the text gives none
 //! # Ok(())
 //! # }
 //! ```
 
-mod built_in;
-mod denavit_hartenberg;
+mod description;
 mod file;
-mod fixture;
 pub mod kinematics;
-mod limits;
 mod model;
 pub mod profile;
 mod urdf;
 
-pub use built_in::built_in;
-pub use denavit_hartenberg::DenavitHartenberg;
-pub use file::{RobotFileError, from_file};
-pub use fixture::{FixtureError, from_json, from_toml};
-pub use limits::JointLimits;
-pub use model::{Joint, JointKind, ModelError, RobotModel};
+pub use description::{DenavitHartenberg, DescriptionError, from_json, from_toml};
+pub use file::{RobotFileError, built_in, from_file};
+pub use model::{Joint, JointKind, JointLimits, ModelError, RobotModel};
 pub use urdf::{UrdfError, UrdfOptions};

@@ -1,11 +1,13 @@
-//! A serial chain, independent of the convention that described it.
+//! The model of an arm: a serial chain, independent of the format that described it.
 
 use nalgebra::IsometryMatrix3;
+use serde::Deserialize;
 
-use super::{DenavitHartenberg, JointLimits};
+use super::DenavitHartenberg;
 
-/// How a joint moves: about or along the z axis of its own frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Kind of motion of a joint, about or along the z axis of its own frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// Rotation about z; position in rad.
     Revolute,
@@ -13,20 +15,46 @@ pub enum JointKind {
     Prismatic,
 }
 
+/// Position, velocity and acceleration limits of one joint; infinite where there is none.
+///
+/// Units: rad, rad/s, rad/s² for a revolute joint; m, m/s, m/s² for a prismatic one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointLimits {
+    /// q_lo, the smallest position.
+    pub lower: f64,
+    /// q_hi, the largest position.
+    pub upper: f64,
+    /// V, the largest speed in either direction.
+    pub velocity: f64,
+    /// A, the largest acceleration in either direction.
+    pub acceleration: f64,
+}
+
+impl JointLimits {
+    /// No limits.
+    pub const NONE: Self =
+        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, velocity: f64::INFINITY, acceleration: f64::INFINITY };
+
+    /// Returns whether the position range is not empty, and speed and acceleration are positive.
+    fn is_valid(&self) -> bool {
+        self.lower <= self.upper && self.velocity > 0.0 && self.acceleration > 0.0
+    }
+}
+
 /// One joint of the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     /// Name, unique in the robot.
     pub name: String,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: JointKind,
-    /// Pose of this joint's frame at position zero, in the frame that the joint before it moves (the base for the first).
+    /// Pose of the joint's frame at position zero, in the frame that the previous joint moves (first joint: the base).
     pub placement: IsometryMatrix3<f64>,
-    /// What the real arm may do.
+    /// Limits of the real arm.
     pub limits: JointLimits,
-    /// Position range (lower, upper) that a publication prints, where it differs from the real one; informative only.
+    /// Position range (lower, upper) in a publication, if it differs from `limits`. For information only.
     pub published_range: Option<[f64; 2]>,
-    /// The row that described it, where one did; informative only: `placement` and the tool pose contain it.
+    /// Denavit-Hartenberg row, if the joint was described by one. For information only: `placement` contains it.
     pub denavit_hartenberg: Option<DenavitHartenberg>,
 }
 
@@ -42,7 +70,7 @@ pub enum ModelError {
         /// The repeated name.
         name: String,
     },
-    /// Limits that no motion can meet.
+    /// The position range is empty, or a speed or acceleration is not positive.
     #[error("joint `{joint}`: the position range must not be empty, velocity and acceleration limits must be positive")]
     Limits {
         /// The joint.
@@ -60,7 +88,7 @@ fn is_finite(transform: &IsometryMatrix3<f64>) -> bool {
     transform.to_homogeneous().iter().all(|entry| entry.is_finite())
 }
 
-/// A robot arm: joints from base to tool, in this order everywhere.
+/// A robot arm: its joints from base to tool, which is the order of all vectors of joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotModel {
     name: String,
@@ -70,7 +98,7 @@ pub struct RobotModel {
 }
 
 impl RobotModel {
-    /// Builds a model from its joints and the pose of the tool frame in the frame that the last joint moves.
+    /// Builds and checks a model from its joints and the pose of the tool frame in the frame that the last joint moves.
     pub fn new(
         name: impl Into<String>,
         description: impl Into<String>,
@@ -81,8 +109,10 @@ impl RobotModel {
             return Err(ModelError::NoJoints);
         }
         for (i, joint) in joints.iter().enumerate() {
-            joint.limits.validated(&joint.name)?;
-            // What follows a joint is described with it: the next placement, at the end the tool.
+            if !joint.limits.is_valid() {
+                return Err(ModelError::Limits { joint: joint.name.clone() });
+            }
+            // A description gives the transform behind a joint together with that joint, so the error names that joint.
             let after = joints.get(i + 1).map_or(&tool, |next| &next.placement);
             if !(is_finite(&joint.placement) && is_finite(after)) {
                 return Err(ModelError::NotFinite { joint: joint.name.clone() });
@@ -94,13 +124,13 @@ impl RobotModel {
         Ok(Self { name: name.into(), description: description.into(), joints, tool })
     }
 
-    /// The same robot under another name.
+    /// Returns the same robot under another name.
     #[must_use]
     pub fn renamed(self, name: impl Into<String>) -> Self {
         Self { name: name.into(), ..self }
     }
 
-    /// The same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
+    /// Returns the same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
     pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
         let tool = self.tool * offset;
         match self.joints.last() {
@@ -109,27 +139,27 @@ impl RobotModel {
         }
     }
 
-    /// Name by which requests call it.
+    /// Returns the name of the robot.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// One line for people.
+    /// Returns the description, one line of text.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// n, the number of joints.
+    /// Returns n, the number of joints.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
-    /// The joints, base first.
+    /// Returns the joints, base first.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
-    /// Pose of the tool frame in the frame that the last joint moves.
+    /// Returns the pose of the tool frame in the frame that the last joint moves.
     pub fn tool(&self) -> &IsometryMatrix3<f64> {
         &self.tool
     }

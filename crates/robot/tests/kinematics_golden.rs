@@ -1,5 +1,5 @@
-//! Forward kinematics and Jacobian against an independent program (fixtures/golden/README.md), against textbook
-//! matrices, against finite differences, and by hand.
+//! Forward kinematics and Jacobian compared with an independent program (fixtures/golden/README.md), with textbook
+//! matrices, with finite differences, and with results by hand.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -55,7 +55,7 @@ struct Link {
 }
 
 impl Link {
-    /// The matrix as textbooks print it.
+    /// Returns the matrix as textbooks print it.
     fn matrix(&self, q: f64) -> Matrix4<f64> {
         let (d, theta) = if self.prismatic { (self.d + q, self.theta) } else { (self.d, self.theta + q) };
         let ((s, c), (sa, ca)) = (theta.sin_cos(), self.alpha.sin_cos());
@@ -110,16 +110,16 @@ fn any_arm() -> impl Strategy<Value = (Vec<Link>, Vec<f64>, Vec<f64>)> {
     })
 }
 
-/// The rotation vector of a rotation by far less than a right angle, from the sine in its skew part.
+/// Returns the rotation vector of a small rotation from the sine in its skew-symmetric part.
 fn small_rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     let skew = (rotation.matrix() - rotation.matrix().transpose()) / 2.0;
     let sine = Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)]);
     if sine.norm() == 0.0 { sine } else { sine * (sine.norm().asin() / sine.norm()) }
 }
 
-/// (x(q + h v) − x(q − h v)) / 2h: the twist by central differences of the pose.
+/// Returns the twist by central differences of the pose, (x(q + h v) − x(q − h v)) / 2h.
 fn twist_by_differences(robot: &RobotModel, q: &[f64], v: &[f64]) -> [f64; 6] {
-    // h³ against rounding: both near 1e-10 for arms of some metres.
+    // Truncation error h² and rounding error are both near 1e-10 for arms of a few metres.
     let h = 1e-5;
     let moved = |step: f64| {
         let q: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + step * v).collect();
@@ -136,7 +136,7 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Largest deviation of any column from central differences.
+/// Returns the largest deviation of any column from central differences.
 fn jacobian_error(robot: &RobotModel, q: &[f64]) -> f64 {
     let jacobian = at(robot, q).jacobian().clone();
     let column = |i: usize| {
@@ -199,7 +199,7 @@ fn assert_pose_and_jacobian(robot: &RobotModel, q: &[f64], position: [f64; 3], c
 }
 
 #[test]
-fn a_planar_arm_bent_at_a_right_angle_equals_its_drawing() {
+fn a_planar_arm_bent_at_a_right_angle_has_the_expected_pose_and_jacobian() {
     // Upper arm 1 m straight up along y, forearm 0.5 m to the right along x.
     let columns = [[-1.0, 0.5, 0.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0, 0.0, 1.0]];
     let plain = robot(&[revolute(1.0, 0.0), revolute(0.5, 0.0)]);
@@ -210,8 +210,8 @@ fn a_planar_arm_bent_at_a_right_angle_equals_its_drawing() {
 }
 
 #[test]
-fn a_telescope_on_a_turntable_equals_its_drawing() {
-    // α = −90° turns z of the second joint into y of the base; it points at the tool 2 m away.
+fn a_telescope_on_a_turntable_has_the_expected_pose_and_jacobian() {
+    // α = −90° turns z of the second joint to y of the base. It points at the tool, which is 2 m away.
     let turntable = Link { prismatic: false, d: 0.3, a: 0.0, alpha: -FRAC_PI_2, theta: 0.0 };
     let telescope = Link { prismatic: true, d: 0.5, a: 0.0, alpha: 0.0, theta: 0.0 };
     let columns = [[-2.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]];
@@ -219,7 +219,7 @@ fn a_telescope_on_a_turntable_equals_its_drawing() {
 }
 
 #[test]
-fn one_joint_is_an_arm() {
+fn an_arm_may_have_one_joint() {
     let crank = robot(&[revolute(2.0, 0.0)]);
     assert_pose_and_jacobian(&crank, &[FRAC_PI_2], [0.0, 2.0, 0.0], &[[-2.0, 0.0, 0.0, 0.0, 0.0, 1.0]]);
     let slide = robot(&[Link { prismatic: true, ..revolute(2.0, 0.0) }]);

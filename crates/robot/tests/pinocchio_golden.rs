@@ -1,4 +1,5 @@
-//! The URDF robots against Pinocchio (fixtures/golden/README.md), and Sawyer in its two descriptions against each other.
+//! The URDF robots compared with Pinocchio (fixtures/golden/README.md), and the two descriptions of Sawyer with each
+//! other.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -6,10 +7,10 @@ use nalgebra::{Matrix3, Vector3};
 use revprio_robot::kinematics::{Configuration, Jacobian};
 use revprio_robot::{RobotModel, UrdfOptions, built_in};
 
-/// Largest deviation, m, rad and without unit.
+/// Maximum deviation of positions (m), rotation matrices and Jacobians.
 const TOLERANCE: f64 = 1e-12;
 
-/// q_dh = s q_urdf + o.
+/// The map q_dh = s q_urdf + o between the two descriptions of Sawyer.
 const SIGN: [f64; 7] = [1.0, -1.0, 1.0, 1.0, 1.0, -1.0, 1.0];
 const OFFSET: [f64; 7] = [PI, -FRAC_PI_2, PI, 0.0, PI, 0.0, 0.0];
 
@@ -20,7 +21,7 @@ struct Posture {
     jacobian: Jacobian,
 }
 
-/// The rows of a golden file: q, position, rotation and Jacobian row by row.
+/// Reads the lines of a golden file: q, position, rotation and Jacobian row by row.
 fn postures(text: &str, joints: usize) -> Vec<Posture> {
     let posture = |line: &str| {
         let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
@@ -39,9 +40,9 @@ fn postures(text: &str, joints: usize) -> Vec<Posture> {
     postures
 }
 
-/// Largest deviation of the robot from the postures, whose joints are mapped to the robot's by q → s q + o.
+/// Returns the largest deviation of the robot from the postures; q → s q + o maps their joints to those of the robot.
 fn deviation(robot: &RobotModel, postures: &[Posture], sign: &[f64], offset: &[f64]) -> f64 {
-    let of_posture = |posture: &Posture| {
+    let deviation_at = |posture: &Posture| {
         let q: Vec<f64> = posture.q.iter().zip(sign).zip(offset).map(|((q, s), o)| s * q + o).collect();
         let ours = Configuration::new(robot, &q).unwrap();
         let mut jacobian = ours.jacobian().clone();
@@ -52,7 +53,7 @@ fn deviation(robot: &RobotModel, postures: &[Posture], sign: &[f64], offset: &[f
         let rotation = (ours.tool_pose().rotation.matrix() - posture.rotation).amax();
         position.max(rotation).max((jacobian - &posture.jacobian).amax())
     };
-    postures.iter().map(of_posture).fold(0.0, f64::max)
+    postures.iter().map(deviation_at).fold(0.0, f64::max)
 }
 
 fn robot(name: &str) -> &'static RobotModel {
@@ -80,7 +81,7 @@ fn built_in_urdf_robots_equal_pinocchio() {
 }
 
 #[test]
-fn joints_of_every_kind_along_every_axis_equal_pinocchio() {
+fn oblique_axes_of_every_joint_type_equal_pinocchio() {
     let text = include_str!("../../../fixtures/golden/oblique.urdf");
     let options = UrdfOptions { tip: Some("tool"), ..UrdfOptions::default() };
     let oblique = RobotModel::from_urdf(text, &options).unwrap();
@@ -88,12 +89,12 @@ fn joints_of_every_kind_along_every_axis_equal_pinocchio() {
 }
 
 #[test]
-fn sawyer_of_table_1_is_the_manufacturers_under_the_map() {
+fn sawyer_of_table_1_equals_the_manufacturers_description_under_the_map() {
     let golden = postures(SAWYER, 7);
     let worst = deviation(robot("sawyer_dh"), &golden, &SIGN, &OFFSET);
     assert!(worst <= TOLERANCE, "off by {worst:e}");
     let unmapped = deviation(robot("sawyer_dh"), &golden, &SIGN, &[0.0; 7]);
-    assert!(unmapped > 0.1, "the map does nothing");
+    assert!(unmapped > 0.1, "the map must matter");
 }
 
 #[test]
@@ -108,7 +109,7 @@ fn limits_of_both_sawyers_are_the_same_under_the_map() {
 }
 
 #[test]
-fn every_built_in_robot_has_limits_of_every_kind_and_a_name_of_its_own() {
+fn every_built_in_robot_has_all_limits_and_a_unique_name() {
     for (i, robot) in built_in().iter().enumerate() {
         assert!(built_in()[..i].iter().all(|other| other.name() != robot.name()));
         for joint in robot.joints() {

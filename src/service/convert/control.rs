@@ -69,9 +69,7 @@ fn continued(now: &wire::Controller, asked: &wire::Controller) -> wire::Controll
     let mut continued = wire::Controller { method: asked.method, solver: asked.solver, ..now.clone() };
     for (task, asked) in continued.tasks.iter_mut().zip(&asked.tasks) {
         let same_kind = std::mem::discriminant(&task.law) == std::mem::discriminant(&asked.law);
-        let integrates =
-            matches!(task.law, wire::Law::Force { .. } | wire::Law::Impedance { .. } | wire::Law::Hybrid { .. });
-        if same_kind && integrates {
+        if same_kind && task.law.integrates() {
             task.law = asked.law.clone();
         }
     }

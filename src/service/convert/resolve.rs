@@ -245,8 +245,8 @@ struct RobotState<'a> {
 
 impl RobotState<'_> {
     fn limited_box(&self, kind: LimitKind, robot: &RobotModel) -> Result<LimitedBox, ApiError> {
-        let needs_state = kind != LimitKind::Velocity;
-        let needs_last = kind == LimitKind::PositionVelocityAcceleration;
+        let needs_state = kind.includes_position();
+        let needs_last = kind.includes_acceleration();
         let missing = |pointer: &str, what: &str| ApiError::invalid(pointer, format!("these limits need {what}"));
         if needs_state && self.configuration.is_none() {
             return Err(missing("/joint_position", "`joint_position`"));

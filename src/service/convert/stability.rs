@@ -1,7 +1,7 @@
 //! `POST /v1/stability`.
 
 use revprio_api::wire;
-use revprio_core::controller::{ContactLoop, LONGEST_DELAY, Margin};
+use revprio_core::controller::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 
 use super::environment::UNJUDGED;
 use super::numbers::{not_negative, number};
@@ -11,8 +11,8 @@ use crate::service::error::ApiError;
 /// Reads a request.
 pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, ApiError> {
     let wire::StabilityRequest { environment, .. } = request;
-    if request.delay_periods > LONGEST_DELAY {
-        return Err(ApiError::invalid("/delay_periods", format!("at most {LONGEST_DELAY} periods")));
+    if request.delay_periods > MAX_DELAY_PERIODS {
+        return Err(ApiError::invalid("/delay_periods", format!("at most {MAX_DELAY_PERIODS} periods")));
     }
     if request.inertia <= 0.0 {
         return Err(ApiError::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));

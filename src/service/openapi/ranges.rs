@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use revprio_core::controller::LONGEST_DELAY;
+use revprio_core::controller::MAX_DELAY_PERIODS;
 use serde_json::{Value, json};
 
 use super::schemas::{variants, visit};
@@ -34,7 +34,7 @@ enum Range {
 use Range::{Between, Items, NotNegative, Positive, Rows, UniqueItems, UpTo};
 
 /// As far as a component of a unit quaternion may be from zero.
-const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH;
+const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH_TOLERANCE;
 
 /// Schemas with their fields, whether in the schema itself or in one of its alternatives.
 const RANGES: &[(&str, &[(&str, Range)])] = &[
@@ -103,7 +103,7 @@ const RANGES: &[(&str, &[(&str, Range)])] = &[
             ("stiffness", NotNegative),
             ("period_s", Between(SHORTEST_PERIOD_S, LONGEST_PERIOD_S)),
             ("lag_s", NotNegative),
-            ("delay_periods", UpTo(LONGEST_DELAY)),
+            ("delay_periods", UpTo(MAX_DELAY_PERIODS)),
         ],
     ),
     (

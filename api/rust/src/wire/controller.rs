@@ -1,4 +1,4 @@
-//! A controller: the same object in a file, in a request and in a scenario.
+//! Controllers and sessions. A controller is the same object in a file, in a request and in a scenario.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,42 +9,43 @@ use super::{
     WrenchConvention, WrenchFrame,
 };
 
-/// Robot, tasks with their laws, method, solver, limits, period.
+/// A controller: robot, tasks with their laws, method, solver, limits and control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Name of a robot.
+    /// Name of the robot.
     pub robot: String,
-    /// T, s.
+    /// Control period T, s.
     pub period_s: f64,
-    /// How priorities are understood.
+    /// Resolution method, the meaning of priorities; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// How each period's problem is solved.
+    /// Solver of each period's problem; default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Allowed joint velocities.
+    /// Limits of the joint velocities; default `position_velocity`.
     #[serde(default = "default_limits")]
     pub limits: Limits,
-    /// Whose wrench the states carry.
+    /// Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
-    /// What the velocities must obey beside the limits.
+    /// Inequalities on the joint velocities besides the limits; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub inequalities: Vec<Inequality>,
-    /// Along which axes they carry it.
+    /// Axes of the wrench in the states; default `base`.
     #[serde(default)]
     pub wrench_frame: WrenchFrame,
-    /// Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out.
+    /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// ζ̇, what the joints do as far as the tasks allow; rest if left out.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
-    /// Damping near singularities; 0.05 and 0.1 if left out, exact if `null`.
+    /// Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
-    /// What the tool touches; `POST /v1/controllers` warns where a loop with it is unstable, a stateless step does not.
+    /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
+    /// default: unknown.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
     /// The tasks, highest priority first.
@@ -58,28 +59,28 @@ fn default_limits() -> Limits {
 
 #[expect(clippy::unnecessary_wraps, reason = "`null` and a missing field mean different things")]
 fn default_damping() -> Option<Damping> {
-    Some(Damping { threshold: 0.05, max_factor: 0.1 })
+    Some(Damping::STANDARD)
 }
 
-/// One task with its law.
+/// One task of a controller: rows and law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
     /// Name, unique in the controller.
     pub name: String,
-    /// Rows of the tool Jacobian; every law but `posture` needs them.
+    /// Axes of the tool, one per row; required by every law except `posture`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Along which axes rows, displacements and wrench count.
+    /// Axes along which rows, displacements and wrench are measured; default `base`.
     #[serde(default)]
     pub frame: Frame,
-    /// The point at which rows, pose and wrench count: x, y, z in the tool frame, m; the tool point if left out.
+    /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
-    /// How the task's velocity is made.
+    /// Law that computes the velocity of the task.
     #[serde(deserialize_with = "object::deserialize")]
     pub law: Law,
-    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
 }
@@ -87,13 +88,13 @@ pub struct ControllerTask {
 /// Answer to `POST /v1/controllers`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CreatedController {
-    /// Name of the session, part of its address.
+    /// Identifier of the session, part of its address.
     pub id: String,
-    /// Joint order of positions and velocities.
+    /// Names of the joints, in the order of all vectors of joints.
     pub joints: Vec<String>,
-    /// The session ends when it gets no state for this long, s; looking at it does not count.
+    /// Time without a new state after which the session ends, s; `GET` requests do not extend it.
     pub idle_timeout_s: u64,
-    /// What is likely to go wrong: axes whose loop with the stated environment is unstable, and what would help.
+    /// Warnings: axes whose loop with the given environment is unstable, and what would make them stable.
     #[serde(default)]
     pub warnings: Vec<String>,
 }
@@ -101,17 +102,17 @@ pub struct CreatedController {
 /// Answer to `GET /v1/controllers/{id}`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionStatus {
-    /// Name of the session.
+    /// Identifier of the session.
     pub id: String,
-    /// Its configuration, defaults filled in.
+    /// Configuration of the controller, with its defaults.
     pub controller: Controller,
     /// Sequence number of the last state; `null` before the first.
     pub last_sequence: Option<u64>,
-    /// States answered by a step.
+    /// Number of states answered by a step.
     pub steps: u64,
-    /// States answered again, because they were sent again.
+    /// Number of repeated states, which got the same answer again.
     pub retries: u64,
-    /// Steps that came more than 1.5 periods after the one before.
+    /// Number of steps that came more than 1.5 periods after the previous step.
     #[serde(default)]
     pub missed_periods: u64,
 }
@@ -119,25 +120,25 @@ pub struct SessionStatus {
 /// Answer to `GET /v1/controllers`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionList {
-    /// The sessions that are open, the one that stepped last first.
+    /// Open sessions, the one with the most recent step first.
     pub controllers: Vec<SessionEntry>,
 }
 
-/// One session of the list.
+/// One session in a list of sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionEntry {
-    /// Name of the session.
+    /// Identifier of the session.
     pub id: String,
-    /// Its robot.
+    /// Name of the robot.
     pub robot: String,
-    /// How priorities are understood.
+    /// Resolution method.
     pub method: Method,
-    /// How each period's problem is solved.
+    /// Solver.
     pub solver: Solver,
-    /// T, s.
+    /// Control period T, s.
     pub period_s: f64,
-    /// States answered by a step.
+    /// Number of states answered by a step.
     pub steps: u64,
-    /// Time since its last state came, or since it was opened, s.
+    /// Time since the last state, or since the session was opened, s.
     pub idle_s: f64,
 }

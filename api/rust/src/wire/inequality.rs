@@ -1,35 +1,35 @@
-//! Linear inequalities beside the joint limits.
+//! Linear inequalities on the joint velocities.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// What the joint velocities must obey beside the box.
+/// A linear inequality on the joint velocities, besides the joint limits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Inequality {
-    /// a·q̇ ≤ b.
+    /// The inequality a·q̇ ≤ b.
     Joints {
-        /// Name, unique in the list; `inequality 1`, `inequality 2`, … if left out.
+        /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
-        /// a, one per joint, in joint order.
+        /// Coefficients a, one per joint, in joint order, any unit.
         coefficients: Vec<f64>,
-        /// b, rad/s times the unit of a.
+        /// Upper bound b, rad/s (or m/s) times the unit of a.
         upper: f64,
     },
-    /// A point of the arm stays on one side of a plane: n·ṗ ≤ rate (offset − n·p).
+    /// A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p).
     Plane {
-        /// Name, unique in the list; `inequality 1`, `inequality 2`, … if left out.
+        /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
-        /// n, base frame, towards the forbidden side; its length does not matter.
+        /// Normal n of the plane in the base frame, towards the forbidden side, any length.
         normal: [f64; 3],
-        /// Distance of the plane from the base along n, m.
+        /// Distance of the plane from the base origin along n, m.
         offset_m: f64,
-        /// `tool`, or the name of a joint whose frame origin is held back.
+        /// Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
         #[serde(default = "tool")]
         point: String,
-        /// How fast the distance may close, 1/s; 10 if left out, at most one over the period.
+        /// Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rate_per_s: Option<f64>,
     },
@@ -39,24 +39,25 @@ fn tool() -> String {
     "tool".to_owned()
 }
 
-/// An inequality that holds the answer back.
+/// An active inequality: it holds with equality and restricts the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ActiveInequality {
-    /// Its name.
+    /// Name of the inequality.
     pub name: String,
-    /// b.
+    /// Upper bound b.
     pub bound: f64,
-    /// How much ½ residual² of the highest task that it holds back would fall per unit of a larger b.
+    /// Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a larger b.
     pub multiplier: f64,
 }
 
-/// An inequality that the answer breaks: by the solver `closed_form`, or because the joint limits leave no other way.
+/// An inequality that the answer violates: the solver is `closed_form`, or the inequalities contradict the joint
+/// limits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ViolatedInequality {
-    /// Its name.
+    /// Name of the inequality.
     pub name: String,
-    /// b.
+    /// Upper bound b.
     pub bound: f64,
-    /// a·q̇.
+    /// Value a·q̇ of the answer.
     pub value: f64,
 }

@@ -1,16 +1,19 @@
-//! One number per joint, in the robot's order or by name.
+//! Vectors of joints, and null-space velocities.
 
 use std::fmt;
 
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use utoipa::ToSchema;
 
-/// One number per joint.
+use super::object;
+
+/// One number per joint of the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointVector {
-    /// In the robot's joint order.
+    /// Values in the robot's joint order.
     Ordered(Vec<f64>),
-    /// By joint name, in any order, each once.
+    /// Values by joint name, in any order, each joint once.
     Named(Vec<(String, f64)>),
 }
 
@@ -64,11 +67,43 @@ impl<'de> Visitor<'de> for JointVectorVisitor {
     }
 }
 
-/// A name that stands twice. Sorted, not compared pair by pair: a body has room for a hundred thousand names.
+/// Returns a repeated name. It sorts the names, because comparing all pairs of 100 000 names would be slow.
 fn repeated(values: &[(String, f64)]) -> Option<&str> {
     let mut names: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).collect();
     names.sort_unstable();
     names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
+}
+
+/// The null-space velocity ζ̇: a constant, or a motion computed from the posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(
+    untagged,
+    expecting = "expected joint velocities, as a list or by joint name, or `kind` `joint_limits` with `gain`, or `kind` \
+                 `posture` with `joint_position` and `gain`"
+)]
+pub enum NullSpaceVelocity {
+    /// A motion computed from the posture.
+    Motion(#[serde(deserialize_with = "object::deserialize")] NullSpaceMotion),
+    /// A constant velocity ζ̇, rad/s or m/s.
+    Constant(JointVector),
+}
+
+/// A null-space velocity computed from the posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum NullSpaceMotion {
+    /// The velocity −k ∇H, away from the position limits, with the joint-limit index H.
+    JointLimits {
+        /// Gain k, rad²/s or m²/s.
+        gain: f64,
+    },
+    /// The velocity K (q_d − q), towards a posture.
+    Posture {
+        /// Target posture q_d, rad or m.
+        joint_position: JointVector,
+        /// Gain K, 1/s.
+        gain: f64,
+    },
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `POST /v1/kinematics`: where the arm is at a posture, and how it can move.
+//! `POST /v1/kinematics`: tool pose, Jacobian and link frames at a posture.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,32 +9,33 @@ use super::{JointVector, Pose};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicsRequest {
-    /// Name of a robot.
+    /// Name of the robot.
     pub robot: String,
-    /// q, rad or m.
+    /// Joint position q, rad or m.
     pub joint_position: JointVector,
 }
 
-/// Poses, Jacobian and its singular values.
+/// The kinematics of a robot at a posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct KinematicsAnswer {
-    /// The tool in the base frame.
+    /// Tool pose in the base frame, m.
     pub pose: Pose,
-    /// J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool point.
+    /// Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool
+    /// point.
     pub jacobian: Vec<Vec<f64>>,
-    /// Singular values of J, largest first; as many as the smaller of 6 and n.
+    /// Singular values of J, largest first; min(6, n) of them.
     pub singular_values: Vec<f64>,
-    /// Their product.
+    /// Manipulability, the product of the singular values.
     pub manipulability: f64,
-    /// Frame of each joint after its motion, base first: what the link behind it is fixed to.
+    /// Frames of the links, base first: the frame of each joint after its motion.
     pub links: Vec<LinkFrame>,
 }
 
 /// The frame of one link.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LinkFrame {
-    /// The joint that moves it.
+    /// Name of the joint that moves the link.
     pub joint: String,
-    /// Origin on the joint's axis, z along it, in the base frame.
+    /// Pose in the base frame, m: origin on the axis of the joint, z along it.
     pub pose: Pose,
 }

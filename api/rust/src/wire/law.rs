@@ -1,4 +1,4 @@
-//! Laws.
+//! Control laws.
 
 use serde::de::{Error, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -6,92 +6,99 @@ use utoipa::ToSchema;
 
 use super::string_or_map::{self, StringOrMap};
 use super::{PerAxis, Profile, TargetPose};
-use super::{object, words};
+use super::{object, string_tags};
 
-/// How a task's velocity is made.
+/// The law that computes the velocity of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Law {
-    /// ẋ as given.
+    /// A given velocity ẋ.
     Velocity {
-        /// ẋ, m/s and rad/s.
+        /// Task velocity ẋ, m/s and rad/s.
         #[serde(deserialize_with = "object::deserialize")]
         target_velocity: Profile,
     },
-    /// Go to a pose: ẋ = ẋ_d + K (x_d − x).
+    /// Motion to a pose: ẋ = ẋ_d + K (x_d − x).
     Pose {
-        /// K, 1/s.
+        /// Gain K, 1/s.
         gain: PerAxis<f64>,
-        /// X_d.
+        /// Target pose X_d; default `initial`, the pose at the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Added to X_d, m and rad (rotation vector).
+        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
-    /// Lead joints: q̇ = q̇_d + K (q_d − q), or −K ∇H towards the middle of their ranges.
+    /// Motion of joints to positions, q̇ = q̇_d + K (q_d − q), or to the middle of their ranges, q̇ = −K ∇H.
     Posture {
-        /// Names of the joints; if left out all, towards `mid_range` all that have a range.
+        /// Names of the joints; default: all joints, for `mid_range` all joints with a range.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         joints: Option<Vec<String>>,
-        /// K, one for all or one per joint, 1/s; towards `mid_range` rad²/s or m²/s.
+        /// Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s.
         gain: PerAxis<f64>,
-        /// q_d.
+        /// Target positions q_d, rad or m, or `mid_range`.
         target_position: PostureTarget,
     },
-    /// Follow a force.
+    /// Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
     Force {
-        /// M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m².
         inertia: PerAxis<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad.
         damping: PerAxis<f64>,
-        /// F_d, N and N·m.
+        /// Target force F_d, N and N·m.
         #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
     },
-    /// Behave as mass, damper and spring about a pose.
+    /// Mass, damper and spring about a pose: M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e.
     Impedance {
-        /// M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m².
         inertia: PerAxis<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad.
         damping: PerAxis<f64>,
-        /// K_d, N/m and N·m/rad.
+        /// Stiffness K_d, N/m and N·m/rad.
         stiffness: PerAxis<f64>,
-        /// X_d.
+        /// Target pose X_d; default `initial`, the pose at the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Added to X_d, m and rad (rotation vector).
+        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
-    /// Some axes follow a force, the others a pose.
+    /// Force control on some axes, impedance on the others.
     Hybrid {
-        /// M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m².
         inertia: PerAxis<f64>,
-        /// B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad.
         damping: PerAxis<f64>,
-        /// K_d, N/m and N·m/rad; counts on position-controlled axes.
+        /// Stiffness K_d of the position-controlled axes, N/m and N·m/rad; ignored on the others.
         stiffness: PerAxis<f64>,
-        /// S: true = position-controlled, false = force-controlled.
+        /// Selection S per axis: `true` position-controlled, `false` force-controlled.
         position_controlled: PerAxis<bool>,
-        /// F_d, N and N·m; counts on force-controlled axes.
+        /// Target force F_d of the force-controlled axes, N and N·m; ignored on the others.
         #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
-        /// X_d.
+        /// Target pose X_d; default `initial`, the pose at the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Added to X_d, m and rad (rotation vector).
+        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
 }
 
-/// Where a posture leads its joints.
+impl Law {
+    /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
+    pub fn integrates(&self) -> bool {
+        matches!(self, Self::Force { .. } | Self::Impedance { .. } | Self::Hybrid { .. })
+    }
+}
+
+/// The target of the joints of a posture.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PostureTarget {
-    /// `"mid_range"`: to the middle of their ranges.
+    /// `"mid_range"`: the middle of their ranges.
     MidRange,
-    /// To positions, one per joint, rad or m.
+    /// Positions over time, one per joint, rad or m.
     Profile(Profile),
 }
 
@@ -121,6 +128,6 @@ impl StringOrMap for PostureTarget {
     }
 
     fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        words::from_map(map).map(Self::Profile)
+        string_tags::from_map(map).map(Self::Profile)
     }
 }

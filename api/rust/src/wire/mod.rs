@@ -1,16 +1,15 @@
-//! The bodies of the service, in JSON or MessagePack, and nothing else.
+//! The bodies of requests and answers, for JSON or MessagePack.
 //!
-//! SI units; the unit stands in the name where a bare number stands alone. Unknown and repeated fields are refused.
-//! Vectors of joints follow the robot's joint order, or name their joints.
+//! Units are SI; the name of a single number contains its unit. Unknown and repeated fields are refused. Vectors of
+//! joints follow the joint order of the robot, or name their joints.
 
-mod batch;
 mod controller;
+mod enums;
 mod inequality;
 mod joints;
 mod kinematics;
 mod law;
 mod live;
-mod null_space;
 pub mod object;
 mod outcome;
 mod pose;
@@ -23,29 +22,26 @@ mod simulation;
 mod stability;
 mod step;
 pub mod string_or_map;
-mod terms;
-mod watch;
-mod words;
+mod string_tags;
 
-pub use batch::{BatchAnswer, BatchItem, BatchRequest};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
+pub use enums::{
+    Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
+};
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
-pub use joints::JointVector;
+pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
 pub use law::{Law, PostureTarget};
-pub use live::{ArmView, Interactive, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram};
-pub use null_space::{NullSpaceMotion, NullSpaceVelocity};
+pub use live::{
+    ArmView, Interactive, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep,
+};
 pub use object::Object;
 pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
 pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;
 pub use profile::{PerAxis, Profile, ProfilePoint};
-pub use resolve::{ResolveAnswer, ResolveRequest, ResolveTask};
+pub use resolve::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest, ResolveTask};
 pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistration, RobotSource};
 pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
-pub use terms::{
-    Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
-};
-pub use watch::WatchedStep;

@@ -1,7 +1,7 @@
-//! Values that are an object and nothing else.
+//! Functions for `#[serde(deserialize_with = …)]` that read a value which must be an object.
 //!
-//! For a struct serde also takes a list of its fields in order. Where the order is not agreed upon, as with quaternions
-//! ([w, x, y, z] here, [x, y, z, w] there), a list must be refused rather than understood in one of the two ways.
+//! By default serde also accepts a list of the field values of a struct. A list is ambiguous for a quaternion, which
+//! some programs write as [w, x, y, z] and others as [x, y, z, w]. So these functions refuse it.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,9 +9,9 @@ use std::marker::PhantomData;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::words;
+use super::string_tags;
 
-/// A value that is written as an object.
+/// A value that is read from an object only.
 pub struct Object<T>(pub T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
@@ -20,17 +20,17 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
     }
 }
 
-/// Reads an object.
+/// Reads a value from an object.
 pub fn deserialize<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<T, D::Error> {
     Object::deserialize(deserializer).map(|Object(value)| value)
 }
 
-/// Reads an object or `null`.
+/// Reads a value from an object, or `None` from `null`.
 pub fn optional<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
     Ok(Option::deserialize(deserializer)?.map(|Object(value)| value))
 }
 
-/// Reads a list of objects.
+/// Reads values from a list of objects.
 pub fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     Ok(Vec::deserialize(deserializer)?.into_iter().map(|Object(value)| value).collect())
 }
@@ -45,6 +45,6 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-        words::from_map(map)
+        string_tags::from_map(map)
     }
 }

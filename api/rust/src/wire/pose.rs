@@ -1,4 +1,4 @@
-//! Poses.
+//! Poses, target poses and frames.
 
 use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use super::object;
 use super::string_or_map::{self, StringOrMap};
 
-/// A unit quaternion.
+/// An orientation as a unit quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Orientation {
@@ -21,24 +21,24 @@ pub struct Orientation {
     pub z: f64,
 }
 
-/// A pose, in the frame that its field names.
+/// A pose in the frame that the description of its field names.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
-    /// x, y, z, m.
+    /// Position x, y, z, m.
     pub position: [f64; 3],
-    /// Orientation.
+    /// Orientation, unit quaternion.
     #[serde(deserialize_with = "object::deserialize")]
     pub orientation: Orientation,
 }
 
-/// The pose that displacements are counted from.
+/// The target pose, from which displacements are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TargetPose {
-    /// `"initial"`: where the tool was at the first step.
+    /// `"initial"`: the pose at the first step.
     #[default]
     Initial,
-    /// A pose of the reference point, in the task's stated frame where it has one, else in the base.
+    /// A pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
     Fixed(Pose),
 }
 
@@ -72,7 +72,7 @@ impl StringOrMap for TargetPose {
     }
 }
 
-/// Along which axes a task counts.
+/// The axes of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Frame {
     /// `"base"`: the axes of the base.
@@ -80,7 +80,7 @@ pub enum Frame {
     Base,
     /// `"tool"`: the axes of the tool, which turn with it.
     Tool,
-    /// The axes of a frame with this pose in the base; target poses are counted in it.
+    /// The axes of a frame with this pose in the base; target poses are given in that frame.
     Fixed(Pose),
 }
 

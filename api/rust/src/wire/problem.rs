@@ -1,24 +1,24 @@
-//! Errors as RFC 9457 problem details.
+//! Errors as problem details (RFC 9457).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// What was wrong with a request and what to do about it.
+/// Why a request was refused, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Problem {
-    /// Stable identifier of the kind of problem, a relative reference.
+    /// Identifier of the kind of problem, a relative reference that never changes.
     #[serde(rename = "type")]
     pub kind: String,
-    /// The kind in words.
+    /// Kind of problem in words.
     pub title: String,
-    /// HTTP status.
+    /// HTTP status code.
     pub status: u16,
-    /// This occurrence in words, with the remedy.
+    /// Description of this problem, with the remedy.
     pub detail: String,
-    /// JSON pointer of the offending field, where there is one.
+    /// JSON pointer to the wrong field of the request, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointer: Option<String>,
-    /// Name of the request, as in the header `x-request-id` and in the log.
+    /// Identifier of the request, as in the header `x-request-id` and in the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub request_id: Option<String>,
 }

@@ -5,18 +5,18 @@ use utoipa::ToSchema;
 
 use super::object;
 
-/// One value that counts for every axis of the task, or a list with one value per axis.
+/// One value for all axes of the task, or a list with one value per axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged, expecting = "expected one value for all axes, or a list with one value per axis")]
 pub enum PerAxis<T> {
-    /// The same for every axis.
+    /// One value for all axes.
     All(T),
-    /// One per axis.
+    /// One value per axis.
     Each(Vec<T>),
 }
 
 impl<T: Copy> PerAxis<T> {
-    /// The value of the task's axis at a place, from 0; `None` where the list is too short.
+    /// Returns the value of an axis of the task (index from 0); `None` if the list is too short.
     pub fn at(&self, axis: usize) -> Option<T> {
         match self {
             Self::All(value) => Some(*value),
@@ -29,44 +29,44 @@ impl<T: Copy> PerAxis<T> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Profile {
-    /// The same for ever.
+    /// A constant value.
     Constant {
-        /// The value.
+        /// Constant value.
         value: PerAxis<f64>,
     },
-    /// offset + amplitude sin(ω t + φ).
+    /// A sine: offset + amplitude sin(ω t + φ).
     Sine {
         /// Mean value.
         offset: PerAxis<f64>,
-        /// Swing.
+        /// Amplitude.
         amplitude: PerAxis<f64>,
-        /// ω, rad/s.
+        /// Angular frequency ω, rad/s.
         angular_frequency_rad_s: f64,
-        /// φ, rad.
+        /// Phase φ, rad; default 0.
         #[serde(default)]
         phase_rad: f64,
     },
-    /// Straight from one value to another; constant before and after.
+    /// A linear change from one value to another, constant before and after.
     Ramp {
-        /// First value.
+        /// Value before the ramp.
         start: PerAxis<f64>,
-        /// Last value.
+        /// Value after the ramp.
         end: PerAxis<f64>,
-        /// When it begins, s.
+        /// Start time, s; default 0.
         #[serde(default)]
         start_time_s: f64,
-        /// How long it takes, s.
+        /// Duration, s; at least 1e-6.
         duration_s: f64,
     },
-    /// The value of the last point whose time has come; of the first one before it.
+    /// The value of the last point passed; before the first point, its value.
     Steps {
-        /// The points, in the order of their times.
+        /// Points in the order of their times.
         #[serde(deserialize_with = "object::list")]
         points: Vec<ProfilePoint>,
     },
-    /// Smoothly through all points, at rest at the first and the last one.
+    /// A smooth curve through all points, at rest at the first and the last point.
     Waypoints {
-        /// The points, in the order of their times.
+        /// Points in the order of their times.
         #[serde(deserialize_with = "object::list")]
         points: Vec<ProfilePoint>,
     },
@@ -76,8 +76,8 @@ pub enum Profile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProfilePoint {
-    /// t, s.
+    /// Time t, s.
     pub time_s: f64,
-    /// The value then.
+    /// Value at that time.
     pub value: PerAxis<f64>,
 }

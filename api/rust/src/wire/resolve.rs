@@ -1,4 +1,4 @@
-//! `POST /v1/resolve`: one stateless question.
+//! `POST /v1/resolve` and `POST /v1/resolve/batch`: tasks at a posture in, joint velocities out, without a session.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -6,104 +6,129 @@ use utoipa::ToSchema;
 use super::object;
 use super::{
     ActiveInequality, ActiveLimit, Axis, Damping, Frame, Inequality, JointVector, Limits, Method, NullSpaceVelocity,
-    Pose, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality, ViolatedLimit,
+    Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 
-/// Prioritised tasks at one posture.
+/// Prioritised tasks at one posture, to resolve into joint velocities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveRequest {
-    /// Name of a robot; may be left out when every task has its own `jacobian`.
+    /// Name of the robot; not needed if every task has its own `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// q, rad or m.
+    /// Joint position q, rad or m; needed unless every task has its own `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<JointVector>,
-    /// q̇⁻, the last command, rad/s or m/s; for acceleration limits.
+    /// Joint velocity of the last command, rad/s or m/s; needed for acceleration limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// T, s; for position and acceleration limits.
+    /// Control period T, s; needed for position and acceleration limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ResolveTask>,
-    /// How priorities are understood.
+    /// Resolution method, the meaning of priorities; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// How the problem is solved.
+    /// Solver; default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Allowed joint velocities; default `position_velocity` with a robot and a period, else `none`.
+    /// Limits of the joint velocities; default: `position_velocity` with robot, posture and period, otherwise `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
-    /// What the velocities must obey beside the limits.
+    /// Inequalities on the joint velocities besides the limits; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub inequalities: Vec<Inequality>,
-    /// Damping near singularities; none (exact) if left out.
+    /// Damping near singularities; default: no damping.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out.
+    /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// ζ̇, what the joints do as far as the tasks allow; rest if left out.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
 }
 
-/// One task: axes of the tool, or rows of its own.
+/// One task: axes of the tool, or its own Jacobian.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveTask {
-    /// Name; `task 1`, `task 2`, … if left out.
+    /// Name; default `task 1`, `task 2`, …
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Rows of the tool Jacobian.
+    /// Axes of the tool, one per row; instead of `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Along which axes the rows count.
+    /// Axes along which the rows are measured; default `base`.
     #[serde(default)]
     pub frame: Frame,
-    /// The point at which they count: x, y, z in the tool frame, m; the tool point if left out.
+    /// Reference point of the rows: x, y, z in the tool frame, m; default: the tool point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
-    /// Own rows, m × n.
+    /// Task Jacobian J_k, m × n, row by row; instead of `axes`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
-    /// ẋ_k, m/s and rad/s, one entry per row.
+    /// Task velocity ẋ_k, one entry per row, m/s and rad/s.
     pub velocity: Vec<f64>,
-    /// Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
 }
 
-/// Joint velocities and why they are what they are.
+/// Joint velocities and their explanation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ResolveAnswer {
-    /// q̇, rad/s or m/s.
+    /// Joint velocity q̇, the command, in joint order, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
-    /// What became of each task, highest priority first.
+    /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
-    /// Limits that hold the answer back.
+    /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
-    /// Limits that the answer breaks.
+    /// Violated limits; only the solver `closed_form` violates limits.
     pub violated_limits: Vec<ViolatedLimit>,
-    /// Inequalities that hold the answer back.
+    /// Active inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub active_inequalities: Vec<ActiveInequality>,
-    /// Inequalities that the answer breaks.
+    /// Violated inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub violated_inequalities: Vec<ViolatedInequality>,
-    /// Joints whose acceleration limit was overruled by position or velocity.
+    /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
-    /// How the answer was found.
+    /// Solver path, status and certificate.
     pub solver: SolverReport,
-    /// How near the tasks are to singularities.
+    /// Distance of the tasks from singularities.
     pub singularity: Singularity,
-    /// H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end; only where
-    /// robot and posture are given.
+    /// Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit; only with a robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_limit_index: Option<f64>,
-    /// Time to compute it, µs.
+    /// Time to compute the answer, µs.
     pub elapsed_us: f64,
+}
+
+/// Independent problems to resolve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BatchRequest {
+    /// Problems, at most 10 000.
+    #[serde(deserialize_with = "object::list")]
+    pub items: Vec<ResolveRequest>,
+}
+
+/// The results of a batch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BatchAnswer {
+    /// One answer or error per problem, in the order of the request.
+    pub items: Vec<BatchItem>,
+}
+
+/// The result of one problem of a batch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum BatchItem {
+    /// The answer of `POST /v1/resolve`.
+    Answer(Box<ResolveAnswer>),
+    /// The error of `POST /v1/resolve`; its pointer is into the whole batch.
+    Problem(Problem),
 }

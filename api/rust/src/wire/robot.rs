@@ -1,4 +1,4 @@
-//! Known arms.
+//! Robots: `GET /v1/robots`, `POST /v1/robots`.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -8,81 +8,82 @@ use super::JointKind;
 /// Answer to `GET /v1/robots`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RobotList {
-    /// The robots that requests can name.
+    /// Robots that requests can name.
     pub robots: Vec<Robot>,
 }
 
-/// `POST /v1/robots`: the chain of a URDF text from one link to another.
+/// `POST /v1/robots`: registers the chain of a URDF text from one link to another.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotRegistration {
-    /// Name by which requests will call it: letters, digits, `_`, `-` and `.`, at most 64.
+    /// Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
     pub name: String,
-    /// The text, `<robot …>`.
+    /// URDF text, `<robot …>`.
     pub urdf: String,
-    /// Link that the arm stands on; the root of the tree if left out.
+    /// Base link; default: the root of the tree.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
-    /// Link of the tool frame; the only leaf of the tree if left out.
+    /// Link of the tool frame; default: the only leaf of the tree.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
 }
 
-/// How an arm was described.
+/// The format that described a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RobotSource {
-    /// By a Denavit-Hartenberg row per joint.
+    /// One Denavit-Hartenberg row per joint.
     DenavitHartenberg,
-    /// By a URDF text.
+    /// A URDF text.
     Urdf,
 }
 
-/// An arm.
+/// A robot arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Robot {
-    /// Name.
+    /// Name for requests.
     pub name: String,
-    /// One line for people.
+    /// Description, one line of text.
     pub description: String,
-    /// How it was described.
+    /// Format that described the robot.
     pub source: RobotSource,
-    /// The joints, base first: the order of every vector of joints.
+    /// Joints, base first; the order of all vectors of joints.
     pub joints: Vec<RobotJoint>,
 }
 
-/// A joint and its limits; `null` where there is none.
+/// A joint and its limits; a limit is `null` if there is none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RobotJoint {
-    /// Name.
+    /// Name of the joint.
     pub name: String,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: JointKind,
-    /// Unit of its position: `rad` or `m`; velocity and acceleration are per s and s².
+    /// Unit of the position, `rad` or `m`; velocity and acceleration are per s and s².
     pub unit: String,
-    /// Smallest and largest position, rad or m.
+    /// Minimum and maximum position, rad or m.
     pub position_limit: Option<[f64; 2]>,
-    /// Largest speed, rad/s or m/s.
+    /// Maximum speed, rad/s or m/s.
     pub velocity_limit: Option<f64>,
-    /// Largest acceleration, rad/s² or m/s².
+    /// Maximum acceleration, rad/s² or m/s².
     pub acceleration_limit: Option<f64>,
-    /// Position range that a publication prints instead; informative.
+    /// Position range in a publication, if it differs; for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_range: Option<[f64; 2]>,
-    /// Standard Denavit-Hartenberg row, where the robot was described by one.
+    /// Standard Denavit-Hartenberg row, if the robot was described by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub denavit_hartenberg: Option<DenavitHartenberg>,
 }
 
-/// Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d (prismatic).
+/// A Denavit-Hartenberg row, Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d
+/// (prismatic).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DenavitHartenberg {
-    /// d, m.
+    /// Offset d along z, m.
     pub d_m: f64,
-    /// a, m.
+    /// Length a along x, m.
     pub a_m: f64,
-    /// α, rad.
+    /// Twist α about x, rad.
     pub alpha_rad: f64,
-    /// θ at joint position zero, rad.
+    /// Angle θ at joint position zero, rad.
     pub theta_rad: f64,
 }

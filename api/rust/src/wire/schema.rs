@@ -1,4 +1,4 @@
-//! Schemas of values that are read by hand, where no derive can know what is accepted.
+//! Schemas of the types with a hand-written `Deserialize`, which a derive cannot know.
 
 use std::borrow::Cow;
 
@@ -8,17 +8,17 @@ use utoipa::{PartialSchema, ToSchema};
 
 use super::{Frame, JointVector, Pose, PostureTarget, Profile, TargetPose};
 
-/// Implements the schema of a value that is one of some words or an object.
-macro_rules! word_or_object {
-    ($($name:ident: $words:expr, $object:ident, $description:expr;)+) => {$(
+/// Implements the schema of a value that is one of several strings or an object.
+macro_rules! string_or_object {
+    ($($name:ident: $strings:expr, $object:ident, $description:expr;)+) => {$(
         impl PartialSchema for $name {
             fn schema() -> RefOr<Schema> {
-                let words = ObjectBuilder::new()
+                let strings = ObjectBuilder::new()
                     .schema_type(SchemaType::Type(Type::String))
-                    .enum_values(Some($words))
-                    .description(Some("A word."));
+                    .enum_values(Some($strings))
+                    .description(Some("One of the fixed values."));
                 let object = Ref::from_schema_name($object::name());
-                OneOfBuilder::new().item(words).item(object).description(Some($description)).into()
+                OneOfBuilder::new().item(strings).item(object).description(Some($description)).into()
             }
         }
 
@@ -35,15 +35,15 @@ macro_rules! word_or_object {
     )+};
 }
 
-word_or_object! {
+string_or_object! {
     TargetPose: ["initial"], Pose,
-        "The pose that displacements are counted from: `initial`, where the tool was at the first step, or a pose of the \
-         reference point (m, unit quaternion), in the task's stated frame where it has one, else in the base.";
+        "Target pose, from which displacements are measured: `initial` (the pose at the first step), or a pose of the \
+         reference point (m, unit quaternion), in the task's `frame` if that is a pose, otherwise in the base frame.";
     Frame: ["base", "tool"], Pose,
-        "Along which axes a task counts: those of the base, those of the tool, or those of a frame with this pose in the \
-         base (m, unit quaternion); target poses are counted in such a frame.";
+        "Axes of a task: of the base, of the tool, or of a frame with this pose in the base (m, unit quaternion). In the \
+         last case, target poses are given in that frame.";
     PostureTarget: ["mid_range"], Profile,
-        "Where a posture leads its joints: `mid_range`, the middle of their ranges, or positions over time, one per \
+        "Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per \
          joint, rad or m.";
 }
 
@@ -52,11 +52,13 @@ impl PartialSchema for JointVector {
         let number = |description| {
             ObjectBuilder::new().schema_type(SchemaType::Type(Type::Number)).description(Some(description))
         };
-        let list = ArrayBuilder::new().items(number("Of one joint.")).description(Some("In the robot's joint order."));
+        let list = ArrayBuilder::new()
+            .items(number("Value of one joint."))
+            .description(Some("Values in the robot's joint order."));
         let named = ObjectBuilder::new()
             .schema_type(SchemaType::Type(Type::Object))
-            .additional_properties(Some(Schema::Object(number("Of the joint of that name.").build())))
-            .description(Some("By joint name, in any order, each once."));
+            .additional_properties(Some(Schema::Object(number("Value of the joint with this name.").build())))
+            .description(Some("Values by joint name, each joint once."));
         let description = "One number per joint of the robot, rad or m for positions, rad/s or m/s for velocities.";
         OneOfBuilder::new().item(list).item(named).description(Some(description)).into()
     }

@@ -1,4 +1,4 @@
-//! `GET /v1/simulations/{id}`: how far a run of the built-in simulator is, and what came of it.
+//! `GET /v1/simulations/{id}`: the state and the metrics of a run of the built-in simulator.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -8,70 +8,71 @@ use super::{Interactive, Method, Solver};
 /// A run of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Simulation {
-    /// Name of the run, part of its address.
+    /// Identifier of the run, part of its address.
     pub id: String,
     /// Name of the scenario.
     pub scenario: String,
-    /// How priorities are understood.
+    /// Resolution method.
     pub method: Method,
-    /// How each period's problem is solved.
+    /// Solver.
     pub solver: Solver,
-    /// Control periods of the whole run.
+    /// Number of control periods of the whole run.
     pub periods: u64,
-    /// What it is doing.
+    /// State of the run.
     pub state: SimulationState,
-    /// Part of the run that is done, 0 to 1.
+    /// Finished fraction of the run, 0 to 1.
     pub progress: f64,
-    /// Why it failed.
+    /// Reason of the failure; only if the run failed.
     #[schema(example = "the service refused a state: a wrench is needed")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// How it is paced, if it is interactive.
+    /// Pace of the run; only if it is interactive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interactive: Option<Interactive>,
-    /// Measures of the run, once it is finished.
+    /// Metrics of the run; only when it is finished.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metrics: Option<SimulationMetrics>,
 }
 
-/// What a run is doing.
+/// The state of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SimulationState {
-    /// Others come first.
+    /// Waiting for other runs.
     Queued,
-    /// At work.
+    /// Running.
     Running,
-    /// Done; there is a trace.
+    /// Finished, with a trace.
     Finished,
-    /// Ended early; `error` says why.
+    /// Ended early by an error; see `error`.
     Failed,
     /// Ended early by `DELETE`.
     Cancelled,
 }
 
-/// Measures of a run; `null` where one has no meaning. In contact: touching a wall or, without one, feeling a force.
+/// The metrics of a run; `null` if one is not defined. "In contact" is touching a wall or, without a wall, measuring a
+/// force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SimulationMetrics {
-    /// Root mean square of F_x − F_d,x, N; from 5 s on in runs longer than 10 s, else from the first contact on.
+    /// Root mean square of F_x − F_d,x, N; from 5 s in runs longer than 10 s, otherwise from the first contact.
     pub rmse_force_x_n: Option<f64>,
-    /// The same for y, N.
+    /// Root mean square of F_y − F_d,y, N, over the same time.
     pub rmse_force_y_n: Option<f64>,
-    /// Largest excess of F_x over its target, N.
+    /// Maximum excess of F_x over its target, N.
     pub overshoot_n: Option<f64>,
-    /// The same as a percentage of the target.
+    /// Maximum excess of F_x over its target, % of the target.
     pub overshoot_percent: Option<f64>,
     /// Time from which F_x stays within 5 % of its target, s.
     pub settling_time_s: Option<f64>,
-    /// F_x in the end, N.
+    /// F_x at the end, N.
     pub final_force_n: Option<f64>,
-    /// Largest F_x, N.
+    /// Maximum F_x, N.
     pub peak_force_n: Option<f64>,
     /// Time of the first contact, s.
     pub first_contact_s: Option<f64>,
-    /// Separate intervals in contact.
+    /// Number of separate intervals in contact.
     pub contacts: usize,
-    /// Largest joint speed, rad/s.
+    /// Maximum joint speed, rad/s.
     pub largest_joint_speed_rad_s: Option<f64>,
     /// Control periods per second of real time.
     pub calls_per_second: Option<f64>,

@@ -1,4 +1,4 @@
-//! `POST /v1/stability`: how near one axis in contact is to bouncing for ever.
+//! `POST /v1/stability`: stability margins of one axis in contact.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,25 +9,25 @@ use super::object;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StabilityRequest {
-    /// M_d > 0.
+    /// Inertia M_d > 0 of the law.
     pub inertia: f64,
-    /// B_d.
+    /// Damping B_d of the law.
     pub damping: f64,
-    /// K_d; 0 (left out) where a force is followed.
+    /// Stiffness K_d of the law; default 0, as on a force-controlled axis.
     #[serde(default)]
     pub stiffness: f64,
-    /// What the tool touches.
+    /// Environment that the tool touches.
     #[serde(deserialize_with = "object::deserialize")]
     pub environment: EnvironmentAxis,
-    /// T, s.
+    /// Control period T, s.
     pub period_s: f64,
-    /// τ of the arm's velocity loop, s.
+    /// Lag τ of the arm's velocity loop, s; default 0.
     #[serde(default)]
     pub lag_s: f64,
-    /// Whole periods that a command waits.
+    /// Delay of a command, control periods; default 0.
     #[serde(default)]
     pub delay_periods: usize,
-    /// Whether states carry the measured joint velocity; otherwise the last command stands for it.
+    /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
     #[serde(default = "measured")]
     pub velocity_measured: bool,
 }
@@ -36,67 +36,67 @@ fn measured() -> bool {
     true
 }
 
-/// M_e Ẍ + B_e Ẋ + K_e X on one axis.
+/// The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentAxis {
-    /// K_e.
+    /// Stiffness K_e, N/m or N·m/rad.
     pub stiffness: f64,
-    /// B_e.
+    /// Damping B_e, N·s/m or N·m·s/rad; default 0.
     #[serde(default)]
     pub damping: f64,
-    /// M_e.
+    /// Inertia M_e, kg or kg·m²; default 0.
     #[serde(default)]
     pub inertia: f64,
 }
 
-/// What a controller's tool touches and how the arm follows, as far as it is known: enough to be warned of a loop that
-/// bounces for ever. It changes no command.
+/// The environment of the tool and the response of the arm, as far as known. It causes warnings of unstable loops and
+/// changes no command.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Environment {
-    /// Along x, base axes.
+    /// Environment along x of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub x: Option<EnvironmentAxis>,
-    /// Along y.
+    /// Environment along y of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub y: Option<EnvironmentAxis>,
-    /// Along z.
+    /// Environment along z of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub z: Option<EnvironmentAxis>,
-    /// About x.
+    /// Environment about x of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub rx: Option<EnvironmentAxis>,
-    /// About y.
+    /// Environment about y of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub ry: Option<EnvironmentAxis>,
-    /// About z.
+    /// Environment about z of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub rz: Option<EnvironmentAxis>,
-    /// τ of the arm's velocity loop, s.
+    /// Lag τ of the arm's velocity loop, s; default 0.
     #[serde(default)]
     pub lag_s: f64,
-    /// Whole periods that a command waits.
+    /// Delay of a command, control periods; default 0.
     #[serde(default)]
     pub delay_periods: usize,
-    /// Whether states will carry the measured joint velocity; otherwise the last command stands for it.
+    /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
     #[serde(default = "measured")]
     pub velocity_measured: bool,
 }
 
-/// How stable the loop is, and how far it could go.
+/// The stability margins of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StabilityAnswer {
     /// Whether the loop is stable.
     pub stable: bool,
-    /// Largest |eigenvalue| from period to period; stable below 1.
+    /// Spectral radius of the loop from period to period; stable below 1.
     pub spectral_radius: f64,
-    /// Largest lag at which it is stable, s; `null` if at none, or at any (see `stable_at_any_lag`).
+    /// Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
     pub largest_lag_s: Option<f64>,
-    /// Whether no lag makes it unstable.
+    /// Whether the loop is stable at any lag.
     pub stable_at_any_lag: bool,
-    /// Largest delay at which it is stable, periods; `null` if at none.
+    /// Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none.
     pub largest_delay_periods: Option<usize>,
-    /// Smallest B_d that makes it stable; `null` if none does.
+    /// Minimum damping B_d at which the loop is stable; `null` if there is none.
     pub smallest_damping: Option<f64>,
 }

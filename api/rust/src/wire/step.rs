@@ -1,4 +1,4 @@
-//! One control period: a state in, joint velocities out.
+//! One control period: measured state in, joint velocities out.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,20 +9,20 @@ use super::{
     ViolatedInequality, ViolatedLimit,
 };
 
-/// The measured state.
+/// The measured state of one control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct State {
-    /// Number of the period; must grow.
+    /// Sequence number of the period; must increase.
     pub sequence: u64,
-    /// t, s.
+    /// Time t of the measurement, s.
     pub time_s: f64,
-    /// q, rad or m.
+    /// Joint position q, rad or m.
     pub joint_position: JointVector,
-    /// q̇, rad/s or m/s; the last command stands for it if left out.
+    /// Measured joint velocity q̇, rad/s or m/s; default: the last command.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// Measured wrench; may be left out where no law needs it.
+    /// Measured wrench; required by the laws `force`, `impedance` and `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
 }
@@ -31,100 +31,100 @@ pub struct State {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wrench {
-    /// N.
+    /// Force x, y, z, N.
     pub force: [f64; 3],
-    /// N·m.
+    /// Torque x, y, z, N·m.
     pub torque: [f64; 3],
 }
 
-/// `POST /v1/step`: controller, state and memory in one body.
+/// `POST /v1/step`: controller, state and memory in one body, without a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepRequest {
-    /// The controller.
+    /// Controller.
     #[serde(deserialize_with = "object::deserialize")]
     pub controller: Controller,
-    /// The state.
+    /// Measured state.
     #[serde(deserialize_with = "object::deserialize")]
     pub state: State,
-    /// The last answer's memory; `null` at the first step.
+    /// Memory of the last answer; `null` at the first step.
     #[serde(default, deserialize_with = "object::optional")]
     pub memory: Option<Memory>,
 }
 
-/// What a controller remembers; opaque to clients, who send it back as it came.
+/// The memory of a controller. Clients send it back unchanged with the next state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
-    /// Sequence number of the state that led here.
+    /// Sequence number of the last state.
     pub sequence: u64,
-    /// Integrator of each task, m/s and rad/s.
+    /// Integrator velocity of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
-    /// Tool pose at the first step.
+    /// Tool pose at the first step, base frame, m.
     #[serde(deserialize_with = "object::deserialize")]
     pub initial_pose: FramePose,
-    /// q̇ of the last command, rad/s or m/s.
+    /// Joint velocity of the last command, rad/s or m/s.
     pub last_command: Vec<f64>,
-    /// Active limits of the last command, level by level.
+    /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
 }
 
-/// A pose that survives writing and reading to the last bit: a rotation matrix, not a quaternion.
+/// A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FramePose {
-    /// x, y, z in the base frame, m.
+    /// Position x, y, z in the base frame, m.
     pub position: [f64; 3],
-    /// Rotation matrix, row by row.
+    /// Rotation matrix, 3 × 3, row by row.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// A limit by joint and side, or an inequality by name.
+/// An active limit: a joint and a side, or an inequality.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveLimitName {
-    /// Joint name, for a bound of a joint.
+    /// Name of the joint, for a limit of a joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Name of an inequality, for that.
+    /// Name of the inequality, for an inequality.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inequality: Option<String>,
-    /// Which bound; inequalities have an upper one.
+    /// Lower or upper bound; `upper` for an inequality.
     pub side: Side,
 }
 
-/// Joint velocities for one period and why they are what they are.
+/// Joint velocities for one control period and their explanation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StepAnswer {
-    /// q̇, rad/s or m/s.
+    /// Joint velocity q̇, the command, in joint order, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
     /// Sequence number of the state.
     pub sequence: u64,
-    /// To be sent with the next state; only in stateless answers.
+    /// Memory to send with the next state; only in answers without a session.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// Time from the measurement of the state after which, without a newer answer, the arm is to ramp to zero, ms.
+    /// Validity of the command from the time of measurement, ms. Without a newer answer, ramp the arm to zero then.
     pub valid_for_ms: u64,
-    /// What became of each task, highest priority first.
+    /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
-    /// Limits that hold the answer back.
+    /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
-    /// Limits that the answer breaks.
+    /// Violated limits; only the solver `closed_form` violates limits.
     pub violated_limits: Vec<ViolatedLimit>,
-    /// Inequalities that hold the answer back.
+    /// Active inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub active_inequalities: Vec<ActiveInequality>,
-    /// Inequalities that the answer breaks.
+    /// Violated inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub violated_inequalities: Vec<ViolatedInequality>,
-    /// Joints whose acceleration limit was overruled by position or velocity.
+    /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
-    /// How the answer was found.
+    /// Solver path, status and certificate.
     pub solver: SolverReport,
-    /// How near the tasks are to singularities.
+    /// Distance of the tasks from singularities.
     pub singularity: Singularity,
-    /// H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end.
+    /// Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit.
     pub joint_limit_index: f64,
-    /// Time to compute it, µs.
+    /// Time to compute the answer, µs.
     pub elapsed_us: f64,
 }

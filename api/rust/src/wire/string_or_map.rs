@@ -1,6 +1,6 @@
-//! Values that are a word or an object.
+//! Reads a value that is written as a string or as an object.
 //!
-//! serde's untagged enums would do, but say only "did not match any variant" when something is wrong.
+//! Its error texts name what is wrong. Untagged enums of serde say only "did not match any variant".
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,24 +10,24 @@ use serde::de::{Error, MapAccess, Visitor};
 
 /// A value that is written as a string or as an object.
 pub trait StringOrMap: Sized {
-    /// What an error says was expected.
+    /// What the text of an error names as expected.
     const EXPECTED: &'static str;
 
-    /// Reads the string.
+    /// Reads the value from a string.
     fn from_string<E: Error>(text: &str) -> Result<Self, E>;
 
-    /// Reads the object.
+    /// Reads the value from an object.
     fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error>;
 }
 
-/// Reads either.
+/// Reads the value from a string or an object.
 pub fn deserialize<'de, D: Deserializer<'de>, T: StringOrMap>(deserializer: D) -> Result<T, D::Error> {
-    deserializer.deserialize_any(Either(PhantomData))
+    deserializer.deserialize_any(StringOrMapVisitor(PhantomData))
 }
 
-struct Either<T>(PhantomData<T>);
+struct StringOrMapVisitor<T>(PhantomData<T>);
 
-impl<'de, T: StringOrMap> Visitor<'de> for Either<T> {
+impl<'de, T: StringOrMap> Visitor<'de> for StringOrMapVisitor<T> {
     type Value = T;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {

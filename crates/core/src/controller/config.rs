@@ -1,4 +1,4 @@
-//! What a controller is made of, checked once.
+//! The configuration of a controller and its checks.
 
 use std::sync::Arc;
 
@@ -9,18 +9,18 @@ use crate::limits::{Barrier, LimitKind, LimitedBox, PlanePoint, VelocityBox, rob
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 
-/// Whose wrench is measured; the laws speak of the wrench on the environment.
+/// Which body exerts the measured wrench on which. The laws use the wrench on the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WrenchConvention {
-    /// What the tool exerts on the environment: pressing on a wall at +x gives a positive x force.
+    /// The wrench of the tool on the environment: pressing on a wall at +x gives a positive x force.
     #[default]
     OnEnvironment,
-    /// What the environment exerts on the tool: the opposite sign, as most wrist sensors give.
+    /// The wrench of the environment on the tool, with the opposite sign. Most wrist sensors measure it.
     OnTool,
 }
 
 impl WrenchConvention {
-    /// The factor that makes a measured wrench one on the environment.
+    /// Returns the factor that converts a measured wrench to the wrench on the environment.
     pub(super) fn sign(self) -> f64 {
         match self {
             Self::OnEnvironment => 1.0,
@@ -29,17 +29,17 @@ impl WrenchConvention {
     }
 }
 
-/// Along which axes the wrench is measured, at the tool point.
+/// The axes along which the wrench is measured, at the tool point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WrenchFrame {
     /// The axes of the base.
     #[default]
     Base,
-    /// The axes of the tool, as a wrist sensor gives it.
+    /// The axes of the tool, as of a wrist sensor.
     Tool,
 }
 
-/// Which joint velocities are allowed.
+/// The limits of the joint velocities.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Limits {
     /// The robot's own limits at the measured state.
@@ -49,7 +49,7 @@ pub enum Limits {
 }
 
 impl Limits {
-    /// The allowed velocities at a state: `joint_position` and `last_velocity` (the last command), n; `period` in s.
+    /// Returns the allowed velocities at a state: `joint_position` and the last command, n; `period`, s.
     pub fn at(&self, robot: &RobotModel, joint_position: &[f64], last_velocity: &[f64], period: f64) -> LimitedBox {
         match self {
             Self::Robot(kind) => robot_box(robot, *kind, joint_position, last_velocity, period),
@@ -57,7 +57,7 @@ impl Limits {
         }
     }
 
-    /// Overwrites `limited`, which was made by [`Self::at`], with what it gives at another state.
+    /// Updates `limited`, a result of [`Self::at`], to another state.
     pub(super) fn update(
         &self,
         limited: &mut LimitedBox,
@@ -72,36 +72,38 @@ impl Limits {
     }
 }
 
-/// Everything that stays the same from period to period.
+/// The configuration of a controller: everything that is constant over its periods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerConfig {
     /// The arm.
     pub robot: Arc<RobotModel>,
-    /// T, s.
+    /// T, control period, s.
     pub period_s: f64,
-    /// How priorities are understood.
+    /// The meaning of priorities.
     pub method: Method,
-    /// How each period's problem is solved.
+    /// The solver of each period's problem.
     pub solver: Solver,
-    /// Damping near singularities; `None` is exact.
+    /// Damping near singularities; `None`: no damping.
     pub damping: Option<Damping>,
-    /// Which joint velocities are allowed.
+    /// The limits of the joint velocities.
     pub limits: Limits,
-    /// What joint velocities must obey beside the box.
+    /// Inequalities besides the limits.
     pub barriers: Vec<Barrier>,
-    /// Whose wrench is measured.
+    /// Which body exerts the measured wrench on which.
     pub wrench_convention: WrenchConvention,
-    /// Along which axes it is measured.
+    /// The axes along which the wrench is measured.
     pub wrench_frame: WrenchFrame,
-    /// What the joints do where the tasks leave them free; `None` is rest.
+    /// Joint motion in the null space of the tasks; `None`: rest.
     pub null_space: Option<NullSpaceMotion>,
     /// The tasks, highest priority first.
     pub tasks: Vec<TaskConfig>,
 }
 
 impl ControllerConfig {
-    /// Reverse priority by the shortest certified way, inside the position and velocity limits of the robot, damped near
-    /// singularities: the defaults of a controller that comes as JSON. `period_s`: T, s.
+    /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
+    ///
+    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, and the position and velocity
+    /// limits of the robot.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
             robot,
@@ -119,43 +121,43 @@ impl ControllerConfig {
     }
 }
 
-/// Why a controller is refused.
+/// Why the configuration of a controller is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ConfigError {
-    /// T must be positive and finite.
+    /// T is not positive or not finite.
     #[error("the period must be a positive number of seconds, not {0}")]
     Period(f64),
-    /// Nothing to control.
+    /// The list of tasks is empty.
     #[error("give at least one task")]
     NoTasks,
     /// Two tasks share a name.
     #[error("two tasks are named `{name}`; give each its own name")]
     DuplicateTask {
-        /// Place of the second, from 0.
+        /// Index of the second of the two tasks, from 0.
         task: usize,
         /// The repeated name.
         name: String,
     },
-    /// A task does not fit together or not to the robot.
+    /// The parts of a task do not fit each other or the robot.
     #[error("{source}")]
     Task {
-        /// Place of the task, from 0.
+        /// Index of the task, from 0.
         task: usize,
         /// What is wrong with it.
         source: TaskConfigError,
     },
-    /// A barrier is about another number of joints, or about a joint that the robot does not have.
+    /// A barrier has the wrong number of coefficients, or names a joint that the robot does not have.
     #[error("inequality `{name}` does not fit a robot of {expected} joints")]
     Barrier {
-        /// Place in the list, from 0.
+        /// Index in the list, from 0.
         index: usize,
         /// Its name.
         name: String,
         /// Joints of the robot.
         expected: usize,
     },
-    /// The box is about another number of joints.
-    #[error("limits for {given} joints, the robot has {expected}")]
+    /// The box has another number of joints than the robot.
+    #[error("limits for {given} joints, but the robot has {expected}")]
     Limits {
         /// Joints of the robot.
         expected: usize,
@@ -168,7 +170,7 @@ pub enum ConfigError {
 }
 
 impl ControllerConfig {
-    /// Checks that the parts fit together.
+    /// Checks that the parts fit each other.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         if !(self.period_s.is_finite() && self.period_s > 0.0) {
             return Err(ConfigError::Period(self.period_s));

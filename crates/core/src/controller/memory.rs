@@ -1,4 +1,4 @@
-//! What a controller remembers from one period to the next.
+//! The memory of a controller: its state from period to period.
 
 use nalgebra::IsometryMatrix3;
 
@@ -6,20 +6,20 @@ use super::ControllerConfig;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
 
-/// The whole state of a controller: with it, any replica continues where another stopped, to the last bit.
+/// The complete state of a controller. From it, any replica continues where another stopped, to the last bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory {
-    /// ẋ of each task's integrator, m_k each, m/s and rad/s.
+    /// ẋ in the integrator of each task, m_k each, m/s and rad/s.
     pub task_velocities: Vec<Vector>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
     /// q̇ of the last command, n, rad/s.
     pub last_command: Vector,
-    /// Active limits of the last command, level by level.
+    /// Active limits of the last command, per level.
     pub active_set: Vec<ActiveSet>,
 }
 
-/// Why a memory is refused: it belongs to another controller, or is damaged.
+/// Why a memory is refused: it belongs to another controller or is damaged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum MemoryError {
     /// The task velocities do not fit the tasks.
@@ -47,7 +47,7 @@ impl Memory {
         if self.last_command.len() != n || !finite(&self.last_command) {
             return Err(MemoryError::LastCommand);
         }
-        // Each joint once per level and in order, as the solver leaves it.
+        // The solver writes each joint once per level and in ascending order.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
         let rows = n + config.barriers.len();
         if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| row < rows)) {

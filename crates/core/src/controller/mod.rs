@@ -1,14 +1,14 @@
-//! The controller: one call per control period, measurement in, command out.
+//! The controller: computes a command from a measurement, once per control period.
 //!
-//! [`Controller::new`] checks a [`ControllerConfig`] once. A [`Stepper`] owns a controller and the memory that it computes
-//! in; [`Stepper::step`] checks each [`Measurement`]. The caller keeps the [`Memory`] that passes from one period to the
-//! next.
+//! [`Controller::new`] checks a [`ControllerConfig`] once. A [`Stepper`] owns a controller and its workspace.
+//! [`Stepper::step`] checks each [`Measurement`] and computes the [`Command`]. The caller keeps the [`Memory`] from
+//! period to period.
 //!
 //! ```
 //! use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};
-//! use revprio_robot::kinematics::{Axis, AxisSelection};
 //! use revprio_core::law::{ForceLaw, Gains, Law, Profile};
-//! use revprio_robot::built_in;
+//! use revprio_core::robot::built_in;
+//! use revprio_core::robot::kinematics::{Axis, AxisSelection};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
@@ -26,7 +26,7 @@
 //! };
 //! let mut memory = None;
 //! let command = stepper.step(&mut memory, &measured)?;
-//! // At rest and untouched: ẋ = T F_d / M_d after one period.
+//! // At rest and without contact: ẋ = T F_d / M_d after one period.
 //! assert!((command.resolution.tasks[0].achieved[0] - 0.001 * 30.0 / 15.0).abs() < 1e-12);
 //! assert!(memory.is_some());
 //! # Ok(())
@@ -42,13 +42,12 @@ mod step;
 mod stepper;
 mod task;
 mod tool_rows;
-mod workspace;
 
 pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};
-pub use stability::{ContactLoop, LONGEST_DELAY, Margin};
+pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use stepper::Stepper;
 pub use task::{TaskConfig, TaskConfigError, TaskRows};

@@ -1,16 +1,16 @@
-//! What the joints do where the tasks leave them free.
+//! Joint motion in the null space of the tasks.
 
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use crate::linalg::Vector;
 
-/// Makes ζ̇, the joint velocity that the tasks leave untouched as far as they can.
+/// The null-space velocity ζ̇: a joint velocity that the answer follows as far as the tasks permit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NullSpaceMotion {
-    /// The same velocity for ever, n, rad/s or m/s.
+    /// A constant velocity, n, rad/s or m/s.
     Constant(Vector),
-    /// −k ∇H, away from the ends of the joints' ranges. Paper: Eq. (8).
+    /// −k ∇H, towards the middle of the joints' ranges. Paper: Eq. (8).
     JointLimits {
         /// k, rad²/s or m²/s.
         gain: f64,
@@ -27,27 +27,27 @@ pub enum NullSpaceMotion {
 /// Why a null-space motion is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NullSpaceError {
-    /// Not one finite number per joint.
+    /// The motion does not have one finite number per joint.
     #[error("the null-space motion needs {expected} finite entries, one per joint")]
     Size {
         /// Joints of the robot.
         expected: usize,
     },
-    /// Negative or not finite.
+    /// The gain is negative or not finite.
     #[error("{0} is out of range; a gain must not be negative")]
     Gain(f64),
-    /// From period to period it would overshoot more than it corrects.
-    #[error("a gain of {gain} overshoots from period to period; it must stay below {bound}")]
+    /// With this gain and period the motion oscillates without decay.
+    #[error("a gain of {gain} makes the motion unstable at this period; it must be below {bound}")]
     Unstable {
         /// The gain.
         gain: f64,
-        /// The smallest one that swings for ever.
+        /// The smallest unstable gain.
         bound: f64,
     },
 }
 
 impl NullSpaceMotion {
-    /// ζ̇ at a posture (`joint_position`: q, n), n, rad/s or m/s.
+    /// Returns ζ̇ at a posture (`joint_position`: q, n), n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
         let mut velocity = Vector::zeros(robot.joint_count());
         self.write(robot, joint_position, &mut velocity);
@@ -70,7 +70,7 @@ impl NullSpaceMotion {
         }
     }
 
-    /// Checks that the motion fits the robot and settles at this period (s).
+    /// Checks that the motion fits the robot and is stable at this period (s).
     pub(super) fn check(&self, robot: &RobotModel, period: f64) -> Result<(), NullSpaceError> {
         let expected = robot.joint_count();
         let fits = |values: &[f64]| values.len() == expected && values.iter().all(|value| value.is_finite());
@@ -88,7 +88,8 @@ impl NullSpaceMotion {
     }
 }
 
-/// ∂²H/∂q_i², 1/rad² or 1/m²: the rate, per unit of gain, at which −k ∇H leads a joint to the middle of its range.
+/// Returns ∂²H/∂q_i², 1/rad² or 1/m²: the rate, per unit of gain, at which −k ∇H
+/// moves a joint to the middle of its range.
 pub(super) fn mid_range_rate(robot: &RobotModel, joint: usize) -> f64 {
     let half = half_range(&robot.joints()[joint].limits);
     half.map_or(0.0, |half| 1.0 / (robot.joint_count() as f64 * half * half))

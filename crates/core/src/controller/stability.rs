@@ -1,77 +1,78 @@
-//! How near one axis in contact is to bouncing for ever.
+//! Stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
 //!
-//! The force, impedance and hybrid laws on one axis against M_e Ẍ + B_e Ẋ + K_e X, through an inner velocity loop with a
-//! first-order lag τ and a delay of d whole periods, are a linear map from period to period:
+//! One axis of a force, impedance or hybrid law touches an environment M_e Ẍ + B_e Ẋ + K_e X. The inner velocity loop
+//! of the arm has a first-order lag τ and a delay of d whole periods. Together they are a linear map from period to
+//! period:
 //!
 //! - F_e = M_e (v − v⁻)/T + B_e v + K_e x,
-//! - u ← u + T M_d⁻¹ (−F_e − B_d Ẋ − K_d x), the integrator of the law (its set-point does not matter for stability),
-//!   with Ẋ = v where the joint velocity is measured and Ẋ = u, the last command, where it is not,
-//! - the arm follows a = u (d periods ago) exactly: v ← a + (v − a) e^(−T/τ), x ← its integral.
+//! - u ← u + T M_d⁻¹ (−F_e − B_d Ẋ − K_d x), the integrator of the law. Its set-point does not affect stability. Ẋ = v if
+//!   the joint velocity is measured; otherwise Ẋ = u, the last command.
+//! - the velocity follows the delayed command a (u of d periods ago): v ← a + (v − a) e^(−T/τ); x ← the integral of v.
 //!
-//! For T → 0 and no delay, M_d τ s³ + M_d s² + B_d s + K_e (measured) and M_d τ s³ + (M_d + B_d τ) s² + B_d s + K_e
-//! (commanded) give the largest lags B_d/K_e and M_d B_d/(M_d K_e − B_d²).
+//! The loop is stable if the spectral radius of the map is below 1. The map is exact, not an approximation: controller
+//! and arm carry out the same recursion.
 //!
-//! The loop is stable if the spectral radius of that map is below 1. Nothing is approximated: it is the recursion that
-//! controller and arm carry out.
+//! For T → 0 and no delay, the characteristic polynomials are M_d τ s³ + M_d s² + B_d s + K_e (measured velocity) and
+//! M_d τ s³ + (M_d + B_d τ) s² + B_d s + K_e (commanded velocity). They give the maximum lags B_d/K_e and
+//! M_d B_d/(M_d K_e − B_d²).
 
 use nalgebra::Complex;
 
 use crate::linalg::{EigenvalueError, Matrix, Vector, eigenvalues};
 
-/// Longest delay that is looked at, periods; the cost grows with its cube.
-pub const LONGEST_DELAY: usize = 64;
+/// Maximum delay that is examined, periods. The computation time grows with its cube.
+pub const MAX_DELAY_PERIODS: usize = 64;
 
 /// Relative accuracy of the margins.
 const ACCURACY: f64 = 1e-9;
 
-/// One axis of a law in contact; linear axes in kg, N·s/m, N/m, angular ones in kg·m², N·m·s/rad, N·m/rad.
+/// One axis of a law in contact. Linear axes: kg, N·s/m, N/m; angular axes: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLoop {
-    /// M_d > 0.
+    /// M_d > 0, inertia of the law.
     pub inertia: f64,
-    /// B_d.
+    /// B_d, damping of the law.
     pub damping: f64,
-    /// K_d; 0 where a force is followed.
+    /// K_d, stiffness of the law; 0 on a force-controlled axis.
     pub stiffness: f64,
-    /// M_e.
+    /// M_e, inertia of the environment.
     pub environment_inertia: f64,
-    /// B_e.
+    /// B_e, damping of the environment.
     pub environment_damping: f64,
-    /// K_e.
+    /// K_e, stiffness of the environment.
     pub environment_stiffness: f64,
-    /// T, s.
+    /// T, control period, s.
     pub period_s: f64,
-    /// τ, s.
+    /// τ, lag of the arm's velocity loop, s.
     pub lag_s: f64,
-    /// d.
+    /// d, delay between command and motion, periods.
     pub delay_periods: usize,
-    /// Whether the law damps the measured velocity; otherwise the last command stands for it.
+    /// Whether the law damps the measured velocity; otherwise it damps the last command.
     pub velocity_measured: bool,
 }
 
-/// How stable a loop is, and how far it could go.
+/// The stability margins of a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margin {
-    /// Largest |eigenvalue| of the map from period to period; stable below 1.
+    /// Largest |eigenvalue| of the map from period to period. The loop is stable below 1.
     pub spectral_radius: f64,
-    /// Largest τ, s, at which the loop, with its delay, is still stable; `None` if it is not even at τ = 0.
+    /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if unstable at τ = 0.
     pub largest_lag_s: Option<f64>,
-    /// Largest d, up to [`LONGEST_DELAY`], at which the loop, with its lag, is still stable; `None` if it is not even
-    /// without delay.
+    /// Maximum d, up to [`MAX_DELAY_PERIODS`], at which the loop is stable with its lag; `None` if unstable at d = 0.
     pub largest_delay_periods: Option<usize>,
-    /// Smallest B_d that makes the loop, with its lag and delay, stable; `None` if none does.
+    /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,
 }
 
 impl Margin {
-    /// Whether the loop is stable.
+    /// Returns whether the loop is stable.
     pub fn is_stable(&self) -> bool {
         self.spectral_radius < 1.0
     }
 }
 
 impl ContactLoop {
-    /// Spectral radius and margins.
+    /// Computes the spectral radius and the margins.
     pub fn margin(&self) -> Result<Margin, EigenvalueError> {
         Ok(Margin {
             spectral_radius: 1.0 + self.growth()?,
@@ -81,46 +82,48 @@ impl ContactLoop {
         })
     }
 
-    /// Whether the loop is stable; far quicker than all its margins.
+    /// Returns whether the loop is stable. It is much faster than [`Self::margin`].
     pub fn is_stable(&self) -> Result<bool, EigenvalueError> {
         Ok(self.growth()? < 0.0)
     }
 
-    /// Spectral radius − 1, from the eigenvalues δ of (map − identity): those of the map itself crowd around 1 for short
-    /// periods, where rounding would blur them.
+    /// Returns the spectral radius − 1, from the eigenvalues δ of (map − identity).
+    ///
+    /// For short periods the eigenvalues of the map itself are all near 1, and rounding would hide their differences.
     fn growth(&self) -> Result<f64, EigenvalueError> {
         Ok(eigenvalues(&self.change_map())?.iter().map(growth).fold(-1.0, f64::max))
     }
 
-    /// (Map − identity), column by column: how each unit state (x, v, v⁻, u, …, u d periods ago) changes in a period.
+    /// Returns (map − identity). Its columns are the changes of the unit states (x, v, v⁻, u, …, u of d periods ago).
     fn change_map(&self) -> Matrix {
         let size = 4 + self.delay_periods;
         let columns: Vec<Vector> =
             (0..size).map(|i| self.change(&Matrix::identity(size, size).column(i).into())).collect();
         let map = Matrix::from_columns(&columns);
-        // Without any stiffness nothing depends on the position, and its eigenvalue of 1 says nothing about the loop.
+        // Without stiffness nothing depends on the position. Its eigenvalue 1 is not one of the loop, so it is removed.
         if self.environment_stiffness + self.stiffness == 0.0 { map.remove_row(0).remove_column(0) } else { map }
     }
 
+    /// Returns the change of a state in one period.
     fn change(&self, state: &Vector) -> Vector {
         let (x, v, v_before, u) = (state[0], state[1], state[2], state[3]);
         let period = self.period_s;
         let force = self.environment_inertia * (v - v_before) / period
             + self.environment_damping * v
             + self.environment_stiffness * x;
-        let felt = if self.velocity_measured { v } else { u };
-        let command_change = -period / self.inertia * (force + self.damping * felt + self.stiffness * x);
+        let damped_velocity = if self.velocity_measured { v } else { u };
+        let command_change = -period / self.inertia * (force + self.damping * damped_velocity + self.stiffness * x);
         let acting = if self.delay_periods == 0 { u + command_change } else { state[2 + self.delay_periods] };
-        // 1 − e^(−T/τ): the part of the gap between velocity and command that closes in a period.
-        let closed = if self.lag_s > 0.0 { -(-period / self.lag_s).exp_m1() } else { 1.0 };
+        // 1 − e^(−T/τ): the fraction of the gap between velocity and command that closes in a period.
+        let closed_fraction = if self.lag_s > 0.0 { -(-period / self.lag_s).exp_m1() } else { 1.0 };
         let gap = v - acting;
         let mut change = Vector::zeros(state.len());
-        change[0] = period * acting + gap * self.lag_s * closed;
-        change[1] = -gap * closed;
+        change[0] = period * acting + gap * self.lag_s * closed_fraction;
+        change[1] = -gap * closed_fraction;
         change[2] = v - v_before;
         change[3] = command_change;
-        for place in 4..state.len() {
-            change[place] = state[place - 1] - state[place];
+        for i in 4..state.len() {
+            change[i] = state[i - 1] - state[i];
         }
         change
     }
@@ -132,7 +135,7 @@ impl ContactLoop {
         }
         let mut stable = 0.0;
         let mut lag = self.period_s * 1e-3;
-        // Longer than any inner loop: 10^9 periods count as "any lag".
+        // No inner loop has a lag of 10^9 periods. If such a lag is stable, every lag counts as stable.
         while with_lag(lag)? {
             if lag > 1e9 * self.period_s {
                 return Ok(Some(f64::INFINITY));
@@ -149,10 +152,10 @@ impl ContactLoop {
             return Ok(None);
         }
         let (mut stable, mut unstable) = (0, 1);
-        while unstable <= LONGEST_DELAY && with_delay(unstable)? {
+        while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
             (stable, unstable) = (unstable, 2 * unstable);
         }
-        while stable < LONGEST_DELAY && unstable - stable > 1 {
+        while stable < MAX_DELAY_PERIODS && unstable - stable > 1 {
             let middle = usize::midpoint(stable, unstable);
             if with_delay(middle)? {
                 stable = middle;
@@ -168,11 +171,11 @@ impl ContactLoop {
         if with_damping(0.0)? {
             return Ok(Some(0.0));
         }
-        // More than M_d/T per period turns the velocity round; no loop is stable far beyond.
-        let most = 10.0 * self.inertia / self.period_s;
+        // A damping above M_d/T reverses the velocity in each period. No loop is stable far above that.
+        let maximum = 10.0 * self.inertia / self.period_s;
         let mut unstable = 0.0;
-        let mut damping = 1e-9 * most;
-        while damping < most {
+        let mut damping = 1e-9 * maximum;
+        while damping < maximum {
             if with_damping(damping)? {
                 return bisect(damping, unstable, with_damping).map(Some);
             }
@@ -183,13 +186,13 @@ impl ContactLoop {
     }
 }
 
-/// |1 + δ| − 1 of an eigenvalue δ of (map − identity), without cancellation.
+/// Returns |1 + δ| − 1 for an eigenvalue δ of (map − identity), without cancellation.
 fn growth(delta: &Complex<f64>) -> f64 {
     let radius = (1.0 + delta.re).hypot(delta.im);
     (2.0 * delta.re + delta.norm_sqr()) / (radius + 1.0)
 }
 
-/// The boundary between a stable and an unstable value, on its stable side.
+/// Returns the stable side of the boundary between a stable and an unstable value.
 fn bisect(
     mut stable: f64,
     mut unstable: f64,
@@ -228,7 +231,7 @@ mod tests {
     };
 
     #[test]
-    fn for_short_periods_the_largest_lags_are_those_of_the_continuous_loop() {
+    fn for_short_periods_the_maximum_lags_equal_those_of_the_continuous_loop() {
         let (m, b, k) = (WALL.inertia, WALL.damping, WALL.environment_stiffness);
         for (velocity_measured, continuous) in [(true, b / k), (false, m * b / (m * k - b * b))] {
             let axis = ContactLoop { period_s: 1e-7, velocity_measured, ..WALL };
@@ -238,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn margins_are_boundaries() {
+    fn margins_are_the_boundaries_of_stability() {
         let margin = WALL.margin().unwrap();
         assert!(margin.is_stable());
         let lag_s = margin.largest_lag_s.unwrap();
@@ -256,15 +259,15 @@ mod tests {
     }
 
     #[test]
-    fn in_free_space_the_velocity_alone_decides() {
+    fn in_free_space_the_velocity_decides_stability() {
         let free = ContactLoop { environment_stiffness: 0.0, ..WALL };
         // u ← u − T B/M v with v = u: one eigenvalue 1 − T B/M.
         assert!((free.margin().unwrap().spectral_radius - 0.99).abs() < 1e-9);
     }
 
     #[test]
-    fn a_loop_that_nothing_stabilises_says_so() {
-        // A period longer than the contact's own: no damping helps.
+    fn a_loop_that_cannot_be_stabilised_has_no_margins() {
+        // The period is longer than that of the contact: no damping helps.
         let slow = ContactLoop { period_s: 1.0, ..WALL };
         let margin = slow.margin().unwrap();
         assert_eq!((margin.largest_lag_s, margin.largest_delay_periods, margin.smallest_damping), (None, None, None));
@@ -283,7 +286,7 @@ mod tests {
             environment_stiffness in prop_oneof![Just(0.0), power(0.0, 7.0)],
             period_s in power(-4.0, -1.0),
             lag_s in prop_oneof![Just(0.0), power(-4.0, 0.0)],
-            delay_periods in 0..=LONGEST_DELAY,
+            delay_periods in 0..=MAX_DELAY_PERIODS,
             velocity_measured: bool,
         ) {
             let axis = ContactLoop {
@@ -297,13 +300,13 @@ mod tests {
             let eigenvalues = map.eigenvalues().unwrap();
             let growths = eigenvalues.iter().map(|value| growth(&Complex::new(value.re, value.im)));
             let (expected, found) = (growths.fold(-1.0, f64::max), axis.growth().unwrap());
-            // A delay line alone has a multiple eigenvalue 0 of the map. Rounding moves it to radii below 0.6.
+                // A delay line alone has a multiple eigenvalue 0 of the map. Rounding moves it to radii below 0.6.
             prop_assume!(expected > -0.3);
             prop_assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{found} instead of {expected}");
         }
     }
 
-    /// 10^low … 10^high, each power of ten as likely as the others.
+    /// 10^low … 10^high, with a uniform exponent.
     fn power(low: f64, high: f64) -> impl Strategy<Value = f64> {
         (low..high).prop_map(|exponent| 10.0_f64.powf(exponent))
     }

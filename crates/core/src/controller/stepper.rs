@@ -2,38 +2,86 @@
 
 use std::sync::Arc;
 
-use super::workspace::Workspace;
-use super::{Command, Controller, Measurement, Memory, StepError};
+use revprio_robot::kinematics::Configuration;
 
-/// A controller that is ready for its next period.
+use super::step::TaskTarget;
+use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError};
+use crate::limits::LimitedBox;
+use crate::linalg::{Matrix, Vector};
+use crate::resolution::{Problem, Resolver};
+use crate::task::{Task, TaskStack};
+
+/// A controller with the workspace that its steps overwrite.
 ///
-/// It owns everything that a step overwrites, so that after the first few periods a step allocates nothing. Exceptions:
-/// levels that Clarabel solves, tasks that limits scale, names of active inequalities, and vectors of more than 12 entries
-/// (joints, rows of all tasks together, limits).
+/// After the first few periods a step allocates nothing. Exceptions: levels that Clarabel solves, tasks that are scaled
+/// to the limits, names of active inequalities, and vectors of more than 12 entries (joints, rows of all tasks
+/// together, limits).
 pub struct Stepper {
     controller: Arc<Controller>,
     workspace: Workspace,
 }
 
 impl Stepper {
-    /// Allocates the memory of a controller.
+    /// Allocates the workspace of a controller.
     pub fn new(controller: impl Into<Arc<Controller>>) -> Result<Self, StepError> {
         let controller = controller.into();
         let workspace = Workspace::new(controller.config())?;
         Ok(Self { controller, workspace })
     }
 
-    /// The controller. It never changes, so that others can share it.
+    /// Returns the controller. It never changes, so other threads may share it.
     pub fn controller(&self) -> &Arc<Controller> {
         &self.controller
     }
 
-    /// Turns a measurement into a command. `memory` is that of the step before, `None` at the first step; it is replaced
-    /// by the memory of this step.
+    /// Computes the command for a measurement.
     ///
-    /// The same controller, memory and measurement give the same command to the last bit, whatever the stepper did before.
-    /// On an error the memory stays as it was.
+    /// `memory` is the memory of the previous step, `None` at the first step. The step replaces it by its own memory.
+    /// On an error it stays unchanged.
+    ///
+    /// The same controller, memory and measurement give the same command to the last bit, whatever the stepper computed
+    /// before.
     pub fn step(&mut self, memory: &mut Option<Memory>, measurement: &Measurement) -> Result<&Command, StepError> {
         self.controller.step(&mut self.workspace, memory, measurement)
+    }
+}
+
+/// The values of one control period. They are allocated once and overwritten in each period. No result depends on their
+/// previous content.
+pub(super) struct Workspace {
+    pub(super) configuration: Configuration,
+    pub(super) limited: LimitedBox,
+    pub(super) problem: Problem,
+    pub(super) resolver: Resolver,
+    pub(super) command: Command,
+    /// q̇ of an arm at rest, n.
+    pub(super) zero_velocity: Vec<f64>,
+}
+
+impl Workspace {
+    /// Allocates the values for a checked configuration.
+    fn new(config: &ControllerConfig) -> Result<Self, StepError> {
+        let n = config.robot.joint_count();
+        let zeros = vec![0.0; n];
+        let limited = config.limits.at(&config.robot, &zeros, &zeros, config.period_s);
+        let tasks = config.tasks.iter().map(|task| Task {
+            name: task.name.clone(),
+            jacobian: Matrix::zeros(task.rows.len(), n),
+            velocity: Vector::zeros(task.rows.len()),
+            scaled: task.scaled,
+        });
+        let problem = Problem {
+            tasks: TaskStack::new(tasks.collect())?,
+            limits: limited.velocity_box.clone(),
+            inequalities: Vec::new(),
+            method: config.method,
+            solver: config.solver,
+            damping: config.damping,
+            null_space_velocity: config.null_space.is_some().then(|| Vector::zeros(n)),
+        };
+        let target = |task: &Task| TaskTarget { velocity: task.velocity.clone(), force: Vec::new() };
+        let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
+        let configuration = Configuration::new(&config.robot, &zeros)?;
+        Ok(Self { configuration, limited, problem, resolver: Resolver::default(), command, zero_velocity: zeros })
     }
 }

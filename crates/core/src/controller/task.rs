@@ -1,4 +1,4 @@
-//! One task: what it is about, and its law.
+//! One task: its rows and its law.
 
 use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
@@ -12,21 +12,21 @@ use crate::linalg::{Matrix, TaskVector};
 /// One task with its law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskConfig {
-    /// Name, for people and answers.
+    /// Name that answers use.
     pub name: String,
-    /// What the task is about.
+    /// The rows: axes of the tool, or joints.
     pub rows: TaskRows,
-    /// How its velocity is made; as many rows as the task.
+    /// The law that computes the velocity; as many rows as the task.
     pub law: Law,
-    /// Whether limits may slow the task down, but not bend it.
+    /// Whether the task is slowed down in its direction to keep limits, instead of changing its direction.
     pub scaled: bool,
 }
 
-/// What a task is about.
+/// The rows of a task.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a few per controller, made once")]
 pub enum TaskRows {
-    /// Directions of the tool.
+    /// Axes of the tool.
     Tool(ToolRows),
     /// Joints.
     Joints(JointRows),
@@ -35,7 +35,7 @@ pub enum TaskRows {
 /// Why a task is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TaskConfigError {
-    /// Law, target and rows differ in size.
+    /// Law, target and rows differ in number.
     #[error("{given} values for {expected} rows; give one per row")]
     Rows {
         /// Rows of the task.
@@ -43,26 +43,26 @@ pub enum TaskConfigError {
         /// Rows of the law or the target.
         given: usize,
     },
-    /// Joints feel no force.
-    #[error("joints take the laws velocity and position")]
+    /// A law that reads the wrench is set on joints.
+    #[error("joints can have the laws velocity and position only")]
     JointLaw,
-    /// A joint that the robot does not have, stands twice, or has no middle.
-    #[error("joints must exist and stand once; to be led to the middle of their ranges they need ranges")]
+    /// A joint does not exist, is listed twice, or has no range although the target is the middle of it.
+    #[error("joints must exist and be listed once; the target mid-range needs joints with a range")]
     Joints,
-    /// From period to period the law would overshoot more than it corrects.
-    #[error("a gain of {gain} overshoots from period to period; it must stay below {bound}")]
+    /// With this gain and period the law oscillates without decay.
+    #[error("a gain of {gain} makes the law unstable at this period; it must be below {bound}")]
     Unstable {
         /// Row, from 0.
         row: usize,
         /// The gain.
         gain: f64,
-        /// The smallest one that swings for ever.
+        /// The smallest unstable gain.
         bound: f64,
     },
 }
 
-/// What all tasks of one period are seen against.
-pub(super) struct Sensed<'a> {
+/// The measured state of the arm in one period, as all tasks use it.
+pub(super) struct ArmState<'a> {
     /// t, s.
     pub time_s: f64,
     pub robot: &'a RobotModel,
@@ -78,7 +78,7 @@ pub(super) struct Sensed<'a> {
 }
 
 impl TaskConfig {
-    /// Checks that the parts fit together, fit the robot, and settle at this period (s).
+    /// Checks that the parts fit each other and the robot, and that the law is stable at this period (s).
     pub(super) fn check(&self, robot: &RobotModel, period: f64) -> Result<(), TaskConfigError> {
         let expected = self.rows.len();
         let fits =
@@ -99,7 +99,7 @@ impl TaskConfig {
         self.check_gain(robot, period)
     }
 
-    /// A displacement is multiplied by 1 − K T each period: |1 − K T| must be below 1, or equal for K = 0.
+    /// Checks the gain of a position law: each period multiplies a displacement by 1 − K T, so K T must be below 2.
     fn check_gain(&self, robot: &RobotModel, period: f64) -> Result<(), TaskConfigError> {
         let Law::Position(law) = &self.law else { return Ok(()) };
         let rate = |row: usize| match &self.rows {
@@ -115,7 +115,7 @@ impl TaskConfig {
 }
 
 impl TaskRows {
-    /// m, the number of rows.
+    /// Returns m, the number of rows.
     #[expect(clippy::len_without_is_empty, reason = "a task has at least one row")]
     pub fn len(&self) -> usize {
         match self {
@@ -135,19 +135,19 @@ impl TaskRows {
         }
     }
 
-    /// J_k q̇, m, m/s and rad/s.
-    pub(super) fn velocity(&self, sensed: &Sensed) -> TaskVector {
+    /// Returns J_k q̇, m, m/s and rad/s.
+    pub(super) fn velocity(&self, arm: &ArmState) -> TaskVector {
         match self {
-            Self::Tool(rows) => rows.entries_of(&rows.frame.at(sensed.configuration).twist(&sensed.twist)),
-            Self::Joints(rows) => rows.entries_of(sensed.joint_velocity),
+            Self::Tool(rows) => rows.select(&rows.frame.at(arm.configuration).twist(&arm.twist)),
+            Self::Joints(rows) => rows.select(arm.joint_velocity),
         }
     }
 
-    /// What the law sees.
-    pub(super) fn state(&self, sensed: &Sensed) -> TaskState {
+    /// Returns the state for the law.
+    pub(super) fn state(&self, arm: &ArmState) -> TaskState {
         match self {
-            Self::Tool(rows) => rows.state(self.velocity(sensed), sensed),
-            Self::Joints(rows) => rows.state(self.velocity(sensed), sensed),
+            Self::Tool(rows) => rows.state(self.velocity(arm), arm),
+            Self::Joints(rows) => rows.state(self.velocity(arm), arm),
         }
     }
 }

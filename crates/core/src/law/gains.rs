@@ -1,8 +1,8 @@
-//! Inertia, damping and stiffness that a law gives the arm to feel like.
+//! Inertia, damping and stiffness of a law.
 
 use crate::linalg::{TaskVector, Vector};
 
-/// Diagonal M_d, B_d, K_d of one task, m entries each.
+/// Inertia M_d, damping B_d and stiffness K_d of one task, diagonal, m entries each.
 ///
 /// Linear rows: kg, N·s/m, N/m; angular rows: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,20 +15,20 @@ pub struct Gains {
 /// Why gains are refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GainError {
-    /// One value per axis.
+    /// The number of values is not the number of axes.
     #[error("{given} values for {expected} axes; give one per axis")]
     Size {
-        /// Which gain: `inertia`, `damping` or `stiffness`.
+        /// The gain: `inertia`, `damping` or `stiffness`.
         gain: &'static str,
         /// Axes of the task.
         expected: usize,
         /// Values given.
         given: usize,
     },
-    /// A mass must be positive; damping and stiffness must not be negative; all must be finite.
+    /// A value is not finite, an inertia is not positive, or a damping or stiffness is negative.
     #[error("{value} is out of range; inertia must be positive, damping and stiffness must not be negative")]
     Range {
-        /// Which gain.
+        /// The gain: `inertia`, `damping` or `stiffness`.
         gain: &'static str,
         /// Row, from 0.
         row: usize,
@@ -38,7 +38,7 @@ pub enum GainError {
 }
 
 impl Gains {
-    /// Gains for `rows` axes; each slice has one value per axis.
+    /// Checks and builds the gains for `rows` axes; each slice has one value per axis.
     pub fn new(rows: usize, inertia: &[f64], damping: &[f64], stiffness: &[f64]) -> Result<Self, GainError> {
         check("inertia", rows, inertia, |value| value > 0.0)?;
         check("damping", rows, damping, |value| value >= 0.0)?;
@@ -50,22 +50,22 @@ impl Gains {
         })
     }
 
-    /// m.
+    /// Returns m, the number of rows.
     pub fn rows(&self) -> usize {
         self.inertia.len()
     }
 
-    /// B_d, diagonal.
+    /// Returns the diagonal of B_d.
     pub fn damping(&self) -> &Vector {
         &self.damping
     }
 
-    /// K_d, diagonal.
+    /// Returns the diagonal of K_d.
     pub fn stiffness(&self) -> &Vector {
         &self.stiffness
     }
 
-    /// M_d⁻¹ f, of the force on each row.
+    /// Returns M_d⁻¹ f, where `force` gives the entry of f on each row.
     pub(super) fn accelerate(&self, force: impl Fn(usize) -> f64) -> TaskVector {
         TaskVector::from_fn(self.rows(), |row| force(row) / self.inertia[row])
     }

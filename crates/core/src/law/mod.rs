@@ -1,39 +1,36 @@
-//! Control laws: each turns a measured state into the velocity ẋ_k of its task.
+//! Control laws: each computes the velocity ẋ_k of its task from the measured state.
 //!
-//! T is the period, X the tool's pose (or joints) and X_d its target, ΔX = X − X_d, K and M_d, B_d, K_d are diagonal.
-//! Each guarantee is that of an axis whose task velocity is achieved: no limit, higher task or damping holds it back.
+//! T is the period, X the pose of the tool (or the joints), X_d its target and ΔX = X − X_d. K, M_d, B_d and K_d are
+//! diagonal. The guarantees hold on an axis that reaches its task velocity, so no limit, higher task or damping may
+//! hold it back.
 //!
 //! | law | formula | guarantees | fails |
 //! |---|---|---|---|
-//! | velocity | ẋ given | the velocity itself | positions drift by what rounding and the arm's loop leave |
-//! | pose | ẋ = ẋ_d + K (x_d − x) | a resting or moving target is reached as (1 − K T)^i | K T ≥ 2 diverges and is refused; with a late arm sooner; an orientation half a turn away has no shortest way |
-//! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H falls | as above; as a lower task it gives way |
-//! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, whatever the stiffness it meets | with nothing to push against it moves on at F_d/B_d; a stiff contact and a late arm bounce, see [the margin](crate::controller::ContactLoop) |
-//! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; a uniformly moving target is followed without error where nothing is touched | B_d = 0 swings for ever, K_d = 0 drifts; bounces as the force law does |
-//! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where it is 1 | as each of them; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
+//! | velocity | ẋ given | the velocity itself | positions drift by rounding and by the error of the arm's loop |
+//! | pose | ẋ = ẋ_d + K (x_d − x) | the distance to a resting or moving target shrinks as (1 − K T)^i in i periods | K T ≥ 2 diverges and is refused; lag or delay of the arm lowers this bound; an orientation error of half a turn has no shortest direction |
+//! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H decreases | as above; as a lower task it gives way to higher ones |
+//! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, for any stiffness of the environment | without contact the tool moves at F_d/B_d; with a stiff contact and lag or delay of the arm it bounces, see [the stability margins](crate::controller::ContactLoop) |
+//! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; without contact a uniformly moving target is followed without error | B_d = 0 oscillates without decay, K_d = 0 drifts; bounces as the force law does |
+//! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where S is 1 | as the force and the impedance law; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
 //!
-//! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler), and so keep one velocity
-//! per task axis from period to period: the *integrator*. It is kept along the axes of the task's own frame, and turns
-//! with them where those turn.
+//! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one
+//! velocity per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame;
+//! if these axes turn, the integrator turns with them.
 
-mod force;
 mod gains;
-mod hybrid;
-mod impedance;
+mod interaction;
 mod position;
 
-pub use force::ForceLaw;
 pub use gains::{GainError, Gains};
-pub use hybrid::HybridLaw;
-pub use impedance::ImpedanceLaw;
-pub use position::{GainRange, PositionLaw};
-pub use revprio_robot::profile::{Point, Profile, ProfileError, SHORTEST_TIME, SetPoint};
+pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
+pub use position::{GainRangeError, PositionLaw};
+pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 
 use smallvec::SmallVec;
 
 use crate::linalg::TaskVector;
 
-/// What a law sees of the measured state: the rows of its own task, m each, along the axes of its frame.
+/// The measured state of one task: m entries each, along the axes of the task's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskState {
     /// t, s.
@@ -46,37 +43,37 @@ pub struct TaskState {
     pub target_velocity: TaskVector,
     /// Ẍ_d, acceleration of the target, m/s² and rad/s².
     pub target_acceleration: TaskVector,
-    /// F_e, force and torque on the environment, N and N·m.
+    /// F_e, force and torque of the tool on the environment, N and N·m.
     pub force: TaskVector,
 }
 
 impl TaskState {
-    /// ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
+    /// Returns ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
     pub fn relative_velocity(&self) -> TaskVector {
         &self.velocity - &self.target_velocity
     }
 }
 
-/// F_d per row, N and N·m; `None` where no force is followed.
+/// F_d per row, N and N·m; `None` on rows that follow no force.
 pub type TargetForce = SmallVec<[Option<f64>; 8]>;
 
 /// The law of one task.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
-    /// ẋ as given.
+    /// A given velocity ẋ over time.
     Velocity(Profile),
-    /// Go to a pose, or on joints to a posture.
+    /// Motion to a pose, or of joints to a posture.
     Position(PositionLaw),
-    /// Follow a force. Paper: Eqs. (35)-(42).
+    /// Force control. Paper: Eqs. (35)-(42).
     Force(ForceLaw),
-    /// Behave as mass, damper and spring about a pose. Paper: Eqs. (43)-(47).
+    /// Mass, damper and spring about a pose. Paper: Eqs. (43)-(47).
     Impedance(ImpedanceLaw),
-    /// Some axes follow a force, the others a pose. Paper: Eqs. (48)-(53).
+    /// Force control on some axes, impedance on the others. Paper: Eqs. (48)-(53).
     Hybrid(HybridLaw),
 }
 
 impl Law {
-    /// m, the number of rows that the law is about.
+    /// Returns m, the number of rows.
     pub fn rows(&self) -> usize {
         match self {
             Self::Velocity(profile) => profile.rows(),
@@ -87,7 +84,7 @@ impl Law {
         }
     }
 
-    /// Whether the law integrates an acceleration; those are the laws that read the measured wrench.
+    /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
     pub fn integrates(&self) -> bool {
         match self {
             Self::Velocity(_) | Self::Position(_) => false,
@@ -95,7 +92,7 @@ impl Law {
         }
     }
 
-    /// ẋ_k for this period, m entries, from the integrator's value in the last one; `period`: T, s.
+    /// Returns ẋ_k for this period (m) from the integrator of the last period (m); `period`: T, s.
     pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
         let acceleration = match self {
             Self::Velocity(profile) => return TaskVector::from_slice(&profile.at(state.time_s).value),
@@ -107,7 +104,7 @@ impl Law {
         TaskVector::from_fn(integrator.len(), |row| integrator[row] + acceleration[row] * period)
     }
 
-    /// F_d at time t, per row `None` where the law follows no force, N and N·m.
+    /// Returns F_d at time t, N and N·m; `None` on rows that follow no force.
     pub fn target_force(&self, time_s: f64) -> TargetForce {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),

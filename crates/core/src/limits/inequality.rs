@@ -1,8 +1,8 @@
-//! Linear inequalities beside the box.
+//! Linear inequalities on the joint velocities.
 
 use crate::linalg::Vector;
 
-/// a·q̇ ≤ b: a virtual wall, an elbow plane, a coupling of joints.
+/// The inequality a·q̇ ≤ b, for example a virtual wall or a coupling of joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inequality {
     pub(super) name: String,
@@ -16,13 +16,14 @@ pub enum InequalityError {
     /// A coefficient or the bound is NaN or infinite.
     #[error("coefficients and bound must be finite numbers")]
     NotFinite,
-    /// Without a coefficient, it says nothing about any joint.
+    /// All coefficients are zero.
     #[error("at least one coefficient must differ from zero")]
     Zero,
 }
 
 impl Inequality {
-    /// `coefficients`: a, one per joint, any unit; `bound`: b, in that unit times rad/s (m/s for prismatic joints).
+    /// Checks and builds an inequality from a (`coefficients`, one per joint, any unit) and b (`bound`, in that unit
+    /// times rad/s, or m/s for prismatic joints).
     pub fn new(name: impl Into<String>, coefficients: Vec<f64>, bound: f64) -> Result<Self, InequalityError> {
         let coefficients = Vector::from_vec(coefficients);
         if !(bound.is_finite() && coefficients.iter().all(|a| a.is_finite())) {
@@ -34,32 +35,32 @@ impl Inequality {
         Ok(Self { name: name.into(), coefficients, bound })
     }
 
-    /// 0·q̇ ≤ ∞ for n joints: holds always.
-    pub(super) fn without_content(name: String, n: usize) -> Self {
+    /// Returns 0·q̇ ≤ ∞ for n joints, which always holds.
+    pub(super) fn always_satisfied(name: String, n: usize) -> Self {
         Self { name, coefficients: Vector::zeros(n), bound: f64::INFINITY }
     }
 
-    /// Name, for people and answers.
+    /// Returns the name that answers use.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// a, n.
+    /// Returns a, n.
     pub fn coefficients(&self) -> &Vector {
         &self.coefficients
     }
 
-    /// b.
+    /// Returns b.
     pub fn bound(&self) -> f64 {
         self.bound
     }
 
-    /// a·q̇, for q̇ of n entries.
+    /// Returns a·q̇, for q̇ of n entries.
     pub fn value(&self, joint_velocity: &Vector) -> f64 {
         self.coefficients.dot(joint_velocity)
     }
 
-    /// By how much a·q̇ exceeds b, in units of joint speed, (a·q̇ − b)/‖a‖; 0 where it does not by more than rounding.
+    /// Returns the excess of a·q̇ over b in units of joint speed, (a·q̇ − b)/‖a‖; 0 if it is not above rounding.
     pub fn violation(&self, joint_velocity: &Vector) -> f64 {
         let norm = self.coefficients.norm();
         if norm == 0.0 {
@@ -70,7 +71,7 @@ impl Inequality {
     }
 }
 
-/// Relative excess that is rounding of a·q̇.
+/// Relative excess that counts as rounding of a·q̇.
 const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]
@@ -78,14 +79,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn inequalities_that_say_nothing_do_not_exist() {
+    fn inequalities_without_content_are_refused() {
         assert_eq!(Inequality::new("", vec![0.0, 0.0], 1.0), Err(InequalityError::Zero));
         assert_eq!(Inequality::new("", vec![1.0, f64::NAN], 1.0), Err(InequalityError::NotFinite));
         assert_eq!(Inequality::new("", vec![1.0], f64::INFINITY), Err(InequalityError::NotFinite));
     }
 
     #[test]
-    fn a_violation_counts_in_joint_speed() {
+    fn a_violation_is_measured_as_joint_speed() {
         let wall = Inequality::new("wall", vec![3.0, 4.0], 5.0).unwrap();
         assert_eq!(wall.violation(&Vector::from_vec(vec![3.0, 4.0])), 4.0);
         assert_eq!(wall.violation(&Vector::from_vec(vec![0.6, 0.8])), 0.0);

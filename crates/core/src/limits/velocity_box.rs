@@ -1,26 +1,38 @@
-//! The box itself, and how a robot's limits become one.
+//! The velocity box, and its computation from the limits of a robot.
 
 use revprio_robot::{JointLimits, RobotModel};
 
 use crate::linalg::Vector;
 
-/// Which of a robot's limits count.
+/// The limits of a robot that apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
-    /// None: an unbounded box.
+    /// No limits: an unbounded box.
     None,
-    /// Speed alone.
+    /// The speed limit.
     Velocity,
-    /// Speed, and no more than the remaining way in one period.
+    /// The speed limit and the position limits: the joint does not pass a position limit within the period.
     PositionVelocity,
-    /// Speed, acceleration, and the speed from which the joint can still stop.
+    /// All limits: the joint can also still stop before its position limit at its acceleration limit.
     PositionVelocityAcceleration,
+}
+
+impl LimitKind {
+    /// Returns whether the position limits apply.
+    pub fn includes_position(self) -> bool {
+        matches!(self, Self::PositionVelocity | Self::PositionVelocityAcceleration)
+    }
+
+    /// Returns whether the acceleration limit applies.
+    pub fn includes_acceleration(self) -> bool {
+        self == Self::PositionVelocityAcceleration
+    }
 }
 
 /// Why a box is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum VelocityBoxError {
-    /// Both sides need one bound per joint.
+    /// The numbers of lower and upper bounds differ.
     #[error("{lower} lower and {upper} upper bounds; give one of each per joint")]
     Size {
         /// Lower bounds given.
@@ -28,7 +40,7 @@ pub enum VelocityBoxError {
         /// Upper bounds given.
         upper: usize,
     },
-    /// No finite velocity is allowed, or a bound is NaN.
+    /// No finite velocity lies between the bounds, or a bound is NaN.
     #[error("lower bound {lower} is not at or below upper bound {upper}")]
     Empty {
         /// Joint index, from 0.
@@ -40,7 +52,7 @@ pub enum VelocityBoxError {
     },
 }
 
-/// lo ≤ q̇ ≤ hi, never empty; rad/s (m/s for prismatic joints); infinite where there is no limit.
+/// The box lo ≤ q̇ ≤ hi, never empty; rad/s (m/s for prismatic joints); infinite where there is no limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityBox {
     lower: Vector,
@@ -48,12 +60,12 @@ pub struct VelocityBox {
 }
 
 impl VelocityBox {
-    /// A box from its bounds, n each.
+    /// Checks and builds a box from its bounds, n each.
     pub fn new(lower: &[f64], upper: &[f64]) -> Result<Self, VelocityBoxError> {
         if lower.len() != upper.len() {
             return Err(VelocityBoxError::Size { lower: lower.len(), upper: upper.len() });
         }
-        // NaN fails, and so does a bound that only an infinite velocity satisfies.
+        // False for NaN, and for a bound that only an infinite velocity satisfies.
         let allows = |i: usize| lower[i] <= upper[i] && lower[i] < f64::INFINITY && upper[i] > f64::NEG_INFINITY;
         if let Some(joint) = (0..lower.len()).find(|&i| !allows(i)) {
             return Err(VelocityBoxError::Empty { joint, lower: lower[joint], upper: upper[joint] });
@@ -61,61 +73,63 @@ impl VelocityBox {
         Ok(Self { lower: Vector::from_row_slice(lower), upper: Vector::from_row_slice(upper) })
     }
 
-    /// The box without bounds, for n joints.
+    /// Returns the box without bounds, for n joints.
     pub fn unbounded(n: usize) -> Self {
         Self { lower: Vector::repeat(n, f64::NEG_INFINITY), upper: Vector::repeat(n, f64::INFINITY) }
     }
 
-    /// Becomes a copy of a box for as many joints.
+    /// Copies a box for the same number of joints, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.lower.copy_from(&other.lower);
         self.upper.copy_from(&other.upper);
     }
 
-    /// lo, n.
+    /// Returns lo, n.
     pub fn lower(&self) -> &Vector {
         &self.lower
     }
 
-    /// hi, n.
+    /// Returns hi, n.
     pub fn upper(&self) -> &Vector {
         &self.upper
     }
 
-    /// n.
+    /// Returns n, the number of joints.
     pub fn joint_count(&self) -> usize {
         self.lower.len()
     }
 
-    /// The point of the box nearest to `velocity`.
+    /// Returns the point of the box nearest to `velocity`.
     pub fn clamp(&self, velocity: &Vector) -> Vector {
         velocity.zip_zip_map(&self.lower, &self.upper, |v, lo, hi| v.max(lo).min(hi))
     }
 
-    /// Whether `velocity`, n, lies inside; never one that is not a number.
+    /// Returns whether `velocity` (n) lies inside; false if an entry is NaN.
     pub fn allows(&self, velocity: &[f64]) -> bool {
         let bounds = self.lower.iter().zip(self.upper.iter());
         velocity.iter().zip(bounds).all(|(v, (lower, upper))| lower <= v && v <= upper)
     }
 
-    /// How far `velocity` lies outside, of the worst joint, rad/s; 0 inside.
+    /// Returns the largest distance of an entry of `velocity` from the box, rad/s; 0 inside.
     pub fn violation(&self, velocity: &Vector) -> f64 {
         (velocity - self.clamp(velocity)).amax()
     }
 }
 
-/// A box with what had to give way to make it.
+/// A box of allowed velocities, with the joints whose acceleration limit it does not keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedBox {
     /// The velocities allowed in this period.
     pub velocity_box: VelocityBox,
-    /// Joints (index from 0) whose acceleration limit contradicts position or velocity and was overruled.
+    /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
     pub conflicts: Vec<usize>,
 }
 
-/// The box of a robot's own limits at a state.
+/// Returns the box of a robot's own limits at a state.
 ///
-/// `joint_position` and `last_velocity`: n, as measured and as last commanded; `period`: T > 0, s.
+/// - `joint_position`: measured position, n.
+/// - `last_velocity`: last command, n.
+/// - `period`: T > 0, s.
 pub fn robot_box(
     robot: &RobotModel,
     kind: LimitKind,
@@ -129,12 +143,12 @@ pub fn robot_box(
 }
 
 impl LimitedBox {
-    /// The box without bounds, for n joints.
+    /// Returns the box without bounds, for n joints.
     pub fn unbounded(n: usize) -> Self {
         Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() }
     }
 
-    /// Becomes what [`robot_box`] gives for a robot of as many joints.
+    /// Updates the box to the result of [`robot_box`], for a robot with the same number of joints.
     pub fn update(
         &mut self,
         robot: &RobotModel,
@@ -145,7 +159,7 @@ impl LimitedBox {
     ) {
         self.conflicts.clear();
         for (i, joint) in robot.joints().iter().enumerate() {
-            let interval = Interval::of(&joint.limits, kind, joint_position[i], last_velocity[i], period);
+            let interval = Interval::from_limits(&joint.limits, kind, joint_position[i], last_velocity[i], period);
             self.velocity_box.lower[i] = interval.lower;
             self.velocity_box.upper[i] = interval.upper;
             if interval.conflict {
@@ -155,7 +169,7 @@ impl LimitedBox {
     }
 }
 
-/// Disagreement of limits, rad/s, that counts as more than rounding.
+/// Contradiction of limits, rad/s, above which a joint is reported as a conflict; less counts as rounding.
 const CONFLICT_TOLERANCE: f64 = 1e-9;
 
 /// The allowed velocities of one joint.
@@ -167,23 +181,25 @@ struct Interval {
 }
 
 impl Interval {
-    fn of(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Self {
+    fn from_limits(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Self {
         let velocity = limits.velocity;
-        let reach = limits.acceleration * period;
+        let max_change = limits.acceleration * period;
         let (lower, upper) = match kind {
             LimitKind::None => (f64::NEG_INFINITY, f64::INFINITY),
             LimitKind::Velocity => (-velocity, velocity),
             LimitKind::PositionVelocity => {
-                let one_period = |way: f64| (way / period).clamp(-velocity, velocity);
+                let one_period = |distance: f64| (distance / period).clamp(-velocity, velocity);
                 (one_period(limits.lower - q), one_period(limits.upper - q))
             }
             LimitKind::PositionVelocityAcceleration => {
-                let stop = |way: f64, last: f64| towards(way, last, velocity, limits.acceleration, period);
+                let stop =
+                    |distance: f64, last: f64| max_speed_towards(distance, last, velocity, limits.acceleration, period);
                 let (lower, upper) = (-stop(q - limits.lower, -last), stop(limits.upper - q, last));
                 return Self {
-                    lower: (last - reach).clamp(lower, upper),
-                    upper: (last + reach).clamp(lower, upper),
-                    conflict: last - reach > upper + CONFLICT_TOLERANCE || last + reach < lower - CONFLICT_TOLERANCE,
+                    lower: (last - max_change).clamp(lower, upper),
+                    upper: (last + max_change).clamp(lower, upper),
+                    conflict: last - max_change > upper + CONFLICT_TOLERANCE
+                        || last + max_change < lower - CONFLICT_TOLERANCE,
                 };
             }
         };
@@ -191,17 +207,18 @@ impl Interval {
     }
 }
 
-/// Largest speed towards a limit `way` ahead: the braking term of the module's documentation, at most V.
+/// Returns the maximum speed towards a limit at `distance`: the braking term of the module `limits`, at most V.
 ///
-/// A negative `way` (the limit is passed) demands the way back: mirrored, it is the speed that can still stop at the
-/// limit, reached no faster than the acceleration allows, and never a further step outwards.
-fn towards(way: f64, last: f64, velocity: f64, acceleration: f64, period: f64) -> f64 {
-    // A(−T + √(T² + 2d/A)) without the cancellation for small d, and right for infinite d.
-    let braking = |way: f64| match 2.0 * way / (period + (period * period + 2.0 * way / acceleration).sqrt()) {
-        speed if speed.is_nan() => velocity,
-        speed => speed.min(velocity),
-    };
-    if way >= 0.0 { braking(way) } else { (-braking(-way)).max(last - acceleration * period).min(0.0) }
+/// If the joint is beyond the limit (negative `distance`), the result is negative or zero, a motion back. Its speed is
+/// the mirrored braking term, as far as the acceleration limit allows it after the last command.
+fn max_speed_towards(distance: f64, last: f64, velocity: f64, acceleration: f64, period: f64) -> f64 {
+    // A(−T + √(T² + 2d/A)), rewritten: no cancellation for small d, and correct for infinite d.
+    let braking =
+        |distance: f64| match 2.0 * distance / (period + (period * period + 2.0 * distance / acceleration).sqrt()) {
+            speed if speed.is_nan() => velocity,
+            speed => speed.min(velocity),
+        };
+    if distance >= 0.0 { braking(distance) } else { (-braking(-distance)).max(last - acceleration * period).min(0.0) }
 }
 
 #[cfg(test)]
@@ -214,7 +231,7 @@ mod tests {
     const T: f64 = 0.01;
 
     fn interval(kind: LimitKind, q: f64, last: f64) -> (f64, f64, bool) {
-        let Interval { lower, upper, conflict } = Interval::of(&LIMITS, kind, q, last, T);
+        let Interval { lower, upper, conflict } = Interval::from_limits(&LIMITS, kind, q, last, T);
         (lower, upper, conflict)
     }
 
@@ -231,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_outside_is_driven_back_within_velocity_and_acceleration() {
+    fn a_joint_outside_its_range_moves_back_within_velocity_and_acceleration_limits() {
         use LimitKind::{PositionVelocity, PositionVelocityAcceleration};
         assert_eq!(interval(PositionVelocity, 2.1, 0.0), (-1.5, -1.5, false));
         assert_eq!(interval(PositionVelocityAcceleration, 2.1, 0.0), (-0.08, -0.08, false));
@@ -240,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_a_conflict_and_position_wins() {
+    fn after_a_jump_the_position_limit_holds_and_a_conflict_is_reported() {
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 2.0, 1.0), (0.0, 0.0, true));
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 2.5, 1.0), (0.0, 0.0, true));
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 0.0, 3.0), (1.5, 1.5, true));
@@ -248,15 +265,15 @@ mod tests {
 
     #[test]
     fn joints_without_limits_are_unbounded() {
-        let free = Interval::of(&JointLimits::NONE, LimitKind::PositionVelocityAcceleration, 3.0, 1.0, T);
+        let free = Interval::from_limits(&JointLimits::NONE, LimitKind::PositionVelocityAcceleration, 3.0, 1.0, T);
         assert_eq!(free, Interval { lower: f64::NEG_INFINITY, upper: f64::INFINITY, conflict: false });
         let range = JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS };
-        let upper = Interval::of(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
+        let upper = Interval::from_limits(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
         assert!((upper - 100.0).abs() < 1e-9);
     }
 
     #[test]
-    fn boxes_that_allow_nothing_do_not_exist() {
+    fn empty_boxes_are_refused() {
         assert!(matches!(VelocityBox::new(&[0.0, 1.0], &[0.0, 0.5]), Err(VelocityBoxError::Empty { joint: 1, .. })));
         assert!(matches!(VelocityBox::new(&[f64::NAN], &[0.0]), Err(VelocityBoxError::Empty { joint: 0, .. })));
         assert!(matches!(VelocityBox::new(&[0.0], &[]), Err(VelocityBoxError::Size { .. })));
@@ -265,9 +282,10 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Adversarial commands inside the box, with a tracked velocity: no limit is ever broken, no box is empty.
+        /// The commands are adversarial but inside the box, and the joint follows them: no limit is exceeded and no box
+        /// is empty.
         #[test]
-        fn limits_hold_for_ever_from_a_start_inside(
+        fn limits_hold_at_all_times_after_a_start_inside(
             start in 0.0..=1.0_f64,
             range in 1e-3..10.0_f64,
             velocity in 1e-2..10.0_f64,
@@ -279,12 +297,12 @@ mod tests {
             let (mut q, mut last) = (limits.lower + start * range, 0.0_f64);
             for choice in choices {
                 let allowed =
-                    Interval::of(&limits, LimitKind::PositionVelocityAcceleration, q, last, period);
+                    Interval::from_limits(&limits, LimitKind::PositionVelocityAcceleration, q, last, period);
                 prop_assert!(allowed.lower <= allowed.upper);
-                // Rounding may make the last bit of the two limits disagree; more than that would be a flaw.
+                // The two limits may contradict each other by rounding only.
                 prop_assert!(last - acceleration * period <= allowed.upper + 1e-9);
                 prop_assert!(last + acceleration * period >= allowed.lower - 1e-9);
-                // Full speed one way or the other more often than not.
+                // Choose a bound of the box about every second time.
                 let choice = (2.0 * choice - 0.5).clamp(0.0, 1.0);
                 let command = (allowed.lower + choice * (allowed.upper - allowed.lower)).min(allowed.upper);
                 prop_assert!(command.abs() <= velocity && (command - last).abs() <= acceleration * period + 1e-9);
@@ -294,15 +312,14 @@ mod tests {
             }
         }
 
-        /// From anywhere outside, the joint is back inside in bounded time and stays.
         #[test]
-        fn a_start_outside_returns_and_stays(distance in 0.0..2.0_f64, side in prop::bool::ANY) {
+        fn a_start_outside_returns_within_400_periods_and_stays_inside(distance in 0.0..2.0_f64, side in prop::bool::ANY) {
             let mut q = if side { LIMITS.upper + distance } else { LIMITS.lower - distance };
             let mut last = 0.0_f64;
             for _ in 0..400 {
-                let allowed = Interval::of(&LIMITS, LimitKind::PositionVelocityAcceleration, q, last, T);
+                let allowed = Interval::from_limits(&LIMITS, LimitKind::PositionVelocityAcceleration, q, last, T);
                 prop_assert!(!allowed.conflict);
-                // Push outwards as hard as the box allows.
+                // Command the outward bound of the box.
                 let command = if side { allowed.upper } else { allowed.lower };
                 prop_assert!((command - last).abs() <= LIMITS.acceleration * T + 1e-12);
                 q += T * command;

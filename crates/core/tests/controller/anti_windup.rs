@@ -1,4 +1,4 @@
-//! Integrators while limits hold the arm back, and when they let it go.
+//! Integrators while limits restrict the arm, and after the limits are released.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use revprio_robot::{JointLimits, RobotModel};
 
 use super::arms::{Loop, NOMINAL, PERIOD, config, controller, force, gains, gantry, sawyer, task};
 
-/// F_d / M_d T: what one period can add to a velocity.
+/// F_d / M_d T: maximum change of a velocity in one period, m/s.
 const ONE_PERIOD: f64 = PERIOD * 30.0 / 15.0;
 
 fn inside(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>, lower: &[f64], upper: &[f64]) -> ControllerConfig {
@@ -19,100 +19,105 @@ fn inside(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>, lower: &[f64], upper:
     ControllerConfig { limits, ..config(robot, tasks) }
 }
 
-/// The same controller behind a wall of limits and without it; both accept the other's memory.
-fn narrow_and_open(speed: f64, method: Method, solver: Solver) -> (Controller, Controller) {
+/// Returns the same controller with narrow and without limits. Each accepts the memory of the other.
+fn limited_and_free(speed: f64, method: Method, solver: Solver) -> (Controller, Controller) {
     let rest = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
     let tasks = vec![task(&[Axis::X], force(&[Axis::X], &[30.0])), task(&rest, force(&rest, &[0.0; 5]))];
-    let narrow = inside(&sawyer(), tasks.clone(), &[-speed; 7], &[speed; 7]);
-    let open = config(&sawyer(), tasks);
-    (controller(ControllerConfig { method, solver, ..narrow }), controller(ControllerConfig { method, solver, ..open }))
+    let limited = inside(&sawyer(), tasks.clone(), &[-speed; 7], &[speed; 7]);
+    let free = config(&sawyer(), tasks);
+    (
+        controller(ControllerConfig { method, solver, ..limited }),
+        controller(ControllerConfig { method, solver, ..free }),
+    )
 }
 
-/// Pushes in free space against a wall of limits for half a second; returns the integrator as it would be had it never
-/// been reset.
-fn pushed_against(narrow: &Controller, arm: &mut Loop) -> f64 {
-    let mut never_reset = 0.0;
+/// Pushes in free space for half a second while limits restrict the arm. Returns the value that the integrator would
+/// have without anti-windup.
+fn push_at_limits(limited: &Controller, arm: &mut Loop) -> f64 {
+    let mut without_reset = 0.0;
     for _ in 0..500 {
-        never_reset += PERIOD / 15.0 * (30.0 - 150.0 * arm.twist(&sawyer())[0]);
-        let command = arm.step(narrow, [0.0; 6]);
+        without_reset += PERIOD / 15.0 * (30.0 - 150.0 * arm.twist(&sawyer())[0]);
+        let command = arm.step(limited, [0.0; 6]);
         assert!(command.resolution.violated_limits.is_empty());
     }
-    never_reset
+    without_reset
 }
 
 #[test]
-fn a_wall_of_limits_that_opens_lets_the_arm_go_without_a_jump() {
+fn the_command_does_not_jump_when_limits_are_released() {
     for method in [Method::ReversePriority, Method::StrictReversePriority, Method::DampedLeastSquares] {
         for solver in [Solver::Auto, Solver::Qp] {
-            let (narrow, open) = narrow_and_open(0.01, method, solver);
+            let (limited, free) = limited_and_free(0.01, method, solver);
             let mut arm = Loop::at_rest(&NOMINAL);
-            let never_reset = pushed_against(&narrow, &mut arm);
+            let without_reset = push_at_limits(&limited, &mut arm);
             let held = arm.twist(&sawyer())[0];
-            assert!(held < 0.02, "{method:?}: the wall holds, {held} m/s");
+            assert!(held < 0.02, "{method:?}: the limits must hold: {held} m/s");
 
             let mut wound_up = arm.clone();
-            let released = arm.step(&open, [0.0; 6]).resolution.tasks[0].achieved[0];
-            // The posture moved by one period since the integrator was set, hence the thousandth more.
+            let released = arm.step(&free, [0.0; 6]).resolution.tasks[0].achieved[0];
+            // The posture moved for one period since the integrator was set, hence the factor 1.001.
             assert!((released - held).abs() < 1.001 * ONE_PERIOD, "{method:?}: {held} jumps to {released} m/s");
 
             let memory = wound_up.memory.as_mut().unwrap();
-            memory.task_velocities[0][0] = never_reset;
-            let jumped = wound_up.step(&open, [0.0; 6]).resolution.tasks[0].achieved[0];
+            memory.task_velocities[0][0] = without_reset;
+            let jumped = wound_up.step(&free, [0.0; 6]).resolution.tasks[0].achieved[0];
             assert!(jumped - held > 100.0 * ONE_PERIOD, "{method:?}: only {held} to {jumped} m/s");
         }
     }
 }
 
 #[test]
-fn the_wall_holds_lower_tasks_back_without_winding_them_up() {
-    let (narrow, open) = narrow_and_open(0.01, Method::ReversePriority, Solver::Auto);
+fn limits_do_not_wind_up_lower_tasks() {
+    let (limited, free) = limited_and_free(0.01, Method::ReversePriority, Solver::Auto);
     let mut arm = Loop::at_rest(&NOMINAL);
-    pushed_against(&narrow, &mut arm);
+    push_at_limits(&limited, &mut arm);
     for _ in 0..50 {
         let before = arm.twist(&sawyer());
-        let after = arm.step(&open, [0.0; 6]);
+        let after = arm.step(&free, [0.0; 6]);
         for (row, velocity) in after.resolution.tasks[1].achieved.iter().enumerate() {
-            // No force on these axes: what moves them is only what is left of the motion that the wall let through.
+            // There is no force on these axes. They move only by the rest of the motion that the limits allowed.
             let change = (velocity - before[row + 1]).abs();
             assert!(change < 0.1 * ONE_PERIOD, "row {row}: {change}");
         }
     }
 }
 
-/// 30 N for a second, then −30 N.
-fn turning_force() -> Law {
+/// A force of ±30 N root mean square that changes its sign at 2 s.
+fn alternating_force() -> Law {
     let profile = Profile::sine(vec![0.0], vec![30.0 * 2.0_f64.sqrt()], std::f64::consts::FRAC_PI_2, 0.0).unwrap();
     Law::Force(ForceLaw::new(gains(&[Axis::X], 0.0), profile).unwrap())
 }
 
 #[test]
-fn a_joint_leaves_its_position_limit_in_the_period_in_which_the_force_turns() {
+fn a_joint_leaves_its_position_limit_in_the_period_in_which_the_force_changes_sign() {
     let robot = gantry(JointLimits { lower: -0.05, upper: 0.05, velocity: 1.0, acceleration: 10.0 });
     for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
-        let limited =
-            ControllerConfig { limits: Limits::Robot(kind), ..config(&robot, vec![task(&[Axis::X], turning_force())]) };
+        let limited = ControllerConfig {
+            limits: Limits::Robot(kind),
+            ..config(&robot, vec![task(&[Axis::X], alternating_force())])
+        };
         let controller = controller(limited);
         let mut arm = Loop::at_rest(&[0.0; 3]);
-        // sin(π t / 2) turns at 2 s.
+        // sin(π t / 2) changes its sign at 2 s.
         (0..2000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
         assert!((arm.q[0] - 0.05).abs() < 1e-6, "{kind:?}: not at the limit: {}", arm.q[0]);
         let integrator = arm.memory.as_ref().unwrap().task_velocities[0][0];
         assert!(integrator.abs() < 1e-3, "{kind:?}: wound up to {integrator} m/s");
-        // sin(π) is a rounding, so one more period shows the sign.
+        // sin(π) is a rounding error, so a few more periods are needed.
         (0..3).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
         assert!(arm.memory.as_ref().unwrap().last_command[0] < 0.0, "{kind:?}");
     }
 }
 
 #[test]
-fn a_joint_held_fast_winds_no_task_up_whatever_its_priority() {
+fn a_fixed_joint_does_not_wind_up_tasks_of_any_priority() {
     let robot = gantry(JointLimits::NONE);
     let push = |axis| task(&[axis], force(&[axis], &[30.0]));
     for tasks in [vec![push(Axis::X), push(Axis::Y)], vec![push(Axis::Y), push(Axis::X)]] {
         for method in [Method::ReversePriority, Method::StrictReversePriority, Method::DampedLeastSquares] {
             for solver in [Solver::Auto, Solver::Qp] {
-                let held = inside(&robot, tasks.clone(), &[0.0, -1.0, -1.0], &[0.0, 1.0, 1.0]);
-                let controller = controller(ControllerConfig { method, solver, ..held });
+                let fixed = inside(&robot, tasks.clone(), &[0.0, -1.0, -1.0], &[0.0, 1.0, 1.0]);
+                let controller = controller(ControllerConfig { method, solver, ..fixed });
                 let mut arm = Loop::at_rest(&[0.0; 3]);
                 let mut active = Vec::new();
                 for _ in 0..1000 {

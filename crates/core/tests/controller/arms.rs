@@ -1,16 +1,14 @@
-//! Arms, tasks and controllers that the tests share, and an arm that follows its commands.
+//! Arms, tasks and controllers that the tests share, and an arm that follows its commands exactly.
 
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
     Command, Controller, ControllerConfig, Limits, Measurement, Memory, StepError, Stepper, TaskConfig, TaskRows,
-    ToolRows, WrenchConvention, WrenchFrame,
+    ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
-use revprio_core::linalg::Damping;
-use revprio_core::resolution::{Method, Solver};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
 
@@ -23,7 +21,7 @@ pub fn sawyer() -> Arc<RobotModel> {
     Arc::clone(&built_in()[0])
 }
 
-/// Slides along x, y, z: its Jacobian is the identity wherever it stands, so that laws are seen undisturbed.
+/// Returns a robot of three prismatic joints along x, y, z. Its Jacobian is the identity at every posture.
 pub fn gantry(limits: JointLimits) -> Arc<RobotModel> {
     let along = |axis: Vector3<f64>| Rotation3::rotation_between(&Vector3::z(), &axis).unwrap();
     let mut before = Rotation3::identity();
@@ -43,7 +41,7 @@ pub fn gantry(limits: JointLimits) -> Arc<RobotModel> {
     Arc::new(RobotModel::new("gantry", "", joints, IsometryMatrix3::identity()).unwrap())
 }
 
-/// The paper's gains on these axes: M_d and B_d; stiffness as given.
+/// Returns the gains M_d and B_d of the paper on these axes, with this stiffness.
 pub fn gains(axes: &[Axis], stiffness: f64) -> Gains {
     let by_kind = |linear: f64, angular: f64| {
         axes.iter().map(|axis| if axis.index() < 3 { linear } else { angular }).collect::<Vec<_>>()
@@ -64,7 +62,7 @@ pub fn impedance(axes: &[Axis], stiffness: f64) -> Law {
     Law::Impedance(ImpedanceLaw::new(gains(axes, stiffness)))
 }
 
-/// Towards X_d with the same gain on every row.
+/// Returns a position law with the same gain on every row.
 pub fn position(rows: usize, gain: f64) -> Law {
     Law::Position(PositionLaw::new(vec![gain; rows]).unwrap())
 }
@@ -78,29 +76,18 @@ pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
     TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law, scaled: false }
 }
 
-/// Base axes at the tool point, about the initial pose.
+/// Returns rows along the base axes at the tool point, with the initial pose as target.
 pub fn tool_rows(axes: &[Axis]) -> ToolRows {
     ToolRows::new(AxisSelection::new(axes).unwrap())
 }
 
-/// Reverse priority, `auto`, standard damping, without limits.
+/// Returns the default configuration, but without limits.
 pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConfig {
-    ControllerConfig {
-        robot: Arc::clone(robot),
-        period_s: PERIOD,
-        method: Method::ReversePriority,
-        solver: Solver::Auto,
-        damping: Some(Damping::STANDARD),
-        limits: Limits::Robot(LimitKind::None),
-        barriers: Vec::new(),
-        wrench_convention: WrenchConvention::OnEnvironment,
-        wrench_frame: WrenchFrame::Base,
-        null_space: None,
-        tasks,
-    }
+    let limits = Limits::Robot(LimitKind::None);
+    ControllerConfig { limits, ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks) }
 }
 
-/// One step with a stepper of its own.
+/// Computes one step with a new stepper.
 pub fn step(
     controller: &Controller,
     memory: &mut Option<Memory>,
@@ -117,7 +104,7 @@ pub fn measurement(joint_position: &[f64]) -> Measurement {
     Measurement { time_s: 0.0, joint_position: joint_position.to_vec(), joint_velocity: None, wrench: [0.0; 6] }
 }
 
-/// An arm that does what it is told, and the memory of what steers it.
+/// An arm that follows its commands exactly, and the memory of its controller.
 #[derive(Clone)]
 pub struct Loop {
     pub q: Vec<f64>,
@@ -134,7 +121,7 @@ impl Loop {
         Measurement { time_s: f64::from(self.periods) * period, wrench, ..measurement(&self.q) }
     }
 
-    /// One period of the controller under a wrench on the environment.
+    /// Computes one period of the controller under a wrench on the environment, and moves the arm.
     pub fn step(&mut self, controller: &Controller, wrench: [f64; 6]) -> Command {
         let period = controller.config().period_s;
         let measurement = self.measurement(period, wrench);
@@ -154,15 +141,15 @@ impl Loop {
         Configuration::new(robot, &self.q).unwrap()
     }
 
-    /// Ẋ = J q̇ with the last command.
+    /// Returns Ẋ = J q̇ of the last command.
     pub fn twist(&self, robot: &RobotModel) -> [f64; 6] {
-        let resting = vec![0.0; self.q.len()];
-        let qdot = self.memory.as_ref().map_or(resting.as_slice(), |memory| memory.last_command.as_slice());
+        let zero = vec![0.0; self.q.len()];
+        let qdot = self.memory.as_ref().map_or(zero.as_slice(), |memory| memory.last_command.as_slice());
         self.configuration(robot).twist(qdot)
     }
 }
 
-/// Reproducible numbers, uniform in −1 … 1 (SplitMix64).
+/// Reproducible random numbers (SplitMix64).
 pub struct Random(pub u64);
 
 impl Random {

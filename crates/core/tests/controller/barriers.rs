@@ -1,4 +1,4 @@
-//! Virtual walls and tasks that are slowed down, in closed loop.
+//! Virtual walls, inequalities and scaled tasks in closed loop.
 
 use revprio_core::controller::{ControllerConfig, Limits, TaskConfig};
 use revprio_core::limits::{Barrier, Inequality, LimitKind, PlanePoint, VelocityBox, VirtualPlane};
@@ -9,7 +9,7 @@ use revprio_robot::kinematics::{Axis, Configuration};
 
 use super::arms::{Loop, NOMINAL, PERIOD, config, controller, force, impedance, sawyer, task};
 
-/// Metres, of a point that obeys the inequality to first order of its way in one period.
+/// Tolerance, m: the inequality is exact to first order of the displacement in one period.
 const SECOND_ORDER: f64 = 1e-6;
 
 fn height(robot: &RobotModel, q: &[f64], point: PlanePoint) -> f64 {
@@ -20,8 +20,8 @@ fn height(robot: &RobotModel, q: &[f64], point: PlanePoint) -> f64 {
     }
 }
 
-/// An arm that pushes upwards with 100 N, nothing in its way but a ceiling some metres above `point`.
-fn pushed_to_a_ceiling(point: PlanePoint, distance: f64) {
+/// Pushes upwards with 100 N against a virtual ceiling at `distance` (m) above `point`.
+fn push_against_ceiling(point: PlanePoint, distance: f64) {
     let robot = sawyer();
     let ceiling = height(&robot, &NOMINAL, point) + distance;
     let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 2.0], ceiling, point, 10.0).unwrap();
@@ -32,32 +32,33 @@ fn pushed_to_a_ceiling(point: PlanePoint, distance: f64) {
         ..config(&robot, vec![up, task(&[Axis::X, Axis::Y], impedance(&[Axis::X, Axis::Y], 500.0))])
     });
     let mut arm = Loop::at_rest(&NOMINAL);
-    let mut held_back = 0;
+    let mut active_periods = 0;
     for _ in 0..2000 {
         let before = ceiling - height(&robot, &arm.q, point);
         let command = arm.step(&controller, [0.0; 6]);
         let after = ceiling - height(&robot, &arm.q, point);
         assert!(after >= (1.0 - 10.0 * PERIOD) * before - SECOND_ORDER, "from {before} m to {after} m in one period");
         assert_eq!(command.resolution.solver.status, Status::Optimal);
-        held_back += usize::from(command.resolution.active_inequalities.iter().any(|active| active.name == "ceiling"));
+        active_periods +=
+            usize::from(command.resolution.active_inequalities.iter().any(|active| active.name == "ceiling"));
     }
-    let left = ceiling - height(&robot, &arm.q, point);
-    assert!((-SECOND_ORDER..0.01).contains(&left), "{left} m left");
-    assert!(held_back > 500, "the ceiling mattered in {held_back} periods");
+    let remaining = ceiling - height(&robot, &arm.q, point);
+    assert!((-SECOND_ORDER..0.01).contains(&remaining), "{remaining} m below the ceiling");
+    assert!(active_periods > 500, "the ceiling is active in only {active_periods} periods");
 }
 
 #[test]
-fn a_virtual_wall_is_approached_exponentially_and_never_passed() {
-    pushed_to_a_ceiling(PlanePoint::Tool, 0.05);
+fn the_tool_approaches_a_virtual_wall_exponentially_and_never_passes_it() {
+    push_against_ceiling(PlanePoint::Tool, 0.05);
 }
 
 #[test]
-fn an_elbow_is_held_back_like_the_tool() {
-    pushed_to_a_ceiling(PlanePoint::Joint(3), 0.02);
+fn the_elbow_approaches_a_virtual_wall_exponentially_and_never_passes_it() {
+    push_against_ceiling(PlanePoint::Joint(3), 0.02);
 }
 
 #[test]
-fn an_arm_found_beyond_a_wall_comes_back() {
+fn an_arm_behind_a_wall_returns() {
     let robot = sawyer();
     let ceiling = height(&robot, &NOMINAL, PlanePoint::Tool) - 0.03;
     let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], ceiling, PlanePoint::Tool, 10.0).unwrap();
@@ -68,7 +69,7 @@ fn an_arm_found_beyond_a_wall_comes_back() {
     });
     let mut arm = Loop::at_rest(&NOMINAL);
     let first = arm.step(&controller, [0.0; 6]).resolution;
-    // From rest, the acceleration limit allows less than the wall asks for: it gives way and is named.
+    // From rest, the acceleration limit allows less than the wall demands. The wall is violated and named.
     assert_eq!(first.violated_inequalities[0].name, "ceiling");
     assert!(first.violated_limits.is_empty());
     (0..1500).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
@@ -77,7 +78,7 @@ fn an_arm_found_beyond_a_wall_comes_back() {
 }
 
 #[test]
-fn where_no_joint_moves_the_point_a_wall_asks_for_nothing() {
+fn a_wall_has_no_effect_if_no_joint_moves_its_point() {
     let robot = sawyer();
     let wall = VirtualPlane::new("base", [1.0, 0.0, 0.0], -1.0, PlanePoint::Joint(0), 10.0).unwrap();
     let controller = controller(ControllerConfig {
@@ -89,7 +90,7 @@ fn where_no_joint_moves_the_point_a_wall_asks_for_nothing() {
 }
 
 #[test]
-fn a_fixed_inequality_couples_joints_and_its_set_is_remembered() {
+fn a_fixed_inequality_couples_joints_and_its_active_set_is_reused() {
     let robot = sawyer();
     let mut coefficients = vec![0.0; 7];
     (coefficients[1], coefficients[3]) = (1.0, 1.0);
@@ -98,7 +99,7 @@ fn a_fixed_inequality_couples_joints_and_its_set_is_remembered() {
     let config = ControllerConfig { barriers: vec![Barrier::Fixed(coupling.clone())], ..config(&robot, tasks) };
     let (auto, qp) = (controller(config.clone()), controller(ControllerConfig { solver: Solver::Qp, ..config }));
     let (mut arm, mut other) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL));
-    let mut spared = 0;
+    let mut without_clarabel = 0;
     for _ in 0..300 {
         let command = arm.step(&auto, [0.0; 6]);
         let by_qp = other.step(&qp, [0.0; 6]);
@@ -106,9 +107,9 @@ fn a_fixed_inequality_couples_joints_and_its_set_is_remembered() {
         assert!(difference <= 1e-9, "off by {difference:e}");
         assert!(coupling.violation(&command.resolution.joint_velocity) <= 1e-12);
         let active = !command.resolution.active_inequalities.is_empty();
-        spared += usize::from(active && command.resolution.solver.iterations == 0);
+        without_clarabel += usize::from(active && command.resolution.solver.iterations == 0);
     }
-    assert!(spared > 100, "the remembered set spared Clarabel in {spared} periods");
+    assert!(without_clarabel > 100, "only {without_clarabel} periods without Clarabel");
 }
 
 #[test]
@@ -117,13 +118,13 @@ fn a_scaled_push_keeps_its_direction_at_the_limits() {
     let axes = [Axis::X, Axis::Y, Axis::Z];
     let direction = Vector::from_vec(vec![300.0, 200.0, -100.0]);
     let push = task(&axes, force(&axes, direction.as_slice()));
-    let of = |scaled: bool| {
+    let with_scaling = |scaled: bool| {
         let push = TaskConfig { scaled, ..push.clone() };
         let slow = VelocityBox::new(&[-0.3; 7], &[0.3; 7]).unwrap();
         controller(ControllerConfig { limits: Limits::Fixed(slow), ..config(&robot, vec![push]) })
     };
-    let bend = |scaled: bool| {
-        let (controller, mut arm, mut worst) = (of(scaled), Loop::at_rest(&NOMINAL), 0.0_f64);
+    let deviation = |scaled: bool| {
+        let (controller, mut arm, mut worst) = (with_scaling(scaled), Loop::at_rest(&NOMINAL), 0.0_f64);
         for _ in 0..150 {
             let command = arm.step(&controller, [0.0; 6]);
             let achieved = &command.resolution.tasks[0].achieved;
@@ -131,6 +132,6 @@ fn a_scaled_push_keeps_its_direction_at_the_limits() {
         }
         worst
     };
-    assert!(bend(true) <= 1e-8, "bent by {}", bend(true));
-    assert!(bend(false) > 1e-3, "the limits do not matter");
+    assert!(deviation(true) <= 1e-8, "direction changed by {}", deviation(true));
+    assert!(deviation(false) > 1e-3, "the limits must matter");
 }

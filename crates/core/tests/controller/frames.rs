@@ -1,4 +1,4 @@
-//! Tasks in frames of their own: the same physics, counted along other axes and at other points.
+//! Tasks in other frames and at other reference points: the same physics in other coordinates.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::arms::{
     sawyer, step, task, tool_rows,
 };
 
-fn stated() -> IsometryMatrix3<f64> {
+fn fixed_frame() -> IsometryMatrix3<f64> {
     IsometryMatrix3::new(Vector3::new(0.5, 0.1, 0.2), Vector3::new(0.3, -1.0, 0.6))
 }
 
@@ -35,15 +35,16 @@ fn one_task(rows: ToolRows, law: Law) -> Controller {
     controller(config(&sawyer(), vec![all_rows(rows, law)]))
 }
 
-/// Six numbers along the axes of the stated frame, along those of the base.
+/// Converts six numbers from the axes of the fixed frame to the axes of the base.
 fn in_base([a, b, c, d, e, f]: [f64; 6]) -> [f64; 6] {
-    let (linear, angular) = (stated().rotation * Vector3::new(a, b, c), stated().rotation * Vector3::new(d, e, f));
+    let (linear, angular) =
+        (fixed_frame().rotation * Vector3::new(a, b, c), fixed_frame().rotation * Vector3::new(d, e, f));
     [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
 }
 
-/// Both controllers steer an arm of their own under the same wrenches, which `other` may see in its own way, and command
-/// the same.
-fn assert_same(one: &Controller, other: &Controller, seen_by_other: impl Fn(&Loop, [f64; 6]) -> [f64; 6]) {
+/// Asserts that both controllers command the same, each with its own arm, under the same random wrenches.
+/// `seen_by_other` converts a wrench to the form that `other` measures.
+fn assert_same_commands(one: &Controller, other: &Controller, seen_by_other: impl Fn(&Loop, [f64; 6]) -> [f64; 6]) {
     let (mut first, mut second, mut random) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL), Random(7));
     for i in 0..300 {
         let wrench = [0.0; 6].map(|_: f64| 20.0 * random.signed());
@@ -52,14 +53,14 @@ fn assert_same(one: &Controller, other: &Controller, seen_by_other: impl Fn(&Loo
         let difference = (second.step(other, seen).resolution.joint_velocity - &command).amax();
         assert!(difference < 1e-11, "period {i}: {difference:e} of {}", command.amax());
     }
-    assert!(first.q.iter().zip(NOMINAL).any(|(q, start)| (q - start).abs() > 1e-4), "nothing moved");
+    assert!(first.q.iter().zip(NOMINAL).any(|(q, start)| (q - start).abs() > 1e-4), "the arm must move");
 }
 
 const TARGET: [f64; 6] = [30.0, 5.0, -3.0, 1.0, 2.0, -1.0];
 
 #[test]
 fn a_rotated_frame_gives_the_same_command_as_the_rotated_request() {
-    // Gains that are the same along all axes, so that they look the same from every frame.
+    // The gains are the same along all axes, so they are the same in every frame.
     let swing = |amplitude: [f64; 6]| {
         Some(Profile::sine(vec![0.0; 6], amplitude.map(|value| 0.01 * value).to_vec(), 3.0, 0.4).unwrap())
     };
@@ -70,16 +71,18 @@ fn a_rotated_frame_gives_the_same_command_as_the_rotated_request() {
         &|_| position(6, 3.0),
     ];
     for law in laws {
-        // One axis of rotation at a time: a rotation vector along other axes is the turned rotation vector.
-        let along = ToolRows { target_displacement: swing(TARGET), ..in_frame(Frame::Fixed(stated())) };
-        let turned = ToolRows { target_displacement: swing(in_base(TARGET)), ..in_frame(Frame::Base) };
-        assert_same(&one_task(along, law(TARGET)), &one_task(turned, law(in_base(TARGET))), |_, wrench| wrench);
+        // A rotation vector in other axes is the rotated rotation vector.
+        let along = ToolRows { target_displacement: swing(TARGET), ..in_frame(Frame::Fixed(fixed_frame())) };
+        let rotated = ToolRows { target_displacement: swing(in_base(TARGET)), ..in_frame(Frame::Base) };
+        assert_same_commands(&one_task(along, law(TARGET)), &one_task(rotated, law(in_base(TARGET))), |_, wrench| {
+            wrench
+        });
     }
 }
 
 #[test]
 fn a_frame_turned_by_a_right_angle_swaps_the_axes() {
-    // Along the frame's x lies y of the base, along its y lies −x.
+    // x of the frame is y of the base, y of the frame is −x.
     let quarter = IsometryMatrix3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
     let frame = TaskFrame { frame: Frame::Fixed(quarter), ..TaskFrame::default() };
     let selected = |axis, rows: ToolRows| TaskConfig {
@@ -88,21 +91,21 @@ fn a_frame_turned_by_a_right_angle_swaps_the_axes() {
     };
     let one = controller(config(&sawyer(), vec![selected(Axis::X, ToolRows { frame, ..tool_rows(&[Axis::X]) })]));
     let other = controller(config(&sawyer(), vec![selected(Axis::Y, tool_rows(&[Axis::Y]))]));
-    assert_same(&one, &other, |_, wrench| wrench);
+    assert_same_commands(&one, &other, |_, wrench| wrench);
 }
 
 #[test]
-fn a_target_pose_is_counted_in_the_stated_frame() {
+fn a_target_pose_is_given_in_the_fixed_frame() {
     let goal =
         IsometryMatrix3::translation(0.02, -0.03, 0.01) * *Loop::at_rest(&NOMINAL).configuration(&sawyer()).tool_pose();
     let in_base = ToolRows { target_pose: TargetPose::Fixed(goal), ..in_frame(Frame::Base) };
-    let target_pose = TargetPose::Fixed(stated().inverse() * goal);
-    let in_stated = ToolRows { target_pose, ..in_frame(Frame::Fixed(stated())) };
+    let target_pose = TargetPose::Fixed(fixed_frame().inverse() * goal);
+    let in_fixed = ToolRows { target_pose, ..in_frame(Frame::Fixed(fixed_frame())) };
     let law = || position(6, 3.0);
-    assert_same(&one_task(in_base, law()), &one_task(in_stated, law()), |_, wrench| wrench);
+    assert_same_commands(&one_task(in_base, law()), &one_task(in_fixed, law()), |_, wrench| wrench);
 }
 
-/// The first command after a measured motion under a wrench.
+/// Returns the first command, after a measured motion, under a wrench.
 fn first_command(controller: &Controller) -> Command {
     let measured = Measurement {
         joint_velocity: Some(vec![0.1, -0.2, 0.05, 0.3, -0.1, 0.2, 0.4]),
@@ -113,11 +116,11 @@ fn first_command(controller: &Controller) -> Command {
 }
 
 #[test]
-fn the_axes_of_the_tool_are_those_of_a_frame_that_lies_as_the_tool_does() {
+fn the_tool_frame_equals_a_fixed_frame_with_the_orientation_of_the_tool() {
     let tool_pose = *Loop::at_rest(&NOMINAL).configuration(&sawyer()).tool_pose();
     let frame = IsometryMatrix3::from_parts(Vector3::new(0.3, 0.0, -0.2).into(), tool_pose.rotation);
     let goal = IsometryMatrix3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.2, 0.1, -0.3)) * tool_pose;
-    // Other gains along every axis; rows picked out of order.
+    // The gains differ along the axes, and the rows are out of order.
     let axes = [Axis::Rz, Axis::X, Axis::Y];
     let with = |frame: Frame, target_pose| {
         let frame = TaskFrame { frame, ..TaskFrame::default() };
@@ -135,14 +138,14 @@ fn the_axes_of_the_tool_are_those_of_a_frame_that_lies_as_the_tool_does() {
 }
 
 #[test]
-fn the_integrator_along_the_axes_of_the_tool_turns_with_them() {
+fn the_integrator_in_the_tool_frame_turns_with_the_tool() {
     let rows = ToolRows { axes: tool_rows(&[Axis::X]).axes, ..in_frame(Frame::Tool) };
     let push = TaskConfig { rows: TaskRows::Tool(rows), ..task(&[Axis::X], force(&[Axis::X], &[30.0])) };
     let controller = controller(config(&sawyer(), vec![push]));
     let mut arm = Loop::at_rest(&NOMINAL);
     (0..100).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
     let integrator = arm.memory.as_ref().unwrap().task_velocities[0][0];
-    // The last joint turns the tool about its own z, and the arm stands still: nothing damps.
+    // The last joint turns the tool about its z axis. The arm then stands still, so the law has no damping term.
     arm.q[6] += std::f64::consts::FRAC_PI_2;
     let standing = Measurement { joint_velocity: Some(vec![0.0; 7]), ..arm.measurement(PERIOD, [0.0; 6]) };
     let command = step(&controller, &mut arm.memory, &standing).unwrap();
@@ -153,7 +156,7 @@ fn the_integrator_along_the_axes_of_the_tool_turns_with_them() {
 }
 
 #[test]
-fn an_impedance_along_the_axes_of_the_tool_yields_by_their_own_stiffness() {
+fn an_impedance_in_the_tool_frame_has_its_stiffness_along_the_tool_axes() {
     let robot = sawyer();
     let gains = revprio_core::law::Gains::new(3, &[15.0; 3], &[150.0; 3], &[500.0, 1000.0, 2000.0]).unwrap();
     let axes = [Axis::X, Axis::Y, Axis::Z];
@@ -173,7 +176,7 @@ fn an_impedance_along_the_axes_of_the_tool_yields_by_their_own_stiffness() {
 }
 
 #[test]
-fn a_displacement_along_the_tool_is_counted_along_the_target_pose() {
+fn a_displacement_in_the_tool_frame_is_along_the_axes_of_the_target_pose() {
     let robot = sawyer();
     let along = Profile::waypoints(
         &[(0.0, 0.0), (1.0, 0.05)]
@@ -190,11 +193,11 @@ fn a_displacement_along_the_tool_is_counted_along_the_target_pose() {
 }
 
 #[test]
-fn a_wrist_sensor_along_the_tool_tells_the_same() {
+fn a_wrench_in_the_tool_frame_gives_the_same_command() {
     let law = || hybrid(&Axis::ALL, 700.0, &TARGET, &[false, true, true, true, false, true]);
     let given = config(&sawyer(), vec![task(&Axis::ALL, law())]);
     let wrist = controller(ControllerConfig { wrench_frame: WrenchFrame::Tool, ..given.clone() });
-    assert_same(&controller(given), &wrist, |arm, [fx, fy, fz, tx, ty, tz]| {
+    assert_same_commands(&controller(given), &wrist, |arm, [fx, fy, fz, tx, ty, tz]| {
         let back = arm.configuration(&sawyer()).tool_pose().rotation.inverse();
         let (force, torque) = (back * Vector3::new(fx, fy, fz), back * Vector3::new(tx, ty, tz));
         [force.x, force.y, force.z, torque.x, torque.y, torque.z]
@@ -204,7 +207,7 @@ fn a_wrist_sensor_along_the_tool_tells_the_same() {
 const POINT: [f64; 3] = [0.05, -0.1, 0.3];
 
 #[test]
-fn a_force_at_the_reference_point_turns_nothing_there() {
+fn a_force_at_the_reference_point_has_no_torque_there() {
     let controller = one_task(at_point(POINT.into()), force(&Axis::ALL, &[0.0; 6]));
     let arm = Loop::at_rest(&NOMINAL);
     let lever = arm.configuration(&sawyer()).tool_pose().rotation * Vector3::from(POINT);
@@ -221,14 +224,14 @@ fn longer_sawyer() -> Arc<RobotModel> {
 }
 
 #[test]
-fn a_reference_point_is_where_a_tool_offset_would_put_the_tool_point() {
+fn a_reference_point_is_equivalent_to_a_tool_offset() {
     let swing = Profile::sine(vec![0.0; 6], vec![0.02; 6], 2.0, 0.0).unwrap();
     for law in [hybrid(&Axis::ALL, 700.0, &TARGET, &[true; 6]), position(6, 3.0), force(&Axis::ALL, &TARGET)] {
         let rows = ToolRows { target_displacement: Some(swing.clone()), ..at_point(POINT.into()) };
         let moved = ToolRows { target_displacement: Some(swing.clone()), ..tool_rows(&Axis::ALL) };
         let offset = controller(config(&longer_sawyer(), vec![all_rows(moved, law.clone())]));
-        // The same wrench, as it is felt at the end of the longer tool.
-        assert_same(&one_task(rows, law), &offset, |arm, [fx, fy, fz, tx, ty, tz]| {
+        // The same wrench at the tip of the longer tool.
+        assert_same_commands(&one_task(rows, law), &offset, |arm, [fx, fy, fz, tx, ty, tz]| {
             let lever = arm.configuration(&sawyer()).tool_pose().rotation * Vector3::from(POINT);
             let torque = Vector3::new(tx, ty, tz) - lever.cross(&Vector3::new(fx, fy, fz));
             [fx, fy, fz, torque.x, torque.y, torque.z]
@@ -237,7 +240,7 @@ fn a_reference_point_is_where_a_tool_offset_would_put_the_tool_point() {
 }
 
 #[test]
-fn the_initial_pose_of_a_reference_point_is_its_own() {
+fn the_initial_pose_is_the_pose_of_the_reference_point() {
     let turned = Rotation3::new(Vector3::new(0.0, 0.2, 0.0));
     let rows = ToolRows {
         frame: TaskFrame {

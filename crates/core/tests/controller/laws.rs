@@ -1,4 +1,4 @@
-//! What the laws make of a free arm, a push and each other.
+//! The laws with a free arm, under a push, and compared with each other.
 
 use nalgebra::{Rotation3, Translation3, Vector3};
 use revprio_core::controller::{TargetPose, TaskConfig, TaskRows, ToolRows, WrenchConvention};
@@ -12,11 +12,11 @@ use super::arms::{
 };
 
 #[test]
-fn a_free_gantry_approaches_f_over_b_by_the_exact_recursion() {
+fn a_free_gantry_approaches_f_over_b_exactly_as_the_recursion() {
     let robot = gantry(JointLimits::NONE);
     let controller = controller(config(&robot, vec![task(&[Axis::X], force(&[Axis::X], &[30.0]))]));
     let mut arm = Loop::at_rest(&[0.0; 3]);
-    // ẋ_i = F_d/B_d (1 − (1 − T B_d/M_d)^i): Euler's steps towards 0.2 m/s.
+    // ẋ_i = F_d/B_d (1 − (1 − T B_d/M_d)^i): Euler steps towards 0.2 m/s.
     for i in 1..=3000 {
         let command = arm.step(&controller, [0.0; 6]);
         let expected = 0.2 * (1.0 - (1.0 - PERIOD * 150.0 / 15.0_f64).powi(i));
@@ -44,7 +44,7 @@ fn a_free_sawyer_follows_the_recursion_with_its_measured_velocity() {
 }
 
 #[test]
-fn an_impedance_on_a_gantry_is_mass_damper_and_spring_by_the_exact_recursion() {
+fn an_impedance_on_a_gantry_follows_the_recursion_of_mass_damper_and_spring() {
     let robot = gantry(JointLimits::NONE);
     let axes = [Axis::X, Axis::Y, Axis::Z];
     let controller = controller(config(&robot, vec![task(&axes, impedance(&axes, 1000.0))]));
@@ -60,8 +60,8 @@ fn an_impedance_on_a_gantry_is_mass_damper_and_spring_by_the_exact_recursion() {
     }
 }
 
-/// Position (m) and orientation (rad) away from the pose at `start`.
-fn away(start: &Configuration, now: &Configuration) -> (Vector3<f64>, f64) {
+/// Returns the displacement (m) and the rotation angle (rad) from the pose at `start`.
+fn displacement(start: &Configuration, now: &Configuration) -> (Vector3<f64>, f64) {
     let (start, now) = (start.tool_pose(), now.tool_pose());
     (now.translation.vector - start.translation.vector, (now.rotation * start.rotation.inverse()).angle())
 }
@@ -73,16 +73,16 @@ fn an_impedance_yields_to_a_push_by_f_over_k_and_returns_to_the_initial_pose() {
     let mut arm = Loop::at_rest(&NOMINAL);
     let start = arm.configuration(&robot);
     (0..10_000).for_each(|_| drop(arm.step(&controller, [20.0, 0.0, -10.0, 0.0, 5.0, 0.0])));
-    let (moved, turned) = away(&start, &arm.configuration(&robot));
+    let (moved, turned) = displacement(&start, &arm.configuration(&robot));
     assert!((moved - Vector3::new(-20.0, 0.0, 10.0) / 500.0).amax() < 1e-6, "{moved}");
     assert!((turned - 5.0 / 500.0).abs() < 1e-6, "{turned}");
     (0..10_000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
-    let (moved, turned) = away(&start, &arm.configuration(&robot));
+    let (moved, turned) = displacement(&start, &arm.configuration(&robot));
     assert!(moved.amax() < 1e-6 && turned < 1e-6, "{moved}, {turned}");
 }
 
 #[test]
-fn an_impedance_about_a_fixed_pose_leads_there() {
+fn an_impedance_about_a_fixed_pose_reaches_that_pose() {
     let robot = sawyer();
     let mut goal = *Loop::at_rest(&NOMINAL).configuration(&robot).tool_pose();
     goal.append_translation_mut(&Translation3::new(0.03, -0.02, 0.04));
@@ -96,7 +96,7 @@ fn an_impedance_about_a_fixed_pose_leads_there() {
     assert!((reached.to_homogeneous() - goal.to_homogeneous()).amax() < 1e-6, "{reached}");
 }
 
-/// Each law on all axes, as a controller of its own.
+/// Returns the task velocities of a law on all axes under random states and wrenches.
 fn velocities_over_time(law: Law) -> Vec<Vec<f64>> {
     let robot = sawyer();
     let controller = controller(config(&robot, vec![task(&Axis::ALL, law)]));
@@ -131,7 +131,7 @@ fn hybrid_is_the_force_law_on_force_axes_and_the_impedance_law_on_position_axes(
 }
 
 #[test]
-fn a_wrench_on_the_tool_is_the_opposite_of_one_on_the_environment() {
+fn a_wrench_on_the_tool_is_the_negative_of_the_wrench_on_the_environment() {
     let robot = sawyer();
     let axes = [Axis::Z, Axis::Rx];
     let given = config(&robot, vec![task(&axes, force(&axes, &[10.0, 0.0]))]);
@@ -167,24 +167,26 @@ fn the_first_period_continues_the_measured_motion() {
 }
 
 #[test]
-fn a_velocity_left_out_is_the_last_command_and_a_measured_one_counts() {
+fn the_last_command_replaces_a_missing_joint_velocity() {
     let robot = sawyer();
     let controller = controller(config(&robot, vec![task(&Axis::ALL, force(&Axis::ALL, &[30.0; 6]))]));
-    let (mut told, mut silent) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL));
+    let (mut measuring, mut commanded) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL));
     for _ in 0..500 {
-        let last = told.memory.as_ref().map_or(vec![0.0; 7], |memory| memory.last_command.as_slice().to_vec());
-        let measured =
-            revprio_core::controller::Measurement { joint_velocity: Some(last), ..told.measurement(PERIOD, [0.0; 6]) };
-        let command = step(&controller, &mut told.memory, &measured).unwrap();
-        told.follow(&command, PERIOD);
-        assert_eq!(command, silent.step(&controller, [0.0; 6]));
+        let last = measuring.memory.as_ref().map_or(vec![0.0; 7], |memory| memory.last_command.as_slice().to_vec());
+        let measured = revprio_core::controller::Measurement {
+            joint_velocity: Some(last),
+            ..measuring.measurement(PERIOD, [0.0; 6])
+        };
+        let command = step(&controller, &mut measuring.memory, &measured).unwrap();
+        measuring.follow(&command, PERIOD);
+        assert_eq!(command, commanded.step(&controller, [0.0; 6]));
     }
-    // An arm that was told to move and stands still feels no damping.
-    let integrator = silent.memory.as_ref().unwrap().task_velocities[0].clone();
+    // If the arm stands still against its command, the law has no damping term.
+    let integrator = commanded.memory.as_ref().unwrap().task_velocities[0].clone();
     let standing = revprio_core::controller::Measurement {
         joint_velocity: Some(vec![0.0; 7]),
-        ..silent.measurement(PERIOD, [0.0; 6])
+        ..commanded.measurement(PERIOD, [0.0; 6])
     };
-    let command = step(&controller, &mut silent.memory, &standing).unwrap();
+    let command = step(&controller, &mut commanded.memory, &standing).unwrap();
     assert!((command.targets[0].velocity[0] - (integrator[0] + PERIOD * 30.0 / 15.0)).abs() < 1e-15);
 }

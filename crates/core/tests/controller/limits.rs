@@ -1,4 +1,4 @@
-//! Position, velocity and acceleration limits in closed loop, against tasks that want to break them.
+//! Position, velocity and acceleration limits in closed loop, with tasks that act against them.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use super::arms::{
 
 const ALL_LIMITS: Limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
 
-/// A controller that nobody would want: random axes in random order, split anywhere, forces of a tonne.
+/// Returns a hostile controller: random axes in random order, one or two tasks, forces up to 10 kN.
 fn adversary(robot: &Arc<RobotModel>, random: &mut Random) -> Controller {
     let mut axes = Axis::ALL.to_vec();
     (1..6).for_each(|i| axes.swap(i, random.below(i + 1)));
@@ -39,8 +39,8 @@ fn adversary(robot: &Arc<RobotModel>, random: &mut Random) -> Controller {
     })
 }
 
-/// Sawyer with joints of very different limits: ranges down to 3 %, speeds and accelerations from 1 % to tenfold.
-fn odd_arm(random: &mut Random) -> Arc<RobotModel> {
+/// Returns Sawyer with very different limits: ranges down to 3 %, speeds and accelerations from 1 % to 1000 %.
+fn arm_with_random_limits(random: &mut Random) -> Arc<RobotModel> {
     let sawyer = sawyer();
     let mut factor = |from: f64, to: f64| 10_f64.powf(from + (to - from) * 0.5 * (1.0 + random.signed()));
     let mut joints = sawyer.joints().to_vec();
@@ -54,10 +54,10 @@ fn odd_arm(random: &mut Random) -> Arc<RobotModel> {
             acceleration: joint.limits.acceleration * factor(-2.0, 1.0),
         };
     }
-    Arc::new(RobotModel::new("odd", "", joints, *sawyer.tool()).unwrap())
+    Arc::new(RobotModel::new("random", "", joints, *sawyer.tool()).unwrap())
 }
 
-/// Joint positions at rest: inside, exactly on a limit, or, where allowed, outside.
+/// Returns a start posture: each joint inside its range, exactly at a limit or, if `outside`, beyond a limit.
 fn start(robot: &RobotModel, random: &mut Random, outside: bool) -> Vec<f64> {
     let mut position = |limits: &JointLimits| match random.below(if outside { 5 } else { 4 }) {
         0 => limits.lower,
@@ -69,21 +69,21 @@ fn start(robot: &RobotModel, random: &mut Random, outside: bool) -> Vec<f64> {
     robot.joints().iter().map(|joint| position(&joint.limits)).collect()
 }
 
-/// How far each joint is outside its range, rad.
+/// Returns the distance of each joint outside its range, rad; 0 inside.
 fn outside(robot: &RobotModel, q: &[f64]) -> Vec<f64> {
     let beyond = |(joint, q): (&Joint, &f64)| (q - joint.limits.upper).max(joint.limits.lower - q).max(0.0);
     robot.joints().iter().zip(q).map(beyond).collect()
 }
 
-/// A fresh memory for a controller that takes over a moving arm.
-fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
+/// Returns a new memory for a controller that takes over a moving arm.
+fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
     let robot = &controller.config().robot;
     let (configuration, twist) = (arm.configuration(robot), arm.twist(robot));
     let moving = |task: &TaskConfig| match &task.rows {
         TaskRows::Tool(rows) => {
             Vector::from_iterator(rows.axes.len(), rows.axes.axes().iter().map(|axis| twist[axis.index()]))
         }
-        TaskRows::Joints(_) => unreachable!("the adversary has no postures"),
+        TaskRows::Joints(_) => unreachable!("the hostile controller has no postures"),
     };
     Memory {
         task_velocities: controller.config().tasks.iter().map(moving).collect(),
@@ -93,22 +93,22 @@ fn taken_over(arm: &Loop, controller: &Controller) -> Memory {
     }
 }
 
-/// Largest excess over any limit, and how often limits mattered.
+/// Largest excess over each kind of limit, and how often limits were active.
 #[derive(Debug, Default)]
-struct Watch {
+struct Findings {
     position: f64,
     velocity: f64,
     acceleration: f64,
     cycles: usize,
-    held_back: usize,
+    with_active_limits: usize,
     at_position_limit: usize,
     clarabel: usize,
     not_certified: usize,
 }
 
-impl Watch {
-    /// `outside`: how far each joint was outside at the start.
-    fn see(&mut self, robot: &RobotModel, outside: &[f64], last: &[f64], command: &Command, arm: &Loop, period: f64) {
+impl Findings {
+    /// Adds one command. `outside`: distance of each joint outside its range at the start.
+    fn add(&mut self, robot: &RobotModel, outside: &[f64], last: &[f64], command: &Command, arm: &Loop, period: f64) {
         let mut near = false;
         for (i, joint) in robot.joints().iter().enumerate() {
             let (q, qdot, limits) = (arm.q[i], command.resolution.joint_velocity[i], joint.limits);
@@ -118,7 +118,7 @@ impl Watch {
             near |= (limits.upper - q).min(q - limits.lower) < 1e-3;
         }
         self.cycles += 1;
-        self.held_back += usize::from(!command.resolution.active_limits.is_empty());
+        self.with_active_limits += usize::from(!command.resolution.active_limits.is_empty());
         self.at_position_limit += usize::from(near);
         self.clarabel += usize::from(command.resolution.solver.path == Path::Qp);
         self.not_certified += usize::from(command.resolution.solver.status != Status::Optimal);
@@ -126,10 +126,13 @@ impl Watch {
         assert!(command.resolution.violated_limits.is_empty(), "cycle {}", self.cycles);
     }
 
-    fn assert_nothing_broken(&self) {
+    fn assert_limits_held(&self) {
         println!("{self:?}");
         assert!(self.position <= 1e-9 && self.velocity <= 1e-9 && self.acceleration <= 1e-9, "{self:?}");
-        assert!(self.held_back > self.cycles / 2 && self.at_position_limit > self.cycles / 20, "harmless: {self:?}");
+        assert!(
+            self.with_active_limits > self.cycles / 2 && self.at_position_limit > self.cycles / 20,
+            "too few active limits: {self:?}"
+        );
         assert!(self.not_certified == 0, "{self:?}");
     }
 }
@@ -141,64 +144,64 @@ fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
     assert!(lower.iter().zip(upper).all(|(lower, upper)| lower <= upper), "{limited:?}");
 }
 
-/// `cycles` of adversarial tasks under pushes that change their sign at will; a new arm at a new start every 2500.
-fn torment(seed: u64, cycles: usize, from_outside: bool) -> Watch {
-    let (mut random, mut watch) = (Random(seed), Watch::default());
-    while watch.cycles < cycles {
-        let robot = if random.below(2) == 0 { sawyer() } else { odd_arm(&mut random) };
+/// Runs `cycles` of hostile tasks under random wrenches, with a new arm and a new start every 2500 cycles.
+fn run_hostile_cycles(seed: u64, cycles: usize, from_outside: bool) -> Findings {
+    let (mut random, mut findings) = (Random(seed), Findings::default());
+    while findings.cycles < cycles {
+        let robot = if random.below(2) == 0 { sawyer() } else { arm_with_random_limits(&mut random) };
         let mut arm = Loop::at_rest(&start(&robot, &mut random, from_outside));
         let outside_at_start = outside(&robot, &arm.q);
         for _ in 0..5 {
             let controller = adversary(&robot, &mut random);
-            arm.memory = Some(taken_over(&arm, &controller));
+            arm.memory = Some(takeover_memory(&arm, &controller));
             let period = controller.config().period_s;
             for _ in 0..500 {
                 let last = arm.memory.as_ref().unwrap().last_command.as_slice().to_vec();
                 assert_box_not_empty(&controller, &arm, &last);
                 let push = [0.0; 6].map(|_: f64| 3e3 * random.signed());
                 let command = arm.step(&controller, push);
-                watch.see(&robot, &outside_at_start, &last, &command, &arm, period);
+                findings.add(&robot, &outside_at_start, &last, &command, &arm, period);
             }
         }
         let outside_at_end = outside(&robot, &arm.q);
         for (i, (start, end)) in outside_at_start.iter().zip(&outside_at_end).enumerate() {
-            assert!(*end <= 1e-9 || end < start, "joint {i} does not come back: {start} rad outside, then {end}");
+            assert!(*end <= 1e-9 || end < start, "joint {i} does not return: {start} rad outside, then {end}");
         }
     }
-    watch
+    findings
 }
 
-/// A quarter of the 10⁶ cycles, so that the test harness can share them out.
+/// Runs a quarter of the 10⁶ cycles, so that the test harness can run the quarters in parallel.
 fn quarter(seed: u64) {
-    torment(seed, 250_000, false).assert_nothing_broken();
+    run_hostile_cycles(seed, 250_000, false).assert_limits_held();
 }
 
 #[test]
-fn no_limit_is_ever_broken_in_the_first_quarter_of_1e6_adversarial_cycles() {
+fn no_limit_is_exceeded_in_the_first_quarter_of_1e6_adversarial_cycles() {
     quarter(2);
 }
 
 #[test]
-fn no_limit_is_ever_broken_in_the_second_quarter_of_1e6_adversarial_cycles() {
+fn no_limit_is_exceeded_in_the_second_quarter_of_1e6_adversarial_cycles() {
     quarter(3);
 }
 
 #[test]
-fn no_limit_is_ever_broken_in_the_third_quarter_of_1e6_adversarial_cycles() {
+fn no_limit_is_exceeded_in_the_third_quarter_of_1e6_adversarial_cycles() {
     quarter(5);
 }
 
 #[test]
-fn no_limit_is_ever_broken_in_the_last_quarter_of_1e6_adversarial_cycles() {
+fn no_limit_is_exceeded_in_the_last_quarter_of_1e6_adversarial_cycles() {
     quarter(7);
 }
 
 #[test]
-fn joints_found_outside_come_back_within_velocity_and_acceleration_whatever_the_tasks_ask() {
-    torment(11, 100_000, true).assert_nothing_broken();
+fn joints_outside_return_within_velocity_and_acceleration_limits_under_hostile_tasks() {
+    run_hostile_cycles(11, 100_000, true).assert_limits_held();
 }
 
-/// An arm under a steady push in x, its joints moving.
+/// Returns an arm that moves under a constant push along x.
 fn moving_arm(controller: &Controller) -> Loop {
     let mut arm = Loop::at_rest(&NOMINAL);
     (0..200).for_each(|_| drop(arm.step(controller, [0.0; 6])));
@@ -206,7 +209,7 @@ fn moving_arm(controller: &Controller) -> Loop {
 }
 
 #[test]
-fn a_jump_of_the_measured_position_reports_the_conflict_and_position_wins() {
+fn after_a_jump_of_the_measured_position_the_position_limit_holds_and_a_conflict_is_reported() {
     let robot = sawyer();
     let limited =
         ControllerConfig { limits: ALL_LIMITS, ..config(&robot, vec![task(&[Axis::X], force(&[Axis::X], &[300.0]))]) };
@@ -215,14 +218,14 @@ fn a_jump_of_the_measured_position_reports_the_conflict_and_position_wins() {
     let last = arm.memory.as_ref().unwrap().last_command.clone();
     let joint = last.iamax();
     let limits = robot.joints()[joint].limits;
-    assert!(last[joint].abs() > 2.0 * limits.acceleration * PERIOD, "the joint can not stop in one period");
+    assert!(last[joint].abs() > 2.0 * limits.acceleration * PERIOD, "the joint must be too fast to stop in one period");
 
     let mut jumped = arm.clone();
     jumped.q[joint] = if last[joint] > 0.0 { limits.upper } else { limits.lower };
     let at_limit = jumped.step(&controller, [0.0; 6]);
     assert_eq!(at_limit.limit_conflicts, [joint]);
     let qdot = at_limit.resolution.joint_velocity[joint];
-    assert!(qdot * last[joint].signum() <= 0.0, "no further outwards: {qdot} rad/s");
+    assert!(qdot * last[joint].signum() <= 0.0, "the joint moves outwards: {qdot} rad/s");
     assert!(at_limit.resolution.violated_limits.is_empty());
 
     let mut undisturbed = arm;
@@ -230,7 +233,7 @@ fn a_jump_of_the_measured_position_reports_the_conflict_and_position_wins() {
 }
 
 #[test]
-fn an_arm_found_outside_its_limits_comes_back_and_stays() {
+fn an_arm_outside_its_limits_returns_and_stays_inside() {
     let robot = sawyer();
     let outwards = vec![task(&Axis::ALL, force(&Axis::ALL, &[300.0; 6]))];
     let controller = controller(ControllerConfig { limits: ALL_LIMITS, ..config(&robot, outwards) });
@@ -250,7 +253,7 @@ fn an_arm_found_outside_its_limits_comes_back_and_stays() {
 }
 
 #[test]
-fn the_measured_velocity_of_the_first_period_counts_against_the_acceleration_limit() {
+fn the_first_command_keeps_the_acceleration_limit_relative_to_the_measured_velocity() {
     let robot = sawyer();
     let tasks = vec![task(&Axis::ALL, force(&Axis::ALL, &[-1e4; 6]))];
     let controller = controller(ControllerConfig { limits: ALL_LIMITS, ..config(&robot, tasks) });

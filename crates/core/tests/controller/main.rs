@@ -1,4 +1,4 @@
-//! The controller and its laws, through the library.
+//! Tests of the controller and its laws in closed loop with a simulated arm.
 
 mod anti_windup;
 mod arms;

@@ -1,4 +1,4 @@
-//! What a controller remembers: complete, reproducible, and nobody else's.
+//! The memory of a controller: it is complete and reproducible, and other memories are refused.
 
 use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError, Stepper};
 use revprio_core::limits::LimitKind;
@@ -17,19 +17,19 @@ fn limited_controller() -> Controller {
     controller(ControllerConfig { limits, ..config(&sawyer(), tasks) })
 }
 
-/// Wrenches that drive the arm into its limits and away again.
+/// Returns random wrenches that drive the arm into its limits and away from them.
 fn pushes() -> Vec<[f64; 6]> {
     let mut random = Random(5);
     (0..2000).map(|_| [0.0; 6].map(|_: f64| 500.0 * random.signed())).collect()
 }
 
-/// Every bit of an answer: `Debug` writes floats so that they read back to the same bits, −0 included.
+/// Returns a text that contains every bit of a value: `Debug` writes floats exactly, including −0.
 fn bytes(answer: &impl std::fmt::Debug) -> String {
     format!("{answer:?}")
 }
 
 #[test]
-fn the_same_input_gives_the_same_bytes() {
+fn the_same_input_gives_the_same_bits() {
     let answers = || {
         let (controller, mut arm) = (limited_controller(), Loop::at_rest(&NOMINAL));
         pushes().into_iter().map(|push| bytes(&(arm.step(&controller, push), &arm.memory))).collect::<Vec<_>>()
@@ -38,7 +38,7 @@ fn the_same_input_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_stepper_used_again_gives_the_bytes_of_a_new_one() {
+fn a_reused_stepper_gives_the_same_bits_as_a_new_one() {
     for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
         let own = controller(ControllerConfig { solver, ..limited_controller().config().clone() });
         let (mut arm, mut memory) = (Loop::at_rest(&NOMINAL), None);
@@ -69,7 +69,7 @@ fn another_replica_continues_from_the_memory_to_the_last_bit() {
 fn refusal(controller: &Controller, arm: &Loop) -> MemoryError {
     let mut memory = arm.memory.clone();
     let refused = step(controller, &mut memory, &measurement(&vec![1.0; controller.config().robot.joint_count()]));
-    assert_eq!(memory, arm.memory, "a refusal leaves the memory as it was");
+    assert_eq!(memory, arm.memory, "an error must leave the memory unchanged");
     match refused {
         Err(StepError::Memory(error)) => error,
         other => panic!("not refused: {other:?}"),
@@ -102,13 +102,13 @@ fn a_damaged_memory_is_refused() {
         MemoryError::ActiveSet
     );
     assert_eq!(damaged(&|memory| drop(memory.task_velocities.pop())), MemoryError::TaskVelocities);
-    // Left unequal to themselves on purpose: infinities compare, NaN would not.
+    // Infinity, not NaN: the test compares memories, and NaN is not equal to itself.
     assert_eq!(damaged(&|memory| memory.task_velocities[0][0] = f64::INFINITY), MemoryError::TaskVelocities);
     assert_eq!(damaged(&|memory| memory.last_command[3] = f64::INFINITY), MemoryError::LastCommand);
 }
 
 #[test]
-fn measurements_that_are_no_numbers_are_refused_and_leave_the_memory_alone() {
+fn invalid_measurements_are_refused_and_leave_the_memory_unchanged() {
     let (own, mut arm) = (limited_controller(), Loop::at_rest(&NOMINAL));
     arm.step(&own, [0.0; 6]);
     let before = arm.memory.clone();

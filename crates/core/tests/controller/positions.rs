@@ -1,4 +1,4 @@
-//! Laws and null-space motions that lead to poses and postures.
+//! Position laws and null-space motions towards poses and postures.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ fn to_pose(goal: nalgebra::IsometryMatrix3<f64>, axes: &[Axis], gain: f64) -> Ta
     TaskConfig { rows: TaskRows::Tool(rows), ..task(axes, position(axes.len(), gain)) }
 }
 
-/// A pose 7 cm and 0.3 rad away from the nominal one.
+/// Returns a pose 7 cm and 0.3 rad away from the nominal pose.
 fn nearby_goal() -> nalgebra::IsometryMatrix3<f64> {
     let mut goal = *Loop::at_rest(&NOMINAL).configuration(&sawyer()).tool_pose();
     goal.translation.vector += Vector3::new(0.03, -0.05, 0.04);
@@ -35,7 +35,7 @@ fn nearby_goal() -> nalgebra::IsometryMatrix3<f64> {
 }
 
 #[test]
-fn closed_loop_inverse_kinematics_on_a_gantry_is_the_power_of_one_minus_gain_times_period() {
+fn on_a_gantry_the_distance_to_a_pose_decays_as_powers_of_one_minus_gain_times_period() {
     let axes = [Axis::X, Axis::Y, Axis::Z];
     let goal = nalgebra::IsometryMatrix3::translation(0.4, -0.1, 0.2);
     let controller = controller(config(&gantry(JointLimits::NONE), vec![to_pose(goal, &axes, 20.0)]));
@@ -50,7 +50,7 @@ fn closed_loop_inverse_kinematics_on_a_gantry_is_the_power_of_one_minus_gain_tim
 }
 
 #[test]
-fn closed_loop_inverse_kinematics_on_sawyer_converges_exponentially_at_its_gain() {
+fn on_sawyer_the_distance_to_a_pose_decays_exponentially_with_the_gain() {
     let (robot, goal) = (sawyer(), nearby_goal());
     let controller = controller(config(&robot, vec![to_pose(goal, &Axis::ALL, 4.0)]));
     let mut arm = Loop::at_rest(&NOMINAL);
@@ -59,19 +59,19 @@ fn closed_loop_inverse_kinematics_on_sawyer_converges_exponentially_at_its_gain(
         let turn = orientation_error(&pose.rotation, &goal.rotation).norm();
         ((pose.translation.vector - goal.translation.vector).norm(), turn)
     };
-    let (way, turn) = distance(&arm);
+    let (initial_distance, initial_angle) = distance(&arm);
     for second in 1..=5 {
         (0..1000).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
         let left = (-4.0 * f64::from(second)).exp();
         let now = distance(&arm);
-        // Steps of 1 ms along straight joint paths: some percent over e^-20.
-        assert!((now.0 / (way * left) - 1.0).abs() < 0.06, "{second} s: {} of {}", now.0, way * left);
-        assert!((now.1 / (turn * left) - 1.0).abs() < 0.06, "{second} s: {} of {}", now.1, turn * left);
+        // Steps of 1 ms along straight joint paths: a few percent of error over e^-20.
+        assert!((now.0 / (initial_distance * left) - 1.0).abs() < 0.06, "{second} s: {} m", now.0);
+        assert!((now.1 / (initial_angle * left) - 1.0).abs() < 0.06, "{second} s: {} rad", now.1);
     }
 }
 
 #[test]
-fn a_posture_of_chosen_joints_leads_them_exponentially_and_leaves_the_others() {
+fn a_posture_of_some_joints_moves_them_exponentially_and_leaves_the_others_at_rest() {
     let target = [-0.2, 1.0];
     let posture = joints(&[1, 4], JointTarget::Position(constant(&target)), position(2, 3.0));
     let controller = controller(config(&sawyer(), vec![posture]));
@@ -98,7 +98,7 @@ fn a_moving_posture_is_followed_without_lag() {
 }
 
 #[test]
-fn a_posture_towards_mid_range_descends_the_joint_limit_index() {
+fn a_posture_towards_mid_range_decreases_the_joint_limit_index() {
     let robot = sawyer();
     let all: Vec<usize> = (0..7).collect();
     let controller = controller(config(&robot, vec![joints(&all, JointTarget::MidRange, position(7, 2.0))]));
@@ -116,8 +116,8 @@ fn a_posture_towards_mid_range_descends_the_joint_limit_index() {
     }
 }
 
-/// The arm after 8 s of holding its pose with this motion in the null space.
-fn held_with(motion: NullSpaceMotion) -> Loop {
+/// Returns the arm after it held its pose for 8 s with this motion in the null space.
+fn hold_pose_with(motion: NullSpaceMotion) -> Loop {
     let robot = sawyer();
     let start = *Loop::at_rest(&NOMINAL).configuration(&robot).tool_pose();
     let hold = to_pose(start, &Axis::ALL, 10.0);
@@ -126,13 +126,13 @@ fn held_with(motion: NullSpaceMotion) -> Loop {
     for _ in 0..8000 {
         arm.step(&controller, [0.0; 6]);
         let now = *arm.configuration(&robot).tool_pose();
-        assert!((now.to_homogeneous() - start.to_homogeneous()).amax() < 1e-4, "the tool holds still: {now}");
+        assert!((now.to_homogeneous() - start.to_homogeneous()).amax() < 1e-4, "the tool must stand still: {now}");
     }
     arm
 }
 
-/// The one direction of joint motion that the tool does not feel, length 1.
-fn free_direction(robot: &RobotModel, q: &[f64]) -> Vector {
+/// Returns the unit vector of the null space of the tool Jacobian.
+fn null_space_direction(robot: &RobotModel, q: &[f64]) -> Vector {
     let configuration = revprio_robot::kinematics::Configuration::new(robot, q).unwrap();
     let jacobian = revprio_core::linalg::TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
     let null_space = revprio_core::linalg::Decomposition::new(&jacobian).null_space();
@@ -140,28 +140,28 @@ fn free_direction(robot: &RobotModel, q: &[f64]) -> Vector {
 }
 
 #[test]
-fn joint_limits_in_the_null_space_descend_the_index_as_far_as_a_still_tool_allows() {
+fn joint_limit_motion_in_the_null_space_minimises_the_index_without_moving_the_tool() {
     let robot = sawyer();
-    let arm = held_with(NullSpaceMotion::JointLimits { gain: 100.0 });
+    let arm = hold_pose_with(NullSpaceMotion::JointLimits { gain: 100.0 });
     assert!(joint_limit_index(&robot, &arm.q) < joint_limit_index(&robot, &NOMINAL) - 1e-3);
-    let slope = |q: &[f64]| joint_limit_gradient(&robot, q).dot(&free_direction(&robot, q)).abs();
+    let slope = |q: &[f64]| joint_limit_gradient(&robot, q).dot(&null_space_direction(&robot, q)).abs();
     assert!(slope(&arm.q) < 1e-3 * slope(&NOMINAL), "{} {}", slope(&arm.q), slope(&NOMINAL));
 }
 
 #[test]
-fn a_posture_in_the_null_space_draws_near_as_far_as_a_still_tool_allows() {
+fn a_posture_in_the_null_space_is_approached_without_moving_the_tool() {
     let robot = sawyer();
-    let mut wanted = NOMINAL.to_vec();
-    wanted[0] -= 0.4;
-    let arm = held_with(NullSpaceMotion::Posture { joint_position: wanted.clone(), gain: 5.0 });
-    let left = Vector::from_vec(wanted) - Vector::from_row_slice(&arm.q);
+    let mut target = NOMINAL.to_vec();
+    target[0] -= 0.4;
+    let arm = hold_pose_with(NullSpaceMotion::Posture { joint_position: target.clone(), gain: 5.0 });
+    let left = Vector::from_vec(target) - Vector::from_row_slice(&arm.q);
     assert!(left.norm() < 0.399);
-    assert!(left.dot(&free_direction(&robot, &arm.q)).abs() < 1e-4);
+    assert!(left.dot(&null_space_direction(&robot, &arm.q)).abs() < 1e-4);
 }
 
 #[test]
-fn a_constant_null_space_velocity_moves_the_joints_and_not_the_tool() {
-    let free = free_direction(&sawyer(), &NOMINAL);
+fn a_constant_null_space_velocity_moves_the_joints_but_not_the_tool() {
+    let free = null_space_direction(&sawyer(), &NOMINAL);
     let hold = task(&Axis::ALL, Law::Velocity(constant(&[0.0; 6])));
     let null_space = Some(NullSpaceMotion::Constant(&free * 0.3));
     let controller = controller(ControllerConfig { null_space, ..config(&sawyer(), vec![hold]) });
@@ -181,7 +181,7 @@ fn task_refusal(robot: &Arc<RobotModel>, task: TaskConfig) -> TaskConfigError {
 }
 
 #[test]
-fn gains_that_would_overshoot_for_ever_are_refused_and_those_just_below_settle() {
+fn unstable_gains_are_refused_and_gains_just_below_the_bound_converge() {
     let (robot, axes) = (gantry(JointLimits::NONE), [Axis::X]);
     let goal = nalgebra::IsometryMatrix3::translation(1.0, 0.0, 0.0);
     let refused = task_refusal(&robot, to_pose(goal, &axes, 2000.0));
@@ -192,13 +192,13 @@ fn gains_that_would_overshoot_for_ever_are_refused_and_those_just_below_settle()
     assert!((arm.q[0] - 1.0).abs() < 1e-9, "{}", arm.q[0]);
     let with =
         |motion| ControllerConfig { null_space: Some(motion), ..config(&robot, vec![to_pose(goal, &axes, 1.0)]) };
-    let swinging = NullSpaceMotion::Posture { joint_position: vec![0.0; 3], gain: 2000.0 };
-    assert!(matches!(refusal(with(swinging)), ConfigError::NullSpace(NullSpaceError::Unstable { .. })));
+    let unstable = NullSpaceMotion::Posture { joint_position: vec![0.0; 3], gain: 2000.0 };
+    assert!(matches!(refusal(with(unstable)), ConfigError::NullSpace(NullSpaceError::Unstable { .. })));
 }
 
 #[test]
-fn the_bound_of_a_gain_towards_mid_range_counts_the_range() {
-    // 1/(n half²) = 1/(3 · 0.01): the gain that swings for ever is 2 · 0.03 / T.
+fn the_gain_bound_towards_mid_range_depends_on_the_range() {
+    // 1/(n half²) = 1/(3 · 0.01), so the smallest unstable gain is 2 · 0.03 / T.
     let limits = JointLimits { lower: -0.1, upper: 0.1, ..JointLimits::NONE };
     let robot = gantry(limits);
     let with = |gain: f64| joints(&[0], JointTarget::MidRange, position(1, gain));
@@ -216,7 +216,7 @@ fn the_bound_of_a_gain_towards_mid_range_counts_the_range() {
 }
 
 #[test]
-fn joint_rows_that_mean_nothing_are_refused() {
+fn invalid_joint_rows_are_refused() {
     let robot = gantry(JointLimits::NONE);
     for chosen in [vec![], vec![3], vec![1, 1]] {
         let target = JointTarget::Position(constant(&vec![0.0; chosen.len()]));

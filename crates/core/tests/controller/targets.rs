@@ -1,4 +1,4 @@
-//! Targets that move.
+//! Moving targets.
 
 use nalgebra::{Rotation3, Vector3};
 use revprio_core::controller::{TaskConfig, TaskRows, ToolRows};
@@ -31,19 +31,19 @@ fn a_uniformly_moving_target_is_followed_without_steady_error() {
 }
 
 #[test]
-fn a_swinging_target_is_followed_to_the_order_of_the_period() {
+fn an_oscillating_target_is_followed_with_an_error_proportional_to_the_period() {
     let axes = [Axis::X];
-    let swing = || Profile::sine(vec![0.0], vec![0.1], 4.0, 0.0).unwrap();
+    let oscillation = || Profile::sine(vec![0.0], vec![0.1], 4.0, 0.0).unwrap();
     let largest_lag = |period: f64| {
-        let swinging = displaced(&axes, impedance(&axes, 1000.0), swing());
-        let given = config(&gantry(JointLimits::NONE), vec![swinging]);
+        let moving = displaced(&axes, impedance(&axes, 1000.0), oscillation());
+        let given = config(&gantry(JointLimits::NONE), vec![moving]);
         let controller = controller(revprio_core::controller::ControllerConfig { period_s: period, ..given });
         let mut arm = Loop::at_rest(&[0.0; 3]);
         let mut largest = 0.0_f64;
         let mut t = 0.0;
         while t < 6.0 {
             if t > 3.0 {
-                largest = largest.max((arm.q[0] - swing().at(t).value[0]).abs());
+                largest = largest.max((arm.q[0] - oscillation().at(t).value[0]).abs());
             }
             arm.step(&controller, [0.0; 6]);
             t += period;
@@ -55,7 +55,7 @@ fn a_swinging_target_is_followed_to_the_order_of_the_period() {
 }
 
 #[test]
-fn a_target_that_turns_and_moves_is_followed_by_the_whole_pose() {
+fn a_target_pose_that_translates_and_rotates_is_followed() {
     let robot = sawyer();
     let point = |time_s: f64, value: [f64; 6]| Point { time_s, value: value.to_vec() };
     let last = [0.05, -0.04, 0.03, 0.2, 0.3, -0.1];
@@ -78,7 +78,7 @@ fn a_target_that_turns_and_moves_is_followed_by_the_whole_pose() {
 }
 
 #[test]
-fn a_displacement_that_rests_at_zero_changes_nothing() {
+fn a_constant_zero_displacement_changes_nothing() {
     let plain = controller(config(&sawyer(), vec![task(&Axis::ALL, impedance(&Axis::ALL, 700.0))]));
     let zero = displaced(&Axis::ALL, impedance(&Axis::ALL, 700.0), constant(&[0.0; 6]));
     let displaced = controller(config(&sawyer(), vec![zero]));

@@ -1,4 +1,4 @@
-//! Everything that can be said of a problem without knowing its answer, over very many problems.
+//! Properties that can be checked without knowing the exact answer, over very many problems.
 
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status, resolve};
@@ -6,7 +6,7 @@ use revprio_core::task::TaskStack;
 
 use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed, with};
 
-/// The largest error of one kind, and how often it was beyond its limit.
+/// The largest error of one kind, and how often it exceeded its limit.
 #[derive(Debug, Default, Clone, Copy)]
 struct Error {
     worst: f64,
@@ -23,23 +23,23 @@ impl Error {
     }
 }
 
-/// What a run over many problems found.
+/// The findings of a run over many problems.
 #[derive(Debug, Default)]
 struct Findings {
     /// KKT residual of an answer.
     residual: Error,
     /// Excess over a limit, relative to the limit where it is above 1 rad/s.
     excess: Error,
-    /// Distance of `auto`, with whatever guess, from `qp`.
+    /// Distance of `auto`, with any initial active set, from `qp`.
     auto: Error,
     /// Distance of `qp` from the closed form inside the limits.
     closed_form: Error,
-    /// Residual of task 1 against that of task 1 alone.
+    /// Difference between the residual of task 1 and its residual without lower tasks.
     first_task: Error,
-    /// How many problems had their closed form inside the limits.
+    /// Number of problems with a closed form inside the limits.
     inside: u32,
-    /// How many correct guesses spared Clarabel.
-    guessed: u32,
+    /// Number of problems solved from a correct initial active set without Clarabel.
+    warm_started: u32,
 }
 
 fn any_problem(random: &mut Random, family: Family) -> Problem {
@@ -62,15 +62,15 @@ fn any_problem(random: &mut Random, family: Family) -> Problem {
     problem
 }
 
-fn any_guess(random: &mut Random, n: usize) -> Vec<ActiveSet> {
+fn any_initial_set(random: &mut Random, n: usize) -> Vec<ActiveSet> {
     let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
     let set = |random: &mut Random| (0..=n).filter_map(|joint| Some((joint, side(random)?))).collect();
     (0..random.below(7)).map(|_| set(random)).collect()
 }
 
-/// Distance of two velocities, relative to the largest of them and of what was asked for.
-fn distance(a: &Vector, b: &Vector, asked: f64) -> f64 {
-    let size = a.amax().max(b.amax()).max(asked).max(1e-5);
+/// Returns the distance of two velocities, relative to the largest of them and of the requested speed.
+fn distance(a: &Vector, b: &Vector, requested: f64) -> f64 {
+    let size = a.amax().max(b.amax()).max(requested).max(1e-5);
     (a - b).amax() / size
 }
 
@@ -78,18 +78,18 @@ impl Findings {
     fn examine(&mut self, seed: u64, family: Family) {
         let mut random = Random::new(seed);
         let problem = any_problem(&mut random, family);
-        let asked = speed(&problem);
-        let answer = |solver, guess: &[ActiveSet]| resolve(&with(&problem, solver), guess).unwrap();
+        let requested = speed(&problem);
+        let answer = |solver, initial: &[ActiveSet]| resolve(&with(&problem, solver), initial).unwrap();
         let qp = answer(Solver::Qp, &[]);
-        let guess = any_guess(&mut random, problem.tasks.joint_count());
-        let autos = [answer(Solver::Auto, &[]), answer(Solver::Auto, &qp.active_set), answer(Solver::Auto, &guess)];
+        let initial = any_initial_set(&mut random, problem.tasks.joint_count());
+        let autos = [answer(Solver::Auto, &[]), answer(Solver::Auto, &qp.active_set), answer(Solver::Auto, &initial)];
         for resolution in autos.iter().chain([&qp]) {
             self.certificate(seed, &problem, resolution);
         }
         for auto in &autos {
-            self.auto.add(seed, distance(&auto.joint_velocity, &qp.joint_velocity, asked), 1e-8);
+            self.auto.add(seed, distance(&auto.joint_velocity, &qp.joint_velocity, requested), 1e-8);
         }
-        self.guessed += u32::from(autos[1].solver.path == Path::ActiveSet);
+        self.warm_started += u32::from(autos[1].solver.path == Path::ActiveSet);
         self.against_closed_form(seed, &problem, &qp);
         self.first_task(seed, &problem, &qp);
     }
@@ -134,11 +134,11 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
     findings
 }
 
-/// `outliers`: how many answers may be beyond the limit that all others keep, and `worst`: by how much.
+/// Asserts all properties. `outliers`: number of answers that may exceed the error limit; `worst`: their maximum error.
 ///
-/// In 10⁶ some are: where damping acts on a singular value of some 1e-8, the cascade recovers a velocity by dividing
-/// rounding by that value, while the closed form does not.
-fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
+/// Among 10⁶ problems there are some outliers. If damping acts on a singular value of about 1e-8, the cascade divides
+/// rounding errors by that value, and the closed form does not.
+fn assert_all_properties(findings: &Findings, outliers: u32, worst: f64) {
     assert_eq!(findings.residual.beyond, 0, "not certified: {:?}", findings.residual);
     assert_eq!(findings.excess.beyond, 0, "limit exceeded: {:?}", findings.excess);
     for (what, error) in
@@ -148,11 +148,11 @@ fn all_properties_hold(findings: &Findings, outliers: u32, worst: f64) {
     }
 }
 
-/// A quarter of the 10⁵ problems of the ordinary run, so that the test harness can share them out.
+/// Runs a quarter of the 10⁵ problems, so that the test harness can run the quarters in parallel.
 fn quarter(start: u64) {
     let findings = examine(WIDE, start..start + 25_000);
-    assert!(findings.inside > 3_000 && findings.guessed > 8_000, "the problems are one-sided: {findings:?}");
-    all_properties_hold(&findings, 0, 1e-8);
+    assert!(findings.inside > 3_000 && findings.warm_started > 8_000, "the problems lack variety: {findings:?}");
+    assert_all_properties(&findings, 0, 1e-8);
 }
 
 #[test]
@@ -175,25 +175,26 @@ fn every_property_holds_in_the_last_quarter_of_1e5_problems() {
     quarter(75_000);
 }
 
-/// Corners in which the search holds limits that depend on others, and guesses that are wrong by so little that their
-/// residual stays below 1e-12: seeds of the long run, which found both.
+/// Seeds of the long run that once failed: working sets with dependent limits, and initial active sets that are wrong
+/// by so little that their residual stays below 1e-12.
 #[test]
-fn every_property_holds_in_corners_that_were_once_missed() {
+fn every_property_holds_for_seeds_that_once_failed() {
     let mut findings = Findings::default();
     for seed in [1_061_814, 1_098_138, 1_197_619, 1_255_632, 1_598_529, 1_664_480, 1_670_790, 1_762_533, 1_976_064] {
         findings.examine(seed, WIDE);
     }
-    all_properties_hold(&findings, 0, 1e-8);
+    assert_all_properties(&findings, 0, 1e-8);
 }
 
 #[test]
-#[ignore = "10⁶ problems take some ten minutes"]
+#[ignore = "10⁶ problems take about ten minutes"]
 fn every_property_holds_in_1e6_problems() {
     let findings = examine(WIDE, 1_000_000..2_000_000);
-    all_properties_hold(&findings, 200, 1e-4);
+    assert_all_properties(&findings, 200, 1e-4);
 }
 
-/// Rows dependent up to 1e-6, velocities and bounds from 1e-6 to 1e6: not all answers can be exact, all must be safe.
+/// Rows are dependent up to 1e-6, velocities and bounds range from 1e-6 to 1e6. Some answers are not exact, but all
+/// must be inside the limits.
 #[test]
 fn no_limit_is_exceeded_by_extreme_problems() {
     let findings = examine(EXTREME, 0..10_000);

@@ -1,4 +1,4 @@
-//! The closed forms against the equations as printed, and against each other.
+//! The closed forms compared with the equations as printed, and with each other.
 
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;
@@ -24,7 +24,7 @@ fn row(entries: &[f64], velocity: f64) -> Task {
     task(Matrix::from_row_slice(1, entries.len(), entries), Vector::from_element(1, velocity))
 }
 
-/// Rows drawn until none of the matrices that Eq. (29) inverts is nearly singular.
+/// Draws random tasks until no matrix that Eq. (29) inverts is nearly singular.
 fn well_conditioned(random: &mut Random) -> TaskStack {
     loop {
         let n = 2 + random.below(7);
@@ -41,12 +41,12 @@ fn well_conditioned(random: &mut Random) -> TaskStack {
     }
 }
 
-/// λ for the singular values of `J`, 0 without damping.
+/// Returns λ for the singular values of `J`; 0 without damping.
 fn factor(J: &Matrix, damping: Option<Damping>) -> f64 {
     damping.map_or(0.0, |damping| damping.factor(J.singular_values().min()))
 }
 
-/// Jᵀ(J Jᵀ + λ² I)⁻¹.
+/// Returns Jᵀ(J Jᵀ + λ² I)⁻¹.
 fn damped_inverse(J: &Matrix, lambda: f64) -> Matrix {
     if lambda == 0.0 {
         return pinv_own(J);
@@ -55,7 +55,9 @@ fn damped_inverse(J: &Matrix, lambda: f64) -> Matrix {
     J.transpose() * (J * J.transpose() + Matrix::identity(m, m) * (lambda * lambda)).try_inverse().unwrap()
 }
 
-/// Eq. (29) as it stands: q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}), with J_k J_k^# before the bracket if damped.
+/// Evaluates Eq. (29) as printed: q̇_k = q̇_{k+1} + T_k (J_k T_k)⁺ (ẋ_k − J_k q̇_{k+1}).
+///
+/// With damping, J_k J_k^# stands before the bracket.
 fn printed(tasks: &TaskStack, damping: Option<Damping>) -> Vector {
     let mut qdot = Vector::zeros(tasks.joint_count());
     let mut J_low = Matrix::zeros(0, tasks.joint_count());
@@ -69,13 +71,13 @@ fn printed(tasks: &TaskStack, damping: Option<Damping>) -> Vector {
     qdot
 }
 
-/// Eq. (11) for two tasks: q̇ = J_1⁺ẋ_1 + (J_2 N_1)⁺(ẋ_2 − J_2 J_1⁺ẋ_1).
+/// Evaluates Eq. (11) for two tasks: q̇ = J_1⁺ẋ_1 + (J_2 N_1)⁺(ẋ_2 − J_2 J_1⁺ẋ_1).
 fn task_priority(first: &Task, second: &Task) -> Vector {
     let n = first.jacobian.ncols();
     let J1_inverse = pinv_own(&first.jacobian);
     let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
     let q1 = J1_inverse * &first.velocity;
-    // Rank relative to J_2: the product with the projector may be rounding alone.
+    // The rank is relative to J_2, because the product with the projector may be only rounding.
     let inverse = crate::reference::pinv(&(&second.jacobian * N1), 1e-10 * second.jacobian.norm());
     &q1 + inverse * (&second.velocity - &second.jacobian * &q1)
 }
@@ -103,7 +105,7 @@ proptest! {
     #[test]
     fn two_tasks_equal_task_priority_and_the_lexicographic_solution(seed in any::<u64>()) {
         let mut random = Random::new(seed);
-        // Exactly dependent rows, but no nearly dependent ones: those amplify rounding.
+        // Rows may be exactly dependent, but not nearly dependent, which would amplify rounding.
         let family = Family { nearness: &[], ..SMALL };
         let mut any = problem(&mut random, family, Method::StrictReversePriority);
         any.null_space_velocity = None;
@@ -123,7 +125,7 @@ proptest! {
     }
 }
 
-/// Eq. (13) as it stands.
+/// Evaluates Eq. (13) as printed.
 fn singularity_robust(first: &Task, second: &Task) -> Vector {
     let n = first.jacobian.ncols();
     let J1_inverse = pinv_own(&first.jacobian);
@@ -162,20 +164,20 @@ fn three_tasks_show_that_the_recursion_is_strict_for_the_top_task_only() {
 }
 
 #[test]
-fn undamped_conflicts_blow_up_and_damped_ones_stay_bounded() {
+fn without_damping_velocities_grow_near_a_conflict_and_with_damping_they_stay_bounded() {
     for exponent in 1..8 {
         let epsilon = 10_f64.powi(-exponent);
         let tasks = TaskStack::new(vec![row(&[1.0, 0.0], 1.0), row(&[1.0, epsilon], -1.0)]).unwrap();
         let undamped = solve(&tasks, Method::ReversePriority, None).norm();
         assert!((undamped * epsilon - 2.0).abs() < epsilon, "|q̇| = {undamped:e} at ε = {epsilon:e}");
         let damped = solve(&tasks, Method::ReversePriority, Some(Damping::STANDARD));
-        assert!((damped[0] - 1.0).abs() < 1e-12, "task 1 stays exact");
+        assert!((damped[0] - 1.0).abs() < 1e-12, "task 1 must stay exact");
         assert!(damped.norm() < 25.0, "|q̇| = {:e} at ε = {epsilon:e}", damped.norm());
     }
 }
 
 #[test]
-fn one_task_of_independent_rows_needs_the_pseudo_inverse_alone() {
+fn one_task_of_independent_rows_equals_the_pseudo_inverse() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let tasks = well_conditioned(&mut random);

@@ -1,4 +1,4 @@
-//! Inequalities a·q̇ ≤ b beside the box.
+//! Inequalities a·q̇ ≤ b besides the box.
 #![allow(non_snake_case)]
 
 use revprio_core::limits::{Inequality, VelocityBox};
@@ -11,13 +11,13 @@ use crate::reference::{enumerate, levels};
 
 const METHODS: [Method; 2] = [Method::ReversePriority, Method::StrictReversePriority];
 
-/// A random rotation of n joints.
+/// Returns a random rotation of n joints.
 fn rotation(random: &mut Random, n: usize) -> Matrix {
     Matrix::from_fn(n, n, |_, _| random.unit()).qr().q()
 }
 
-/// The problem in turned coordinates x = R q̇: its box becomes inequalities, its own box is unbounded.
-fn turned(problem: &Problem, R: &Matrix, random: &mut Random) -> Problem {
+/// Returns the problem in rotated coordinates x = R q̇. Its box becomes inequalities.
+fn rotated(problem: &Problem, R: &Matrix, random: &mut Random) -> Problem {
     let task = |task: &Task| Task { jacobian: &task.jacobian * R.transpose(), ..task.clone() };
     let tasks = TaskStack::new(problem.tasks.tasks().iter().map(task).collect()).unwrap();
     let bounds = problem.limits.lower().iter().map(|lower| (-1.0, -lower)).enumerate();
@@ -34,22 +34,22 @@ fn turned(problem: &Problem, R: &Matrix, random: &mut Random) -> Problem {
 }
 
 #[test]
-fn a_turned_box_gives_the_turned_answer() {
+fn a_rotated_box_gives_the_rotated_answer() {
     let mut worst = 0.0_f64;
     for seed in 0..4000 {
         let mut random = Random::new(seed);
         let problem = problem(&mut random, SMALL, METHODS[(seed % 2) as usize]);
         let exact = enumerate(&levels(&problem), problem.limits.lower(), problem.limits.upper());
         let R = rotation(&mut random, exact.len());
-        let turned = turned(&problem, &R, &mut random);
+        let rotated = rotated(&problem, &R, &mut random);
         let size = exact.amax().max(speed(&problem)).max(1.0);
         for solver in [Solver::Qp, Solver::Auto] {
-            let answer = resolve(&with(&turned, solver), &[]).unwrap();
+            let answer = resolve(&with(&rotated, solver), &[]).unwrap();
             let error = (R.transpose() * &answer.joint_velocity - &exact).amax() / size;
             worst = worst.max(error);
             assert!(error <= 1e-8, "seed {seed}, {solver:?}: off by {error:e}: {answer:?}");
             assert_eq!(answer.solver.status, Status::Optimal, "seed {seed}");
-            for inequality in &turned.inequalities {
+            for inequality in &rotated.inequalities {
                 let excess = inequality.violation(&answer.joint_velocity);
                 assert!(excess <= 1e-12 * size, "seed {seed}: {excess:e} beyond {inequality:?}, {answer:?}");
             }
@@ -68,8 +68,8 @@ fn box_of(lower: [f64; 2], upper: [f64; 2]) -> VelocityBox {
 }
 
 #[test]
-fn an_active_inequality_is_named_with_what_it_costs() {
-    // ½(q̇₁ + q̇₂ − 2)² with 2 q̇₁ + 2 q̇₂ ≤ 1 leaves ½ 1.5²; per unit of 1 it would fall by 1.5/2.
+fn an_active_inequality_is_named_with_its_multiplier() {
+    // ½(q̇₁ + q̇₂ − 2)² with 2 q̇₁ + 2 q̇₂ ≤ 1 is ½ 1.5². It decreases by 1.5/2 per unit of the bound.
     let inequalities = vec![Inequality::new("wall", vec![2.0, 2.0], 1.0).unwrap()];
     for solver in [Solver::Qp, Solver::Auto] {
         let problem = Problem { inequalities: inequalities.clone(), solver, ..Problem::new(push(2.0)) };
@@ -84,18 +84,18 @@ fn an_active_inequality_is_named_with_what_it_costs() {
 }
 
 #[test]
-fn the_closed_form_reports_the_inequalities_that_it_breaks() {
+fn the_closed_form_reports_the_inequalities_that_it_violates() {
     let inequalities = vec![Inequality::new("wall", vec![1.0, 0.0], 0.5).unwrap()];
     let answer =
         resolve(&Problem { inequalities, solver: Solver::ClosedForm, ..Problem::new(push(2.0)) }, &[]).unwrap();
     assert_eq!(answer.violated_inequalities.len(), 1);
-    let broken = &answer.violated_inequalities[0];
-    assert!(broken.name == "wall" && broken.bound == 0.5 && (broken.value - 1.0).abs() < 1e-14, "{broken:?}");
+    let violated = &answer.violated_inequalities[0];
+    assert!(violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
 }
 
 #[test]
-fn where_inequalities_contradict_the_box_it_holds_and_they_are_broken_least() {
-    // q̇₁ + q̇₂ ≥ 4 and q̇₁ − q̇₂ ≥ 3 in a box of ±1: least squares of (4 − s, 3 − d) at the corner (1, −½ …) of s and d.
+fn if_inequalities_contradict_the_box_the_box_holds_and_their_violation_is_minimal() {
+    // q̇₁ + q̇₂ ≥ 4 and q̇₁ − q̇₂ ≥ 3 contradict a box of ±1. The violation is smallest in least squares at q̇₁ = 1.
     let inequalities = vec![
         Inequality::new("sum", vec![-1.0, -1.0], -4.0).unwrap(),
         Inequality::new("difference", vec![-1.0, 1.0], -3.0).unwrap(),
@@ -107,14 +107,14 @@ fn where_inequalities_contradict_the_box_it_holds_and_they_are_broken_least() {
         let answer = resolve(&problem, &[]).unwrap();
         // min (4 − 1 − y)² + (3 − 1 + y)²: y = ½.
         assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-12, "{answer:?}");
-        let broken: Vec<&str> = answer.violated_inequalities.iter().map(|broken| &*broken.name).collect();
-        assert_eq!(broken, ["sum", "difference"]);
+        let violated: Vec<&str> = answer.violated_inequalities.iter().map(|violated| &*violated.name).collect();
+        assert_eq!(violated, ["sum", "difference"]);
         assert_eq!(answer.solver.status, Status::Optimal);
     }
 }
 
 #[test]
-fn a_start_that_an_inequality_forbids_is_moved_to_one_that_it_allows() {
+fn if_an_inequality_forbids_rest_the_answer_satisfies_it() {
     let inequalities = vec![Inequality::new("back", vec![1.0, 0.0], -0.3).unwrap()];
     let limits = box_of([-1.0; 2], [1.0; 2]);
     let answer = resolve(&Problem { inequalities, limits, ..Problem::new(push(0.0)) }, &[]).unwrap();

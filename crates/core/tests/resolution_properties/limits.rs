@@ -1,4 +1,4 @@
-//! Limits: exact answers by enumeration, guesses from the period before.
+//! Limits: exact answers by enumeration, and warm starts from the previous period.
 
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;
@@ -31,7 +31,7 @@ fn small_problems_equal_the_enumeration_of_all_active_sets() {
     println!("largest error {:e}, seed {}", worst.0, worst.1);
 }
 
-/// The problem a period later: everything moved by up to `step`, relative.
+/// Returns the problem one period later: all entries changed by up to `step`, relative.
 fn later(problem: &Problem, random: &mut Random, step: f64) -> Problem {
     let task = |task: &Task| Task {
         jacobian: task.jacobian.map(|x| x * (1.0 + step * random.unit())),
@@ -42,7 +42,7 @@ fn later(problem: &Problem, random: &mut Random, step: f64) -> Problem {
     Problem { tasks, ..problem.clone() }
 }
 
-/// A trajectory without rows that are meant to be dependent: they would become nearly dependent on the way.
+/// Returns a start problem without dependent rows, which would become nearly dependent along the trajectory.
 fn trajectory_start(random: &mut Random, method: Method) -> Problem {
     let n = 2 + random.below(6);
     let task = |k: usize, random: &mut Random| {
@@ -61,18 +61,18 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn guesses_from_the_period_before_change_no_answer(seed in any::<u64>()) {
+    fn warm_starts_from_the_previous_period_change_no_answer(seed in any::<u64>()) {
         let mut random = Random::new(seed);
         let mut problem = trajectory_start(&mut random, METHODS[(seed % 2) as usize]);
-        let mut guess = Vec::new();
+        let mut initial = Vec::new();
         for _ in 0..30 {
             problem = later(&problem, &mut random, 0.03);
-            let auto = resolve(&problem, &guess).unwrap();
+            let auto = resolve(&problem, &initial).unwrap();
             let qp = resolve(&with(&problem, Solver::Qp), &[]).unwrap();
             let size = qp.joint_velocity.amax().max(speed(&problem)).max(1.0);
             let error = (&auto.joint_velocity - &qp.joint_velocity).amax() / size;
             prop_assert!(error <= 1e-8, "off by {error:e}");
-            guess = auto.active_set;
+            initial = auto.active_set;
         }
     }
 
@@ -94,7 +94,7 @@ proptest! {
 }
 
 #[test]
-fn numbers_near_the_ends_of_their_range_never_give_an_unsafe_command() {
+fn extremely_large_and_small_numbers_never_give_an_unsafe_command() {
     for seed in 0..2000 {
         let mut random = Random::new(seed);
         let mut problem = problem(&mut random, SMALL, METHODS[(seed % 2) as usize]);
@@ -117,8 +117,8 @@ fn numbers_near_the_ends_of_their_range_never_give_an_unsafe_command() {
 }
 
 #[test]
-fn a_limit_that_only_a_corner_satisfies_is_no_trouble() {
-    // q̇₁ + q̇₂ = 2 in a box of ±1 leaves one point, without a multiplier that would tell.
+fn a_task_that_only_a_corner_of_the_box_satisfies_is_solved() {
+    // q̇₁ + q̇₂ = 2 in a box of ±1 has one solution, the corner, at which the multipliers are zero.
     let task =
         |row: &[f64], velocity| Task::new("", Matrix::from_row_slice(1, 2, row), Vector::from_element(1, velocity));
     let tasks = TaskStack::new(vec![task(&[1.0, 1.0], 2.0), task(&[1.0, -1.0], 5.0)]).unwrap();

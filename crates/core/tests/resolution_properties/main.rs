@@ -1,6 +1,6 @@
-//! The resolution over random and adversarial problems: what must hold for every one of them, as sentences.
+//! Properties of the resolution that must hold for all random and adversarial problems.
 //!
-//! Every problem is a function of a seed; a failure names the seed that shows it.
+//! Every problem is a function of a seed. A failure prints the seed.
 #![allow(non_snake_case)]
 
 mod bulk;

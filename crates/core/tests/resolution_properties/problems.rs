@@ -9,7 +9,7 @@ use revprio_core::task::{Task, TaskStack};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::Configuration;
 
-/// SplitMix64: small, and the same sequence on every machine.
+/// Reproducible random numbers (SplitMix64).
 pub struct Random(u64);
 
 impl Random {
@@ -44,9 +44,9 @@ impl Random {
         self.below(5) as f64 - 2.0
     }
 
-    /// 10^−most … 10^most.
-    pub fn decade(&mut self, most: i32) -> f64 {
-        10_f64.powi(self.pick(&(-most..=most).collect::<Vec<_>>()))
+    /// A power of ten, 10^−maximum … 10^maximum.
+    pub fn decade(&mut self, maximum: i32) -> f64 {
+        10_f64.powi(self.pick(&(-maximum..=maximum).collect::<Vec<_>>()))
     }
 
     pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
@@ -54,14 +54,14 @@ impl Random {
     }
 }
 
-/// How hard the problems of a family may be.
+/// The difficulty of a family of problems.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Family {
-    /// Most joints; 8 at most.
+    /// Maximum number of joints, at most 8.
     pub joints: usize,
-    /// How far a nearly dependent row is from dependence, relative; empty: rows are independent or exactly dependent.
+    /// Relative distances of nearly dependent rows from dependence; empty: rows are independent or exactly dependent.
     pub nearness: &'static [f64],
-    /// Powers of ten of whole tasks and their velocities.
+    /// Maximum power of ten of the scale of tasks and velocities.
     pub decades: i32,
 }
 
@@ -69,7 +69,7 @@ pub const SMALL: Family = Family { joints: 4, nearness: &[0.1, 1e-2, 1e-3], deca
 pub const WIDE: Family = Family { joints: 8, nearness: &[0.1, 1e-2, 1e-3], decades: 2 };
 pub const EXTREME: Family = Family { joints: 8, nearness: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6], decades: 6 };
 
-/// A problem without damping, solved as `auto` unless the test says otherwise.
+/// Returns a random problem without damping, with the solver `auto`.
 pub fn problem(random: &mut Random, family: Family, method: Method) -> Problem {
     let n = if family.joints >= 7 && random.one_in(3) { 7 } else { 1 + random.below(family.joints) };
     let integers = random.one_in(3);
@@ -84,9 +84,9 @@ fn entry(random: &mut Random, integers: bool) -> f64 {
 }
 
 fn tasks(random: &mut Random, n: usize, family: Family, integers: bool, limits: &VelocityBox) -> TaskStack {
-    // Eight is more than an arm has use for.
-    let most = if family.joints > 4 && random.one_in(4) { 8 } else { 5 };
-    let count = 1 + random.below(most);
+    // More tasks than an arm needs.
+    let max_tasks = if family.joints > 4 && random.one_in(4) { 8 } else { 5 };
+    let count = 1 + random.below(max_tasks);
     let sawyer = (n == 7 && !integers && !random.one_in(4)).then(|| sawyer_jacobian(random));
     let target = corner(random, limits);
     let mut rows: Vec<Vector> = Vec::new();
@@ -139,7 +139,7 @@ fn row(
     }
 }
 
-/// A corner of the box (where a bound is infinite, some point beside it).
+/// Returns a corner of the box, or another point of the box for some joints and where a bound is infinite.
 fn corner(random: &mut Random, limits: &VelocityBox) -> Vector {
     Vector::from_fn(limits.joint_count(), |i, _| {
         let bound = if random.one_in(2) { limits.lower()[i] } else { limits.upper()[i] };
@@ -189,7 +189,7 @@ fn limits(random: &mut Random, n: usize, family: Family, integers: bool) -> Velo
     VelocityBox::new(&lower, &upper).unwrap()
 }
 
-/// The arm of the paper at a random, singular or multiple-of-π/6 posture, 6 × 7.
+/// Returns the Jacobian (6 × 7) of the paper's arm at a posture that is random, singular, or made of multiples of π/6.
 pub fn sawyer_jacobian(random: &mut Random) -> Matrix {
     const SINGULAR: [f64; 7] = [0.521, 1.867, 0.793, -0.671, 0.707, -2.336, -0.273];
     let step = PI / 6.0;
@@ -203,7 +203,7 @@ pub fn sawyer_jacobian(random: &mut Random) -> Matrix {
     Matrix::from_fn(6, 7, |i, j| jacobian[(i, j)])
 }
 
-/// The damping of the paper's scenarios, or some other.
+/// Returns the standard damping or a random one.
 pub fn damping(random: &mut Random) -> Damping {
     if random.one_in(2) {
         Damping::STANDARD
@@ -212,7 +212,7 @@ pub fn damping(random: &mut Random) -> Damping {
     }
 }
 
-/// A few inequalities, among them some that forbid standstill, repeat or contradict each other.
+/// Returns one to three inequalities. Some forbid rest, and some contradict each other.
 pub fn inequalities(random: &mut Random, n: usize) -> Vec<Inequality> {
     let mut rows: Vec<Vector> = Vec::new();
     for _ in 0..=random.below(3) {
@@ -229,21 +229,21 @@ pub fn inequalities(random: &mut Random, n: usize) -> Vec<Inequality> {
         .collect()
 }
 
-/// The problem with the tasks that `choose` picks to be scaled.
+/// Returns the problem with the tasks that `choose` selects scaled.
 pub fn scaled(problem: &Problem, choose: impl Fn(usize) -> bool) -> Problem {
     let task = |(k, task): (usize, &Task)| Task { scaled: choose(k), ..task.clone() };
     let tasks = TaskStack::new(problem.tasks.tasks().iter().enumerate().map(task).collect()).unwrap();
     Problem { tasks, ..problem.clone() }
 }
 
-/// A copy that another solver solves.
+/// Returns a copy of the problem with another solver.
 pub fn with(problem: &Problem, solver: Solver) -> Problem {
     Problem { solver, ..problem.clone() }
 }
 
-/// The joint speed that the problem asks for, against which errors of velocities are judged.
+/// Returns the joint speed that the problem requests, the reference for errors of velocities.
 pub fn speed(problem: &Problem) -> f64 {
-    let asked = problem.tasks.tasks().iter().filter(|task| task.jacobian.norm() > 0.0);
+    let tasks = problem.tasks.tasks().iter().filter(|task| task.jacobian.norm() > 0.0);
     let zeta = problem.null_space_velocity.iter().map(Vector::norm);
-    asked.map(|task| task.velocity.norm() / task.jacobian.norm()).chain(zeta).fold(0.0, f64::max)
+    tasks.map(|task| task.velocity.norm() / task.jacobian.norm()).chain(zeta).fold(0.0, f64::max)
 }

@@ -1,10 +1,10 @@
-//! Exact answers by other means: projectors instead of bases, all 3ⁿ active sets instead of a search.
+//! Exact answers by independent methods: projectors instead of bases, all 3ⁿ active sets instead of a search.
 #![allow(non_snake_case)]
 
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Method, Problem};
 
-/// One level: ‖A q̇ − b‖ as small as the levels before allow.
+/// One level: minimise ‖A q̇ − b‖ as far as the levels before it permit.
 pub struct Level {
     pub A: Matrix,
     pub b: Vector,
@@ -12,9 +12,9 @@ pub struct Level {
 
 const RANK: f64 = 1e-10;
 
-/// A⁺, singular values below `cut` taken as zero, by one-sided Jacobi rotations: A V = U Σ.
+/// Returns A⁺ by one-sided Jacobi rotations, A V = U Σ. Singular values below `cut` count as zero.
 ///
-/// Not by nalgebra, whose decomposition of rank-deficient 10 × 3 matrices was caught being wrong in the second digit.
+/// The decomposition of nalgebra is not used: for rank-deficient 10 × 3 matrices its second digit was wrong.
 pub fn pinv(A: &Matrix, cut: f64) -> Matrix {
     let n = A.ncols();
     let (mut W, mut V) = (A.clone(), Matrix::identity(n, n));
@@ -49,12 +49,12 @@ fn rotate(M: &mut Matrix, p: usize, q: usize, cosine: f64, sine: f64) {
     }
 }
 
-/// A⁺ with the rank relative to A itself.
+/// Returns A⁺ with the rank relative to A itself.
 pub fn pinv_own(A: &Matrix) -> Matrix {
     pinv(A, RANK * A.norm())
 }
 
-/// Lexicographic least squares over the joints that `P`, a projector, leaves open, from `qdot`.
+/// Solves lexicographic least squares from `qdot`, in the directions that the projector `P` leaves free.
 pub fn lexicographic(levels: &[Level], mut qdot: Vector, mut P: Matrix) -> Vector {
     for Level { A, b } in levels {
         let AP = A * &P;
@@ -65,17 +65,17 @@ pub fn lexicographic(levels: &[Level], mut qdot: Vector, mut P: Matrix) -> Vecto
     qdot
 }
 
-/// Without limits.
+/// Solves lexicographic least squares without limits.
 pub fn unlimited(levels: &[Level], n: usize) -> Vector {
     lexicographic(levels, Vector::zeros(n), Matrix::identity(n, n))
 }
 
-/// ‖A q̇ − b‖ of each level.
+/// Returns ‖A q̇ − b‖ of each level.
 pub fn residuals(levels: &[Level], qdot: &Vector) -> Vec<f64> {
     levels.iter().map(|level| (&level.A * qdot - &level.b).norm()).collect()
 }
 
-/// Lexicographic least squares in a box by trying every set of active bounds.
+/// Solves lexicographic least squares in a box by trying every set of active bounds.
 pub fn enumerate(levels: &[Level], lower: &Vector, upper: &Vector) -> Vector {
     let mut candidates = corners(levels, lower, upper);
     let size = candidates.iter().map(Vector::norm).fold(0.0, f64::max);
@@ -88,7 +88,7 @@ pub fn enumerate(levels: &[Level], lower: &Vector, upper: &Vector) -> Vector {
     candidates.swap_remove(0)
 }
 
-/// The minimiser on each set of active bounds, where it lies in the box.
+/// Returns the minimiser on each set of active bounds, if it lies in the box.
 fn corners(levels: &[Level], lower: &Vector, upper: &Vector) -> Vec<Vector> {
     let n = lower.len();
     let mut found = Vec::new();
@@ -112,7 +112,7 @@ fn corners(levels: &[Level], lower: &Vector, upper: &Vector) -> Vec<Vector> {
     found
 }
 
-/// The levels whose solution the problem asks for, limits apart; the method is one of the two reverse priorities.
+/// Returns the levels of the problem without limits, for the two reverse-priority methods.
 pub fn levels(problem: &Problem) -> Vec<Level> {
     let n = problem.tasks.joint_count();
     let zeta = problem.null_space_velocity.clone().unwrap_or_else(|| Vector::zeros(n));
@@ -124,7 +124,7 @@ pub fn levels(problem: &Problem) -> Vec<Level> {
     }
 }
 
-/// The three levels of the top stage, the lower stages having been solved without limits.
+/// Returns the three levels of the top stage, after it solves the lower stages without limits.
 fn stages(tasks: &[Level], zeta: Vector) -> Vec<Level> {
     let n = zeta.len();
     let mut low = Matrix::zeros(0, n);

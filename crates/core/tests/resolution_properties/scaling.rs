@@ -1,4 +1,4 @@
-//! Tasks that limits slow down instead of bending.
+//! Scaled tasks: limits slow them down without changing their direction.
 #![allow(non_snake_case)]
 
 use revprio_core::limits::VelocityBox;
@@ -9,8 +9,8 @@ use revprio_core::task::{Task, TaskStack};
 use crate::problems::{Random, SMALL, problem, scaled, speed, with};
 use crate::reference::{Level, enumerate, levels, pinv, pinv_own};
 
-/// The levels with the velocities of scaled tasks multiplied by `factors`.
-fn slowed(problem: &Problem, factors: &[Option<f64>]) -> Vec<Level> {
+/// Returns the levels with the velocities of scaled tasks multiplied by `factors`.
+fn scaled_levels(problem: &Problem, factors: &[Option<f64>]) -> Vec<Level> {
     let mut levels = levels(problem);
     for (level, factor) in levels.iter_mut().zip(factors) {
         level.b *= factor.unwrap_or(1.0);
@@ -22,7 +22,7 @@ fn factors(answer: &Resolution) -> Vec<Option<f64>> {
     answer.tasks.iter().map(|task| task.scale).collect()
 }
 
-/// Residual of level k of the exact solution, in the directions that the levels above leave open.
+/// Returns the residual of level k of the exact solution, in the directions that the levels above leave free.
 fn residual(problem: &Problem, levels: &[Level], k: usize) -> f64 {
     let exact = enumerate(levels, problem.limits.lower(), problem.limits.upper());
     let n = exact.len();
@@ -32,8 +32,10 @@ fn residual(problem: &Problem, levels: &[Level], k: usize) -> f64 {
     (reachable * (&levels[k].A * exact - &levels[k].b)).norm()
 }
 
-/// Independent of how scaling is solved: the factors, taken as given, make an ordinary hierarchy whose solution by
-/// enumeration is the answer; a larger factor would leave a larger residual.
+/// Checks the answer to one random problem with scaled tasks, and returns the number of factors below 1.
+///
+/// The check does not depend on how scaling is solved. With the factors of the answer, the problem is an ordinary
+/// hierarchy, and its solution by enumeration must be the answer. A larger factor must leave a larger residual.
 fn examine(seed: u64, method: Method) -> usize {
     let mut random = Random::new(seed);
     let problem = problem(&mut random, SMALL, method);
@@ -46,7 +48,7 @@ fn examine(seed: u64, method: Method) -> usize {
     assert!((&auto.joint_velocity - &answer.joint_velocity).amax() <= 1e-8 * size, "seed {seed}");
 
     let factors = factors(&answer);
-    let exact = enumerate(&slowed(&problem, &factors), problem.limits.lower(), problem.limits.upper());
+    let exact = enumerate(&scaled_levels(&problem, &factors), problem.limits.lower(), problem.limits.upper());
     let error = (&answer.joint_velocity - exact).amax() / size;
     assert!(error <= 1e-7, "seed {seed}: off by {error:e}, {factors:?}");
 
@@ -57,11 +59,14 @@ fn examine(seed: u64, method: Method) -> usize {
         let more = |step: f64| {
             let mut factors = factors.clone();
             factors[k] = Some(factor + step);
-            residual(&problem, &slowed(&problem, &factors), k)
+            residual(&problem, &scaled_levels(&problem, &factors), k)
         };
-        let asked = problem.tasks.tasks()[k].velocity.norm();
+        let requested = problem.tasks.tasks()[k].velocity.norm();
         let (now, then) = (more(0.0), more(1e-4));
-        assert!(then > now + 1e-9 * asked, "seed {seed}: task {k} could be faster than {factor}: {now:e}, {then:e}");
+        assert!(
+            then > now + 1e-9 * requested,
+            "seed {seed}: task {k} could be faster than {factor}: {now:e}, {then:e}"
+        );
     }
     cut
 }
@@ -81,7 +86,7 @@ fn plane_task(velocity: [f64; 2], scaled: bool) -> Problem {
 }
 
 #[test]
-fn limits_bend_a_task_unless_it_is_scaled() {
+fn limits_change_the_direction_of_a_task_unless_it_is_scaled() {
     let answer = resolve(&plane_task([2.0, 1.0], false), &[]).unwrap();
     assert_eq!((answer.joint_velocity.as_slice(), answer.tasks[0].scale), (&[1.0, 1.0][..], None));
     for method in [
@@ -95,13 +100,13 @@ fn limits_bend_a_task_unless_it_is_scaled() {
         let answer = resolve(&Problem { method, ..plane_task([2.0, 1.0], true) }, &[]).unwrap();
         assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-13, "{answer:?}");
         assert!((answer.tasks[0].scale.unwrap() - 0.5).abs() <= 1e-13);
-        // ½(1 − s)²‖ẋ‖² = ½(2 − hi)²·5/4: per unit of the limit it falls by 5/4.
+        // ½(1 − s)²‖ẋ‖² = ½(2 − hi)²·5/4 decreases by 5/4 per unit of the limit.
         assert!((answer.active_limits[0].multiplier - 1.25).abs() <= 1e-10, "{answer:?}");
     }
 }
 
 #[test]
-fn a_task_that_the_limits_leave_alone_has_the_factor_one() {
+fn a_task_without_active_limits_has_the_factor_one() {
     for solver in [Solver::ClosedForm, Solver::Qp, Solver::Auto] {
         let answer = resolve(&with(&plane_task([0.5, 1.0], true), solver), &[]).unwrap();
         assert_eq!(answer.tasks[0].scale, Some(1.0), "{solver:?}");
@@ -109,7 +114,7 @@ fn a_task_that_the_limits_leave_alone_has_the_factor_one() {
 }
 
 #[test]
-fn where_limits_exclude_every_factor_the_least_residual_remains() {
+fn if_limits_exclude_every_factor_the_residual_is_minimal() {
     let limits = VelocityBox::new(&[-1.0, 0.5], &[0.2, 1.0]).unwrap();
     let answer = resolve(&Problem { limits, ..plane_task([1.0, 0.5], true) }, &[]).unwrap();
     assert_eq!((answer.joint_velocity.as_slice(), answer.tasks[0].scale), (&[0.2, 0.5][..], None));
@@ -117,7 +122,7 @@ fn where_limits_exclude_every_factor_the_least_residual_remains() {
 }
 
 #[test]
-fn a_joint_that_is_held_fast_slows_the_whole_task() {
+fn a_fixed_joint_stops_the_whole_task() {
     let limits = VelocityBox::new(&[-1.0, 0.0], &[1.0, 0.0]).unwrap();
     let answer = resolve(&Problem { limits, ..plane_task([1.0, 0.5], true) }, &[]).unwrap();
     assert!(answer.joint_velocity.amax() <= 1e-14 && answer.tasks[0].scale.unwrap() <= 1e-14, "{answer:?}");

@@ -1,6 +1,6 @@
 //! Drives that cut commands, each joint by itself: what an arm does to a command that does not know its limits.
 
-use revprio_api::wire::{LimitKind, Limits};
+use revprio_api::wire::Limits;
 use revprio_robot::RobotModel;
 
 /// Limits of all joints for one period.
@@ -26,13 +26,13 @@ impl DriveLimits {
             let mut cut = JointLimits::NONE;
             match limits {
                 Limits::Robot(kind) => {
-                    if *kind != LimitKind::None {
+                    if kind.includes_velocity() {
                         cut.velocity = [-own.velocity, own.velocity];
                     }
-                    if matches!(kind, LimitKind::PositionVelocity | LimitKind::PositionVelocityAcceleration) {
+                    if kind.includes_position() {
                         cut.position = [own.lower, own.upper];
                     }
-                    if *kind == LimitKind::PositionVelocityAcceleration {
+                    if kind.includes_acceleration() {
                         cut.acceleration = own.acceleration;
                     }
                 }

@@ -48,7 +48,7 @@ impl HeldCommand {
 pub fn is_silence(error: &ClientError) -> bool {
     match error {
         ClientError::Transport { .. } => true,
-        ClientError::Foreign { status, .. } => *status >= 500,
+        ClientError::UnexpectedAnswer { status, .. } => *status >= 500,
         ClientError::Refused { problem, .. } => {
             problem.status >= 500 || problem.status == 408 || problem.kind == "/problems/unknown-controller"
         }

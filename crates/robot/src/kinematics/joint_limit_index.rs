@@ -1,55 +1,55 @@
-//! How near the joints are to the ends of their ranges.
+//! The joint-limit index: how near the joints are to their position limits.
 
 use nalgebra::DVector;
 
 use crate::{JointLimits, RobotModel};
 
-/// Half a range below which a joint counts as one that cannot move, rad or m.
-const SMALLEST_HALF_RANGE: f64 = 1e-9;
+/// Half range, rad or m, below which a joint counts as immovable.
+const MIN_HALF_RANGE: f64 = 1e-9;
 
-/// H = 1/(2n) Σ ((q_i − mid_i)/(mid_i − max_i))²: 0 with every joint in the middle of its range, ½ with every joint at
-/// an end, more beyond. `joint_position`: q, n, rad or m.
+/// Returns the joint-limit index H = 1/(2n) Σ ((q_i − mid_i)/(mid_i − max_i))² at `joint_position` (q, n, rad or m).
 ///
-/// A joint without a finite range, and one that cannot move, contributes nothing.
+/// H is 0 if every joint is in the middle of its range, ½ if every joint is at a limit, and larger outside. A joint
+/// without a finite range, or with a range of zero, contributes nothing.
 ///
-/// Paper: Eq. (8). Departs: the summands are squared; as printed, H falls without bound towards one end.
+/// Paper: Eq. (8). Departs: the terms are squared. As printed, H falls without bound towards one limit.
 ///
 /// # Panics
 ///
-/// If `joint_position` has not one entry per joint.
+/// Panics unless `joint_position` has one entry per joint.
 pub fn joint_limit_index(robot: &RobotModel, joint_position: &[f64]) -> f64 {
     let terms = terms(robot, joint_position).flatten();
     terms.map(|(offset, half)| (offset / half).powi(2)).sum::<f64>() / (2.0 * robot.joint_count() as f64)
 }
 
-/// ∇H, n, 1/rad or 1/m: ∂H/∂q_i = (q_i − mid_i)/(n (mid_i − max_i)²).
+/// Returns ∇H (n, 1/rad or 1/m): ∂H/∂q_i = (q_i − mid_i)/(n (mid_i − max_i)²).
 ///
-/// q̇ = −k ∇H leads every joint to the middle of its range.
+/// The velocity q̇ = −k ∇H moves every joint to the middle of its range.
 ///
 /// # Panics
 ///
-/// If `joint_position` has not one entry per joint.
+/// Panics unless `joint_position` has one entry per joint.
 pub fn joint_limit_gradient(robot: &RobotModel, joint_position: &[f64]) -> DVector<f64> {
     DVector::from_iterator(robot.joint_count(), joint_limit_slopes(robot, joint_position))
 }
 
-/// The entries of [`joint_limit_gradient`], one by one.
+/// Returns the entries of [`joint_limit_gradient`] as an iterator, without allocating.
 ///
 /// # Panics
 ///
-/// If `joint_position` has not one entry per joint.
+/// Panics unless `joint_position` has one entry per joint.
 pub fn joint_limit_slopes(robot: &RobotModel, joint_position: &[f64]) -> impl Iterator<Item = f64> {
     let n = robot.joint_count() as f64;
     terms(robot, joint_position).map(move |term| term.map_or(0.0, |(offset, half)| offset / (n * half * half)))
 }
 
-/// max − mid, rad or m; `None` where the index does not count the joint.
+/// Returns half the position range, max − mid, rad or m; `None` if the index leaves the joint out.
 pub fn half_range(limits: &JointLimits) -> Option<f64> {
     let half = 0.5 * (limits.upper - limits.lower);
-    (half.is_finite() && half > SMALLEST_HALF_RANGE).then_some(half)
+    (half.is_finite() && half > MIN_HALF_RANGE).then_some(half)
 }
 
-/// q_i − mid_i and max_i − mid_i of each joint that counts.
+/// Returns q_i − mid_i and max_i − mid_i of each joint; `None` if the index leaves the joint out.
 fn terms(robot: &RobotModel, joint_position: &[f64]) -> impl Iterator<Item = Option<(f64, f64)>> {
     assert_eq!(joint_position.len(), robot.joint_count(), "one position per joint");
     robot.joints().iter().zip(joint_position).map(|(joint, q)| {
@@ -92,7 +92,7 @@ mod tests {
                 q[i] += step;
                 joint_limit_index(robot, &q)
             };
-            // Central differences are exact for a square, but for rounding.
+            // Central differences of a square are exact except for rounding.
             let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
             assert!((difference - slope).abs() < 1e-11, "joint {i}: {slope}, not {difference}");
         }

@@ -1,20 +1,20 @@
-//! Poses from numbers.
+//! Poses from positions and quaternions.
 
 use nalgebra::{IsometryMatrix3, Quaternion, Translation3, UnitQuaternion};
 
-/// How far from 1 the length of a quaternion may be; more is no rounding but a mistake.
-pub const UNIT_LENGTH: f64 = 1e-3;
+/// Largest deviation of the length of a quaternion from 1. A larger one is a mistake, not rounding.
+pub const UNIT_LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// The quaternion is no orientation; holds its length.
+/// Error: a quaternion is not an orientation. Holds its length.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("a quaternion of length {0}; orientations have length 1")]
 pub struct NotUnitLength(pub f64);
 
-/// A pose from a position (m) and the quaternion w, x, y, z, which is brought to length 1.
+/// Builds a pose from a position (m) and a quaternion w, x, y, z, which it scales to length 1.
 pub fn pose(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Result<IsometryMatrix3<f64>, NotUnitLength> {
     let quaternion = Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
-    if !((length - 1.0).abs() <= UNIT_LENGTH) {
+    if !((length - 1.0).abs() <= UNIT_LENGTH_TOLERANCE) {
         return Err(NotUnitLength(length));
     }
     let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix();
@@ -36,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn quaternions_that_are_no_orientation_are_refused() {
+    fn quaternions_of_another_length_are_refused() {
         for length in [0.0, 0.9, 1.1, f64::NAN, f64::INFINITY] {
             assert!(pose([0.0; 3], [length, 0.0, 0.0, 0.0]).is_err(), "{length}");
         }

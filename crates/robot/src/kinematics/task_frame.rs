@@ -1,4 +1,4 @@
-//! The point and the axes that a task counts at and along.
+//! The reference point and the axes of a task.
 
 use std::borrow::Cow;
 
@@ -6,30 +6,30 @@ use nalgebra::{DMatrix, IsometryMatrix3, Rotation3, Vector3};
 
 use super::{AxisSelection, Configuration, Jacobian};
 
-/// Along which axes rows are counted.
+/// The axes along which the rows of a task are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Frame {
     /// The axes of the base.
     #[default]
     Base,
-    /// The axes of the tool, which turn with it: everything that the task compares, distances from a target that rests in
-    /// the base included, is counted along them as they lie now.
+    /// The axes of the tool, which turn with it. Displacements, velocities and forces of the task are measured along
+    /// the present tool axes, even if the target rests in the base.
     Tool,
     /// The axes of a frame that is fixed in the base (m).
     Fixed(IsometryMatrix3<f64>),
 }
 
-/// Point and axes of a task: at which point of the tool, along which axes.
+/// Reference point and axes of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TaskFrame {
     /// The axes.
     pub frame: Frame,
-    /// The point, in the tool frame, m; zero is the tool point.
+    /// The reference point in the tool frame, m; zero is the tool point.
     pub reference_point: Vector3<f64>,
 }
 
 impl TaskFrame {
-    /// The frame at a posture.
+    /// Places the frame at a posture.
     pub fn at<'a>(&self, configuration: &'a Configuration) -> PlacedFrame<'a> {
         let rotation = &configuration.tool_pose().rotation;
         let axes = match self.frame {
@@ -41,7 +41,7 @@ impl TaskFrame {
         PlacedFrame { configuration, axes, lever }
     }
 
-    /// Pose of the reference point's frame, parallel to the tool's, for a tool pose (base frame, m).
+    /// Returns the pose at the reference point, parallel to the tool frame, for a tool pose (base frame, m).
     pub fn pose(&self, tool_pose: &IsometryMatrix3<f64>) -> IsometryMatrix3<f64> {
         let mut pose = *tool_pose;
         pose.translation.vector += tool_pose.rotation * self.reference_point;
@@ -49,21 +49,20 @@ impl TaskFrame {
     }
 }
 
-/// A task frame at a posture: twists, wrenches and the Jacobian at its point, along its axes.
+/// A task frame at a posture. It converts twists, wrenches and the Jacobian to its point and axes.
 ///
-/// Twist and wrench are shifted together, so that their product, the power, is the same at every point and along all
-/// axes.
+/// Twist and wrench are converted together, so their product, the power, is the same in every frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedFrame<'a> {
     configuration: &'a Configuration,
-    /// Base from frame; `None` for the base's own.
+    /// Rotation from the frame's axes to the base axes; `None` for the base axes.
     axes: Option<Rotation3<f64>>,
-    /// From the tool point to the reference point, base axes, m; `None` for the tool point itself.
+    /// Vector from the tool point to the reference point, base axes, m; `None` at the tool point.
     lever: Option<Vector3<f64>>,
 }
 
 impl PlacedFrame<'_> {
-    /// J, 6 × n.
+    /// Returns J at the frame's point along its axes, 6 × n.
     pub fn jacobian(&self) -> Cow<'_, Jacobian> {
         let at_tool_point = self.configuration.jacobian();
         if self.axes.is_none() && self.lever.is_none() {
@@ -86,21 +85,21 @@ impl PlacedFrame<'_> {
         }
     }
 
-    /// A twist (m/s, rad/s) in base axes at the tool point, as one in this frame: v + ω × r, ω.
+    /// Converts a twist (m/s, rad/s) from base axes at the tool point to this frame: v + ω × r, ω.
     pub fn twist(&self, twist: &[f64; 6]) -> [f64; 6] {
         let (linear, angular) = split(twist);
         let linear = self.lever.map_or(linear, |lever| linear + angular.cross(&lever));
         join(self.along_axes(linear), self.along_axes(angular))
     }
 
-    /// A wrench (N, N·m) in base axes at the tool point, as one in this frame: f, τ − r × f.
+    /// Converts a wrench (N, N·m) from base axes at the tool point to this frame: f, τ − r × f.
     pub fn wrench(&self, wrench: &[f64; 6]) -> [f64; 6] {
         let (force, torque) = split(wrench);
         let torque = self.lever.map_or(torque, |lever| torque - lever.cross(&force));
         join(self.along_axes(force), self.along_axes(torque))
     }
 
-    /// A linear and an angular vector in base axes, along the axes of this frame.
+    /// Converts a linear and an angular vector from base axes to the axes of this frame.
     pub fn components(&self, linear: Vector3<f64>, angular: Vector3<f64>) -> [f64; 6] {
         join(self.along_axes(linear), self.along_axes(angular))
     }
@@ -132,9 +131,9 @@ mod tests {
     }
 
     fn frames() -> Vec<TaskFrame> {
-        let stated = IsometryMatrix3::new(Vector3::new(0.5, 0.1, 0.2), Vector3::new(0.3, -1.0, 0.6));
+        let fixed = IsometryMatrix3::new(Vector3::new(0.5, 0.1, 0.2), Vector3::new(0.3, -1.0, 0.6));
         let mut frames = Vec::new();
-        for frame in [Frame::Base, Frame::Tool, Frame::Fixed(stated)] {
+        for frame in [Frame::Base, Frame::Tool, Frame::Fixed(fixed)] {
             for reference_point in [Vector3::zeros(), Vector3::new(0.05, -0.1, 0.3)] {
                 frames.push(TaskFrame { frame, reference_point });
             }
@@ -167,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_jacobian_at_a_reference_point_is_that_of_a_tool_that_ends_there() {
+    fn the_jacobian_at_a_reference_point_equals_the_jacobian_of_a_longer_tool() {
         let point = Vector3::new(0.05, -0.1, 0.3);
         let longer = built_in()[0].with_tool_offset(&IsometryMatrix3::new(point, Vector3::zeros())).unwrap();
         let longer = Configuration::new(&longer, &POSTURE).unwrap();
@@ -180,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_the_base_at_the_tool_point_are_those_of_the_configuration() {
+    fn the_jacobian_of_the_default_frame_equals_the_jacobian_of_the_configuration() {
         assert_eq!(*TaskFrame::default().at(&configuration()).jacobian(), *configuration().jacobian());
     }
 }

@@ -1,4 +1,4 @@
-//! Set-points over time.
+//! Set-points over time: [`Profile`] gives a value with its first and second derivative at any time.
 
 mod spline;
 
@@ -7,21 +7,21 @@ use smallvec::SmallVec;
 
 use self::spline::Spline;
 
-/// Shortest time between two points and for a ramp, s: what is quicker is a step.
-pub const SHORTEST_TIME: f64 = 1e-6;
+/// Minimum duration of a ramp and minimum time between two points, s. Use steps for faster changes.
+pub const MIN_DURATION: f64 = 1e-6;
 
-/// The m entries of a set-point, stored in place for up to 12.
+/// The m entries of a set-point. Up to 12 are stored without allocation.
 pub type Entries = SmallVec<[f64; 12]>;
 
 /// A set-point as a function of time, m rows.
 ///
-/// | made by | value | derivatives |
+/// | constructor | value | derivatives |
 /// |---|---|---|
-/// | [`Profile::constant`] | the same for ever | 0 |
+/// | [`Profile::constant`] | the same at all times | 0 |
 /// | [`Profile::sine`] | offset + amplitude sin(ω t + φ) | exact |
-/// | [`Profile::ramp`] | straight from one value to another, constant before and after | exact; the rate jumps at both ends |
-/// | [`Profile::steps`] | that of the last point passed | 0 at all times |
-/// | [`Profile::waypoints`] | through all points, at rest before the first and after the last | exact, both continuous |
+/// | [`Profile::ramp`] | linear from one value to another, constant before and after | exact; the rate jumps at both ends |
+/// | [`Profile::steps`] | the value of the last point passed | 0 |
+/// | [`Profile::waypoints`] | a smooth curve through all points, at rest before the first and after the last | exact; both are continuous |
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile(Shape);
 
@@ -39,11 +39,11 @@ enum Shape {
 pub struct Point {
     /// t, s.
     pub time_s: f64,
-    /// The value then, m.
+    /// The value at that time, m entries.
     pub value: Vec<f64>,
 }
 
-/// A set-point at one time, m rows each.
+/// A set-point at one time, m entries each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetPoint {
     /// The value.
@@ -55,7 +55,7 @@ pub struct SetPoint {
 }
 
 impl SetPoint {
-    /// A value that rests.
+    /// Returns a set-point with this value and zero derivatives.
     pub fn resting(value: Entries) -> Self {
         let zero = Entries::from_elem(0.0, value.len());
         Self { value, rate: zero.clone(), acceleration: zero }
@@ -68,74 +68,74 @@ pub enum ProfileError {
     /// A value is NaN or infinite.
     #[error("profile values must be finite numbers")]
     NotFinite,
-    /// The parts of a profile differ in size.
-    #[error("{given} values where there were {expected} before; give one per axis everywhere")]
+    /// The values of a profile differ in length.
+    #[error("{given} values, but {expected} in the first list; give one value per axis in each list")]
     Size {
-        /// Rows of the first part.
+        /// Length of the first value.
         expected: usize,
-        /// Rows of another one.
+        /// Length of the value that differs.
         given: usize,
     },
-    /// Nothing to follow.
+    /// The list of points is empty.
     #[error("give at least one point")]
     NoPoints,
-    /// Points out of order, or too near.
-    #[error("the times of points must grow, by at least 1e-6 s each")]
+    /// The times of two points are out of order or closer than [`MIN_DURATION`].
+    #[error("the times of the points must increase by at least 1e-6 s from point to point")]
     Times {
-        /// The point that comes too soon, from 0.
+        /// Index of the second of the two points, from 0.
         point: usize,
     },
-    /// A ramp that is none.
-    #[error("a ramp takes at least 1e-6 s; for a step, use steps")]
+    /// The duration of a ramp is shorter than [`MIN_DURATION`].
+    #[error("the duration of a ramp must be at least 1e-6 s; use steps for a step")]
     Duration,
 }
 
 impl Profile {
-    /// The same value for ever.
+    /// Returns a profile with the same value at all times.
     pub fn constant(value: Vec<f64>) -> Result<Self, ProfileError> {
-        finite(&value)?;
+        check_finite(&value)?;
         Ok(Self(Shape::Constant(DVector::from_vec(value))))
     }
 
-    /// offset + amplitude sin(ω t + φ), with ω `angular_frequency` in rad/s and φ `phase` in rad.
+    /// Returns offset + amplitude sin(ω t + φ), with ω `angular_frequency` in rad/s and φ `phase` in rad.
     pub fn sine(
         offset: Vec<f64>,
         amplitude: Vec<f64>,
         angular_frequency: f64,
         phase: f64,
     ) -> Result<Self, ProfileError> {
-        finite(&[angular_frequency, phase])?;
+        check_finite(&[angular_frequency, phase])?;
         let [offset, amplitude] = pair(offset, amplitude)?;
         Ok(Self(Shape::Sine { offset, amplitude, angular_frequency, phase }))
     }
 
-    /// From `start` to `end` at constant rate, beginning at `start_time`, within `duration`, s.
+    /// Returns a ramp from `start` to `end` at constant rate that begins at `start_time` and lasts `duration`, s.
     pub fn ramp(start: Vec<f64>, end: Vec<f64>, start_time: f64, duration: f64) -> Result<Self, ProfileError> {
-        finite(&[start_time, duration])?;
-        if duration < SHORTEST_TIME {
+        check_finite(&[start_time, duration])?;
+        if duration < MIN_DURATION {
             return Err(ProfileError::Duration);
         }
         let [start, end] = pair(start, end)?;
         Ok(Self(Shape::Ramp { start, end, start_time, duration }))
     }
 
-    /// The value of the last point whose time has come; of the first one before it.
+    /// Returns a profile that holds the value of the last point passed, and before the first point its value.
     pub fn steps(points: Vec<Point>) -> Result<Self, ProfileError> {
-        check(&points)?;
+        check_points(&points)?;
         Ok(Self(Shape::Steps(points)))
     }
 
-    /// Through all points, twice continuously differentiable at all times, at rest at the first and the last one.
+    /// Returns a curve through all points, twice continuously differentiable, at rest at the first and the last point.
     ///
-    /// Between inner points it is the cubic spline, which bends least; the first and the last piece are quintics, so that
-    /// motion begins and ends without a jump of acceleration. Between points of very unequal spacing it may swing beyond
-    /// their values.
+    /// Between inner points it is the cubic spline. The first and the last piece are quintics, so that motion begins
+    /// and ends without a jump of acceleration. If the spacing of the points is very unequal, the curve may overshoot
+    /// between them.
     pub fn waypoints(points: &[Point]) -> Result<Self, ProfileError> {
-        check(points)?;
+        check_points(points)?;
         Ok(Self(Shape::Waypoints(Spline::through(points).ok_or(ProfileError::NotFinite)?)))
     }
 
-    /// m.
+    /// Returns m, the number of entries.
     pub fn rows(&self) -> usize {
         match &self.0 {
             Shape::Constant(value) => value.len(),
@@ -146,7 +146,7 @@ impl Profile {
         }
     }
 
-    /// Value and derivatives at time t, s.
+    /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {
             Shape::Constant(value) => SetPoint::resting(Entries::from_slice(value.as_slice())),
@@ -161,13 +161,14 @@ impl Profile {
                 }
             }
             Shape::Ramp { start, end, start_time, duration } => {
-                let done = (time_s - start_time) / duration;
-                let passed = done.clamp(0.0, 1.0);
-                let way: Entries = end.iter().zip(start).map(|(end, start)| end - start).collect();
-                let mut point =
-                    SetPoint::resting(start.iter().zip(&way).map(|(start, way)| start + way * passed).collect());
-                if (0.0..1.0).contains(&done) {
-                    point.rate = way.iter().map(|way| way / duration).collect();
+                let fraction = (time_s - start_time) / duration;
+                let clamped = fraction.clamp(0.0, 1.0);
+                let change: Entries = end.iter().zip(start).map(|(end, start)| end - start).collect();
+                let mut point = SetPoint::resting(
+                    start.iter().zip(&change).map(|(start, change)| start + change * clamped).collect(),
+                );
+                if (0.0..1.0).contains(&fraction) {
+                    point.rate = change.iter().map(|change| change / duration).collect();
                 }
                 point
             }
@@ -181,30 +182,30 @@ impl Profile {
 }
 
 fn pair(first: Vec<f64>, second: Vec<f64>) -> Result<[DVector<f64>; 2], ProfileError> {
-    finite(&first)?;
-    finite(&second)?;
+    check_finite(&first)?;
+    check_finite(&second)?;
     if first.len() != second.len() {
         return Err(ProfileError::Size { expected: first.len(), given: second.len() });
     }
     Ok([first, second].map(DVector::from_vec))
 }
 
-fn check(points: &[Point]) -> Result<(), ProfileError> {
+fn check_points(points: &[Point]) -> Result<(), ProfileError> {
     let expected = points.first().ok_or(ProfileError::NoPoints)?.value.len();
     for (i, Point { time_s, value }) in points.iter().enumerate() {
-        finite(&[*time_s])?;
-        finite(value)?;
+        check_finite(&[*time_s])?;
+        check_finite(value)?;
         if value.len() != expected {
             return Err(ProfileError::Size { expected, given: value.len() });
         }
-        if i > 0 && time_s - points[i - 1].time_s < SHORTEST_TIME {
+        if i > 0 && time_s - points[i - 1].time_s < MIN_DURATION {
             return Err(ProfileError::Times { point: i });
         }
     }
     Ok(())
 }
 
-fn finite(values: &[f64]) -> Result<(), ProfileError> {
+fn check_finite(values: &[f64]) -> Result<(), ProfileError> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(ProfileError::NotFinite) }
 }
 
@@ -216,10 +217,10 @@ mod tests {
         list.iter().map(|&(time_s, value)| Point { time_s, value: vec![value, -2.0 * value] }).collect()
     }
 
-    const PLACES: [(f64, f64); 5] = [(0.5, 1.0), (1.0, 3.0), (1.2, 2.0), (2.5, -1.0), (3.0, -1.0)];
+    const POINTS: [(f64, f64); 5] = [(0.5, 1.0), (1.0, 3.0), (1.2, 2.0), (2.5, -1.0), (3.0, -1.0)];
 
     fn waypoints() -> Profile {
-        Profile::waypoints(&points(&PLACES)).unwrap()
+        Profile::waypoints(&points(&POINTS)).unwrap()
     }
 
     fn column(entries: &[f64]) -> DVector<f64> {
@@ -227,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_swings_about_its_offset() {
+    fn a_sine_oscillates_about_its_offset() {
         // Eq. (54): 30 + 5 sin(t/π).
         let profile = Profile::sine(vec![30.0], vec![5.0], std::f64::consts::FRAC_1_PI, 0.0).unwrap();
         assert_eq!(profile.at(0.0).value[0], 30.0);
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_hold_each_value_until_the_next_time() {
+    fn steps_hold_each_value_until_the_next_point() {
         let steps = Profile::steps(points(&[(1.0, 5.0), (2.0, 7.0)])).unwrap();
         let value = |t: f64| steps.at(t).value[0];
         assert_eq!([value(0.0), value(1.0), value(1.999), value(2.0), value(9.0)], [5.0, 5.0, 5.0, 7.0, 7.0]);
@@ -269,7 +270,7 @@ mod tests {
 
     #[test]
     fn waypoints_pass_through_their_points_and_rest_before_and_after() {
-        for (t, value) in PLACES {
+        for (t, value) in POINTS {
             let at = waypoints().at(t).value;
             assert!((at[0] - value).abs() < 1e-14 && (at[1] + 2.0 * value).abs() < 1e-14, "{t}: {at:?}");
         }
@@ -279,7 +280,7 @@ mod tests {
 
     #[test]
     fn waypoints_are_twice_continuously_differentiable() {
-        for (t, _) in PLACES {
+        for (t, _) in POINTS {
             let (before, after) = (waypoints().at(t - 1e-9), waypoints().at(t + 1e-9));
             assert!((column(&before.rate) - column(&after.rate)).amax() < 1e-6, "rate at {t}");
             assert!((column(&before.acceleration) - column(&after.acceleration)).amax() < 1e-5, "acceleration at {t}");
@@ -287,7 +288,7 @@ mod tests {
         let moving = waypoints().at(1.0);
         assert!(
             column(&moving.acceleration).amax() > 1.0 && column(&waypoints().at(1.2).rate).amax() > 1.0,
-            "it does not stop on its way"
+            "the curve must not stop at inner points"
         );
     }
 
@@ -303,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn profiles_that_give_no_number_do_not_exist() {
+    fn invalid_profiles_are_refused() {
         assert_eq!(Profile::constant(vec![f64::NAN]), Err(ProfileError::NotFinite));
         assert_eq!(Profile::sine(vec![1.0], vec![], 1.0, 0.0), Err(ProfileError::Size { expected: 1, given: 0 }));
         for duration in [0.0, -1.0, 1e-300] {

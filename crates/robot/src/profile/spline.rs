@@ -1,13 +1,13 @@
-//! Smooth interpolation.
+//! Smooth interpolation through points.
 
 use nalgebra::DVector;
 
 use super::{Entries, Point, SetPoint};
 
-/// Pieces of polynomials through points, twice continuously differentiable at all times.
+/// A piecewise polynomial through points, twice continuously differentiable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spline {
-    /// One per point, m rows each.
+    /// One per point, m entries each.
     knots: Vec<Knot>,
 }
 
@@ -18,7 +18,7 @@ struct Knot {
 }
 
 impl Spline {
-    /// Through points whose times grow; `None` if that leaves the range of numbers.
+    /// Interpolates points with increasing times; `None` if a derivative overflows.
     pub fn through(points: &[Point]) -> Option<Self> {
         let values: Vec<DVector<f64>> = points.iter().map(|point| DVector::from_row_slice(&point.value)).collect();
         let spans: Vec<f64> = points.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
@@ -29,7 +29,7 @@ impl Spline {
             let acceleration = if i == 0 || i == last {
                 DVector::zeros(value.len())
             } else {
-                // Second derivative of the cubic that begins here.
+                // Second derivative of the cubic that begins at this knot.
                 let h = spans[i];
                 (&values[i + 1] - &value) * (6.0 / (h * h)) - (&rate * 4.0 + &rates[i + 1] * 2.0) / h
             };
@@ -38,33 +38,35 @@ impl Spline {
             Knot { time: points[i].time_s, point: SetPoint { value, rate, acceleration } }
         };
         let knots: Vec<Knot> = (0..points.len()).map(knot).collect();
-        let finite = |v: &Entries| v.iter().all(|entry| entry.is_finite());
-        let sound = |k: &Knot| finite(&k.point.rate) && finite(&k.point.acceleration);
-        knots.iter().all(sound).then_some(Self { knots })
+        let all_finite = |v: &Entries| v.iter().all(|entry| entry.is_finite());
+        let is_finite = |k: &Knot| all_finite(&k.point.rate) && all_finite(&k.point.acceleration);
+        knots.iter().all(is_finite).then_some(Self { knots })
     }
 
-    /// m.
+    /// Returns m, the number of entries.
     pub fn rows(&self) -> usize {
         self.knots[0].point.value.len()
     }
 
-    /// Value and derivatives at time t, s.
+    /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         let next = self.knots.partition_point(|knot| knot.time <= time_s);
         match (next.checked_sub(1), self.knots.get(next)) {
-            (Some(before), Some(after)) => between(&self.knots[before], after, time_s),
+            (Some(before), Some(after)) => evaluate(&self.knots[before], after, time_s),
             (Some(last), None) => self.knots[last].point.clone(),
             (None, _) => self.knots[0].point.clone(),
         }
     }
 }
 
-/// Velocities at the points of the cubic spline that rests at both ends: continuity of the second derivative gives
+/// Computes the rates v_i at the points of the cubic spline that rests at both ends.
+///
+/// Continuity of the second derivative gives
 /// v_{i−1}/h_{i−1} + 2 (1/h_{i−1} + 1/h_i) v_i + v_{i+1}/h_i = 3 ((p_i − p_{i−1})/h_{i−1}² + (p_{i+1} − p_i)/h_i²).
 fn clamped_rates(values: &[DVector<f64>], spans: &[f64]) -> Vec<DVector<f64>> {
     let rows = values[0].len();
     let mut rates = vec![DVector::zeros(rows); values.len()];
-    // Elimination from the first point to the last, then back; diagonally dominant, so no pivot is needed.
+    // Forward elimination and back substitution. The matrix is diagonally dominant, so pivoting is not needed.
     let mut above = vec![0.0; values.len()];
     for i in 1..values.len().saturating_sub(1) {
         let (left, right) = (1.0 / spans[i - 1], 1.0 / spans[i]);
@@ -80,21 +82,21 @@ fn clamped_rates(values: &[DVector<f64>], spans: &[f64]) -> Vec<DVector<f64>> {
     rates
 }
 
-/// The quintic with value, rate and acceleration of both knots; between inner knots it is the cubic of the spline.
-fn between(a: &Knot, b: &Knot, time: f64) -> SetPoint {
+/// Evaluates the quintic with the value, rate and acceleration of both knots. Between inner knots it equals the cubic.
+fn evaluate(a: &Knot, b: &Knot, time: f64) -> SetPoint {
     let h = b.time - a.time;
     let s = (time - a.time) / h;
     let (a, b) = (&a.point, &b.point);
     let mut point = SetPoint::resting(Entries::from_elem(0.0, a.value.len()));
     for row in 0..a.value.len() {
         let (p, v, w) = (a.value[row], a.rate[row] * h, a.acceleration[row] * (0.5 * h * h));
-        // What constant acceleration would miss at the end, in value, rate and half the acceleration.
-        let miss = b.value[row] - p - v - w;
-        let rate_miss = b.rate[row] * h - v - w * 2.0;
-        let bend_miss = b.acceleration[row] * (0.5 * h * h) - w;
-        let c3 = miss * 10.0 - rate_miss * 4.0 + bend_miss;
-        let c4 = miss * -15.0 + rate_miss * 7.0 - bend_miss * 2.0;
-        let c5 = miss * 6.0 - rate_miss * 3.0 + bend_miss;
+        // Difference at b from motion with constant acceleration: in value, rate and half the acceleration.
+        let value_gap = b.value[row] - p - v - w;
+        let rate_gap = b.rate[row] * h - v - w * 2.0;
+        let acceleration_gap = b.acceleration[row] * (0.5 * h * h) - w;
+        let c3 = value_gap * 10.0 - rate_gap * 4.0 + acceleration_gap;
+        let c4 = value_gap * -15.0 + rate_gap * 7.0 - acceleration_gap * 2.0;
+        let c5 = value_gap * 6.0 - rate_gap * 3.0 + acceleration_gap;
         point.value[row] = p + (v + (w + (c3 + (c4 + c5 * s) * s) * s) * s) * s;
         point.rate[row] = (v + (w * 2.0 + (c3 * 3.0 + (c4 * 4.0 + c5 * (5.0 * s)) * s) * s) * s) / h;
         point.acceleration[row] = (w * 2.0 + (c3 * 6.0 + (c4 * 12.0 + c5 * (20.0 * s)) * s) * s) / (h * h);

@@ -1,4 +1,4 @@
-//! From text to a graph of links.
+//! Parses the XML text into a graph of links and joints.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,39 +6,39 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use super::UrdfError;
 
-/// Bounds of a text. The reader compares every attribute with all others of its element, and every prefix with all
-/// namespaces in force, so that the text's length alone would not bound its time. It does not recurse, and without
-/// document type definitions it knows no entities but those of XML.
-const LARGEST_TEXT: usize = 1 << 20;
-const MOST_ATTRIBUTES: usize = 256;
-const MOST_NAMESPACES: usize = 64;
-const MOST_NODES: u32 = 100_000;
+// Bounds that keep the parsing time short. The parser compares every attribute with all others of its element, and
+// every prefix with all namespaces in scope, so a bound on the length of the text is not enough. The parser does not
+// recurse. Document type definitions are refused, so there are no entities except those of XML.
+const MAX_TEXT_BYTES: usize = 1 << 20;
+const MAX_ATTRIBUTES: usize = 256;
+const MAX_NAMESPACES: usize = 64;
+const MAX_NODES: u32 = 100_000;
 
-/// Longest name of a link or joint, bytes: names stand in every answer.
-const LONGEST_NAME: usize = 256;
+/// Maximum length of the name of a link or joint, bytes. Every answer repeats the names of the joints.
+const MAX_NAME_BYTES: usize = 256;
 
-/// Reads XML, in time that a bad text cannot stretch.
+/// Parses XML in bounded time.
 pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
     let quotes = |element: &str| element.bytes().filter(|byte| matches!(byte, b'"' | b'\'')).count();
-    let bounded = text.len() <= LARGEST_TEXT
-        && text.split('<').all(|element| quotes(element) <= 2 * MOST_ATTRIBUTES)
-        && text.matches("xmlns").count() <= MOST_NAMESPACES;
+    let bounded = text.len() <= MAX_TEXT_BYTES
+        && text.split('<').all(|element| quotes(element) <= 2 * MAX_ATTRIBUTES)
+        && text.matches("xmlns").count() <= MAX_NAMESPACES;
     if !bounded {
-        let (text, attributes, namespaces) = (LARGEST_TEXT, MOST_ATTRIBUTES, MOST_NAMESPACES);
+        let (text, attributes, namespaces) = (MAX_TEXT_BYTES, MAX_ATTRIBUTES, MAX_NAMESPACES);
         return Err(UrdfError::TooLarge { text, attributes, namespaces });
     }
-    let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     Ok(Document::parse_with_options(text, options)?)
 }
 
-/// The outermost element.
+/// Returns the root element, which must be `<robot>`.
 pub fn robot<'a>(document: &'a Document) -> Result<Node<'a, 'a>, UrdfError> {
     let root = document.root_element();
     let name = root.tag_name().name();
     if name == "robot" { Ok(root) } else { Err(UrdfError::NotRobot { root: name.to_owned() }) }
 }
 
-/// A joint as an edge of the graph.
+/// A joint as an edge of the graph of links.
 #[derive(Clone, Copy)]
 pub struct Edge<'a> {
     pub name: &'a str,
@@ -47,15 +47,15 @@ pub struct Edge<'a> {
     pub element: Node<'a, 'a>,
 }
 
-/// All links, each with the joint that it hangs on, in the order of the text.
+/// All links in the order of the text, with the joint above each.
 pub struct Links<'a> {
     pub names: Vec<&'a str>,
-    /// By child link.
+    /// The joint above a link, by the name of that link.
     pub joint_above: HashMap<&'a str, Edge<'a>>,
 }
 
 impl<'a> Links<'a> {
-    /// Reads links and joints.
+    /// Reads the links and joints of a robot.
     pub fn read(robot: Node<'a, 'a>) -> Result<Self, UrdfError> {
         let links = named(robot, "link")?;
         let known: HashMap<&str, Node> = links.iter().copied().collect();
@@ -73,18 +73,18 @@ impl<'a> Links<'a> {
         Ok(Self { names: links.iter().map(|(name, _)| *name).collect(), joint_above })
     }
 
-    /// Links that hang on nothing.
+    /// Returns the links without parent.
     pub fn roots(&self) -> Vec<&'a str> {
         self.names.iter().copied().filter(|link| !self.joint_above.contains_key(link)).collect()
     }
 }
 
-/// The elements of that kind, each with a name of its own.
+/// Returns the elements of one kind with their names, which must be unique.
 fn named<'a>(robot: Node<'a, 'a>, element: &'static str) -> Result<Vec<(&'a str, Node<'a, 'a>)>, UrdfError> {
     let mut seen = HashSet::new();
     let mut found = Vec::new();
     for (i, node) in robot.children().filter(|node| node.has_tag_name(element)).enumerate() {
-        let name = node.attribute("name").filter(|name| (1..=LONGEST_NAME).contains(&name.len()));
+        let name = node.attribute("name").filter(|name| (1..=MAX_NAME_BYTES).contains(&name.len()));
         let name = name.ok_or(UrdfError::Unnamed { element, place: i + 1 })?;
         if !seen.insert(name) {
             return Err(UrdfError::Duplicate { element, name: name.to_owned() });
@@ -104,7 +104,7 @@ fn edge<'a>(name: &'a str, element: Node<'a, 'a>) -> Result<Edge<'a>, UrdfError>
     Ok(Edge { name, parent, child: link("child", "<child link=\"…\"/>")?, element })
 }
 
-/// The first child of that name.
+/// Returns the first child with this tag.
 pub fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
     node.children().find(|child| child.has_tag_name(tag))
 }

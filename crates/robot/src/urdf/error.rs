@@ -1,38 +1,38 @@
-//! Why a URDF text is refused.
+//! The errors of reading URDF.
 
 use crate::ModelError;
 
 /// Why a URDF text is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UrdfError {
-    /// Far more text, attributes or namespaces than a robot needs.
+    /// The text exceeds a bound on its size.
     #[error(
         "too large for a robot description: at most {text} bytes, {attributes} attributes in an element, {namespaces} \
          namespaces"
     )]
     TooLarge {
-        /// Bytes of text.
+        /// Maximum number of bytes.
         text: usize,
-        /// Attributes of one element.
+        /// Maximum number of attributes of one element.
         attributes: usize,
-        /// Namespaces of the text.
+        /// Maximum number of namespaces.
         namespaces: usize,
     },
-    /// Not well-formed XML, more than 100 000 nodes, or with a document type definition.
+    /// The text is not well-formed XML, has more than 100 000 nodes, or has a document type definition.
     #[error("URDF: {0}")]
     Xml(#[from] roxmltree::Error),
-    /// XML of something else.
-    #[error("the outermost element is <{root}>; URDF has <robot>, and xacro must be expanded first")]
+    /// The root element is not `<robot>`.
+    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first")]
     NotRobot {
-        /// The outermost element.
+        /// The root element.
         root: String,
     },
-    /// An element without a name.
-    #[error("the {place}. <{element}> of the robot needs a name of 1 to 256 bytes")]
+    /// A link or joint has no name, or a name that is too long.
+    #[error("<{element}> number {place} of the robot needs a name of 1 to 256 bytes")]
     Unnamed {
         /// `link` or `joint`.
         element: &'static str,
-        /// Its place, from 1.
+        /// Its position among the elements of this kind, from 1.
         place: usize,
     },
     /// Two links or two joints share a name.
@@ -43,74 +43,74 @@ pub enum UrdfError {
         /// The name.
         name: String,
     },
-    /// A joint lacks what every joint needs.
+    /// A joint lacks a required part.
     #[error("joint `{joint}` needs {what}")]
     Missing {
         /// The joint.
         joint: String,
-        /// What it lacks.
+        /// The missing part.
         what: &'static str,
     },
     /// A joint connects a link that does not exist.
-    #[error("joint `{joint}` connects link `{link}`, which the text does not have")]
+    #[error("joint `{joint}` connects link `{link}`, which does not exist")]
     UnknownLink {
         /// The joint.
         joint: String,
         /// The link.
         link: String,
     },
-    /// A link hangs on two joints.
-    #[error("link `{link}` is the child of the joints `{first}` and `{second}`; only trees have chains")]
+    /// A link is the child of two joints.
+    #[error("link `{link}` is the child of the joints `{first}` and `{second}`; the links must form a tree")]
     TwoParents {
         /// The link.
         link: String,
-        /// A joint.
+        /// The first joint.
         first: String,
-        /// Another joint.
+        /// The second joint.
         second: String,
     },
-    /// Following parents leads back.
-    #[error("the links form a cycle through `{link}`; only trees have chains")]
+    /// The links form a cycle.
+    #[error("the links form a cycle through `{link}`; the links must form a tree")]
     Cycle {
         /// A link of the cycle.
         link: String,
     },
-    /// More than one link, or none, hangs on nothing.
+    /// The base is not named, and several links or none have no parent.
     #[error("links without parent: {}; name the `base`", list(.links))]
     Base {
         /// Links without parent.
         links: Vec<String>,
     },
-    /// The chain could end at several links.
+    /// The tip is not named, and several links have no children.
     #[error("the chain from `{base}` can end at several links; name the `tip`: {}", list(.leaves))]
     Tip {
-        /// Where the chain begins.
+        /// The base link.
         base: String,
-        /// Links without children.
+        /// Links without children below the base.
         leaves: Vec<String>,
     },
-    /// The base does not exist.
-    #[error("there is no link `{link}` to be the base; links without parent: {}", list(.roots))]
+    /// There is no link with the name of the base.
+    #[error("the base link `{link}` does not exist; links without parent: {}", list(.roots))]
     UnknownBase {
-        /// The name.
+        /// The name of the base.
         link: String,
         /// Links without parent.
         roots: Vec<String>,
     },
-    /// The tip does not exist, or does not hang on the base.
+    /// There is no link with the name of the tip below the base.
     #[error("no chain leads from `{base}` to a link `{tip}`; chains from there end at {}", list(.leaves))]
     UnknownTip {
-        /// Where the chain begins.
+        /// The base link.
         base: String,
-        /// The name.
+        /// The name of the tip.
         tip: String,
         /// Links without children below the base.
         leaves: Vec<String>,
     },
-    /// A joint of the chain that is no axis of a serial arm.
+    /// A joint of the chain has a type that a serial arm cannot have.
     #[error(
-        "joint `{joint}` of the chain is {kind}; only fixed, revolute, continuous and prismatic joints that move by \
-         themselves can be controlled"
+        "joint `{joint}` of the chain is {kind}; only fixed, revolute, continuous and prismatic joints without `mimic` \
+         are supported"
     )]
     Kind {
         /// The joint.
@@ -118,34 +118,34 @@ pub enum UrdfError {
         /// Its type, or `mimic`.
         kind: String,
     },
-    /// Not as many numbers as needed, not finite, or out of proportion.
+    /// An attribute has the wrong number of numbers, or one that is not finite or too large.
     #[error("joint `{joint}`: {field}=\"{text:.40}\" is not {count} number(s) between -1e9 and 1e9")]
     Number {
         /// The joint.
         joint: String,
         /// The attribute.
         field: &'static str,
-        /// What stands there.
+        /// Its text.
         text: String,
-        /// How many numbers belong there.
+        /// The number of numbers that it must have.
         count: usize,
     },
-    /// An axis of length zero.
+    /// The axis of a joint has length zero.
     #[error("joint `{joint}`: the axis has length zero; give its direction")]
     Axis {
         /// The joint.
         joint: String,
     },
-    /// The chain is no robot.
+    /// The chain is not a valid robot model.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
-/// The first names of a list, each in quotes.
+/// Returns the first 50 names of a list, each in backquotes.
 fn list(names: &[String]) -> String {
-    const SHOWN: usize = 50;
-    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
-    match names.len().saturating_sub(SHOWN) {
+    const MAX_SHOWN: usize = 50;
+    let shown: Vec<String> = names.iter().take(MAX_SHOWN).map(|name| format!("`{name}`")).collect();
+    match names.len().saturating_sub(MAX_SHOWN) {
         0 if names.is_empty() => "none".to_owned(),
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),

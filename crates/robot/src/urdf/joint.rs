@@ -1,4 +1,4 @@
-//! One joint of the chain.
+//! Reads one joint of the chain.
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 use roxmltree::Node;
@@ -7,10 +7,10 @@ use super::UrdfError;
 use super::document::{Edge, child};
 use crate::{Joint, JointKind, JointLimits};
 
-/// Largest number of a description, m or rad; an axis shorter than its inverse has no direction.
-const LARGEST: f64 = 1e9;
+/// Maximum absolute value of a number, m or rad. An axis shorter than its inverse has no direction.
+const MAX_NUMBER: f64 = 1e9;
 
-/// What a joint is to the chain.
+/// The part of the chain that a joint makes.
 pub enum Segment {
     /// A constant transform.
     Fixed(IsometryMatrix3<f64>),
@@ -18,14 +18,14 @@ pub enum Segment {
     Moving(Box<Moving>),
 }
 
-/// A joint that moves about or along z of its own frame, and the transform from there to the child link's frame.
+/// A joint of the model, and the transform from its frame to the frame of the child link.
 pub struct Moving {
-    /// Its `placement` counts from the parent link's frame.
+    /// The joint; its `placement` is in the frame of the parent link.
     pub joint: Joint,
     pub after: IsometryMatrix3<f64>,
 }
 
-/// Reads a joint.
+/// Reads a joint of the chain.
 pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
     let reader = Reader { joint: edge.name, element: edge.element };
     let origin = reader.origin()?;
@@ -50,8 +50,9 @@ pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
     Ok(Segment::Moving(Box::new(Moving { joint, after })))
 }
 
-/// A rotation that takes z to a direction of unit length; without rounding where that is an axis of the frame, and the
-/// identity for z itself.
+/// Returns a rotation that maps z to a direction of unit length.
+///
+/// It is free of rounding if the direction is an axis of the frame, and the identity for z itself.
 fn rotation_from_z(direction: &Vector3<f64>) -> Rotation3<f64> {
     let across = if direction.y.abs() <= 0.8 { Vector3::y() } else { Vector3::z() };
     let x = across.cross(direction).normalize();
@@ -64,21 +65,21 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Pose of the joint's frame in the parent link's: x y z, then roll, pitch and yaw about the fixed axes.
+    /// Reads the pose of the joint's frame in the parent link's frame: x y z; roll, pitch, yaw about fixed axes.
     fn origin(&self) -> Result<IsometryMatrix3<f64>, UrdfError> {
         let [x, y, z] = self.numbers("origin", "xyz")?.unwrap_or_default();
         let [roll, pitch, yaw] = self.numbers("origin", "rpy")?.unwrap_or_default();
         if child(self.element, "origin").is_some_and(|origin| origin.has_attribute("quat_xyzw")) {
-            return Err(self.missing("its orientation as `rpy`; `quat_xyzw` is not read"));
+            return Err(self.missing("its orientation as `rpy`; `quat_xyzw` is not supported"));
         }
         let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
         Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
-    /// Unit vector of the axis, x if none is given.
+    /// Reads the axis as a unit vector; x by default.
     fn axis(&self) -> Result<Vector3<f64>, UrdfError> {
         let axis = Vector3::from(self.numbers("axis", "xyz")?.unwrap_or([1.0, 0.0, 0.0]));
-        axis.try_normalize(1.0 / LARGEST).ok_or_else(|| UrdfError::Axis { joint: self.joint.to_owned() })
+        axis.try_normalize(1.0 / MAX_NUMBER).ok_or_else(|| UrdfError::Axis { joint: self.joint.to_owned() })
     }
 
     fn limits(&self) -> Result<JointLimits, UrdfError> {
@@ -88,23 +89,23 @@ impl Reader<'_> {
         if self.element.attribute("type") == Some("continuous") {
             return Ok(JointLimits { velocity: infinite("velocity")?, acceleration, ..JointLimits::NONE });
         }
-        let needed = || self.missing("<limit> with `lower`, `upper` and `velocity`, or the type `continuous`");
+        let missing_limit = || self.missing("<limit> with `lower`, `upper` and `velocity`, or the type `continuous`");
         Ok(JointLimits {
-            lower: limit("lower")?.ok_or_else(needed)?,
-            upper: limit("upper")?.ok_or_else(needed)?,
-            velocity: limit("velocity")?.ok_or_else(needed)?,
+            lower: limit("lower")?.ok_or_else(missing_limit)?,
+            upper: limit("upper")?.ok_or_else(missing_limit)?,
+            velocity: limit("velocity")?.ok_or_else(missing_limit)?,
             acceleration,
         })
     }
 
-    /// The numbers of an attribute of the joint's first child of that name; `None` where there is none.
+    /// Reads the numbers of an attribute of the joint's first child with this tag; `None` without the attribute.
     fn numbers<const N: usize>(&self, tag: &str, field: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
         let Some(text) = child(self.element, tag).and_then(|node| node.attribute(field)) else { return Ok(None) };
-        let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= LARGEST);
+        let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);
         let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
         let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
-        let refusal = || UrdfError::Number { joint: self.joint.to_owned(), field, text: text.to_owned(), count: N };
-        numbers.map(Some).ok_or_else(refusal)
+        let error = || UrdfError::Number { joint: self.joint.to_owned(), field, text: text.to_owned(), count: N };
+        numbers.map(Some).ok_or_else(error)
     }
 
     fn kind(&self, kind: &str) -> UrdfError {

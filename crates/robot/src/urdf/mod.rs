@@ -1,8 +1,9 @@
 //! Robots read from URDF, the Unified Robot Description Format.
 //!
-//! Only links and joints are looked at; meshes, materials, inertias, transmissions and plug-ins are passed over, and
-//! nothing that a text names is opened. The chain leads from one link, the base, to another, the tip: its fixed joints
-//! become constant transforms, its moving ones the joints of the model. What branches off is not part of the arm.
+//! Only links and joints are read. Meshes, materials, inertias, transmissions and plug-ins are ignored, and no file
+//! that the text names is opened. The arm is the chain from one link, the base, to another, the tip. Fixed joints of
+//! the chain become constant transforms; the other joints of the chain become the joints of the model. Branches are
+//! left out.
 
 mod chain;
 mod document;
@@ -18,25 +19,25 @@ use chain::Chain;
 use document::Links;
 use joint::{Moving, Segment, segment};
 
-/// What a URDF text leaves open.
+/// Choices that a URDF text leaves open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct UrdfOptions<'a> {
-    /// Name of the robot; that of the text if `None`.
+    /// Name of the robot; if `None`, the name in the text.
     pub name: Option<&'a str>,
-    /// One line for people; a summary if `None`.
+    /// Description in one line; if `None`, a summary of the chain.
     pub description: Option<&'a str>,
-    /// Link that the arm stands on, whose frame is the base frame; the root of the tree if `None`.
+    /// Link whose frame is the base frame; if `None`, the root of the tree.
     pub base: Option<&'a str>,
-    /// Link whose frame is the tool frame; the only leaf of the tree if `None`.
+    /// Link whose frame is the tool frame; if `None`, the only leaf of the tree.
     pub tip: Option<&'a str>,
 }
 
 impl RobotModel {
-    /// Reads the serial chain from base to tip.
+    /// Reads the serial chain from base to tip from a URDF text.
     ///
-    /// Revolute and prismatic joints need a `<limit>` with `lower`, `upper` and `velocity`; a continuous joint may have
-    /// one with `velocity`. The attributes `acceleration` and `deceleration` of URDF 1.2 count in every version, the
-    /// smaller one as the limit for both. Lengths in m, angles in rad.
+    /// Revolute and prismatic joints need a `<limit>` with `lower`, `upper` and `velocity`. The `<limit>` of a
+    /// continuous joint is optional; its `velocity` is read. The attributes `acceleration` and `deceleration` of URDF
+    /// 1.2 are read in every version of URDF; the smaller one limits both. Lengths are in m, angles in rad.
     pub fn from_urdf(text: &str, options: &UrdfOptions) -> Result<Self, UrdfError> {
         let document = document::parse(text)?;
         let robot = document::robot(&document)?;

@@ -1,6 +1,6 @@
 //! What a run made of the robot's limits. Whether they were broken is read off the trace, not off what the solver says.
 
-use revprio_api::wire::{LimitKind, Limits, RobotJoint};
+use revprio_api::wire::{Limits, RobotJoint};
 use serde::Serialize;
 
 use crate::simulator::recording::{AtLimit, Recording, Sample};
@@ -85,25 +85,14 @@ impl Bounds {
                 return Self { position: FREE, velocity, acceleration: FREE };
             }
         };
-        let counts = |from: LimitKind| kind_rank(kind) >= kind_rank(from);
-        let position = joint.position_limit.filter(|_| counts(LimitKind::PositionVelocity));
-        let velocity = joint.velocity_limit.filter(|_| counts(LimitKind::Velocity));
-        let acceleration = joint.acceleration_limit.filter(|_| counts(LimitKind::PositionVelocityAcceleration));
+        let position = joint.position_limit.filter(|_| kind.includes_position());
+        let velocity = joint.velocity_limit.filter(|_| kind.includes_velocity());
+        let acceleration = joint.acceleration_limit.filter(|_| kind.includes_acceleration());
         Self {
             position: position.map_or(FREE, |[low, high]| (low, high)),
             velocity: symmetric(velocity),
             acceleration: symmetric(acceleration),
         }
-    }
-}
-
-/// Each kind counts what the one before does, and more.
-const fn kind_rank(kind: LimitKind) -> u8 {
-    match kind {
-        LimitKind::None => 0,
-        LimitKind::Velocity => 1,
-        LimitKind::PositionVelocity => 2,
-        LimitKind::PositionVelocityAcceleration => 3,
     }
 }
 
@@ -128,7 +117,7 @@ impl Joint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use revprio_api::wire::JointKind;
+    use revprio_api::wire::{JointKind, LimitKind};
 
     fn joint() -> RobotJoint {
         RobotJoint {

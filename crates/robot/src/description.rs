@@ -1,38 +1,73 @@
-//! Robots read from a TOML or JSON description.
+//! Robots described in TOML or JSON by Denavit-Hartenberg parameters.
 
-use nalgebra::IsometryMatrix3;
+use nalgebra::{IsometryMatrix3, Rotation3, Translation3, Vector3};
 use serde::Deserialize;
 
-use super::{DenavitHartenberg, Joint, JointKind, JointLimits, ModelError, RobotModel};
+use super::{Joint, JointKind, JointLimits, ModelError, RobotModel};
 
-/// Why a robot file is refused.
+/// One row of standard Denavit-Hartenberg parameters, as in Table 1 of the paper.
+///
+/// The frame after the joint is Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α) of the frame before it. The joint position adds
+/// to θ (revolute) or to d (prismatic).
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DenavitHartenberg {
+    /// d, offset along z, m.
+    pub d: f64,
+    /// a, length along x, m.
+    pub a: f64,
+    /// α, twist about x, rad.
+    pub alpha: f64,
+    /// θ at joint position zero, rad.
+    #[serde(default)]
+    pub theta: f64,
+}
+
+impl DenavitHartenberg {
+    /// Returns the constant transform that follows the joint's motion.
+    ///
+    /// Rot_z and Trans_z commute, so the motion can always come first, whichever of the two it is.
+    pub fn after_motion(&self) -> IsometryMatrix3<f64> {
+        let screw_z = IsometryMatrix3::from_parts(
+            Translation3::new(0.0, 0.0, self.d),
+            Rotation3::from_axis_angle(&Vector3::z_axis(), self.theta),
+        );
+        let screw_x = IsometryMatrix3::from_parts(
+            Translation3::new(self.a, 0.0, 0.0),
+            Rotation3::from_axis_angle(&Vector3::x_axis(), self.alpha),
+        );
+        screw_z * screw_x
+    }
+}
+
+/// Why a robot description is refused.
 #[derive(Debug, thiserror::Error)]
-pub enum FixtureError {
-    /// Not TOML, or not the fields of a robot.
+pub enum DescriptionError {
+    /// The text is not TOML, or its fields are not those of a robot.
     #[error("robot description: {0}")]
     Toml(#[from] toml::de::Error),
-    /// Not JSON, or not the fields of a robot.
+    /// The text is not JSON, or its fields are not those of a robot.
     #[error("robot description: {0}")]
     Json(#[from] serde_json::Error),
-    /// Well-formed, but no robot.
+    /// The text is well-formed, but its joints are not a robot.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RobotFile {
+struct RobotDescription {
     name: String,
     #[serde(default)]
     description: String,
-    joints: Vec<JointFile>,
+    joints: Vec<JointDescription>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct JointFile {
+struct JointDescription {
     name: String,
-    kind: Kind,
+    kind: JointKind,
     dh: DenavitHartenberg,
     position_limit: Option<[f64; 2]>,
     velocity_limit: Option<f64>,
@@ -40,14 +75,7 @@ struct JointFile {
     published_range: Option<[f64; 2]>,
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Kind {
-    Revolute,
-    Prismatic,
-}
-
-impl JointFile {
+impl JointDescription {
     fn limits(&self) -> JointLimits {
         let [lower, upper] = self.position_limit.unwrap_or([JointLimits::NONE.lower, JointLimits::NONE.upper]);
         JointLimits {
@@ -59,16 +87,13 @@ impl JointFile {
     }
 }
 
-impl RobotFile {
+impl RobotDescription {
     fn build(self) -> Result<RobotModel, ModelError> {
         let mut placement = IsometryMatrix3::identity();
         let mut joints = Vec::with_capacity(self.joints.len());
         for joint in self.joints {
             joints.push(Joint {
-                kind: match joint.kind {
-                    Kind::Revolute => JointKind::Revolute,
-                    Kind::Prismatic => JointKind::Prismatic,
-                },
+                kind: joint.kind,
                 limits: joint.limits(),
                 published_range: joint.published_range,
                 denavit_hartenberg: Some(joint.dh),
@@ -81,14 +106,14 @@ impl RobotFile {
     }
 }
 
-/// Reads a robot in TOML.
-pub fn from_toml(text: &str) -> Result<RobotModel, FixtureError> {
-    Ok(toml::from_str::<RobotFile>(text)?.build()?)
+/// Reads a robot from TOML.
+pub fn from_toml(text: &str) -> Result<RobotModel, DescriptionError> {
+    Ok(toml::from_str::<RobotDescription>(text)?.build()?)
 }
 
-/// Reads a robot in JSON; the same fields as in TOML.
-pub fn from_json(text: &str) -> Result<RobotModel, FixtureError> {
-    Ok(serde_json::from_str::<RobotFile>(text)?.build()?)
+/// Reads a robot from JSON, with the same fields as in TOML.
+pub fn from_json(text: &str) -> Result<RobotModel, DescriptionError> {
+    Ok(serde_json::from_str::<RobotDescription>(text)?.build()?)
 }
 
 #[cfg(test)]
@@ -98,7 +123,7 @@ mod tests {
     use super::*;
     use crate::built_in;
 
-    /// Limits of the manufacturer's description (URDF), joint by joint.
+    /// Position limits of the manufacturer's description (URDF), joint by joint.
     const URDF_RANGE: [[f64; 2]; 7] = [
         [-3.0503, 3.0503],
         [-3.8095, 2.2736],
@@ -128,24 +153,24 @@ mod tests {
         assert_eq!(accelerations, [8.0, 8.0, 8.0, 8.0, 10.0, 10.0, 10.0]);
     }
 
-    fn refusal(joints: &str) -> String {
+    fn error_text(joints: &str) -> String {
         from_toml(&format!("name = 'r'\n{joints}")).unwrap_err().to_string()
     }
 
     #[test]
-    fn refusals_name_the_joint_and_the_line() {
+    fn errors_name_the_joint_and_the_line() {
         let joint = |name: &str, extra: &str| {
             format!(
                 "[[joints]]\nname = '{name}'\nkind = 'revolute'\ndh = {{ d = 0.0, a = 1.0, alpha = 0.0 }}\n{extra}\n"
             )
         };
-        assert!(refusal("joints = []").contains("at least one joint"));
-        assert!(refusal(&(joint("a", "") + &joint("a", ""))).contains("two joints are named `a`"));
-        assert!(refusal(&joint("a", "position_limit = [1.0, -1.0]")).contains("joint `a`: the position range"));
-        assert!(refusal(&joint("a", "velocity_limit = 0.0")).contains("positive"));
-        assert!(refusal(&joint("a", "speed = 1.0")).contains("line 6"));
+        assert!(error_text("joints = []").contains("at least one joint"));
+        assert!(error_text(&(joint("a", "") + &joint("a", ""))).contains("two joints are named `a`"));
+        assert!(error_text(&joint("a", "position_limit = [1.0, -1.0]")).contains("joint `a`: the position range"));
+        assert!(error_text(&joint("a", "velocity_limit = 0.0")).contains("positive"));
+        assert!(error_text(&joint("a", "speed = 1.0")).contains("line 6"));
         let not_finite = "[[joints]]\nname = 'a'\nkind = 'revolute'\ndh = { d = nan, a = 0.0, alpha = 0.0 }";
-        assert!(refusal(not_finite).contains("joint `a`: lengths and angles must be finite"));
+        assert!(error_text(not_finite).contains("joint `a`: lengths and angles must be finite"));
     }
 
     #[test]

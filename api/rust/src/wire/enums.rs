@@ -1,4 +1,4 @@
-//! The words that requests and answers choose from.
+//! Enums that bodies share, with the damping and the limits of the joint velocities.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,10 +9,10 @@ use utoipa::ToSchema;
 
 use super::string_or_map::{self, StringOrMap};
 
-/// Writes a word as it stands in JSON.
+/// Implements `Display` with the string that stands in JSON.
 macro_rules! display_as_in_json {
-    ($($word:ty),+) => {$(
-        impl fmt::Display for $word {
+    ($($name:ty),+) => {$(
+        impl fmt::Display for $name {
             fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
                 self.serialize(formatter)
             }
@@ -22,17 +22,18 @@ macro_rules! display_as_in_json {
 
 display_as_in_json!(Axis, Method, Solver, Path, Status, Side, LimitKind);
 
-/// Reads a word from a text alone: for an enum, serde also takes `{"word": null}`, and in MessagePack the word's number.
-macro_rules! read_as_text {
-    ($($word:ty),+) => {$(
-        impl<'de> Deserialize<'de> for $word {
+/// Implements `Deserialize` from a string only. For an enum, serde also accepts `{"name": null}` and, in MessagePack,
+/// the index of the variant.
+macro_rules! read_as_string {
+    ($($name:ty),+) => {$(
+        impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let text = Cow::<str>::deserialize(deserializer)?;
                 Self::deserialize(StrDeserializer::new(&text))
             }
         }
 
-        impl Serialize for $word {
+        impl Serialize for $name {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 Self::serialize(self, serializer)
             }
@@ -40,42 +41,42 @@ macro_rules! read_as_text {
     )+};
 }
 
-read_as_text!(Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, LimitKind);
+read_as_string!(Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, LimitKind);
 
-/// One row of a twist, at the point and along the axes of its task.
+/// One axis of a twist or a wrench, in the frame of the task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Axis {
-    /// Along x, m/s.
+    /// Along x: velocity in m/s, force in N.
     X,
-    /// Along y, m/s.
+    /// Along y: velocity in m/s, force in N.
     Y,
-    /// Along z, m/s.
+    /// Along z: velocity in m/s, force in N.
     Z,
-    /// About x, rad/s.
+    /// About x: angular velocity in rad/s, torque in N·m.
     Rx,
-    /// About y, rad/s.
+    /// About y: angular velocity in rad/s, torque in N·m.
     Ry,
-    /// About z, rad/s.
+    /// About z: angular velocity in rad/s, torque in N·m.
     Rz,
 }
 
-/// How priorities are understood.
+/// The resolution method, the meaning of priorities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Method {
-    /// All tasks as one stack, exact.
+    /// Pseudo-inverse of all tasks in one stack, without damping and without priorities.
     Pseudoinverse,
-    /// All tasks as one stack, damped near singularities.
+    /// Damped least squares over all tasks in one stack, without priorities.
     DampedLeastSquares,
-    /// Classical task priority.
+    /// Classical task priority with null-space projectors.
     TaskPriority,
-    /// Lower tasks first, each higher one corrects in its own row space alone.
+    /// Singularity-robust task priority: lower tasks are projected into the null space of higher tasks.
     SingularityRobust,
-    /// Tasks added from the lowest to the highest.
+    /// Reverse priority: tasks are added from the lowest to the highest; default.
     #[default]
     ReversePriority,
-    /// The lexicographic hierarchy.
+    /// Reverse priority, strict for any number of tasks (the lexicographic hierarchy).
     StrictReversePriority,
 }
 
@@ -91,15 +92,15 @@ impl Method {
     ];
 }
 
-/// How the problem is solved.
+/// The solver of the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Solver {
-    /// Pseudo-inverses, limits ignored.
+    /// Pseudo-inverses. Do not use it on a real arm. It ignores limits.
     ClosedForm,
-    /// Clarabel at every level.
+    /// The quadratic-program solver Clarabel at every level.
     Qp,
-    /// The answer of `qp` by the shortest certified way.
+    /// The same answer as `qp`, by the fastest certified path; default.
     #[default]
     Auto,
 }
@@ -109,32 +110,31 @@ impl Solver {
     pub const ALL: [Self; 3] = [Self::ClosedForm, Self::Qp, Self::Auto];
 }
 
-/// Which way led to an answer.
+/// The solver path that found an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Pseudo-inverses.
     ClosedForm,
-    /// Active sets that start from the last one, until one is confirmed.
+    /// Active sets, starting from the last one, until one is certified.
     ActiveSet,
-    /// Clarabel, polished.
+    /// Clarabel, refined to full accuracy.
     Qp,
 }
 
-/// How sure an answer is.
+/// The status of an answer: whether it is certified optimal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The optimality conditions hold; those of a problem without limits if the solver is `closed_form`, which may break
-    /// them: see `violated_limits`.
+    /// The optimality conditions hold. With `closed_form` they are those without limits: see `violated_limits`.
     Optimal,
-    /// The command is inside the limits, but may not be the best one.
+    /// The command is inside the limits, but may not be optimal.
     NotCertified,
-    /// Nothing was found; the command is the slowest one inside the limits.
+    /// No answer was found. The command is the slowest one inside the limits.
     Failed,
 }
 
-/// A bound of a joint.
+/// The side of a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum Side {
@@ -144,73 +144,95 @@ pub enum Side {
     Upper,
 }
 
-/// How a joint moves.
+/// The kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
-    /// Rotation, rad.
+    /// Rotation, position in rad.
     Revolute,
-    /// Translation, m.
+    /// Translation, position in m.
     Prismatic,
 }
 
-/// Whose wrench a state carries.
+/// The sign convention of a wrench: who exerts it on whom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum WrenchConvention {
-    /// What the tool exerts on the environment.
+    /// The wrench of the tool on the environment; default. Pressing on a wall at +x gives a positive x force.
     #[default]
     OnEnvironment,
-    /// What the environment exerts on the tool.
+    /// The wrench of the environment on the tool, as most wrist sensors measure it.
     OnTool,
 }
 
-/// Along which axes a state carries its wrench.
+/// The axes of the wrench in a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum WrenchFrame {
-    /// The axes of the base.
+    /// The axes of the base; default.
     #[default]
     Base,
-    /// The axes of the tool, as a wrist sensor gives it.
+    /// The axes of the tool, as of a wrist sensor.
     Tool,
 }
 
-/// Damping that sets in near a singularity.
+/// Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
-    /// δ > 0, the smallest singular value below which damping acts.
+    /// Threshold δ > 0: damping acts if the smallest singular value is below it.
     pub threshold: f64,
-    /// λ_max ≥ 0, the factor at a singular value of zero.
+    /// Maximum damping factor λ_max ≥ 0, reached at a singular value of zero.
     pub max_factor: f64,
 }
 
-/// Which of the robot's limits count.
+impl Damping {
+    /// The default of a controller.
+    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1 };
+}
+
+/// The limits of the robot that apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
 pub enum LimitKind {
-    /// None.
+    /// No limits.
     None,
-    /// Speed.
+    /// Speed limits.
     Velocity,
-    /// Speed and remaining way.
+    /// Speed and position limits.
     PositionVelocity,
-    /// Speed, acceleration and braking distance.
+    /// Speed, position and acceleration limits: the joint can always stop before its position limit.
     PositionVelocityAcceleration,
 }
 
-/// The robot's own limits by name, or a box of joint velocities.
+impl LimitKind {
+    /// Returns whether the speed limits apply.
+    pub fn includes_velocity(self) -> bool {
+        self != Self::None
+    }
+
+    /// Returns whether the position limits apply.
+    pub fn includes_position(self) -> bool {
+        matches!(self, Self::PositionVelocity | Self::PositionVelocityAcceleration)
+    }
+
+    /// Returns whether the acceleration limits apply.
+    pub fn includes_acceleration(self) -> bool {
+        self == Self::PositionVelocityAcceleration
+    }
+}
+
+/// The limits of the joint velocities: limits of the robot by name, or bounds of the velocities.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Limits {
-    /// The robot's own.
+    /// Limits of the robot.
     Robot(LimitKind),
-    /// lower ≤ q̇ ≤ upper, rad/s or m/s.
+    /// Bounds lower ≤ q̇ ≤ upper.
     Box {
-        /// Lower bounds, n.
+        /// Lower bounds, one per joint, rad/s or m/s.
         lower: Vec<f64>,
-        /// Upper bounds, n.
+        /// Upper bounds, one per joint, rad/s or m/s.
         upper: Vec<f64>,
     },
 }

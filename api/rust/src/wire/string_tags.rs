@@ -1,21 +1,21 @@
-//! Words and nothing else.
+//! Reads objects whose tag must be a string.
 //!
-//! Where serde has set an object aside to look for its tag, it also takes the number of a variant for its name. A number
-//! that happens to mean a kind of law today would mean another one tomorrow.
+//! For an internally tagged enum, serde also accepts the index of a variant as its tag. The index is not part of the
+//! interface and changes when a variant is added, so it is refused here.
 
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, Visitor};
 
-/// Reads what is written as an object whose tag, if it has one, is a word.
+/// Reads a value from an object whose tag, if it has one, is a string.
 pub fn from_map<'de, A: MapAccess<'de>, T: Deserialize<'de>>(map: A) -> Result<T, A::Error> {
-    T::deserialize(MapAccessDeserializer::new(Words(map)))
+    T::deserialize(MapAccessDeserializer::new(StringTags(map)))
 }
 
-/// An object, or one of its values.
-struct Words<T>(T);
+/// Wraps an object, a value of it, or a deserializer, so that identifiers are read as strings only.
+struct StringTags<T>(T);
 
-impl<'de, A: MapAccess<'de>> MapAccess<'de> for Words<A> {
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for StringTags<A> {
     type Error = A::Error;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
@@ -23,7 +23,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Words<A> {
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
-        self.0.next_value_seed(Words(seed))
+        self.0.next_value_seed(StringTags(seed))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -31,15 +31,15 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Words<A> {
     }
 }
 
-impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Words<S> {
+impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for StringTags<S> {
     type Value = S::Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<S::Value, D::Error> {
-        self.0.deserialize(Words(deserializer))
+        self.0.deserialize(StringTags(deserializer))
     }
 }
 
-macro_rules! as_before {
+macro_rules! forward {
     ($($method:ident($($argument:ident: $kind:ty),*))+) => {$(
         fn $method<V: Visitor<'de>>(self, $($argument: $kind,)* visitor: V) -> Result<V::Value, D::Error> {
             self.0.$method($($argument,)* visitor)
@@ -47,14 +47,14 @@ macro_rules! as_before {
     )+};
 }
 
-impl<'de, D: Deserializer<'de>> Deserializer<'de> for Words<D> {
+impl<'de, D: Deserializer<'de>> Deserializer<'de> for StringTags<D> {
     type Error = D::Error;
 
     fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
         self.0.deserialize_str(visitor)
     }
 
-    as_before! {
+    forward! {
         deserialize_any() deserialize_bool()
         deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64()
         deserialize_u8() deserialize_u16() deserialize_u32() deserialize_u64()
@@ -78,7 +78,7 @@ mod tests {
     use crate::wire::{Law, Object, Profile};
 
     #[test]
-    fn the_number_of_a_kind_is_not_its_name() {
+    fn the_index_of_a_kind_is_refused() {
         let law = |kind: &str| {
             let text = r#"{"kind": "velocity", "target_velocity": {"kind": KIND, "value": 1}}"#.replace("KIND", kind);
             serde_json::from_str::<Object<Law>>(&text)

@@ -1,0 +1,165 @@
+//! Laws of interaction with the environment: force, impedance and hybrid.
+//!
+//! Each gives an acceleration from the measured wrench. [`Law`](super::Law) integrates it to the velocity of the task.
+
+use super::{Gains, Profile, TargetForce, TaskState};
+use crate::linalg::TaskVector;
+
+/// The force law M_d Ẍ + B_d Ẋ − F_d = −F_e: the tool pushes until the contact force F_e equals F_d.
+///
+/// Paper: Eqs. (35), (38)-(42).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceLaw {
+    gains: Gains,
+    target_force: Profile,
+}
+
+impl ForceLaw {
+    /// Builds a law with F_d = `target_force`, N and N·m; `None` unless it has as many rows as the gains.
+    pub fn new(gains: Gains, target_force: Profile) -> Option<Self> {
+        (gains.rows() == target_force.rows()).then_some(Self { gains, target_force })
+    }
+
+    /// Returns m, the number of rows.
+    pub fn rows(&self) -> usize {
+        self.gains.rows()
+    }
+
+    /// Returns F_d at time t, N and N·m.
+    pub fn target_force(&self, time_s: f64) -> TaskVector {
+        TaskVector::from_slice(&self.target_force.at(time_s).value)
+    }
+
+    /// Returns Ẍ = M_d⁻¹ (F_d − F_e − B_d Ẋ), m/s² and rad/s².
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (target, damping) = (self.target_force(state.time_s), self.gains.damping());
+        self.gains.accelerate(|row| target[row] - state.force[row] - damping[row] * state.velocity[row])
+    }
+}
+
+/// The impedance law M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e: the tool yields like mass, damper and spring about a target X_d,
+/// which may move.
+///
+/// Paper: Eqs. (43)-(46). Departs: (47) prints the bracket without J_1 J_2⁺; the resolution supplies it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpedanceLaw {
+    gains: Gains,
+}
+
+impl ImpedanceLaw {
+    /// Builds a law with these gains.
+    pub fn new(gains: Gains) -> Self {
+        Self { gains }
+    }
+
+    /// Returns m, the number of rows.
+    pub fn rows(&self) -> usize {
+        self.gains.rows()
+    }
+
+    /// Returns Ẍ = Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e), m/s² and rad/s².
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (damping, stiffness) = (self.gains.damping(), self.gains.stiffness());
+        let relative_velocity = state.relative_velocity();
+        let resistance = self.gains.accelerate(|row| {
+            damping[row] * relative_velocity[row] + stiffness[row] * state.displacement[row] + state.force[row]
+        });
+        &state.target_acceleration - &resistance
+    }
+}
+
+/// The hybrid law M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e: some axes follow a force, the others a pose.
+///
+/// S is diagonal, 1 on position-controlled axes and 0 on force-controlled axes. The target X_d may move.
+///
+/// Paper: Eqs. (48)-(51). Departs: (53) prints the wrong index; the resolution uses each task's own velocity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HybridLaw {
+    gains: Gains,
+    target_force: Profile,
+    position_controlled: Vec<bool>,
+}
+
+impl HybridLaw {
+    /// Builds a law with S = `position_controlled` (true: the axis follows the pose) and F_d = `target_force` (N, N·m).
+    ///
+    /// Returns `None` unless both have as many rows as the gains.
+    pub fn new(gains: Gains, target_force: Profile, position_controlled: Vec<bool>) -> Option<Self> {
+        let rows = gains.rows();
+        (target_force.rows() == rows && position_controlled.len() == rows).then_some(Self {
+            gains,
+            target_force,
+            position_controlled,
+        })
+    }
+
+    /// Returns m, the number of rows.
+    pub fn rows(&self) -> usize {
+        self.gains.rows()
+    }
+
+    /// Returns F_d at time t, N and N·m; `None` on position-controlled axes.
+    pub fn target_force(&self, time_s: f64) -> TargetForce {
+        let force = self.target_force.at(time_s).value;
+        force.iter().zip(&self.position_controlled).map(|(&f, &position)| (!position).then_some(f)).collect()
+    }
+
+    /// Returns Ẍ = Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX), m/s² and rad/s².
+    pub fn acceleration(&self, state: &TaskState) -> TaskVector {
+        let (target, damping) = (self.target_force.at(state.time_s).value, self.gains.damping());
+        let relative_velocity = state.relative_velocity();
+        let pull = |row: usize| {
+            if self.position_controlled[row] {
+                -self.gains.stiffness()[row] * state.displacement[row]
+            } else {
+                target[row]
+            }
+        };
+        let relative =
+            self.gains.accelerate(|row| pull(row) - state.force[row] - damping[row] * relative_velocity[row]);
+        &state.target_acceleration + &relative
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gains() -> Gains {
+        Gains::new(2, &[15.0, 80.0], &[150.0, 280.0], &[1000.0, 100.0]).unwrap()
+    }
+
+    fn state() -> TaskState {
+        TaskState {
+            time_s: 0.3,
+            velocity: TaskVector::from_slice(&[0.1, -0.2]),
+            displacement: TaskVector::from_slice(&[0.01, 0.05]),
+            target_velocity: TaskVector::from_slice(&[0.0, 0.3]),
+            target_acceleration: TaskVector::from_slice(&[0.0, -0.7]),
+            force: TaskVector::from_slice(&[4.0, -3.0]),
+        }
+    }
+
+    fn target() -> Profile {
+        Profile::constant(vec![30.0, 2.0]).unwrap()
+    }
+
+    #[test]
+    fn hybrid_is_the_force_law_on_force_axes_and_the_impedance_law_on_position_axes() {
+        let hybrid = |s: [bool; 2]| HybridLaw::new(gains(), target(), s.to_vec()).unwrap().acceleration(&state());
+        let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
+        // The force law has no target pose. On the first axis the target rests, so there both laws must agree.
+        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
+        assert_eq!(hybrid([false, false])[0], force[0]);
+        assert!((&hybrid([true, true]) - &impedance).amax() < 1e-15);
+        assert!((&hybrid([false, true]) - &TaskVector::from_slice(&[force[0], impedance[1]])).amax() < 1e-15);
+    }
+
+    #[test]
+    fn the_laws_are_the_printed_equations() {
+        let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
+        assert!((force[0] - (30.0 - 4.0 - 150.0 * 0.1) / 15.0).abs() < 1e-15);
+        let impedance = ImpedanceLaw::new(gains()).acceleration(&state());
+        assert!((impedance[1] - (-0.7 + (280.0 * (0.2 + 0.3) - 100.0 * 0.05 + 3.0) / 80.0)).abs() < 1e-15);
+    }
+}
