@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use revprio_api::wire::{Method, Solver};
-use revprio_lab::report::experiment::{Experiment, Run};
+use revprio_lab::report::experiment::Experiment;
+use revprio_lab::report::run::Run;
 use revprio_lab::report::table::{Row, side_by_side};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};

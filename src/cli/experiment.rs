@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use revprio_api::wire::Problem;
 use revprio_api::{ClientError, Service};
-use revprio_lab::report::experiment::{Experiment, Program, Run, store};
+use revprio_lab::report::experiment::{Experiment, store};
+use revprio_lab::report::run::{Program, Run};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
