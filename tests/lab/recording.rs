@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
 use revprio_api::wire;
-use revprio_lab::simulator::recording::{AtLimit, Extent, Format, Recording, Sensed, read};
+use revprio_lab::simulator::recording::{AtLimit, Format, Recording, Sensed, TableLayout, read};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 /// A directory that is removed in the end.
@@ -171,7 +171,7 @@ fn what_is_no_recording_is_refused_by_name() {
 fn the_documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all = Extent { joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all = TableLayout { joints: &joints, tasks: 1, sensed: true, timed: true };
     let missing: Vec<String> = all
         .columns()
         .iter()
