@@ -93,7 +93,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     for joint in &answer.limit_conflict {
         let _ = writeln!(
             text,
-            "\n{joint}: the acceleration limit conflicts with the position or velocity limit and was exceeded"
+            "\n{joint}: the acceleration limit conflicts with the position or velocity limit, which takes precedence"
         );
     }
     let solver = &answer.solver;

@@ -140,7 +140,7 @@ fn scenario_file(section: &Section) -> Markup {
 fn side_by_side_table(rows: &[Row]) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Side by side" {
-            table.beside {
+            table.side-by-side {
                 thead { tr {
                     th.name scope="col" { "side by side" }
                     td {}

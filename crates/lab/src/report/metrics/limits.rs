@@ -97,7 +97,7 @@ impl Bounds {
     }
 }
 
-/// Each kind counts what the one before does, and more.
+/// Returns a rank; each kind includes the limits of the kinds with a lower rank.
 const fn kind_rank(kind: LimitKind) -> u8 {
     match kind {
         LimitKind::None => 0,
