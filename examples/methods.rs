@@ -1,18 +1,18 @@
-//! Two tasks whose directions come closer and closer while they ask for opposite velocities: what each method makes of it.
+//! Compares the methods for two tasks with opposite velocities along directions that converge.
 //!
-//! `cargo run --example methods` prints the numbers of `docs/methods.md` and draws its picture, `docs/methods.svg`.
+//! `cargo run --example methods` prints the numbers of `docs/methods.md` and draws `docs/methods.svg`.
 
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Resolution, Solver, resolve};
 use revprio_core::task::{Task, TaskStack};
 use revprio_lab::report::figure::{Colour, Curve, Figure, Panel, Stroke};
 
-/// Undamped speeds grow like 1/ε; the picture ends here, rad/s.
-const CUT: f64 = 60.0;
+/// Largest speed in the figure, rad/s. Undamped speeds grow like 1/ε.
+const MAX_SPEED: f64 = 60.0;
 
 type Error = Box<dyn std::error::Error>;
 
-/// A method with its damping, its name in the legend and how its curve is drawn.
+/// A method with its damping, and the style of its curve.
 struct Variant {
     method: Method,
     damping: Option<Damping>,
@@ -54,7 +54,7 @@ fn solve(tasks: Vec<Task>, method: Method, damping: Option<Damping>) -> Result<R
     Ok(resolve(&problem, &[])?)
 }
 
-/// Task 1 moves along a with 1, task 2 along a direction `degrees` away with −1.
+/// Resolves two tasks: velocity 1 along a direction, and −1 along a direction at an angle of `degrees` to it.
 fn opposed(variant: &Variant, degrees: f64) -> Result<Resolution, Error> {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     solve(vec![row(&[1.0, 0.0, 0.0], 1.0), row(&[cosine, sine, 0.0], -1.0)], variant.method, variant.damping)
@@ -64,10 +64,10 @@ fn panel(heading: &str, y_label: &str, value: impl Fn(&Resolution) -> f64) -> Re
     let mut curves = Vec::new();
     for variant in &VARIANTS {
         let mut points = Vec::new();
-        // Beside zero, where the tasks contradict each other exactly and the exact methods drop the second one.
+        // The angles exclude zero, where the tasks contradict each other exactly and exact methods drop the second one.
         for i in -400..400 {
             let degrees = 0.025 * (f64::from(i) + 0.5);
-            points.push((degrees, value(&opposed(variant, degrees)?).min(CUT)));
+            points.push((degrees, value(&opposed(variant, degrees)?).min(MAX_SPEED)));
         }
         curves.push(Curve { label: variant.label.to_owned(), colour: variant.colour, stroke: variant.stroke, points });
     }
@@ -88,8 +88,8 @@ fn picture() -> Result<String, Error> {
         caption: String::new(),
         panels: vec![
             panel("(a) Joint speed", "‖q̇‖ (rad/s), cut off at 60", |answer| answer.joint_velocity.norm())?,
-            panel("(b) What task 1 lacks", "residual (rad/s)", |answer| answer.tasks[0].residual_norm)?,
-            panel("(c) What task 2 lacks", "residual (rad/s)", |answer| answer.tasks[1].residual_norm)?,
+            panel("(b) Residual of task 1", "residual (rad/s)", |answer| answer.tasks[0].residual_norm)?,
+            panel("(c) Residual of task 2", "residual (rad/s)", |answer| answer.tasks[1].residual_norm)?,
         ],
     };
     Ok(revprio_lab::report::svg(&figure)?)
@@ -102,7 +102,7 @@ fn numbers() -> Result<(), Error> {
         let [one, two] = [0, 1].map(|k| answer.tasks[k].residual_norm);
         println!("{:<24}{:>7.3}{one:>11.2e}{two:>11.2e}", variant.label, answer.joint_velocity.norm());
     }
-    println!("\nJ_1 = b + c, J_2 = b, J_3 = c, asked (1, 0, 0)     residuals");
+    println!("\nJ_1 = b + c, J_2 = b, J_3 = c, ẋ = (1, 0, 0)       residuals");
     for method in [Method::ReversePriority, Method::StrictReversePriority, Method::TaskPriority] {
         let tasks = vec![row(&[1.0, 1.0], 1.0), row(&[1.0, 0.0], 0.0), row(&[0.0, 1.0], 0.0)];
         let answer = solve(tasks, method, None)?;

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use revprio_api::wire::{Method, Solver};
-use revprio_lab::report::experiment::{Experiment, Run};
+use revprio_lab::report::experiment::Experiment;
+use revprio_lab::report::run::Run;
 use revprio_lab::report::table::{Row, side_by_side};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};
 
-use super::experiment::{ExperimentRunner, make_directory, program, report as report_beside, store};
+use super::experiment::{ExperimentRunner, make_directory, program, report as report_with_traces, store};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
@@ -26,19 +27,19 @@ pub struct Options {
     /// Solvers to compare, separated by commas
     #[arg(long, value_parser = one_of(&Solver::ALL), value_delimiter = ',', default_values_t = [Solver::Auto])]
     solvers: Vec<Solver>,
-    /// What is printed
+    /// Format of the printed result
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
-    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
     #[arg(long)]
     server: Option<String>,
-    /// An arm of your own instead of the scenarios'
+    /// Your own robot instead of the robots of the scenarios
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
-    /// Directory for what is written
+    /// Output directory
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
-    /// What is written there, separated by commas
+    /// Kinds of files to write, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Kind::ALL)]
     write: Vec<Kind>,
     #[command(flatten)]
@@ -47,18 +48,18 @@ pub struct Options {
 
 const DEFAULT_METHODS: [Method; 2] = [Method::DampedLeastSquares, Method::ReversePriority];
 
-/// How the comparison is printed.
+/// Format of the printed comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// A table per scenario, a column per run
+    /// A table per scenario, with one column per run
     Table,
-    /// The measures of every run
+    /// The metrics of every run
     Json,
-    /// The tables and remarks for a document, without times of this machine
+    /// Tables and remarks in Markdown, without times that depend on the machine
     Markdown,
 }
 
-/// What a comparison leaves behind.
+/// A kind of file that a comparison writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// The page, index.html
@@ -67,7 +68,7 @@ enum Kind {
     Svg,
     /// Figures as PNG
     Png,
-    /// Traces, and experiment.json for `revprio report`
+    /// Recordings, and experiment.json for `revprio report`
     Traces,
 }
 
@@ -95,7 +96,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         for variant in variants(&scenario, options) {
             match runner.run(&variant) {
                 Ok(run) => runs.push(run),
-                // One method that cannot bear the scenario is a result; the others are still worth seeing.
+                // A method that fails in this scenario is a result. The other methods are still compared.
                 Err(CliError::Run(error)) => failures.push(failure(&variant, &error.to_string())?),
                 Err(error) => return Err(error),
             }
@@ -108,7 +109,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mut report = experiment.report();
     if options.write.contains(&Kind::Traces) {
         store(&options.out, &experiment, &options.traces)?;
-        report = report_beside(&experiment, &options.traces);
+        report = report_with_traces(&experiment, &options.traces);
     }
     print(options.format, &report)?;
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
@@ -119,7 +120,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The scenario with every method and solver, each once.
+/// Returns the scenario with every method and solver, without duplicates.
 fn variants(scenario: &Scenario, options: &Options) -> Vec<Scenario> {
     let mut variants: Vec<Scenario> = Vec::new();
     for method in &options.methods {
@@ -136,7 +137,7 @@ fn variants(scenario: &Scenario, options: &Options) -> Vec<Scenario> {
 
 fn failure(variant: &Scenario, error: &str) -> Result<String, CliError> {
     let wire = &variant.controller;
-    let text = format!("{}, {}, {} did not get to its end: {error}", variant.name, wire.method, wire.solver);
+    let text = format!("{}, {}, {} did not finish: {error}", variant.name, wire.method, wire.solver);
     writeln!(stderr(), "warning: {text}")?;
     Ok(text + ".")
 }
@@ -154,10 +155,10 @@ fn experiment(options: &Options, scenarios: &[Scenario], runs: Vec<Run>, failure
     }
 }
 
-const QUESTION: &str = "The same arm, tasks and contacts, controlled by different methods or solvers: who keeps the first \
-     task, who keeps the limits, and what does it cost the others?";
+const QUESTION: &str = "This page compares different methods or solvers with the same robot, tasks and contacts: which of them \
+     keep the first task and the limits, and how large are the residuals of the other tasks?";
 
-/// The command that repeats the comparison.
+/// Returns the command that repeats the comparison.
 fn command(options: &Options) -> String {
     let list = |words: Vec<String>| words.join(",");
     let methods = list(options.methods.iter().map(ToString::to_string).collect());
@@ -166,7 +167,7 @@ fn command(options: &Options) -> String {
     format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}", options.scenarios.join(" "))
 }
 
-/// Prints all runs side by side.
+/// Prints the report.
 pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
     match format {
         Format::Table => write!(stdout(), "{}", side_by_side::text(&report.rows))?,
@@ -176,7 +177,7 @@ pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Measures that are not finite are `null`.
+/// Serializes the rows; values that are not finite are `null`.
 fn json(rows: &[Row]) -> String {
     serde_json::to_string_pretty(&serde_json::json!({ "runs": rows })).unwrap_or_default()
 }

@@ -4,16 +4,16 @@ use std::io::{Write as _, stdout};
 
 use clap::CommandFactory;
 
-use super::settings::{InForce, Options};
+use super::settings::{EffectiveSettings, Options};
 use super::{Cli, CliError};
 
-/// Prints the settings in force.
+/// Prints the effective settings.
 pub fn run(options: &Options) -> Result<(), CliError> {
-    let in_force = InForce::of(options, |name| std::env::var(name).ok())?;
-    Ok(write!(stdout(), "{in_force}")?)
+    let settings = EffectiveSettings::of(options, |name| std::env::var(name).ok())?;
+    Ok(write!(stdout(), "{settings}")?)
 }
 
-/// Prints what a shell needs to complete commands and flags.
+/// Prints a script with which a shell completes commands and options.
 pub fn completions(shell: clap_complete::Shell) -> Result<(), CliError> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "revprio", &mut script);

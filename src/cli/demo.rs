@@ -8,19 +8,19 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table;
 use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS};
 
-use super::experiment::{ExperimentRunner, leave, make_directory, program};
+use super::experiment::{ExperimentRunner, make_directory, program, write_results};
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Directory for traces, figures and page
+    /// Directory for recordings, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
     #[command(flatten)]
     traces: traces::Options,
 }
 
-/// What is compared in every scenario.
+/// Methods and solvers that are compared in every scenario.
 const VARIANTS: [(Method, Solver); 4] = [
     (Method::ReversePriority, Solver::ClosedForm),
     (Method::ReversePriority, Solver::Qp),
@@ -52,17 +52,17 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     for section in &report.sections {
         writeln!(stdout(), "\n{}: {}", section.name, section.notes.join(" "))?;
     }
-    let page = leave(&options.out, &experiment, &options.traces)?;
-    writeln!(stdout(), "\nfigures, traces and one page with all of it: {}", page.display())?;
+    let page = write_results(&options.out, &experiment, &options.traces)?;
+    writeln!(stdout(), "\nThe page with all figures and recordings: {}", page.display())?;
     Ok(())
 }
 
 const QUESTION: [&str; 3] = [
-    "Does reverse priority control a contact force better than the classical control, as Su et al. claim (Materials 2022, \
-     15, 6611), and where?",
+    "Su et al. (Materials 2022, 15, 6611) claim that reverse priority controls a contact force better than the classical \
+     control. This page shows in which situations this is the case.",
     "A simulated Sawyer pushes against springs and against a stiff wall. In every control period of 1 ms the simulator \
-     sends the measured state to the service over HTTP and moves with the joint velocities that it gets back.",
-    "Reverse priority, in closed form and as a cascade of quadratic programs with joint limits, stands beside the \
-     classical control, damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest \
-     factor 0.1.",
+     sends the measured state to the service over HTTP and moves with the joint velocities in the answer.",
+    "Reverse priority is computed in closed form and as a cascade of quadratic programs with joint limits. The classical \
+     control is damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor \
+     0.1.",
 ];

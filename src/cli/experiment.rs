@@ -1,4 +1,4 @@
-//! What the commands that run scenarios share: the runs, and the directory that they leave.
+//! Common parts of the commands that run scenarios: running them, and writing the output directory.
 
 use std::io::{Write as _, stderr};
 use std::ops::ControlFlow;
@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use revprio_api::wire::Problem;
 use revprio_api::{ClientError, Service};
-use revprio_lab::report::experiment::{Experiment, Program, Run, store};
+use revprio_lab::report::experiment::{Experiment, store};
+use revprio_lab::report::run::{Program, Run};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
@@ -18,7 +19,7 @@ use super::robot::{Registration, RobotArgument};
 use super::{CliError, Target, progress_bar, traces};
 use crate::service::{Robots, robot_answer};
 
-/// The service that runs call, and the arm that they move instead of the scenario's.
+/// The service that runs call, and the robot that replaces the robot of the scenario, if given.
 pub struct ExperimentRunner {
     target: Target,
     robot: Option<Arc<RobotModel>>,
@@ -27,7 +28,7 @@ pub struct ExperimentRunner {
 }
 
 impl ExperimentRunner {
-    /// With a robot of one's own, a service that knows it, at least for as long as this lives.
+    /// Opens a service. If a robot is given, the service knows it at least as long as this value exists.
     pub fn open(server: Option<&str>, robot: Option<&RobotArgument>, mode: CallMode) -> Result<Self, CliError> {
         let model = robot.map(RobotArgument::read).transpose()?;
         let (target, registration) = match (server, robot, &model) {
@@ -42,7 +43,7 @@ impl ExperimentRunner {
         Ok(Self { target, robot: model, _registration: registration, mode })
     }
 
-    /// A scenario by name or path, about the arm of this runner.
+    /// Returns a scenario by name or path, with the robot of this runner.
     pub fn scenario(&self, name_or_path: &str) -> Result<Scenario, CliError> {
         let mut scenario = Scenario::find(name_or_path)?;
         if let Some(robot) = &self.robot {
@@ -51,7 +52,7 @@ impl ExperimentRunner {
         Ok(scenario)
     }
 
-    /// Prints what the service warns of in this scenario; the controller that is made for it ends at once.
+    /// Prints the warnings of the service about this scenario. The session for this check is closed at once.
     pub fn warn(&self, scenario: &Scenario) -> Result<(), CliError> {
         let client = &self.target.client;
         let created = match client.create_controller(&scenario.controller_in_environment()) {
@@ -68,12 +69,12 @@ impl ExperimentRunner {
         Ok(())
     }
 
-    /// Runs a scenario and shows how far it is.
+    /// Runs a scenario and shows the progress.
     pub fn run(&self, scenario: &Scenario) -> Result<Run, CliError> {
         let label = format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver);
         let bar = progress_bar(scenario.cycles(), &label);
         if bar.is_hidden() {
-            // Nobody watches a bar, but a log may want to know.
+            // Without a terminal there is no bar, so the log gets a line.
             let _ = writeln!(stderr(), "running {label}");
         }
         let progress = |done| {
@@ -86,7 +87,7 @@ impl ExperimentRunner {
         };
         let recording = run_robot(&robot, scenario, &self.target.client, self.mode, progress)?;
         bar.finish();
-        tell_silence(&recording, &label)?;
+        print_missing_answers(&recording, &label)?;
         Ok(Run { scenario: scenario.clone(), robot: robot_answer(&robot), recording })
     }
 }
@@ -95,23 +96,23 @@ fn is_about_environment(problem: &Problem) -> bool {
     problem.pointer.as_ref().is_some_and(|pointer| pointer.starts_with("/environment"))
 }
 
-fn tell_silence(recording: &Recording, label: &str) -> Result<(), CliError> {
+fn print_missing_answers(recording: &Recording, label: &str) -> Result<(), CliError> {
     let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
     if unanswered > 0 {
         writeln!(
             stderr(),
-            "{label}: no answer in {unanswered} periods; the arm came to rest when the last one was too old"
+            "{label}: {unanswered} periods without an answer; the arm came to rest when the last answer was no longer valid"
         )?;
     }
     Ok(())
 }
 
-/// Makes the output directory, before the work that would be in vain without it.
+/// Creates the output directory. Call it before the runs, so that an error is found early.
 pub fn make_directory(out: &Path) -> Result<(), CliError> {
     std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })
 }
 
-/// Leaves the traces and what they are.
+/// Writes the recordings and their description.
 pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<(), CliError> {
     for run in &experiment.runs {
         traces.write(out, &run.recording)?;
@@ -119,34 +120,33 @@ pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> R
     Ok(store::write(out, experiment, |recording| traces.names(recording).collect())?)
 }
 
-/// The page, with the traces that lie beside it.
+/// Returns the report with the names of the recordings.
 pub fn report(experiment: &Experiment, traces: &traces::Options) -> Report {
     let names = experiment.runs.iter().flat_map(|run| traces.names(&run.recording)).collect();
     Report { traces: names, ..experiment.report() }
 }
 
-/// Leaves traces, figures and page; the path of the page.
-pub fn leave(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<PathBuf, CliError> {
+/// Writes recordings, figures and page. Returns the path of the page.
+pub fn write_results(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<PathBuf, CliError> {
     store(out, experiment, traces)?;
     report::write(out, &report(experiment, traces), &[Output::Page, Output::Svg, Output::Png])?;
     Ok(out.join("index.html"))
 }
 
-/// The version of this program; where it is run inside a checkout of its own sources, the commit too, as far as git is
-/// there to tell it.
+/// Returns the version of this program, and the commit if it runs inside a clone of its repository and git is installed.
 pub fn program() -> Program {
-    Program { version: env!("CARGO_PKG_VERSION").to_owned(), commit: checkout().and_then(|root| commit(&root)) }
+    Program { version: env!("CARGO_PKG_VERSION").to_owned(), commit: clone_root().and_then(|root| commit(&root)) }
 }
 
-/// The root of the checkout around the working directory.
-fn checkout() -> Option<PathBuf> {
+/// Returns the root of the clone that contains the working directory.
+fn clone_root() -> Option<PathBuf> {
     let here = std::env::current_dir().ok()?;
     let root = here.ancestors().find(|directory| directory.join(".git").exists())?;
     let manifest = std::fs::read_to_string(root.join("Cargo.toml")).ok()?;
     manifest.lines().any(|line| line == "name = \"revprio\"").then(|| root.to_owned())
 }
 
-/// As `1a2b3c4d5e6f`, with `-dirty` where files differ from it.
+/// Returns the commit, for example `1a2b3c4d5e6f`, with `-dirty` if files were changed.
 fn commit(root: &Path) -> Option<String> {
     let mut git = Command::new("git");
     git.arg("-C").arg(root).args(["describe", "--always", "--dirty", "--exclude=*", "--abbrev=12"]);

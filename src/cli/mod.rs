@@ -47,27 +47,27 @@ const EXAMPLES: &str = "Examples:
   revprio serve                                      serve on 127.0.0.1:8080
   revprio serve --listen 0.0.0.0:8443 --token-file token --tls-cert cert.pem --tls-key key.pem
   revprio config --config service.toml               print the settings in force and who set them
-  revprio simulate stiff_wall --solver qp            run one experiment against a service of its own
+  revprio simulate stiff_wall --solver qp            run one experiment with its own service
   revprio simulate stiff_wall --server http://127.0.0.1:8080
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
-  revprio simulate stiff_wall --traces csv,mcap      … and leave its trace as CSV and for Foxglove
+  revprio simulate stiff_wall --traces csv,mcap      also record it as CSV and for Foxglove
   revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
-  revprio report revprio-out                         make the page again from what a command left there
-  revprio serve --robot my_arm.urdf,tip=flange       serve an arm of your own
+  revprio report revprio-out                         write the page again from stored recordings
+  revprio serve --robot my_arm.urdf,tip=flange       serve your own robot
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
-  revprio bench --only core,http                     measure times beside those of others
+  revprio bench --only core,http                     measure speed next to other programs
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Reproduce the paper's experiments: scenarios, table, figures, traces, one HTML page.
+    /// Reproduce the experiments of the paper: table, figures, recordings and an HTML page.
     Demo(demo::Options),
     /// Serve HTTP/JSON.
     Serve(settings::Options),
-    /// Print the settings that `serve` would use, and where each comes from.
+    /// Print the settings that `serve` would use, and the source of each.
     Config(settings::Options),
-    /// Print the completions for a shell.
+    /// Print a completion script for a shell.
     Completions {
         /// The shell
         shell: clap_complete::Shell,
@@ -78,24 +78,24 @@ enum Command {
     Simulate(simulate::Options),
     /// Run scenarios with several methods and solvers and compare them side by side.
     Compare(compare::Options),
-    /// Send a recording's states to a service again and compare the answers.
+    /// Send the states of a recording to a service again and compare the answers.
     Replay(replay::Options),
-    /// Run one scenario with many values of some quantities, on all cores.
+    /// Run one scenario with many values of its parameters, on all cores.
     Sweep(sweep::Options),
-    /// Make the page again from what `simulate`, `demo` or `compare` left in a directory.
+    /// Write the page again from the output directory of `simulate`, `demo` or `compare`.
     Report(report::Options),
-    /// Tell how much lag, delay and how little damping one axis in contact bears.
+    /// Compute the stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
-    /// Measure speed, side by side with other programs (`cargo run --release -p revprio-bench -- --help`).
+    /// Measure speed next to other programs (`cargo run --release -p revprio-bench -- bench --help`).
     #[command(disable_help_flag = true)]
     Bench(tool::Arguments),
     /// Print the OpenAPI document of the HTTP interface.
     Openapi,
     /// Print the AsyncAPI document of the WebSocket stream.
     Asyncapi,
-    /// Load a server with 1, 2 and 10 times its capacity, and with slow clients.
+    /// Test a server under 1, 2 and 10 times its capacity, and with slow clients.
     #[command(hide = true, disable_help_flag = true)]
     Load(tool::Arguments),
 }
@@ -103,32 +103,33 @@ enum Command {
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// The service cannot run.
+    /// The service cannot start.
     #[error(transparent)]
     Serve(#[from] ServeError),
-    /// The settings are wrong.
+    /// The settings are not valid.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The benchmark program is not there.
+    /// The benchmark program cannot be run.
     #[error(transparent)]
     Tool(#[from] tool::ToolError),
-    /// A robot file is refused.
+    /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
-    /// A robot's name is refused.
-    #[error("--robot: {0} (`FILE,name=NAME`)")]
+    /// The name of a robot is not valid or already in use.
+    #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
     Robots(#[from] RobotsError),
     /// The server has another robot of that name.
-    #[error("{server} has another robot `{name}`; give this one another name: `FILE,name=NAME`")]
+    #[error("{server} has another robot `{name}`; choose another name: `FILE,name=NAME`")]
     OtherRobot {
         /// The service.
         server: String,
         /// The name.
         name: String,
     },
-    /// Only URDF can be sent to a server.
+    /// Only URDF robots can be registered at a server.
     #[error(
-        "a server can be sent robots in URDF only; start it with `revprio serve --robot {0}`, or leave out --server"
+        "only URDF robots can be registered at a running server; start it with `revprio serve --robot {0}`, or leave out \
+         --server"
     )]
     NotSent(String),
     /// The scenario cannot be read.
@@ -137,49 +138,49 @@ pub enum CliError {
     /// The run ended early.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The service gave no answer.
+    /// The service did not answer.
     #[error(transparent)]
     Client(#[from] ClientError),
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] revprio_lab::report::Error),
-    /// No run got to its end.
-    #[error("there is nothing to compare: {0}")]
+    /// No run finished.
+    #[error("no run finished, so there is nothing to compare: {0}")]
     NothingToCompare(String),
-    /// A trace cannot be written.
+    /// A recording cannot be written.
     #[error("cannot write {path}: {source}")]
     Trace {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// The error.
         source: WriteError,
     },
-    /// The file is no recording.
+    /// The file is not a recording.
     #[error("cannot read {path}: {source}")]
     ReadRecording {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         source: Box<ReadError>,
     },
-    /// The sweep cannot be made, or its files cannot be used.
+    /// The sweep cannot be run, or its files cannot be used.
     #[error("{0}")]
     Sweep(String),
     /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
-    /// The replayed answers are not the recorded ones.
+    /// The replayed answers differ from the recorded ones.
     #[error("{answers} answers differ from the recording")]
     Differs {
-        /// How many.
+        /// Number of answers.
         answers: usize,
     },
-    /// The output directory cannot be made.
-    #[error("cannot make {path}: {source}")]
+    /// The output directory cannot be created.
+    #[error("cannot create {path}: {source}")]
     Directory {
         /// The directory.
         path: PathBuf,
-        /// What went wrong.
+        /// The error.
         source: std::io::Error,
     },
     /// The problem file cannot be read.
@@ -187,15 +188,15 @@ pub enum CliError {
     ReadProblem {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// The error.
         source: std::io::Error,
     },
-    /// The problem file is no request.
+    /// The problem file is not a valid request.
     #[error("{path}: {source}")]
     ParseProblem {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         source: serde_json::Error,
     },
     /// Standard output is closed.
@@ -227,33 +228,33 @@ impl Cli {
     }
 }
 
-/// The service that a command calls: the given one, or one of its own for as long as this lives.
+/// The service that a command calls: a given one, or its own service that runs as long as this value exists.
 struct Target {
     client: Client,
     _own: Option<RunningServer>,
 }
 
 impl Target {
-    /// A given service is shown the token of the file that `REVPRIO_TOKEN_FILE` names, if it is set.
+    /// Opens a given service, with the token in the file `REVPRIO_TOKEN_FILE` if it is set, or starts an own service.
     fn open(url: Option<&str>) -> Result<Self, CliError> {
         if let Some(url) = url {
             let file = std::env::var_os("REVPRIO_TOKEN_FILE").filter(|file| !file.is_empty());
             let token = file.map(|file| Token::read(Path::new(&file))).transpose().map_err(SettingsError::from)?;
             let client = Client::new(url);
-            let shown = token.and_then(|token| client.clone().with_token(token.secret()));
-            return Ok(Self { client: shown.unwrap_or(client), _own: None });
+            let with_token = token.and_then(|token| client.clone().with_token(token.secret()));
+            return Ok(Self { client: with_token.unwrap_or(client), _own: None });
         }
         Ok(Self::own(Robots::built_in())?)
     }
 
-    /// A service of its own that knows these robots.
+    /// Starts an own service with these robots.
     fn own(robots: Robots) -> Result<Self, ServeError> {
         let own = RunningServer::start(router(AppState::new(robots)))?;
         Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
     }
 }
 
-/// A bar of so many control periods, hidden where nobody watches.
+/// Returns a progress bar; it is hidden without a terminal.
 fn progress_bar(periods: u64, label: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix:<60} {bar:30} {pos:>6}/{len} {per_sec:>14}, {eta} left");
     let bar = ProgressBar::new(periods).with_prefix(label.to_owned());

@@ -16,16 +16,16 @@ use crate::service::Robots;
 pub struct Options {
     /// A recording: .csv, .jsonl, .parquet or .mcap
     file: PathBuf,
-    /// Service to ask, such as http://127.0.0.1:8080; one of its own if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
     #[arg(long, conflicts_with = "robot")]
     server: Option<String>,
-    /// The arm of the recording, if it is one of your own
+    /// Robot of the recording, if it is your own
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
-    /// Largest difference of a number that counts as none
+    /// Tolerance for differences of numbers
     #[arg(long, default_value_t = 0.0)]
     tolerance: f64,
-    /// Let the controller's memory travel with every request instead of keeping a session
+    /// Send the controller's memory with every request instead of using a session
     #[arg(long)]
     stateless: bool,
 }
@@ -51,7 +51,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 fn print(result: &Replay) -> Result<(), CliError> {
     let Replay { periods, compared, differing, first, worst } = result;
     writeln!(stdout(), "{periods} states sent, {compared} answers compared, {differing} differ")?;
-    let tell = |what: &str, difference: &Option<Difference>| match difference {
+    let print_difference = |what: &str, difference: &Option<Difference>| match difference {
         None => Ok(()),
         Some(Difference { period, time_s, column, recorded, answered }) => writeln!(
             stdout(),
@@ -60,8 +60,8 @@ fn print(result: &Replay) -> Result<(), CliError> {
             shown(answered)
         ),
     };
-    tell("first difference", first)?;
-    tell("worst difference", worst)?;
+    print_difference("first difference", first)?;
+    print_difference("worst difference", worst)?;
     Ok(())
 }
 

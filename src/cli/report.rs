@@ -11,9 +11,9 @@ use super::compare::{Format, print};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Directory that `simulate`, `demo` or `compare` left; page and figures are written there
+    /// Output directory of `simulate`, `demo` or `compare`; page and figures are written there
     directory: PathBuf,
-    /// What is printed
+    /// Format of the printed result
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 }

@@ -13,7 +13,7 @@ use super::{CliError, Target};
 pub struct Options {
     /// Problem in JSON, as for POST /v1/resolve; `-` reads standard input
     file: PathBuf,
-    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
     #[arg(long)]
     server: Option<String>,
     /// Print the answer as JSON
@@ -43,7 +43,7 @@ fn read(path: &Path) -> Result<ResolveRequest, CliError> {
     serde_json::from_str(&text).map_err(|source| CliError::ParseProblem { path: path.to_owned(), source })
 }
 
-/// Names of the joints in the order of the answer; their numbers where the problem names no robot.
+/// Returns the joint names in the order of the answer, or numbers if the problem names no robot.
 fn joint_names(client: &Client, request: &ResolveRequest, joints: usize) -> Result<Vec<String>, CliError> {
     let Some(name) = &request.robot else { return Ok((1..=joints).map(|joint| format!("j{joint}")).collect()) };
     let robots = client.robots()?.robots;
@@ -51,14 +51,14 @@ fn joint_names(client: &Client, request: &ResolveRequest, joints: usize) -> Resu
     Ok(robot.map(|robot| robot.joints.into_iter().map(|joint| joint.name).collect()).unwrap_or_default())
 }
 
-/// What became of a task, in words.
+/// Returns remarks on a task.
 fn remarks(task: &TaskOutcome) -> String {
     let dependent = if task.algorithmic { ", depends on lower tasks" } else { "" };
     let scale = task.scale.map(|scale| format!(", scaled by {scale:.6}")).unwrap_or_default();
     format!("{dependent}, residual {:.3e}{scale}", task.residual_norm)
 }
 
-/// The answer for people.
+/// Formats the answer as text.
 fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let mut text = String::new();
     let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<Vec<_>>().concat();
@@ -71,7 +71,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "  achieved      {}", numbers(&task.achieved));
     }
     if !(answer.active_limits.is_empty() && answer.active_inequalities.is_empty()) {
-        let _ = writeln!(text, "\nlimits that hold it back");
+        let _ = writeln!(text, "\nactive limits");
     }
     for limit in &answer.active_limits {
         let _ =
@@ -82,7 +82,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
             writeln!(text, "  `{}` {:.6}, multiplier {:.3e}", inequality.name, inequality.bound, inequality.multiplier);
     }
     if !(answer.violated_limits.is_empty() && answer.violated_inequalities.is_empty()) {
-        let _ = writeln!(text, "\nlimits that it breaks");
+        let _ = writeln!(text, "\nexceeded limits");
     }
     for limit in &answer.violated_limits {
         let _ = writeln!(text, "  {} {} {:.6}: {:.6}", limit.joint, limit.side, limit.limit, limit.value);
@@ -91,7 +91,10 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "  `{}` {:.6}: {:.6}", inequality.name, inequality.bound, inequality.value);
     }
     for joint in &answer.limit_conflict {
-        let _ = writeln!(text, "\n{joint}: its acceleration limit was overruled by position or velocity");
+        let _ = writeln!(
+            text,
+            "\n{joint}: the acceleration limit conflicts with the position or velocity limit, which takes precedence"
+        );
     }
     let solver = &answer.solver;
     let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));

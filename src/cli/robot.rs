@@ -1,4 +1,4 @@
-//! Robots of one's own: the value of `--robot`.
+//! The value of `--robot`: a robot file with options.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::CliError;
 use crate::service::robot_answer;
 
-/// A file with a robot, and what the file leaves open.
+/// A robot file with options.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct RobotArgument {
@@ -26,8 +26,8 @@ pub struct RobotArgument {
 impl RobotArgument {
     pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK]";
 
-    pub const HELP: &str = "An arm of your own, in URDF (.urdf) or by Denavit-Hartenberg rows (.toml, .json); in URDF, `tip` is \
-         the link of the tool frame and `base` the link of the base frame, where the file leaves a choice";
+    pub const HELP: &str = "Your own robot, as URDF (.urdf) or Denavit-Hartenberg rows (.toml, .json). For URDF, `tip` is the link \
+         of the tool frame and `base` the link of the base frame, if the file has several candidates";
 
     pub fn read(&self) -> Result<Arc<RobotModel>, RobotFileError> {
         let options = UrdfOptions {
@@ -39,7 +39,7 @@ impl RobotArgument {
         from_file(&self.path, &options).map(Arc::new)
     }
 
-    /// Makes a server know the robot; `None` if it did before.
+    /// Registers the robot at a server; `None` if the server already has it.
     pub fn register(
         &self,
         robot: &RobotModel,
@@ -72,7 +72,7 @@ impl FromStr for RobotArgument {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut parts = text.split(',');
-        let path = parts.next().filter(|path| !path.is_empty()).ok_or("give a file first")?;
+        let path = parts.next().filter(|path| !path.is_empty()).ok_or("give a file")?;
         let mut argument = Self { path: path.into(), name: None, base: None, tip: None };
         for part in parts {
             let slot = match part.split_once('=') {
@@ -114,7 +114,7 @@ impl fmt::Display for RobotArgument {
     }
 }
 
-/// A robot that a server knows until this is dropped.
+/// A robot that is registered at a server until this value is dropped.
 pub struct Registration {
     client: Client,
     name: String,
@@ -128,7 +128,7 @@ impl Registration {
 }
 
 impl Drop for Registration {
-    /// If that fails, the server forgets the robot by itself.
+    /// If this fails, the server removes the unused robot itself.
     fn drop(&mut self) {
         let _ = self.client.delete_robot(&self.name);
     }
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_robot_is_a_file_with_options_in_any_order() {
+    fn options_are_accepted_in_any_order() {
         let text = "arms/my.urdf,tip=hand,name=mine";
         let robot: RobotArgument = text.parse().unwrap();
         assert_eq!((robot.path.to_str(), robot.name.as_deref()), (Some("arms/my.urdf"), Some("mine")));

@@ -6,11 +6,11 @@ use std::io::{self, IsTerminal, Write as _, stdout};
 use tracing_subscriber::EnvFilter;
 
 use super::CliError;
-use super::settings::{InForce, LogFormat, Options, SettingsError};
+use super::settings::{EffectiveSettings, LogFormat, Options, SettingsError};
 use crate::service::{AppState, Robots, bind, router, serve};
 
 pub fn run(options: &Options) -> Result<(), CliError> {
-    let settings = InForce::of(options, |name| std::env::var(name).ok())?;
+    let settings = EffectiveSettings::of(options, |name| std::env::var(name).ok())?;
     start_log(&settings)?;
     let config = settings.service()?;
     config.check(settings.listen())?;
@@ -22,13 +22,14 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let service = router(AppState::with_config(robots, config));
     let listener = bind(settings.listen())?;
     let url = format!("{scheme}://{}", listener.local_addr()?);
-    Ok(serve(listener, service, announced_until_stopped(url))?)
+    Ok(serve(listener, service, announce_and_wait(url))?)
 }
 
-/// Log lines go to standard error, panics among them.
-fn start_log(settings: &InForce) -> Result<(), SettingsError> {
+/// Starts the log on standard error, which includes panics.
+fn start_log(settings: &EffectiveSettings) -> Result<(), SettingsError> {
     let filter = settings.log_level().parse::<EnvFilter>();
-    let filter = filter.map_err(|_| settings.refused("log_level", "is no level, such as `info` or `revprio=debug`"))?;
+    let filter = filter
+        .map_err(|_| settings.refused("log_level", "is not a log level; use for example `info` or `revprio=debug`"))?;
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
     match settings.log_format() {
         LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
@@ -38,10 +39,10 @@ fn start_log(settings: &InForce) -> Result<(), SettingsError> {
     Ok(())
 }
 
-/// Says where the service listens, then waits for the signal that ends it.
+/// Prints the address of the service, then waits for the signal that ends it.
 ///
-/// In this order: whoever reads the address and ends the service at once must not kill it instead.
-async fn announced_until_stopped(url: String) {
+/// The signal handler is installed first, so that a signal right after the address was printed ends the service orderly.
+async fn announce_and_wait(url: String) {
     let stop = stop_signal();
     if let Err(error) = writeln!(stdout(), "listening on {url}") {
         tracing::warn!(%error, "cannot write the address to standard output");
@@ -49,13 +50,13 @@ async fn announced_until_stopped(url: String) {
     match stop {
         Ok(stop) => stop.await,
         Err(error) => {
-            tracing::warn!(%error, "cannot listen for signals; the service ends when it is killed");
+            tracing::warn!(%error, "cannot listen for signals; kill the process to end the service");
             std::future::pending::<()>().await;
         }
     }
 }
 
-/// Ready on Ctrl-C or SIGTERM, which are listened for from the call on.
+/// Installs the handlers for Ctrl-C and SIGTERM. The future is ready on either signal.
 #[cfg(unix)]
 fn stop_signal() -> io::Result<impl Future<Output = ()>> {
     use tokio::signal::unix::{SignalKind, signal};
@@ -68,7 +69,7 @@ fn stop_signal() -> io::Result<impl Future<Output = ()>> {
     })
 }
 
-/// Ready on Ctrl-C.
+/// Installs the handler for Ctrl-C. The future is ready on the signal.
 #[cfg(windows)]
 fn stop_signal() -> io::Result<impl Future<Output = ()>> {
     let mut interrupt = tokio::signal::windows::ctrl_c()?;

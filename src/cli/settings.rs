@@ -1,4 +1,4 @@
-//! What the service is told by flags, environment and file.
+//! Settings of the service from options, environment and file.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -12,97 +12,97 @@ use toml::{Table, Value};
 use super::robot::RobotArgument;
 use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError};
 
-/// Everything that can be set; the name of a field is its key in the file and, as `REVPRIO_…`, in the environment.
+/// All settings. The name of a field is its key in the file and, as `REVPRIO_…`, in the environment.
 #[derive(Debug, Clone, Default, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// Address and port to listen on; port 0 takes a free one [default: 127.0.0.1:8080]
+    /// Address and port to listen on; port 0 selects a free one [default: 127.0.0.1:8080]
     #[arg(long, value_name = "ADDRESS")]
     listen: Option<SocketAddr>,
-    /// An arm of your own beside the built-in ones; may be repeated
+    /// Your own robot, in addition to the built-in ones; may be repeated
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<Vec<RobotArgument>>,
-    /// File with the token that requests must show; needed on any address but a loopback one
+    /// File with the token that requests must contain; required on all addresses except loopback
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Certificate chain in PEM; HTTPS instead of HTTP
+    /// Certificate chain in PEM; enables HTTPS instead of HTTP
     #[arg(long, value_name = "FILE")]
     tls_cert: Option<PathBuf>,
-    /// Key of the certificate in PEM
+    /// Private key of the certificate in PEM
     #[arg(long, value_name = "FILE")]
     tls_key: Option<PathBuf>,
-    /// Origin of web pages that may call, such as https://panel.example; may be repeated
+    /// Origin of web pages that may call the service, for example https://panel.example; may be repeated
     #[arg(long, value_name = "ORIGIN", value_delimiter = ',')]
     allow_origin: Option<Vec<String>>,
-    /// How log lines on standard error look [default: text]
+    /// Format of log lines on standard error [default: text]
     #[arg(long, value_enum)]
     log_format: Option<LogFormat>,
-    /// What is logged: error, warn, info, debug (every request), or as in `info,revprio=debug` [default: info]
+    /// Log level: error, warn, info, debug (every request), or a filter like `info,revprio=debug` [default: info]
     #[arg(long, value_name = "LEVEL")]
     log_level: Option<String>,
-    /// Largest body, bytes [default: 1048576]
+    /// Largest request body, bytes [default: 1048576]
     #[arg(long, value_name = "COUNT")]
     max_body_bytes: Option<usize>,
-    /// Largest body of a batch, bytes [default: 16777216]
+    /// Largest request body of a batch, bytes [default: 16777216]
     #[arg(long, value_name = "COUNT")]
     max_batch_bytes: Option<usize>,
-    /// Bodies of more than 64 KiB that are read at a time; one of several MiB counts as so many [default: 64]
+    /// Largest number of concurrent bodies above 64 KiB; a body of N MiB counts N times [default: 64]
     #[arg(long, value_name = "COUNT")]
     max_large_bodies: Option<usize>,
-    /// Controllers open at a time [default: 1024]
+    /// Largest number of open sessions [default: 1024]
     #[arg(long, value_name = "COUNT")]
     max_sessions: Option<usize>,
-    /// A controller that gets no state for this long ends, and a registered robot that is not used, s [default: 900]
+    /// Time after which an unused session or registered robot is removed, s [default: 900]
     #[arg(long, value_name = "SECONDS")]
     session_idle_s: Option<f64>,
-    /// Connections at a time; for one more, the one without an answer for the longest time is closed [default: 1000]
+    /// Largest number of connections; a further one closes the connection that is idle for longest [default: 1000]
     #[arg(long, value_name = "COUNT")]
     max_connections: Option<usize>,
-    /// Longest line of waiting requests; those further back get 503 at once, ms [default: 10]
+    /// Largest waiting time of a request; later requests get 503 at once, ms [default: 10]
     #[arg(long, value_name = "MILLISECONDS")]
     max_lag_ms: Option<f64>,
-    /// Time for a request's headers, and for an idle connection, s [default: 30]
+    /// Timeout for request headers and idle connections, s [default: 30]
     #[arg(long, value_name = "SECONDS")]
     header_timeout_s: Option<f64>,
-    /// Time for a body, s [default: 10]
+    /// Timeout for a request body, s [default: 10]
     #[arg(long, value_name = "SECONDS")]
     body_timeout_s: Option<f64>,
-    /// Time after which a client that does not read its answer is dropped, s [default: 10]
+    /// Timeout for a client that does not read its answer, s [default: 10]
     #[arg(long, value_name = "SECONDS")]
     write_timeout_s: Option<f64>,
-    /// Time for the TLS handshake, s [default: 10]
+    /// Timeout for the TLS handshake, s [default: 10]
     #[arg(long, value_name = "SECONDS")]
     handshake_timeout_s: Option<f64>,
-    /// Time between the signal to end and the end of listening, in which /readyz says no, s [default: 0]
+    /// Time between the stop signal and the end of listening, during which /readyz returns 503, s [default: 0]
     #[arg(long, value_name = "SECONDS")]
     drain_delay_s: Option<f64>,
-    /// Time for requests in flight at the end, s [default: 1]
+    /// Timeout for requests in progress at the end, s [default: 1]
     #[arg(long, value_name = "SECONDS")]
     drain_timeout_s: Option<f64>,
 }
 
-/// How log lines look.
+/// Format of log lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LogFormat {
-    /// For people.
+    /// Text.
     #[default]
     Text,
-    /// One JSON object a line.
+    /// One JSON object per line.
     Json,
 }
 
-/// Flags of the service, and where the file is.
+/// Options of the service, and the path of the settings file.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// File with settings (TOML); flags and REVPRIO_… variables go before it [env: REVPRIO_CONFIG]
+    /// File with settings (TOML); options and REVPRIO_… variables override it [env: REVPRIO_CONFIG]
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     #[command(flatten)]
     flags: Settings,
 }
 
-/// Why the settings are refused.
+/// Why the settings are not valid.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file cannot be read.
@@ -110,56 +110,56 @@ pub enum SettingsError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The file is no TOML, or has a key or value that there is not.
+    /// The file is not valid TOML, or has an unknown key or an invalid value.
     #[error("{path}: {source}")]
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The error, with its line.
         source: Box<toml::de::Error>,
     },
-    /// A variable has a value that cannot be.
+    /// A variable has an invalid value.
     #[error("{variable}: {problem}")]
     Environment {
         /// Name of the variable.
         variable: String,
-        /// What is wrong.
+        /// The error.
         problem: String,
     },
-    /// A setting makes no sense.
+    /// A setting has an invalid value.
     #[error("{key}, set by {origin}: {problem}")]
     Value {
         /// The setting.
         key: String,
-        /// Who set it.
+        /// Its source.
         origin: Origin,
-        /// What is wrong.
+        /// The error.
         problem: &'static str,
     },
-    /// The settings cannot be written down.
+    /// The settings cannot be serialized.
     #[error(transparent)]
     Write(#[from] toml::ser::Error),
-    /// The token is no token.
+    /// The token is not valid.
     #[error(transparent)]
     Token(#[from] TokenError),
-    /// Certificate or key are wrong.
+    /// The certificate or its key is not valid.
     #[error(transparent)]
     Tls(#[from] TlsError),
 }
 
-/// Who set a value.
+/// The source of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
-    /// A flag of the command.
+    /// An option of the command.
     Flag,
-    /// A variable of the environment.
+    /// An environment variable.
     Environment(String),
     /// The file.
     File(PathBuf),
-    /// Nobody.
+    /// The default.
     Default,
 }
 
@@ -174,15 +174,16 @@ impl fmt::Display for Origin {
     }
 }
 
-/// The settings in force, each with its origin.
-pub struct InForce {
+/// The effective settings, each with its source.
+pub struct EffectiveSettings {
     /// In the order of the help.
     values: Vec<(String, Option<(Value, Origin)>)>,
     settings: Settings,
 }
 
-impl InForce {
-    /// Flags before environment before file before defaults; `variable` reads the environment.
+impl EffectiveSettings {
+    /// Combines the sources: options override the environment, which overrides the file, which overrides the defaults.
+    /// `variable` reads the environment.
     pub fn of(options: &Options, variable: impl Fn(&str) -> Option<String>) -> Result<Self, SettingsError> {
         let variable = |name: &str| variable(name).filter(|value| !value.is_empty());
         let path = options.config.clone().or_else(|| variable("REVPRIO_CONFIG").map(PathBuf::from));
@@ -213,36 +214,36 @@ impl InForce {
         Ok(Self { values, settings })
     }
 
-    /// Where to listen.
+    /// Returns the address to listen on.
     pub fn listen(&self) -> SocketAddr {
         self.settings.listen.unwrap_or_else(default_address)
     }
 
-    /// Robots beside the built-in ones.
+    /// Returns the robots in addition to the built-in ones.
     pub fn robots(&self) -> &[RobotArgument] {
         self.settings.robot.as_deref().unwrap_or_default()
     }
 
-    /// How log lines look.
+    /// Returns the format of log lines.
     pub fn log_format(&self) -> LogFormat {
         self.settings.log_format.unwrap_or_default()
     }
 
-    /// What is logged.
+    /// Returns the log level.
     pub fn log_level(&self) -> &str {
         self.settings.log_level.as_deref().unwrap_or("info")
     }
 
-    /// What the service needs; reads token, certificate and key.
+    /// Returns the configuration of the service; reads token, certificate and key.
     pub fn service(&self) -> Result<ServiceConfig, SettingsError> {
         let (settings, default) = (&self.settings, ServiceConfig::default());
-        // Checked when the settings were put together.
+        // The values were checked when the settings were combined.
         let seconds = |value: Option<f64>, default: Duration| value.map_or(default, Duration::from_secs_f64);
         let tls = match (&settings.tls_cert, &settings.tls_key) {
             (Some(cert), Some(key)) => Some(Tls::read(cert, key)?),
             (None, None) => None,
-            (Some(_), None) => return Err(self.refused("tls_cert", "needs tls_key, too")),
-            (None, Some(_)) => return Err(self.refused("tls_key", "needs tls_cert, too")),
+            (Some(_), None) => return Err(self.refused("tls_cert", "needs tls_key as well")),
+            (None, Some(_)) => return Err(self.refused("tls_key", "needs tls_cert as well")),
         };
         Ok(ServiceConfig {
             token: settings.token_file.as_deref().map(Token::read).transpose()?,
@@ -264,7 +265,7 @@ impl InForce {
         })
     }
 
-    /// The refusal of a setting.
+    /// Returns the error of a setting.
     pub fn refused(&self, key: &str, problem: &'static str) -> SettingsError {
         let set = self.values.iter().find(|(name, _)| name == key).and_then(|(_, set)| set.as_ref());
         let origin = set.map_or(Origin::Default, |(_, origin)| origin.clone());
@@ -272,8 +273,8 @@ impl InForce {
     }
 }
 
-/// As a file that sets the same.
-impl fmt::Display for InForce {
+/// Formats the settings as a file with the same values.
+impl fmt::Display for EffectiveSettings {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         for (key, set) in &self.values {
             match set {
@@ -315,7 +316,7 @@ fn default_address() -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 1], 8080))
 }
 
-/// Settings by key, with the flag of each.
+/// Returns key and option of each setting.
 fn keys() -> Vec<(String, String)> {
     let command = Settings::augment_args(clap::Command::new("settings"));
     let key =
@@ -323,7 +324,7 @@ fn keys() -> Vec<(String, String)> {
     command.get_arguments().map(key).collect()
 }
 
-/// A file's settings; those that there are not are refused.
+/// Reads the settings of a file; unknown keys are an error.
 fn read(path: &Path) -> Result<Table, SettingsError> {
     let text = std::fs::read_to_string(path).map_err(|source| SettingsError::Read { path: path.to_owned(), source })?;
     let settings: Settings = toml::from_str(&text)
@@ -331,7 +332,7 @@ fn read(path: &Path) -> Result<Table, SettingsError> {
     Ok(Table::try_from(settings)?)
 }
 
-/// A setting from a text, read as the flag of that name would be.
+/// Parses the value of a setting like the option of the same name.
 fn from_text(key: &str, flag: &str, text: &str, variable: &str) -> Result<Value, SettingsError> {
     #[derive(Parser)]
     #[command(no_binary_name = true)]
@@ -348,19 +349,19 @@ fn from_text(key: &str, flag: &str, text: &str, variable: &str) -> Result<Value,
     table.get(key).cloned().ok_or_else(|| refused("has no value".to_owned()))
 }
 
-/// Refuses numbers and origins that make no sense.
+/// Checks numbers and origins.
 fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError> {
-    /// Longest time in any unit: some weeks in seconds.
-    const LONGEST: f64 = 1e7;
+    /// Largest time in any unit; some months in seconds.
+    const MAX_TIME: f64 = 1e7;
     let may_be_zero = matches!(key, "drain_delay_s" | "max_lag_ms");
     let problem = match value {
         Value::Integer(count) if *count < 1 => "must be at least 1",
-        Value::Float(time) if !(0.0..=LONGEST).contains(time) => "must be between 0 and 10000000",
+        Value::Float(time) if !(0.0..=MAX_TIME).contains(time) => "must be between 0 and 10000000",
         Value::Float(time) if *time == 0.0 && !may_be_zero => "must be positive",
         Value::Array(origins)
             if key == "allow_origin" && !origins.iter().all(|origin| origin.as_str().is_some_and(is_origin)) =>
         {
-            "an origin is scheme, host and port, such as https://panel.example:8443, without a path"
+            "an origin is scheme, host and port without a path, for example https://panel.example:8443"
         }
         _ => return Ok(()),
     };

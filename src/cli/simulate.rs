@@ -8,7 +8,7 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table;
 use revprio_lab::simulator::{CallMode, Scenario};
 
-use super::experiment::{ExperimentRunner, leave, make_directory, program};
+use super::experiment::{ExperimentRunner, make_directory, program, write_results};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
@@ -17,22 +17,22 @@ use super::{CliError, traces};
 pub struct Options {
     /// Name of a built-in scenario, or a file (.toml or .json)
     scenario: String,
-    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
     #[arg(long)]
     server: Option<String>,
-    /// An arm of your own instead of the scenario's
+    /// Your own robot instead of the robot of the scenario
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
-    /// Method, instead of the scenario's
+    /// Method, instead of the method of the scenario
     #[arg(long, value_parser = one_of(&Method::ALL))]
     method: Option<Method>,
-    /// Solver, instead of the scenario's
+    /// Solver, instead of the solver of the scenario
     #[arg(long, value_parser = one_of(&Solver::ALL))]
     solver: Option<Solver>,
-    /// Let the controller's memory travel with every request instead of keeping a session
+    /// Send the controller's memory with every request instead of using a session
     #[arg(long)]
     stateless: bool,
-    /// Directory for trace, figures and page
+    /// Directory for recording, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
-    // A scenario that cannot be read is told before a directory is made.
+    // Read the scenario first, so that an invalid one does not create a directory.
     Scenario::find(&options.scenario)?;
     make_directory(&options.out)?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
@@ -58,12 +58,12 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         failures: Vec::new(),
     };
     write!(stdout(), "{}", table::text(&table::rows(&experiment.runs)))?;
-    let page = leave(&options.out, &experiment, &options.traces)?;
-    writeln!(stdout(), "\nfigure, trace and one page with both: {}", page.display())?;
+    let page = write_results(&options.out, &experiment, &options.traces)?;
+    writeln!(stdout(), "\nThe page with figure and recording: {}", page.display())?;
     Ok(())
 }
 
-/// The command that repeats the run.
+/// Returns the command that repeats the run.
 fn command(options: &Options, scenario: &Scenario) -> String {
     let (method, solver) = (scenario.controller.method, scenario.controller.solver);
     let stateless = if options.stateless { " --stateless" } else { "" };

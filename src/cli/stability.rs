@@ -16,7 +16,7 @@ pub struct Options {
     /// Damping `B_d` of the law
     #[arg(long)]
     damping: f64,
-    /// Stiffness `K_d` of the law; 0 where it follows a force
+    /// Stiffness `K_d` of the law; 0 for a force law
     #[arg(long, default_value_t = 0.0)]
     stiffness: f64,
     /// Stiffness `K_e` of the environment
@@ -34,13 +34,13 @@ pub struct Options {
     /// First-order lag of the arm's velocity loop, s
     #[arg(long, default_value_t = 0.0)]
     lag_s: f64,
-    /// Whole periods that a command waits before it acts
+    /// Delay of a command, whole periods
     #[arg(long, default_value_t = 0)]
     delay_periods: usize,
-    /// The law damps the commanded velocity, because states carry no measured one
+    /// The states have no measured velocity, so that the law damps the commanded velocity
     #[arg(long)]
     velocity_not_measured: bool,
-    /// Service to call, such as http://127.0.0.1:8080; one of its own if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
     #[arg(long)]
     server: Option<String>,
 }
@@ -74,6 +74,6 @@ fn describe(answer: &StabilityAnswer) -> String {
         if answer.stable { "stable" } else { "unstable" },
         answer.spectral_radius,
         or_none(answer.largest_delay_periods.map(|periods| format!("{periods} period(s)")), "none"),
-        or_none(answer.smallest_damping.map(|damping| format!("anything above {damping:.4}")), "none stabilises it"),
+        or_none(answer.smallest_damping.map(|damping| format!("above {damping:.4}")), "no value is stable"),
     )
 }

@@ -1,13 +1,12 @@
-//! `revprio sweep`: a scenario with many values of some quantities.
+//! `revprio sweep`: a scenario with many values of its parameters.
 //!
 //! ```text
 //! scenario, --vary, --seeds ─→ Plan (cells) ─→ a row per cell, on all cores ─→ one Parquet file ─→ figures
-//!                                                └→ partial file, line by line, to go on from
+//!                                                └→ partial file, with which an interrupted sweep continues
 //! ```
 //!
-//! Every cell gets a service of its own on a loopback port and calls it like any client, or all call `--server`: what a
-//! sweep shows is what any client would get, and no cell knows of another, so that neither the number of threads nor the
-//! division into shards shows in the file.
+//! Every cell starts its own service on a loopback port, or all call `--server`. Cells are independent, so the table does
+//! not depend on the number of threads or on the division into shards.
 
 use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
@@ -31,19 +30,19 @@ pub struct Options {
     /// A quantity and its values: a path in the scenario, then log:FROM..TO:COUNT, lin:FROM..TO:COUNT, or a list
     #[arg(long, value_name = "PATH=VALUES")]
     vary: Vec<Variation>,
-    /// The same with each of these seeds, such as 0..99
+    /// Run each combination with each of these seeds, for example 0..99
     #[arg(long)]
     seeds: Option<Seeds>,
-    /// Service to call, such as http://127.0.0.1:8080; one of its own per cell if left out
+    /// Service to call, for example http://127.0.0.1:8080; if left out, each cell starts its own
     #[arg(long)]
     server: Option<String>,
-    /// Threads; as many as cores if left out
+    /// Number of threads; 0 means one per core
     #[arg(long, default_value_t = 0)]
     threads: usize,
-    /// Only the I-th of N parts, for a cluster
+    /// Run only the I-th of N parts, for several machines
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Instead of running anything, put the files of all shards together
+    /// Merge the files of all shards instead of running anything
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["scenario", "vary", "seeds", "server", "shard"])]
     merge: Vec<PathBuf>,
     /// Measures to draw
@@ -61,9 +60,9 @@ const EXAMPLES: &str = "Examples:
   revprio sweep stiff_wall --vary loop.lag_s=lin:0..0.005:60 --shard 1/4       on one of four machines
   revprio sweep --merge shards/*.parquet                                       afterwards
 
-Paths are those of the scenario's file, with `*` for all items of a list; `environment.` stands for `contacts.*.`, `loop.`
-for `velocity_loop.`, and `method`, `solver`, `limits` for those of the controller. An interrupted sweep goes on where it
-stopped when the same command is given again.";
+Paths are those of the scenario file, with `*` for all items of a list. `environment.` stands for `contacts.*.`, `loop.` for
+`velocity_loop.`, and `method`, `solver`, `limits` for the fields of the controller. To continue an interrupted sweep, run
+the same command again.";
 
 /// Part of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +77,7 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> Result<Self, String> {
         let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
         let shard = parts.filter(|(number, of)| (1..=*of).contains(number)).map(|(number, of)| Self { number, of });
-        shard.ok_or_else(|| format!("`{text}` is no part; the first of four is 1/4"))
+        shard.ok_or_else(|| format!("`{text}` is not a part; write for example 1/4 for the first of four"))
     }
 }
 
@@ -86,7 +85,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let refused = CliError::Sweep;
     if let Some(unknown) = options.draw.iter().find(|name| !MEASURES.iter().any(|(known, _)| known == name)) {
         let known = MEASURES.map(|(name, _)| name).join(", ");
-        return Err(refused(format!("there is no measure `{unknown}` to draw; known: {known}")));
+        return Err(refused(format!("there is no measure `{unknown}`; known: {known}")));
     }
     make_directory(&options.out)?;
     let Some(name) = &options.scenario else {
@@ -106,7 +105,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let all = (0..plan.cells()).filter(|cell| options.shard.is_none_or(|shard| cell % shard.of == shard.number - 1));
     let cells: Vec<usize> = all.filter(|cell| !rows.contains_key(cell)).collect();
     if !rows.is_empty() {
-        writeln!(stderr(), "{} cells are done already", rows.len())?;
+        writeln!(stderr(), "{} cells are already completed", rows.len())?;
     }
     rows.extend(run_cells(options, &plan, &cells, &partial, &label)?);
     let identity = plan.identity();
@@ -126,12 +125,12 @@ fn run_cells(
     let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
     let threads = threads.map_err(|error| CliError::Sweep(error.to_string()))?;
     let rows = threads.install(|| {
-        // One cell at a time: they last long, and some much longer than others.
+        // One cell at a time, because cells take long and their times differ.
         let cells = cells.par_iter().with_max_len(1);
         let rows = cells.map(|&cell| {
             let target = Target::open(options.server.as_deref())?;
             let row = sweep::row(plan, cell, &target.client)?;
-            partial.add(&row).map_err(|error| CliError::Sweep(format!("cannot keep a row: {error}")))?;
+            partial.add(&row).map_err(|error| CliError::Sweep(format!("cannot store a row: {error}")))?;
             bar.inc(1);
             Ok((cell, row))
         });
@@ -141,10 +140,15 @@ fn run_cells(
     Ok(rows)
 }
 
-/// Writes the table and the figures and says how the cells ended.
+/// Writes the table and the figures, and prints the outcomes of the cells.
 fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliError> {
-    let variations: Vec<Variation> =
-        whole.identity.vary.iter().map(|text| described(text)).collect::<Result<_, _>>().map_err(CliError::Sweep)?;
+    let variations: Vec<Variation> = whole
+        .identity
+        .vary
+        .iter()
+        .map(|text| parse_variation(text))
+        .collect::<Result<_, _>>()
+        .map_err(CliError::Sweep)?;
     let kinds: Vec<(String, Kind)> = sweep::columns(&variations);
     let path = options.out.join(format!("{label}.parquet"));
     let written = sweep::write(&path, &whole.identity, &kinds, &whole.rows);
@@ -163,8 +167,8 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     Ok(())
 }
 
-/// A quantity as it stands in a file.
-fn described(text: &str) -> Result<Variation, String> {
+/// Parses a quantity of a sweep file.
+fn parse_variation(text: &str) -> Result<Variation, String> {
     match text.strip_prefix("seed=").map(Seeds::from_str) {
         Some(Ok(seeds)) => Ok(seeds.variation()),
         _ => text.parse(),

@@ -1,6 +1,6 @@
 //! `revprio bench` and `revprio load`: start the separate program `revprio-bench`.
 //!
-//! The benchmarks are not part of this program, so that nobody compiles them who does not use them.
+//! The benchmarks are a separate program, so that users of revprio do not have to compile them.
 
 use std::env;
 use std::ffi::OsString;
@@ -16,12 +16,12 @@ pub struct Arguments {
     arguments: Vec<OsString>,
 }
 
-/// Why the benchmark program gave no result.
+/// Why the benchmark program cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
-    /// Neither the program nor its sources are there.
+    /// Neither the program nor its sources were found.
     #[error(
-        "the benchmarks are a program of their own; in a clone of the repository run \
+        "the program `revprio-bench` was not found; in a clone of the repository, run \
          `cargo run --release -p revprio-bench -- {command}`"
     )]
     Missing {

@@ -1,4 +1,4 @@
-//! Recordings as files beside figures and page.
+//! Options for recordings as files.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use super::CliError;
 use super::one_of::one_of;
 
 #[derive(Debug, clap::Args)]
-// Not a group of its own: flattened into options of the same name.
+// Without a group, because it is flattened into options of the same name.
 #[group(skip)]
 pub struct Options {
-    /// Formats of the traces, such as `csv,mcap`
+    /// Formats of the recordings, for example `csv,mcap`
     #[arg(long, value_parser = one_of(&Format::ALL), value_delimiter = ',', default_value = "csv")]
     traces: Vec<Format>,
-    /// Also record how long each call took, which differs from run to run
+    /// Also record the real time of each call, which differs from run to run
     #[arg(long)]
     timings: bool,
 }
 
 impl Options {
-    /// Writes a recording in every format into the directory.
+    /// Writes a recording to the directory, in every format.
     pub fn write(&self, out: &Path, recording: &Recording) -> Result<(), CliError> {
         for &format in &self.traces {
             let path = out.join(recording.trace_name(format));
@@ -30,7 +30,7 @@ impl Options {
         Ok(())
     }
 
-    /// Names of these files.
+    /// Returns the names of these files.
     pub fn names(&self, recording: &Recording) -> impl Iterator<Item = String> {
         self.traces.iter().map(|&format| recording.trace_name(format))
     }

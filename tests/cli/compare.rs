@@ -1,11 +1,11 @@
-//! `revprio compare`, and the page of the paper that it prints the numbers of.
+//! `revprio compare`, and the numbers of docs/paper.md.
 
 use std::path::Path;
 
 use crate::program::{Scratch, failure, files, program, success};
 use crate::trace::Trace;
 
-/// A built-in scenario, cut to its first moments.
+/// A built-in scenario with a shorter duration.
 fn short(name: &str, duration_s: f64) -> String {
     let path = format!("{}/fixtures/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
@@ -15,7 +15,7 @@ fn short(name: &str, duration_s: f64) -> String {
 }
 
 #[test]
-fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
+fn compare_prints_runs_side_by_side_and_writes_a_directory() {
     let scratch = Scratch::new("compare");
     let file = scratch.write("mine.toml", &short("stiff_wall_singular", 0.2));
     let out = scratch.argument("out");
@@ -33,7 +33,7 @@ fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
     assert_eq!(line("method"), ["method", reverse, reverse, classical, classical]);
     assert_eq!(line("solver"), ["solver", "closed form", "auto", "closed form", "auto"]);
     assert_eq!(line("status")[2..], ["optimal 200"; 4]);
-    assert_eq!(line("limits broken by").len(), 5);
+    assert_eq!(line("limit excess").len(), 5);
     let files = files(&scratch.path().join("out"));
     for name in [
         "index.html",
@@ -47,7 +47,7 @@ fn methods_and_solvers_stand_side_by_side_and_leave_a_directory() {
 }
 
 #[test]
-fn as_json_every_run_has_its_measures() {
+fn json_output_has_the_metrics_of_every_run() {
     let scratch = Scratch::new("compare_json");
     let file = scratch.write("mine.toml", &short("force_tracking", 0.1));
     let options = ["--methods", "task_priority", "--solvers", "qp", "--format", "json", "--write", "traces"];
@@ -70,7 +70,7 @@ fn as_json_every_run_has_its_measures() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn errors_name_unknown_methods_scenarios_and_invalid_postures() {
     let unknown = program(&["compare", "stiff_wall", "--methods", "reverse_priority,newton"]).output().unwrap();
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("newton"));
@@ -81,12 +81,12 @@ fn what_cannot_be_compared_is_said() {
     assert!(message.contains("start_joint_position"), "{message}");
 }
 
-/// Numbers and words of a line of a table.
+/// Splits a line of a table into numbers and words.
 fn tokens(line: &str) -> Vec<&str> {
     line.split([' ', '|', '(', ')', ',', '/']).filter(|token| !token.is_empty()).collect()
 }
 
-/// Numbers are the same to 1 %, or both rounding errors; words are the same.
+/// Returns whether words are equal, and numbers are equal within 1 % or both rounding errors.
 fn same(a: &str, b: &str) -> bool {
     let number = |text: &str| text.parse::<f64>().ok();
     match (number(a), number(b)) {
@@ -100,7 +100,7 @@ fn same_line(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| same(a, b))
 }
 
-/// The tables of a markdown text, line by line.
+/// Returns the tables of a Markdown text as lines.
 fn tables(markdown: &str) -> Vec<Vec<&str>> {
     let lines: Vec<&str> = markdown.lines().collect();
     let tables = lines.chunk_by(|a, b| a.starts_with('|') == b.starts_with('|'));
@@ -108,14 +108,14 @@ fn tables(markdown: &str) -> Vec<Vec<&str>> {
 }
 
 #[test]
-fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
+fn page_of_the_paper_has_the_numbers_that_its_command_prints() {
     let scratch = Scratch::new("compare_paper");
     let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/paper.md")).unwrap();
     let options = ["--methods", "damped_least_squares,reverse_priority", "--solvers", "closed_form"];
     let more = ["--format", "markdown", "--write", "svg", "--out", &scratch.argument("out")];
     let printed = success(&[&["compare", "stiff_wall", "stiff_wall_singular"][..], &options, &more].concat());
     let quoted = tables(&page);
-    // The last table, the claims, stands in the page with those of all four scenarios.
+    // The last table contains the claims. The page has the claims of all four scenarios in one table.
     let tables = tables(&printed);
     let (claims, measures) = tables.split_last().unwrap();
     assert_eq!(measures.len(), 2);
@@ -131,7 +131,7 @@ fn the_papers_page_quotes_the_numbers_that_its_command_prints() {
 }
 
 #[test]
-fn a_page_is_made_again_from_what_a_command_left() {
+fn report_writes_the_same_page_again() {
     let scratch = Scratch::new("report");
     let file = scratch.write("mine.toml", &short("stiff_wall", 0.1));
     let out = scratch.argument("out");
@@ -140,12 +140,12 @@ fn a_page_is_made_again_from_what_a_command_left() {
     let first = std::fs::read_to_string(&page).unwrap();
     std::fs::remove_file(&page).unwrap();
     assert_eq!(success(&["report", &out, "--format", "markdown"]), compared);
-    // Neither time nor chance is in the page but the speed of this machine, which the directory keeps.
+    // The only measured time on the page is the speed of the machine, which is stored in the directory.
     assert!(std::fs::read_to_string(&page).unwrap() == first, "the second page differs from the first");
 }
 
 #[test]
-fn a_directory_that_no_command_left_is_refused_with_what_is_missing() {
+fn report_names_missing_and_invalid_files() {
     let scratch = Scratch::new("report_nothing");
     let directory = scratch.argument(".");
     let message = failure(&["report", &directory]);

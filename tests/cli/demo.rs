@@ -1,4 +1,4 @@
-//! `revprio demo`: the paper's experiments, judged by the traces that they leave.
+//! `revprio demo`: the experiments of the paper, checked by their recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::trace::Trace;
 
 const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
-/// Largest difference that is rounding, rad/s.
+/// Largest difference that counts as rounding, rad/s.
 const COINCIDE: f64 = 1e-9;
 
 /// The runs of a scenario.
@@ -29,7 +29,7 @@ impl Runs {
         }
     }
 
-    /// Reverse priority and the classical control command the same.
+    /// Asserts that reverse priority and the classical control give the same commands.
     fn assert_coincide(&self) {
         let difference = self.reverse.largest_difference(&self.classical);
         assert!(difference <= COINCIDE, "{difference}");
@@ -67,13 +67,13 @@ fn stiff_wall_singular(runs: &Runs) {
     assert_eq!(runs.classical.peak_fx(), 0.0);
 }
 
-/// What holds in every scenario: the cascade is certified, and equal to the closed form.
+/// In every scenario the cascade is certified and equal to the closed form.
 fn cascade_is_the_closed_form(runs: &Runs) {
     let difference = runs.cascade.largest_difference(&runs.reverse);
     assert!(difference <= COINCIDE, "{difference}");
     assert!(runs.cascade.words("status").iter().all(|status| status == "optimal"));
     assert!(runs.cascade.words("path").iter().all(|path| path == "qp"));
-    // No limit matters in these scenarios: the short way is the closed form itself.
+    // No limit is active in these scenarios, so `auto` uses the closed form.
     assert_eq!(runs.automatic.largest_difference(&runs.reverse), 0.0);
     assert!(runs.automatic.words("path").iter().all(|path| path == "closed_form"));
 }
@@ -94,7 +94,7 @@ fn files_are_complete(out: &Path, files: &[String]) {
 }
 
 #[test]
-fn the_demo_reproduces_the_papers_experiments() {
+fn demo_reproduces_the_experiments_of_the_paper() {
     let scratch = Scratch::new("demo");
     let table = success(&["demo", "--out", scratch.path().to_str().unwrap()]);
     for scenario in SCENARIOS {
@@ -102,10 +102,10 @@ fn the_demo_reproduces_the_papers_experiments() {
     }
     assert!(table.contains("does not reach the wall"), "{table}");
     files_are_complete(scratch.path(), &files(scratch.path()));
-    let judges = [force_tracking, force_tracking_singular, stiff_wall, stiff_wall_singular];
-    for (scenario, judge) in SCENARIOS.iter().zip(judges) {
+    let checks = [force_tracking, force_tracking_singular, stiff_wall, stiff_wall_singular];
+    for (scenario, check) in SCENARIOS.iter().zip(checks) {
         let runs = Runs::read(scratch.path(), scenario);
         cascade_is_the_closed_form(&runs);
-        judge(&runs);
+        check(&runs);
     }
 }

@@ -1,4 +1,4 @@
-//! The program as its users run it.
+//! Tests of the program on the command line.
 
 mod compare;
 mod demo;

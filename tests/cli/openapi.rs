@@ -3,7 +3,7 @@
 use crate::program::success;
 
 #[test]
-fn the_interface_descriptions_are_printed_as_they_are_committed() {
+fn printed_interface_documents_equal_the_committed_ones() {
     for (command, committed) in
         [("openapi", include_str!("../../api/openapi.json")), ("asyncapi", include_str!("../../api/asyncapi.json"))]
     {

@@ -1,22 +1,22 @@
-//! The compiled program and a directory of its own.
+//! Runs the compiled program; temporary directories.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The program with these arguments, run from the root of the repository.
+/// Returns the program with these arguments, in the root of the repository.
 pub fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_revprio"));
     command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
     command
 }
 
-/// Runs to the end; standard output of a success.
+/// Runs a command that must succeed and returns its standard output.
 pub fn success(arguments: &[&str]) -> String {
     printed(&program(arguments).output().unwrap())
 }
 
-/// Runs to the end with this standard input; standard output of a success.
+/// Runs a command that must succeed with this standard input and returns its standard output.
 pub fn success_with_input(arguments: &[&str], input: &str) -> String {
     let mut child =
         program(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -29,7 +29,7 @@ fn printed(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Runs to the end; standard error of an orderly failure.
+/// Runs a command that must fail with exit code 1 and returns its standard error.
 pub fn failure(arguments: &[&str]) -> String {
     let output = program(arguments).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
@@ -38,11 +38,11 @@ pub fn failure(arguments: &[&str]) -> String {
     message
 }
 
-/// A directory that is removed in the end.
+/// A directory that is removed when dropped.
 pub struct Scratch(PathBuf);
 
 impl Scratch {
-    /// An empty one; `name` is the test's own.
+    /// Creates an empty directory; `name` must be unique to the test.
     pub fn new(name: &str) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = std::fs::remove_dir_all(&path);
@@ -60,7 +60,7 @@ impl Scratch {
         self.argument(name)
     }
 
-    /// A path inside as an argument.
+    /// Returns a path in the directory as an argument.
     pub fn argument(&self, name: &str) -> String {
         self.0.join(name).to_str().unwrap().to_owned()
     }
@@ -72,7 +72,7 @@ impl Drop for Scratch {
     }
 }
 
-/// Names of the files in a directory, in order.
+/// Returns the names of the files in a directory, sorted.
 pub fn files(directory: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(directory).unwrap();
     let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

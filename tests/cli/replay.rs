@@ -1,4 +1,4 @@
-//! `revprio replay`: recorded states give the recorded answers again.
+//! `revprio replay`.
 
 use crate::program::{Scratch, program, success};
 use crate::serve::Server;
@@ -6,7 +6,7 @@ use crate::simulate::short;
 
 const RUN: &str = "stiff_wall-reverse_priority-auto";
 
-/// A directory with a short run in all formats.
+/// Records a short run in all formats.
 fn recorded(name: &str, more: &[&str]) -> Scratch {
     let scratch = Scratch::new(name);
     let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
@@ -16,7 +16,7 @@ fn recorded(name: &str, more: &[&str]) -> Scratch {
 }
 
 #[test]
-fn every_format_gives_the_same_answers_again() {
+fn replay_of_every_format_gives_the_same_answers() {
     let (scratch, server) = (recorded("replay", &[]), Server::start());
     for ending in ["csv", "jsonl", "parquet", "mcap"] {
         let file = scratch.argument(&format!("out/{RUN}.{ending}"));
@@ -30,7 +30,7 @@ fn every_format_gives_the_same_answers_again() {
 }
 
 #[test]
-fn another_answer_is_found_and_named() {
+fn replay_reports_a_different_answer() {
     let scratch = recorded("replay_differs", &[]);
     let path = scratch.path().join(format!("out/{RUN}.csv"));
     let mut rows: Vec<String> = std::fs::read_to_string(&path).unwrap().lines().map(str::to_owned).collect();
@@ -50,7 +50,7 @@ fn another_answer_is_found_and_named() {
 }
 
 #[test]
-fn a_file_that_is_no_recording_is_named() {
+fn error_names_a_file_that_is_not_a_recording() {
     let scratch = Scratch::new("replay_refused");
     let output = program(&["replay", &scratch.write("run.mcap", "nothing")]).output().unwrap();
     assert_eq!(output.status.code(), Some(1));

@@ -21,14 +21,14 @@ fn help_shows_every_command_and_examples() {
 }
 
 #[test]
-fn a_word_that_is_no_command_is_refused_with_help() {
+fn unknown_command_is_refused_with_a_hint_to_help() {
     let output = program(&["fly"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--help"));
 }
 
 #[test]
-fn a_contact_that_would_bounce_is_told_its_margins() {
+fn stability_prints_the_margins() {
     let contact = ["stability", "--inertia", "15", "--damping", "150", "--environment-stiffness", "1e5"];
     let stable = success(&contact);
     assert!(stable.starts_with("stable, ") && stable.contains("largest lag           1."), "{stable}");
@@ -37,7 +37,7 @@ fn a_contact_that_would_bounce_is_told_its_margins() {
 }
 
 #[test]
-fn an_answer_is_printed_for_people_and_as_json() {
+fn answer_is_printed_as_text_and_as_json() {
     let table = success(&["resolve", EXAMPLE]);
     for part in ["joint velocity ", "task `push`, rank 1", "task `rest`, rank 5", "solved by closed_form, optimal"] {
         assert!(table.contains(part), "{part} is not in {table}");
@@ -48,19 +48,19 @@ fn an_answer_is_printed_for_people_and_as_json() {
 }
 
 #[test]
-fn a_problem_comes_from_standard_input_too() {
+fn problem_is_read_from_standard_input() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/api/examples/resolve.json")).unwrap();
     assert_eq!(success_with_input(&["resolve", "-"], &text), success(&["resolve", EXAMPLE]));
 }
 
 #[test]
-fn a_running_server_gives_the_same_answer() {
+fn running_server_gives_the_same_answer() {
     let server = Server::start();
     assert_eq!(success(&["resolve", EXAMPLE, "--server", &server.url]), success(&["resolve", EXAMPLE]));
 }
 
 #[test]
-fn failures_say_what_and_where() {
+fn errors_name_the_file_and_the_line() {
     assert!(failure(&["resolve", "no_such.json"]).contains("cannot read no_such.json"));
     assert!(failure(&["resolve", "rustfmt.toml"]).contains("rustfmt.toml: expected value at line 1"));
     let message = failure(&["resolve", EXAMPLE, "--server", "http://127.0.0.1:9"]);
@@ -68,7 +68,7 @@ fn failures_say_what_and_where() {
 }
 
 #[test]
-fn rows_of_ones_own_need_no_robot() {
+fn problem_with_its_own_jacobian_needs_no_robot() {
     let problem = r#"{"tasks": [{"jacobian": [[2]], "velocity": [3]}]}"#;
     let answer: serde_json::Value =
         serde_json::from_str(&success_with_input(&["resolve", "-", "--json"], problem)).unwrap();
@@ -76,7 +76,7 @@ fn rows_of_ones_own_need_no_robot() {
 }
 
 #[test]
-fn nobody_listening_to_the_output_is_an_orderly_end() {
+fn closed_standard_output_is_an_ordinary_error() {
     let mut child = program(&["resolve", EXAMPLE]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();

@@ -1,4 +1,4 @@
-//! The service is killed in the middle of a simulation and started again at the same address.
+//! The service is killed during a simulation and started again at the same address.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ const KILLED: u64 = 200;
 const STARTED: u64 = 500;
 const PERIODS: u64 = 1000;
 
-/// Longest time that an answer is obeyed, periods of 1 ms.
+/// Validity of an answer, periods of 1 ms.
 const VALID: usize = 100;
 
 /// Accelerations of the arm's joints, rad/s².
@@ -24,14 +24,14 @@ fn scenario() -> Scenario {
     scenario
 }
 
-/// Runs it; the server is away from period `KILLED` to `STARTED`.
+/// Runs the scenario without a server from period `KILLED` to `STARTED`.
 fn interrupted(mode: CallMode) -> (Recording, Server) {
     let mut server = Some(Server::start());
     let url = server.as_ref().unwrap().url.clone();
     let address = url.trim_start_matches("http://").to_owned();
     let recording = run(&scenario(), &Client::new(&url), mode, |done| {
         match done {
-            // Heard of again while the run waits for the server.
+            // Called repeatedly while the run waits for the server.
             KILLED => drop(server.take()),
             STARTED if server.is_none() => server = Some(Server::start_at(&address)),
             _ => (),
@@ -41,7 +41,7 @@ fn interrupted(mode: CallMode) -> (Recording, Server) {
     (recording.unwrap(), server.unwrap())
 }
 
-/// The arm does as told for as long as the answer is valid, then slows down to rest as fast as it may.
+/// Asserts that the arm holds the command while the answer is valid and then ramps to rest at its acceleration limits.
 fn assert_comes_to_rest(unanswered: &[Sample], last: &Sample) {
     let mut before = &last.joint_velocity;
     for (i, sample) in unanswered.iter().enumerate() {
@@ -53,33 +53,33 @@ fn assert_comes_to_rest(unanswered: &[Sample], last: &Sample) {
         }
         before = &sample.joint_velocity;
     }
-    assert!(last.joint_velocity.iter().any(|v| v.abs() > 1e-4), "it moved before");
-    assert!(before.iter().all(|v| *v == 0.0), "it rests in the end: {before:?}");
+    assert!(last.joint_velocity.iter().any(|v| v.abs() > 1e-4), "the arm moved before");
+    assert!(before.iter().all(|v| *v == 0.0), "the arm is at rest at the end: {before:?}");
 }
 
-/// Samples until the kill, without an answer, and after the first answer that came then.
+/// Returns the samples before the kill, without answers, and after the next answer.
 fn parts(recording: &Recording) -> [&[Sample]; 3] {
     let samples = &recording.samples[..];
-    let silent = samples.iter().position(|sample| !sample.answered).unwrap();
-    let again = samples[silent..].iter().position(|sample| sample.answered).map_or(samples.len(), |i| silent + i);
-    [&samples[..silent], &samples[silent..again], &samples[again..]]
+    let gap = samples.iter().position(|sample| !sample.answered).unwrap();
+    let again = samples[gap..].iter().position(|sample| sample.answered).map_or(samples.len(), |i| gap + i);
+    [&samples[..gap], &samples[gap..again], &samples[again..]]
 }
 
 #[test]
-fn a_client_with_its_own_memory_goes_on_with_a_new_server() {
+fn stateless_client_continues_with_a_new_server() {
     let (recording, _server) = interrupted(CallMode::Stateless);
     let [before, silent, after] = parts(&recording);
     assert_eq!(before.len() as u64, KILLED);
     assert!(silent.len() as u64 >= STARTED - KILLED && silent.len() as u64 <= STARTED - KILLED + 2);
     assert_comes_to_rest(silent, before.last().unwrap());
     assert!(after.len() > 400 && after.iter().all(|sample| sample.answered));
-    // It presses with 30 N again.
+    // The contact force is back at its target.
     let force = after.last().unwrap().force[0];
     assert!((force - recording.samples.last().unwrap().target_force[0].unwrap()).abs() < 3.0, "{force}");
 }
 
 #[test]
-fn a_client_whose_session_is_gone_comes_to_rest_and_is_told() {
+fn client_of_a_lost_session_comes_to_rest_and_gets_an_error() {
     let (recording, server) = interrupted(CallMode::Session);
     let [before, silent, after] = parts(&recording);
     assert_eq!((before.len() as u64, after.len()), (KILLED, 0));
@@ -91,21 +91,21 @@ fn a_client_whose_session_is_gone_comes_to_rest_and_is_told() {
 }
 
 #[test]
-fn without_any_answer_there_is_no_run() {
+fn run_without_any_answer_fails() {
     let nobody =
         run(&scenario(), &Client::new("http://127.0.0.1:9"), CallMode::Stateless, |_| ControlFlow::Continue(()));
     assert!(nobody.unwrap_err().to_string().contains("no answer from"));
 }
 
 #[test]
-fn a_run_that_waits_for_a_server_can_be_stopped() {
+fn run_that_waits_for_a_server_can_be_stopped() {
     let mut server = Some(Server::start());
     let url = server.as_ref().unwrap().url.clone();
     let mut calls = 0;
     let stopped = run(&scenario(), &Client::new(&url), CallMode::Stateless, |done| {
         server.take_if(|_| done == 5);
         calls += u64::from(done == 5);
-        // Once when the period was done, then from within the wait for the next one.
+        // Called once after the period, then while waiting for the next answer.
         if calls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(matches!(stopped, Err(RunError::Stopped { .. })), "{:?}", stopped.map(drop));

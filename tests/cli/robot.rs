@@ -6,7 +6,7 @@ use crate::program::{Scratch, failure, program, success};
 use crate::serve::Server;
 use crate::trace::Trace;
 
-/// Three links and, on the last one, a camera beside the tool.
+/// An arm of three links with a tool and a camera on the last one.
 fn camera_arm() -> String {
     let text = include_str!("../../fixtures/robots/planar_3r.urdf");
     let camera = r#"<link name="camera"/>
@@ -15,7 +15,7 @@ fn camera_arm() -> String {
     text.replace("</robot>", camera).replace(r#"name="planar_3r""#, r#"name="camera_arm""#)
 }
 
-/// Pushes against a spring in x, for 0.2 s, with that arm.
+/// A scenario of 0.2 s: push against a spring in x.
 fn push(robot: &str) -> String {
     format!(
         r#"
@@ -45,7 +45,7 @@ fn trace(scratch: &Scratch, out: &str) -> Vec<u8> {
 }
 
 #[test]
-fn an_arm_of_ones_own_is_simulated_with_and_without_a_server() {
+fn own_robot_is_simulated_with_and_without_a_server() {
     let (scratch, server) = (Scratch::new("robot"), Server::start());
     let built_in = scratch.write("built_in.toml", &push("planar_3r"));
     success(&["simulate", &built_in, "--out", &scratch.argument("built_in")]);
@@ -55,7 +55,7 @@ fn an_arm_of_ones_own_is_simulated_with_and_without_a_server() {
     let robot = scratch.write("arm.urdf", &camera_arm()) + ",tip=tool";
     success(&["simulate", &scenario, "--robot", &robot, "--out", &scratch.argument("own")]);
     assert!(trace(&scratch, "own") == expected);
-    // Twice: the server forgets the robot after each run.
+    // Twice, because the robot is removed from the server after each run.
     for out in ["server", "again"] {
         let options = ["--robot", &robot, "--server", &server.url, "--out", &scratch.argument(out)];
         success(&[&["simulate", &scenario][..], &options].concat());
@@ -64,7 +64,7 @@ fn an_arm_of_ones_own_is_simulated_with_and_without_a_server() {
 }
 
 #[test]
-fn a_robot_that_a_server_cannot_take_is_named_with_the_remedy() {
+fn errors_of_robot_registration_name_the_remedy() {
     let (scratch, server) = (Scratch::new("robot_failures"), Server::start());
     let scenario = scratch.write("push.toml", &push("whatever"));
     let urdf = scratch.write("arm.urdf", &camera_arm());
@@ -80,7 +80,7 @@ fn a_robot_that_a_server_cannot_take_is_named_with_the_remedy() {
 }
 
 #[test]
-fn arms_of_ones_own_are_served_beside_the_built_in_ones() {
+fn own_robots_are_served_with_the_built_in_ones() {
     let scratch = Scratch::new("served_robot");
     let urdf = scratch.write("arm.urdf", &camera_arm()) + ",tip=camera,name=mine";
     let rows = include_str!("../../fixtures/robots/sawyer_dh.toml").to_owned();
@@ -94,7 +94,7 @@ fn arms_of_ones_own_are_served_beside_the_built_in_ones() {
 }
 
 #[test]
-fn robot_files_that_cannot_be_served_are_named() {
+fn errors_name_robot_files_that_cannot_be_served() {
     let scratch = Scratch::new("robot_files");
     let serve = |robot: &str| failure(&["serve", "--listen", "127.0.0.1:0", "--robot", robot]);
     assert!(serve("none.urdf").contains("cannot read none.urdf"));
@@ -111,7 +111,7 @@ fn robot_files_that_cannot_be_served_are_named() {
 }
 
 #[test]
-fn simulate_warns_of_a_contact_that_would_bounce() {
+fn simulate_warns_about_an_unstable_contact() {
     let scratch = Scratch::new("warned");
     let lag = |periods: u32, lag: f64| {
         let text = push("planar_3r").replace("stiffness = 1000.0", "stiffness = 1e5");

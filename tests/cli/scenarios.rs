@@ -3,7 +3,7 @@
 use crate::program::success;
 
 #[test]
-fn every_scenario_of_the_repository_is_listed_on_a_line() {
+fn every_scenario_of_the_repository_is_listed() {
     let listed = success(&["scenarios"]);
     let mut names: Vec<&str> = listed.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
     names.sort_unstable();

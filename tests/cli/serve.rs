@@ -6,14 +6,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 
 use crate::program::{Scratch, failure, program};
 
-/// A server as a process; killed when a test fails before it ends.
+/// A server process, killed when dropped.
 pub struct Server {
     process: Child,
     pub url: String,
 }
 
 impl Server {
-    /// Starts on a free port and reads the address off the first line.
+    /// Starts on a free port and reads the address from the first line.
     pub fn start() -> Self {
         Self::start_with(&[])
     }
@@ -23,7 +23,7 @@ impl Server {
         Self::launch(address, &[])
     }
 
-    /// Starts on a free port with further flags.
+    /// Starts on a free port with more options.
     pub fn start_with(flags: &[&str]) -> Self {
         Self::launch("127.0.0.1:0", flags)
     }
@@ -41,7 +41,7 @@ impl Server {
         self.url.trim_start_matches("http://")
     }
 
-    /// Asks it to end as an operator would.
+    /// Sends SIGTERM.
     #[cfg(unix)]
     fn signal(&self) {
         let signalled = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
@@ -54,7 +54,7 @@ impl Server {
         self.process.wait().unwrap()
     }
 
-    /// The whole answer to a bare request, after which the connection ends.
+    /// Sends a GET request and returns the whole answer; the connection is closed.
     pub fn get(&self, path: &str) -> String {
         let mut stream = TcpStream::connect(self.address()).unwrap();
         let request = format!("GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n");
@@ -73,7 +73,7 @@ impl Drop for Server {
 }
 
 #[test]
-fn a_server_says_where_it_listens_and_answers_there() {
+fn server_prints_its_address_and_answers_there() {
     let server = Server::start();
     let answer = server.get("/healthz");
     assert!(answer.starts_with("HTTP/1.1 200 OK\r\n") && answer.ends_with("\r\n\r\nok"), "{answer}");
@@ -81,7 +81,7 @@ fn a_server_says_where_it_listens_and_answers_there() {
 
 #[test]
 #[cfg(unix)]
-fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
+fn server_ends_with_success_on_sigterm_with_clients_connected() {
     let server = Server::start();
     let _silent = TcpStream::connect(server.address()).unwrap();
     let mut half = TcpStream::connect(server.address()).unwrap();
@@ -91,7 +91,7 @@ fn a_server_ends_with_success_on_sigterm_with_clients_connected() {
 
 #[test]
 #[cfg(unix)]
-fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
+fn stopping_server_is_not_ready_and_finishes_requests_in_progress() {
     let mut server = Server::start_with(&["--drain-delay-s", "2", "--drain-timeout-s", "20"]);
     let body = include_str!("../../api/examples/resolve.json");
     let (first, rest) = body.split_at(20);
@@ -103,7 +103,7 @@ fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
     in_flight.write_all((head + first).as_bytes()).unwrap();
     assert!(server.get("/readyz").starts_with("HTTP/1.1 200 "));
     server.signal();
-    // The signal takes its time; an answer that says "ready" may still be on its way.
+    // The signal may arrive after the next requests, so an answer may still be "ready".
     let not_ready = (0..100).map(|_| server.get("/readyz")).find(|answer| answer.starts_with("HTTP/1.1 503 ")).unwrap();
     assert!(not_ready.contains("/problems/draining") && not_ready.contains("retry-after: 1"), "{not_ready}");
     assert!(server.get("/healthz").starts_with("HTTP/1.1 200 "));
@@ -118,7 +118,7 @@ fn a_server_that_is_told_to_end_is_not_ready_then_answers_what_is_in_flight() {
 }
 
 #[test]
-fn log_lines_are_json_with_the_name_of_the_request_if_asked_for() {
+fn json_log_lines_contain_the_request_id() {
     let scratch = Scratch::new("log");
     let token = scratch.write("token", "secret");
     let flags = ["--log-format", "json", "--log-level", "debug", "--token-file", &token];
@@ -137,11 +137,11 @@ fn log_lines_are_json_with_the_name_of_the_request_if_asked_for() {
     assert_eq!((line["level"].as_str(), line["fields"]["status"].as_u64()), (Some("DEBUG"), Some(401)));
     assert!(line["fields"]["request_id"].as_str().is_some_and(|id| !id.is_empty()), "{line}");
     let readable = |line: &serde_json::Value| line["fields"]["message"].as_str().unwrap().contains("chmod 600");
-    assert_eq!(lines.iter().any(readable), cfg!(unix), "a token that others can read is warned of: {lines:?}");
+    assert_eq!(lines.iter().any(readable), cfg!(unix), "a token file that others can read causes a warning: {lines:?}");
 }
 
 #[test]
-fn commands_show_the_token_to_a_server_that_asks_for_one() {
+fn commands_send_the_token_to_a_server_that_requires_one() {
     let scratch = Scratch::new("client_token");
     let token = scratch.write("token", "secret");
     let server = Server::start_with(&["--token-file", &token]);
@@ -151,7 +151,7 @@ fn commands_show_the_token_to_a_server_that_asks_for_one() {
 }
 
 #[test]
-fn an_address_in_use_is_named_with_the_remedy() {
+fn error_of_an_address_in_use_names_the_remedy() {
     let server = Server::start();
     let message = failure(&["serve", "--listen", server.address()]);
     assert!(

@@ -25,7 +25,7 @@ fn refusal(output: &Output) -> String {
 }
 
 #[test]
-fn flags_go_before_environment_before_file_before_defaults() {
+fn options_override_environment_file_and_defaults() {
     let scratch = Scratch::new("settings");
     let file = scratch.write("service.toml", "max_sessions = 1\nmax_lag_ms = 1\nheader_timeout_s = 1\n");
     let environment = [("REVPRIO_MAX_SESSIONS", "2"), ("REVPRIO_MAX_LAG_MS", "2"), ("REVPRIO_CONFIG", file.as_str())];
@@ -38,7 +38,7 @@ fn flags_go_before_environment_before_file_before_defaults() {
 }
 
 #[test]
-fn what_config_prints_is_a_file_that_sets_the_same() {
+fn output_of_config_is_a_file_with_the_same_settings() {
     let scratch = Scratch::new("settings_again");
     let flags = ["--allow-origin", "https://a.example", "--allow-origin", "http://[::1]:80", "--log-format", "json"];
     let printed = String::from_utf8(config(&flags, &[]).stdout).unwrap();
@@ -50,7 +50,7 @@ fn what_config_prints_is_a_file_that_sets_the_same() {
 }
 
 #[test]
-fn the_help_tells_the_defaults_in_force() {
+fn help_shows_the_effective_defaults() {
     let help = success(&["serve", "--help"]);
     let printed = String::from_utf8(config(&[], &[]).stdout).unwrap();
     for line in printed.lines().filter(|line| !line.starts_with('#')) {
@@ -63,7 +63,7 @@ fn the_help_tells_the_defaults_in_force() {
 }
 
 #[test]
-fn settings_that_make_no_sense_are_named_with_who_set_them() {
+fn errors_name_invalid_settings_and_their_source() {
     let scratch = Scratch::new("settings_wrong");
     for (text, parts) in [
         ("lisen = \"127.0.0.1:1\"", &["`lisen`", "line 1", "`listen`"][..]),
@@ -87,13 +87,13 @@ fn settings_that_make_no_sense_are_named_with_who_set_them() {
 }
 
 #[test]
-fn the_settings_that_ship_with_the_unit_are_settings() {
+fn settings_file_of_the_systemd_unit_is_valid() {
     let shipped = config(&["--config", "api/deploy/service.toml"], &[]);
     assert_eq!(line(&shipped, "drain_delay_s"), "drain_delay_s = 2.0 # file, api/deploy/service.toml");
 }
 
 #[test]
-fn serve_refuses_what_would_not_be_safe() {
+fn serve_refuses_unsafe_settings() {
     let scratch = Scratch::new("settings_unsafe");
     let message = failure(&["serve", "--listen", "0.0.0.0:0"]);
     assert!(message.contains("--token-file") && message.contains("127.0.0.1"), "{message}");
@@ -104,7 +104,7 @@ fn serve_refuses_what_would_not_be_safe() {
 }
 
 #[test]
-fn robots_of_ones_own_are_settings_too() {
+fn own_robots_can_be_set_in_every_source() {
     let scratch = Scratch::new("settings_robot");
     let file = scratch.write("service.toml", "robot = [\"fixtures/robots/planar_3r.urdf,name=mine\"]");
     let flag = ["--robot", "fixtures/robots/planar_3r.urdf,name=a,tip=tool", "--robot", "other.toml"];
@@ -119,7 +119,7 @@ fn robots_of_ones_own_are_settings_too() {
 }
 
 #[test]
-fn shells_are_told_commands_and_flags() {
+fn completion_scripts_contain_commands_and_options() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = success(&["completions", shell]);
         assert!(script.contains("simulate") && script.contains("token-file"), "{shell}");

@@ -4,7 +4,7 @@ use crate::program::{Scratch, failure, files, program, success};
 use crate::serve::Server;
 use crate::trace::Trace;
 
-/// A built-in scenario, cut to its first moments.
+/// A built-in scenario with a shorter duration.
 pub fn short(name: &str, duration: &str) -> String {
     let path = format!("{}/fixtures/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
@@ -13,7 +13,7 @@ pub fn short(name: &str, duration: &str) -> String {
 }
 
 #[test]
-fn a_scenario_of_ones_own_runs_against_a_server_and_leaves_trace_figures_and_page() {
+fn own_scenario_runs_against_a_server_and_writes_recording_figures_and_page() {
     let (scratch, server) = (Scratch::new("simulate"), Server::start());
     let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
     let out = scratch.argument("out");
@@ -31,7 +31,7 @@ fn a_scenario_of_ones_own_runs_against_a_server_and_leaves_trace_figures_and_pag
 }
 
 #[test]
-fn memory_that_travels_leaves_the_same_trace() {
+fn stateless_run_gives_the_same_recording() {
     let scratch = Scratch::new("stateless");
     let file = scratch.write("mine.toml", &short("force_tracking_singular", "duration_s = 0.3"));
     let trace = |out: &str, more: &[&str]| {
@@ -42,7 +42,7 @@ fn memory_that_travels_leaves_the_same_trace() {
 }
 
 #[test]
-fn failures_say_what_and_where() {
+fn errors_name_the_scenario_the_line_and_the_server() {
     let scratch = Scratch::new("simulate_failures");
     let known = failure(&["simulate", "stif_wall"]);
     assert!(known.contains("no scenario `stif_wall`; known: force_tracking, "), "{known}");
@@ -59,7 +59,7 @@ fn failures_say_what_and_where() {
 }
 
 #[test]
-fn what_the_service_refuses_is_passed_on() {
+fn errors_of_the_service_are_printed() {
     let scratch = Scratch::new("simulate_refused");
     let text = short("stiff_wall", "duration_s = 0.1").replacen("inertia = [15.0]", "inertia = [-15.0]", 1);
     let message = failure(&["simulate", &scratch.write("heavy.toml", &text)]);
@@ -67,14 +67,14 @@ fn what_the_service_refuses_is_passed_on() {
 }
 
 #[test]
-fn an_unknown_method_is_refused_with_the_known_ones() {
+fn unknown_method_is_refused_with_the_known_ones() {
     let output = program(&["simulate", "stiff_wall", "--method", "newton"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("reverse_priority"));
 }
 
 #[test]
-fn an_output_directory_that_cannot_be_made_is_named() {
+fn error_names_an_output_directory_that_cannot_be_created() {
     let scratch = Scratch::new("simulate_out");
     let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.01"));
     let taken = scratch.write("taken", "");

@@ -1,4 +1,4 @@
-//! `revprio sweep`: the same table, however it is made.
+//! `revprio sweep`.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -21,7 +21,7 @@ const VARY: [&str; 6] = [
 /// A directory with a short scenario, and its path.
 fn scenario(name: &str) -> (Scratch, String) {
     let scratch = Scratch::new(name);
-    // A wall at hand: it is touched within 0.12 s.
+    // The wall is so near that the tool touches it within 0.12 s.
     let text = short("stiff_wall", "duration_s = 0.12").replacen("offset_m = 0.05", "offset_m = 0.001", 1);
     let file = scratch.write("mine.toml", &text);
     (scratch, file)
@@ -36,7 +36,7 @@ fn table(directory: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn threads_shards_servers_and_interruptions_do_not_show() {
+fn table_does_not_depend_on_threads_shards_servers_or_interruptions() {
     let (scratch, file) = scenario("sweep");
     let out = |name: &str| scratch.argument(name);
     let said = sweep(&[&[&file, "--threads", "1", "--out", &out("one")][..], &VARY].concat());
@@ -63,17 +63,17 @@ fn threads_shards_servers_and_interruptions_do_not_show() {
     interrupt(&[&[&file, "--threads", "1", "--out", &out("again")][..], &VARY].concat(), &scratch.path().join("again"));
     let resumed = program(&[&["sweep", &file, "--out", &out("again")][..], &VARY].concat()).output().unwrap();
     let said = String::from_utf8_lossy(&resumed.stderr);
-    assert!(resumed.status.success() && said.contains("cells are done already"), "{said}");
+    assert!(resumed.status.success() && said.contains("cells are already completed"), "{said}");
     assert!(table(&scratch.path().join("again")) == one, "an interruption");
 }
 
-/// Ends a sweep by force once some of its cells are done.
+/// Kills a sweep after some of its cells are completed.
 fn interrupt(arguments: &[&str], out: &Path) {
     let mut child =
         program(&[&["sweep"][..], arguments].concat()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let (start, partial) = (Instant::now(), out.join("sweep-stiff_wall.partial"));
     while std::fs::read_to_string(&partial).map_or(0, |text| text.lines().count()) < 3 {
-        assert!(start.elapsed() < Duration::from_mins(2), "no cell was done");
+        assert!(start.elapsed() < Duration::from_mins(2), "no cell was completed");
         sleep(Duration::from_millis(1));
     }
     child.kill().unwrap();
@@ -82,7 +82,7 @@ fn interrupt(arguments: &[&str], out: &Path) {
 }
 
 #[test]
-fn a_cell_that_goes_wrong_is_a_row() {
+fn failed_cells_are_rows_of_the_table() {
     let (scratch, file) = scenario("sweep_wrong");
     let vary = ["--vary", "environment.stiffness=-1,1e3", "--vary", "controller.tasks.0.law.inertia=-15,15"];
     let said = sweep(&[&[&file, "--out", &scratch.argument("out")][..], &vary].concat());
@@ -90,7 +90,7 @@ fn a_cell_that_goes_wrong_is_a_row() {
 }
 
 #[test]
-fn slips_are_refused_before_the_work() {
+fn errors_are_found_before_the_first_run() {
     let (scratch, file) = scenario("sweep_refused");
     let out = scratch.argument("out");
     let refusal = |more: &[&str]| failure(&[&["sweep", &file, "--out", &out][..], more].concat());

@@ -1,8 +1,8 @@
-//! Traces as any program reads them: CSV with units in the column names.
+//! Reads CSV recordings without code of the program.
 
 use std::path::Path;
 
-/// One run.
+/// One recording.
 pub struct Trace {
     columns: Vec<String>,
     rows: Vec<csv::StringRecord>,
@@ -29,7 +29,7 @@ impl Trace {
         self.words(column).iter().map(|word| word.parse().unwrap()).collect()
     }
 
-    /// Largest difference of any joint's commanded velocity, rad/s.
+    /// Returns the largest difference of any joint's commanded velocity, rad/s.
     pub fn largest_difference(&self, other: &Self) -> f64 {
         assert_eq!((self.rows(), &self.columns), (other.rows(), &other.columns));
         let commands = self.columns.iter().filter(|name| name.starts_with("velocity_"));
@@ -38,7 +38,7 @@ impl Trace {
         differences.fold(0.0, f64::max)
     }
 
-    /// Root mean square of F_x − F_d,x from a time on, N.
+    /// Returns the root mean square of F_x − F_d,x from a time on, N.
     pub fn rmse_fx(&self, from_s: f64) -> f64 {
         let (time, force, target) =
             (self.numbers("time_s"), self.numbers("force_x_n"), self.numbers("target_force_x_n"));
@@ -47,19 +47,19 @@ impl Trace {
         (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
     }
 
-    /// Times at which the tool comes to the wall, s.
+    /// Returns the start times of contacts with the wall, s.
     pub fn contacts_s(&self) -> Vec<f64> {
         let (time, distance) = (self.numbers("time_s"), self.numbers("wall_distance_m"));
         let begins = |&i: &usize| distance[i] <= 0.0 && (i == 0 || distance[i - 1] > 0.0);
         (0..self.rows()).filter(begins).map(|i| time[i]).collect()
     }
 
-    /// F_x at the end, N.
+    /// Returns F_x at the end, N.
     pub fn final_fx(&self) -> f64 {
         *self.numbers("force_x_n").last().unwrap()
     }
 
-    /// Largest F_x, N.
+    /// Returns the largest F_x, N.
     pub fn peak_fx(&self) -> f64 {
         self.numbers("force_x_n").into_iter().fold(0.0, f64::max)
     }

@@ -1,4 +1,4 @@
-//! The examples that Cargo runs do what they say.
+//! The Cargo examples run.
 
 use revprio::service::{AppState, Robots, RunningServer, router};
 
@@ -11,13 +11,13 @@ mod controller;
 mod library;
 
 #[test]
-fn the_library_answers_without_a_server() {
+fn library_examples_run_without_a_server() {
     library::main().unwrap();
     controller::main().unwrap();
 }
 
 #[test]
-fn the_client_talks_to_a_service() {
+fn client_example_calls_a_service() {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     client::run(&server.url()).unwrap();
     drop(server);

@@ -1,8 +1,8 @@
-//! The pages for users: their commands run as printed and print what the pages show, their links lead somewhere.
+//! The pages for users: commands run and print the shown output, and links are valid.
 //!
 //! Every ```` ```sh ```` block of README.md and docs/guides is run, unless the line before it is
 //! `<!-- not run: WHY -->`. A block that is `revprio serve` alone starts the server of the blocks that follow. A block
-//! ```` ```text output ```` shows what the commands before it print; `…` in it stands for anything.
+//! ```` ```text output ```` shows what the commands before it print; `…` in it stands for any text.
 
 mod examples;
 mod page;
@@ -11,12 +11,12 @@ mod shell;
 use page::{Page, pages, root};
 use shell::Shell;
 
-/// Whether a page's commands are run.
+/// Returns whether the commands of a page are run.
 fn is_guide(page: &Page) -> bool {
     page.path.starts_with("docs/guides") || page.path.as_os_str() == "README.md"
 }
 
-/// `…` in what is shown stands for anything. Columns may be wider than they are shown.
+/// Returns whether the printed text matches the shown text, in which `…` stands for any text. Spaces may differ.
 fn shows(shown: &str, printed: &str) -> bool {
     let (shown, printed) = (single_spaced(shown), single_spaced(printed));
     let mut parts = shown.split('…');
@@ -30,13 +30,13 @@ fn shows(shown: &str, printed: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// The text with one space or line end where there are more.
+/// Returns the text with single spaces.
 fn single_spaced(text: &str) -> String {
     let line = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
     text.trim().lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Runs a page from top to bottom; what is wrong with it.
+/// Runs a page from top to bottom and returns its errors.
 fn follow(page: &Page) -> Vec<String> {
     let mut shell = Shell::new(&page.path.with_extension("").to_string_lossy().replace('/', "-"));
     let mut wrong = Vec::new();
@@ -54,7 +54,7 @@ fn follow(page: &Page) -> Vec<String> {
                 Err(why) => wrong.push(format!("{at}: {}\n{why}", block.text)),
             },
             "text output" if !shows(&block.text, &printed) => {
-                wrong.push(format!("{at}: shows\n{}\nbut printed is\n{printed}", block.text));
+                wrong.push(format!("{at}: shows\n{}\nbut the command prints\n{printed}", block.text));
             }
             _ => {}
         }
@@ -63,15 +63,15 @@ fn follow(page: &Page) -> Vec<String> {
 }
 
 #[test]
-fn commands_run_as_printed_and_print_what_is_shown() {
+fn commands_run_and_print_the_shown_output() {
     for needed in ["curl", "jq"] {
         let found = std::process::Command::new(needed).arg("--version").output();
-        assert!(found.is_ok(), "install what the pages call: tests/packages curl jq");
+        assert!(found.is_ok(), "install the programs that the pages use: tests/packages curl jq");
     }
     let pages = pages();
     let guides: Vec<&Page> = pages.iter().filter(|page| is_guide(page)).collect();
-    assert!(guides.len() > 6, "where are the guides?");
-    // One after the other: commands that compete with those of all other pages may wait in vain for their service.
+    assert!(guides.len() > 6, "guides are missing");
+    // One after the other, because commands of concurrent pages could wait too long for their service.
     let wrong: Vec<String> = guides.into_iter().flat_map(follow).collect();
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n\n"));
 }
@@ -86,7 +86,7 @@ fn every_guide_is_in_the_index() {
 }
 
 #[test]
-fn links_lead_to_files() {
+fn links_are_valid() {
     let dead = |page: &Page| -> Vec<String> {
         let directory = root().join(page.path.parent().unwrap());
         let missing = page.links.iter().filter(|(_, link)| !directory.join(link).exists());
@@ -97,7 +97,7 @@ fn links_lead_to_files() {
 }
 
 #[test]
-fn json_and_toml_on_the_pages_can_be_read() {
+fn json_and_toml_on_the_pages_are_valid() {
     for page in &pages() {
         for block in &page.blocks {
             let why = match block.kind.as_str() {
@@ -111,7 +111,7 @@ fn json_and_toml_on_the_pages_can_be_read() {
 }
 
 #[test]
-fn dots_stand_for_anything_and_nothing_else_does() {
+fn only_dots_stand_for_any_text() {
     assert!(shows("a … c\n", "a b c"));
     assert!(shows("a …\n… e", "a b\nc\nd e\n"));
     assert!(shows("a", "a\n") && shows("a … 1  2", "a b  1    2"));

@@ -1,24 +1,24 @@
-//! A page in Markdown, as far as its tests need it.
+//! Reads code blocks and links of a Markdown page.
 
 use std::path::{Path, PathBuf};
 
-/// What stands between two fences.
+/// A code block.
 pub struct Block {
     /// Line of the opening fence, from 1.
     pub line: usize,
-    /// What follows the opening fence: `sh`, `json`, `text output`.
+    /// Text after the opening fence: `sh`, `json`, `text output`.
     pub kind: String,
     pub text: String,
-    /// Whether `<!-- not run: WHY -->` stands on the line before the fence.
+    /// Whether the line before the fence is not `<!-- not run: WHY -->`.
     pub is_run: bool,
 }
 
-/// A page: its blocks, and the links outside them.
+/// A page: code blocks, and links outside them.
 pub struct Page {
     /// Path from the root of the repository.
     pub path: PathBuf,
     pub blocks: Vec<Block>,
-    /// Targets without scheme and fragment, each with its line.
+    /// Targets without fragment of relative links, each with its line.
     pub links: Vec<(usize, String)>,
 }
 
@@ -40,7 +40,7 @@ impl Page {
         Self { path: path.to_owned(), blocks, links }
     }
 
-    /// Where a line of it is.
+    /// Returns path and line.
     pub fn at(&self, line: usize) -> String {
         format!("{}:{line}", self.path.display())
     }
@@ -52,7 +52,7 @@ fn opened(line: usize, kind: &str, before: &str) -> Block {
     Block { line, kind: kind.trim().to_owned(), text: String::new(), is_run }
 }
 
-/// Targets within the repository of a line's links and pictures.
+/// Returns the targets of links and pictures in a line that are inside the repository.
 fn links_in(line: &str) -> impl Iterator<Item = String> {
     let target = |rest: &str| rest.split_once(')').map(|(target, _)| target.split('#').next().unwrap_or("").to_owned());
     let targets = line.split("](").skip(1).filter_map(target);
@@ -63,7 +63,7 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README and all pages below `docs`, from the root of the repository.
+/// Returns README and all pages below `docs` and `api`.
 pub fn pages() -> Vec<Page> {
     let mut paths = vec![PathBuf::from("README.md")];
     let mut directories = vec![PathBuf::from("docs"), PathBuf::from("api")];
@@ -72,7 +72,7 @@ pub fn pages() -> Vec<Page> {
             let path = directory.join(entry.file_name());
             let name = entry.file_name();
             if entry.path().is_dir() {
-                // What package managers leave beside a client is not ours.
+                // Skip directories of package managers.
                 let is_foreign = name == "node_modules" || name.to_string_lossy().starts_with('.');
                 directories.extend((!is_foreign).then_some(path));
             } else if path.extension().is_some_and(|ending| ending == "md") {

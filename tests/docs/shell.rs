@@ -1,4 +1,4 @@
-//! Runs the commands of a page as its reader does: in a clone, one after the other, against the server that it starts.
+//! Runs the commands of a page like a reader: in a clone, in order, against the server that the page starts.
 
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::{PermissionsExt, symlink};
@@ -7,17 +7,17 @@ use std::process::{Child, Command, Stdio};
 
 use crate::page::root;
 
-/// Where the pages say that the server is.
+/// Address of the server on the pages.
 const PRINTED_ADDRESS: &str = "127.0.0.1:8080";
 
-/// What stands for Cargo: the program is built already.
+/// Replacement for Cargo, because the program is already built.
 const CARGO: &str = r#"#!/bin/sh
 [ "$1 $2 $3" = 'run --release --' ] && shift 3 && exec revprio "$@"
 echo "only 'cargo run --release -- …' is run in tests" >&2
 exit 1
 "#;
 
-/// A directory with the contents of the repository, and the server that was started last.
+/// A directory with the contents of the repository, and the last server that was started.
 pub struct Shell {
     directory: PathBuf,
     server: Option<Child>,
@@ -25,7 +25,7 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// `name` is the page's own.
+    /// `name` must be unique to the page.
     pub fn new(name: &str) -> Self {
         let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("docs").join(name);
         let _ = std::fs::remove_dir_all(&directory);
@@ -43,10 +43,10 @@ impl Shell {
         Self { directory, server: None, address: PRINTED_ADDRESS.to_owned() }
     }
 
-    /// Runs commands to their end; standard output, or standard error of a failure.
+    /// Runs commands. Returns standard output, or standard output and standard error of a failure.
     pub fn run(&self, commands: &str) -> Result<String, String> {
         if self.server.is_none() && commands.contains(PRINTED_ADDRESS) {
-            return Err("no server was started before".to_owned());
+            return Err("the page has not started a server".to_owned());
         }
         let commands = commands.replace(PRINTED_ADDRESS, &self.address);
         let output =
@@ -55,7 +55,7 @@ impl Shell {
         if output.status.success() { Ok(text) } else { Err(text + &String::from_utf8_lossy(&output.stderr)) }
     }
 
-    /// Starts the server of the commands that follow, on a free port.
+    /// Starts the server for the following commands, on a free port.
     pub fn serve(&mut self, command: &str) -> Result<(), String> {
         self.stop();
         let command = format!("exec {} --listen 127.0.0.1:0", command.trim());
@@ -66,7 +66,7 @@ impl Shell {
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut line).unwrap();
         self.server = Some(server);
         let address = line.trim().strip_prefix("listening on http://");
-        address.ok_or("it does not listen")?.clone_into(&mut self.address);
+        address.ok_or("the server does not listen")?.clone_into(&mut self.address);
         Ok(())
     }
 

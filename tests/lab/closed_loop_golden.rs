@@ -1,4 +1,4 @@
-//! The scenarios, through a live service over HTTP, against an independent program (fixtures/golden/README.md).
+//! The scenarios of the paper through a service over HTTP, compared with an independent program (fixtures/golden/README.md).
 
 use std::ops::ControlFlow;
 
@@ -63,7 +63,7 @@ fn scenario(name: &str, method: Method, solver: Solver) -> Scenario {
     scenario
 }
 
-/// Runs against a service of its own.
+/// Runs a scenario against a new service.
 fn served(scenario: &Scenario, mode: CallMode) -> Result<Recording, RunError> {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(()))
@@ -105,7 +105,7 @@ fn largest(recording: &Recording, of: impl Fn(&Sample) -> f64) -> f64 {
     recording.samples.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The whole scenario in closed form, sample by sample and in its metrics, as the independent program has it.
+/// Asserts that samples and metrics of a scenario in closed form equal those of the independent program.
 fn equals_the_independent_program(name: &str, method: Method) -> Recording {
     let (expected, scenario) = (golden(name, method), scenario(name, method, Solver::ClosedForm));
     assert_eq!((expected.period_s, expected.duration_s), (scenario.period_s(), scenario.duration_s));
@@ -158,7 +158,7 @@ fn compare_metrics(expected: &GoldenMetrics, recording: &Recording) {
     compare_contacts(expected, &metrics, recording);
 }
 
-/// Contacts are counted only at walls: a spring is never left.
+/// Contacts are counted only at walls, because a spring is always in contact.
 fn compare_contacts(expected: &GoldenMetrics, metrics: &Metrics, recording: &Recording) {
     let peak = recording.samples.iter().find(|s| s.force[0] >= metrics.peak_force).unwrap();
     assert!((peak.time_s - expected.peak_time).abs() < 1e-12);
@@ -207,10 +207,10 @@ fn singular_stiff_wall_equals_the_independent_program_with_both_methods() {
     let pushed = equals_the_independent_program("stiff_wall_singular", Method::ReversePriority);
     assert!((Metrics::of(&pushed).final_force.unwrap() - 30.0).abs() < 1e-6);
     let damped = equals_the_independent_program("stiff_wall_singular", Method::DampedLeastSquares);
-    assert_eq!(Metrics::of(&damped).contacts, 0, "the damped classical law does not reach the wall");
+    assert_eq!(Metrics::of(&damped).contacts, 0, "the classical control does not reach the wall");
 }
 
-/// Both solvers that know limits, over the first half second, which contains the impacts.
+/// Asserts that both solvers with limits equal the closed form in the first half second, which contains the impacts.
 fn solvers_agree(name: &str, method: Method) {
     let short = |solver| Scenario { duration_s: 0.5, ..scenario(name, method, solver) };
     let reference = served(&short(Solver::ClosedForm), CallMode::Session).unwrap();
@@ -227,7 +227,7 @@ fn solvers_agree(name: &str, method: Method) {
                 largest_difference(&a.position, &b.position),
             );
         }
-        // 1e-9 m of the softer spring is 1e-6 N; the wall is asked for the same, a hundred times harder.
+        // 1e-9 m of the softer spring is 1e-6 N. The wall, which is 100 times stiffer, has the same tolerance.
         deviation.assert_small(&format!("{name}, {method}, {solver}"), 1e-6);
     }
 }
@@ -242,7 +242,7 @@ fn auto_and_qp_equal_the_closed_form_in_every_scenario() {
 }
 
 #[test]
-fn a_stateless_run_equals_a_session_to_the_bit() {
+fn stateless_run_equals_a_session_to_the_bit() {
     let scenario =
         Scenario { duration_s: 0.5, ..scenario("stiff_wall_singular", Method::ReversePriority, Solver::Auto) };
     let session = served(&scenario, CallMode::Session).unwrap();
@@ -250,7 +250,7 @@ fn a_stateless_run_equals_a_session_to_the_bit() {
     assert_eq!(served(&scenario, CallMode::Session).unwrap().samples, session.samples);
 }
 
-/// Undamped, without limits: mathematics of the conflict alone.
+/// Without damping and limits, to show the effect of the conflict alone.
 fn undamped(duration_s: f64) -> Scenario {
     let mut scenario = scenario("force_tracking_singular", Method::ReversePriority, Solver::ClosedForm);
     scenario.duration_s = duration_s;
@@ -267,7 +267,7 @@ fn undamped_reverse_priority_commands_more_than_10_rad_s_within_a_tenth_of_a_sec
     assert!(fastest > 10.0, "{fastest} rad/s");
 }
 
-/// Where exactly it ends is chaos; that it ends in a named refusal or beyond 10⁶ rad/s is not.
+/// The exact end is chaotic, but it is always an error of the service or a speed above 10⁶ rad/s.
 #[test]
 fn undamped_reverse_priority_diverges_until_the_service_refuses_the_measured_speed() {
     match served(&undamped(20.0), CallMode::Session) {

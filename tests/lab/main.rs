@@ -1,4 +1,4 @@
-//! Simulated experiments through a live service over HTTP.
+//! Simulated experiments through a service over HTTP.
 
 mod closed_loop_golden;
 mod recording;

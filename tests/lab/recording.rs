@@ -1,4 +1,4 @@
-//! A recording comes back from a file as it was written, to the last bit.
+//! Recordings are read as they were written, to the last bit.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,10 @@ use proptest::prelude::*;
 use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
 use revprio_api::wire;
-use revprio_lab::simulator::recording::{AtLimit, Extent, Format, Recording, Sensed, read};
+use revprio_lab::simulator::recording::{AtLimit, Format, Recording, Sensed, TableLayout, read};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
-/// A directory that is removed in the end.
+/// A directory that is removed when dropped.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -32,7 +32,7 @@ impl Drop for Scratch {
     }
 }
 
-/// A run of so many periods.
+/// Runs the given number of periods.
 fn recorded(periods: u32) -> Recording {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let mut scenario = Scenario::find("stiff_wall_singular").unwrap();
@@ -40,36 +40,36 @@ fn recorded(periods: u32) -> Recording {
     run(&scenario, &Client::new(&server.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// The recording as a file without the clock on the wall gives it back.
-fn timeless(recording: &Recording) -> Recording {
+/// Returns the recording without real times.
+fn without_timings(recording: &Recording) -> Recording {
     Recording { wall_time_s: 0.0, timings: Vec::new(), ..recording.clone() }
 }
 
-/// The numbers of all samples, bit by bit; `==` takes −0 for 0.
+/// Formats all samples so that −0 and 0 differ, unlike with `==`.
 fn bits(recording: &Recording) -> Vec<String> {
     recording.samples.iter().map(|sample| format!("{sample:?}")).collect()
 }
 
 #[test]
-fn a_run_comes_back_from_every_format() {
+fn every_format_gives_the_same_recording() {
     let (scratch, recording) = (Scratch::new("recording"), recorded(600));
     assert_eq!(recording.timings.len(), 600);
     for format in Format::ALL {
         let file = scratch.file(format);
         format.write_file(&recording, false, &file).unwrap();
         let back = read(&file).unwrap();
-        assert_eq!(back, timeless(&recording), "{format:?}");
+        assert_eq!(back, without_timings(&recording), "{format:?}");
         assert_eq!(bits(&back), bits(&recording), "{format:?}");
         format.write_file(&recording, true, &file).unwrap();
-        assert_eq!(read(&file).unwrap(), recording, "{format:?} with the clock on the wall");
+        assert_eq!(read(&file).unwrap(), recording, "{format:?} with real times");
     }
 }
 
 #[test]
-fn the_same_run_leaves_the_same_bytes() {
+fn same_run_gives_the_same_bytes() {
     let scratch = Scratch::new("recording_bytes");
     let (first, mut second) = (recorded(50), recorded(50));
-    // What differs from run to run.
+    // Real times differ from run to run.
     second.wall_time_s += 1.0;
     for format in Format::ALL {
         let bytes = [&first, &second].map(|recording| {
@@ -80,17 +80,17 @@ fn the_same_run_leaves_the_same_bytes() {
     }
 }
 
-/// Any finite number, the awkward ones often.
+/// Any finite number, with many special values.
 fn number() -> impl Strategy<Value = f64> {
-    let awkward = vec![0.0, -0.0, f64::MAX, f64::MIN_POSITIVE, 5e-324, -2.225_073_858_507_201e-308, 0.1, 1.0 / 3.0];
-    prop_oneof![prop::sample::select(awkward), prop::num::f64::NORMAL, prop::num::f64::SUBNORMAL]
+    let special = vec![0.0, -0.0, f64::MAX, f64::MIN_POSITIVE, 5e-324, -2.225_073_858_507_201e-308, 0.1, 1.0 / 3.0];
+    prop_oneof![prop::sample::select(special), prop::num::f64::NORMAL, prop::num::f64::SUBNORMAL]
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_numbers_and_words_come_back(
+    fn any_numbers_and_words_are_read_as_written(
         numbers in prop::collection::vec(number(), 64),
         missing: [bool; 4],
         age in 0_u64..=i64::MAX as u64,
@@ -98,7 +98,7 @@ proptest! {
         is_sensed: bool,
     ) {
         let scratch = Scratch::new("recording_any");
-        let mut recording = timeless(&template());
+        let mut recording = without_timings(&template());
         let mut next = numbers.iter().copied().cycle();
         let mut fill = |slots: &mut [f64]| slots.iter_mut().for_each(|slot| *slot = next.next().unwrap());
         for sample in &mut recording.samples {
@@ -136,14 +136,14 @@ proptest! {
     }
 }
 
-/// Two periods of a run, to be filled with other numbers.
+/// Two periods of a run, to be overwritten.
 fn template() -> Recording {
     static RUN: std::sync::OnceLock<Recording> = std::sync::OnceLock::new();
     RUN.get_or_init(|| recorded(2)).clone()
 }
 
 #[test]
-fn what_is_no_recording_is_refused_by_name() {
+fn errors_name_files_columns_and_values_that_are_not_valid() {
     let (scratch, recording) = (Scratch::new("recording_refused"), template());
     let refusal = |path: &Path| read(path).unwrap_err().to_string();
     assert!(refusal(&scratch.0.join("run.xlsx")).contains(".csv, .jsonl, .parquet, .mcap"));
@@ -168,10 +168,10 @@ fn what_is_no_recording_is_refused_by_name() {
 }
 
 #[test]
-fn the_documentation_lists_every_column() {
+fn documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all = Extent { joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all = TableLayout { joints: &joints, tasks: 1, sensed: true, timed: true };
     let missing: Vec<String> = all
         .columns()
         .iter()

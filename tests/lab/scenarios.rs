@@ -1,4 +1,4 @@
-//! What each scenario is to show, in runs through a live service over HTTP.
+//! The expected result of each scenario, through a service over HTTP.
 
 use std::ops::ControlFlow;
 
@@ -25,7 +25,7 @@ fn with_method(name: &str, method: Method) -> Scenario {
     scenario
 }
 
-/// Runs against a service of its own.
+/// Runs a scenario against a new service.
 fn run_in(scenario: &Scenario, mode: CallMode) -> Recording {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     run(scenario, &Client::new(&server.url()), mode, |_| ControlFlow::Continue(())).unwrap()
@@ -35,7 +35,7 @@ fn served(scenario: &Scenario) -> Recording {
     run_in(scenario, CallMode::Session)
 }
 
-/// Samples from one time to another, s.
+/// Returns the samples from one time to another, s.
 fn between(run: &Recording, from_s: f64, to_s: f64) -> &[Sample] {
     let index = |time_s: f64| run.samples.partition_point(|sample| sample.time_s < time_s);
     &run.samples[index(from_s)..index(to_s)]
@@ -53,40 +53,40 @@ fn speed(sample: &Sample) -> f64 {
     sample.joint_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max)
 }
 
-fn breaks_a_limit(sample: &Sample) -> bool {
+fn exceeds_a_limit(sample: &Sample) -> bool {
     sample.limits.iter().any(|limit| matches!(limit, AtLimit::Below | AtLimit::Above))
 }
 
-/// F_x beside its 30 N once the impact is over.
+/// Returns the largest deviation of F_x from 30 N after the impact.
 fn force_error(run: &Recording) -> f64 {
     largest(between(run, 2.0, 5.0), |s| (s.force[0] - 30.0).abs())
 }
 
 #[test]
-fn within_limits_the_cascade_keeps_the_force_and_the_sweep_gives_way() {
+fn cascade_keeps_limits_and_force_while_the_sweep_gives_way() {
     for solver in [Solver::Auto, Solver::Qp] {
         let cascade = served(&with_solver("stiff_wall_limits", solver));
         assert!(force_error(&cascade) < 0.2, "{}", force_error(&cascade));
         assert!(largest(&cascade.samples, |s| s.residual_norms[0]) < 1e-9);
-        assert!(largest(&cascade.samples, speed) <= 0.35 + 1e-12 && !cascade.samples.iter().any(breaks_a_limit));
+        assert!(largest(&cascade.samples, speed) <= 0.35 + 1e-12 && !cascade.samples.iter().any(exceeds_a_limit));
         let held = cascade.samples.iter().filter(|s| s.limits.contains(&AtLimit::Upper)).count();
         assert!(held > 100 && largest(&cascade.samples, |s| s.residual_norms[1]) > 0.01, "{held}");
     }
 }
 
 #[test]
-fn without_limits_in_mind_the_closed_form_breaks_them_and_drives_that_cut_it_lose_the_force() {
+fn closed_form_exceeds_limits_and_clamping_drives_lose_the_force() {
     let closed = served(&with_solver("stiff_wall_limits", Solver::ClosedForm));
-    assert!(closed.samples.iter().any(breaks_a_limit) && largest(&closed.samples, speed) > 0.7);
+    assert!(closed.samples.iter().any(exceeds_a_limit) && largest(&closed.samples, speed) > 0.7);
     assert!(force_error(&closed) < 0.2);
-    let cut = served(&scenario("stiff_wall_limits_clamped"));
-    let fastest = largest(&cut.samples, |s| s.actual_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max));
+    let clamped = served(&scenario("stiff_wall_limits_clamped"));
+    let fastest = largest(&clamped.samples, |s| s.actual_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max));
     assert!(fastest <= 0.35, "{fastest}");
-    assert!(force_error(&cut) > 5.0 * force_error(&closed), "{} {}", force_error(&cut), force_error(&closed));
+    assert!(force_error(&clamped) > 5.0 * force_error(&closed), "{} {}", force_error(&clamped), force_error(&closed));
 }
 
 #[test]
-fn the_lag_that_the_margin_forbids_bounces_and_the_recommended_damping_settles() {
+fn lag_above_the_margin_bounces_and_more_damping_settles() {
     let lagging = served(&scenario("stiff_wall_lag"));
     let contacts = |run: &Recording| Metrics::of(run).contacts;
     assert!(contacts(&lagging) > 10, "{}", contacts(&lagging));
@@ -97,7 +97,7 @@ fn the_lag_that_the_margin_forbids_bounces_and_the_recommended_damping_settles()
 }
 
 #[test]
-fn limited_accelerations_make_a_hard_impact_harder_and_bear_a_slow_one() {
+fn acceleration_limits_increase_the_peak_of_a_fast_impact_only() {
     let fast = served(&scenario("stiff_wall_acceleration"));
     let peak = |run: &Recording| Metrics::of(run).peak_force;
     let free = served(&scenario("stiff_wall"));
@@ -108,7 +108,7 @@ fn limited_accelerations_make_a_hard_impact_harder_and_bear_a_slow_one() {
 }
 
 #[test]
-fn a_joint_at_its_end_stops_there_and_the_orientation_gives_way() {
+fn joint_stops_at_the_end_of_its_range_and_the_orientation_gives_way() {
     let closed = served(&with_solver("joint_limits", Solver::ClosedForm));
     let kept = served(&scenario("joint_limits"));
     let furthest = |run: &Recording| largest(&run.samples, |s| s.joint_position[5].abs());
@@ -120,7 +120,7 @@ fn a_joint_at_its_end_stops_there_and_the_orientation_gives_way() {
 }
 
 #[test]
-fn three_tasks_in_conflict_are_shared_by_reverse_priority_and_ordered_by_the_strict_hierarchy() {
+fn reverse_priority_shares_a_conflict_that_the_strict_hierarchy_orders() {
     let residuals = |method| served(&with_method("task_conflict", method)).samples[0].residual_norms.clone();
     let (shared, strict) = (residuals(Method::ReversePriority), residuals(Method::StrictReversePriority));
     assert!(shared[0] < 1e-9 && strict[0] < 1e-9, "{shared:?} {strict:?}");
@@ -129,7 +129,7 @@ fn three_tasks_in_conflict_are_shared_by_reverse_priority_and_ordered_by_the_str
 }
 
 #[test]
-fn a_moving_wall_is_followed_without_losing_contact() {
+fn tool_follows_a_moving_wall_without_losing_contact() {
     let run = served(&scenario("moving_wall"));
     let steady = between(&run, 2.0, 6.0);
     assert!(steady.iter().all(|s| s.wall_distance.unwrap() < 0.0));
@@ -138,7 +138,7 @@ fn a_moving_wall_is_followed_without_losing_contact() {
 }
 
 #[test]
-fn a_plane_is_polished_with_a_steady_force_against_friction() {
+fn polishing_keeps_a_steady_force_against_friction() {
     let run = served(&scenario("polishing"));
     let normal = [0.5, 0.0, 0.75_f64.sqrt()];
     let steady = between(&run, 3.0, 8.0);
@@ -156,7 +156,7 @@ fn a_plane_is_polished_with_a_steady_force_against_friction() {
 }
 
 #[test]
-fn a_pushed_arm_gives_way_as_a_spring_and_comes_back() {
+fn pushed_arm_moves_like_a_spring_and_returns() {
     let run = served(&scenario("human_push"));
     let pushed = between(&run, 3.4, 3.5)[0].position_error[1];
     assert!((pushed - 0.06).abs() < 0.005, "{pushed}");
@@ -166,7 +166,7 @@ fn a_pushed_arm_gives_way_as_a_spring_and_comes_back() {
 }
 
 #[test]
-fn six_joints_at_a_wall_settle_and_exact_methods_are_the_same() {
+fn six_joints_settle_at_a_wall_and_exact_methods_are_equal() {
     let run = served(&scenario("ur5e_wall"));
     assert!((final_force(&run) - 30.0).abs() < 0.3, "{}", final_force(&run));
     let other = served(&with_method("ur5e_wall", Method::TaskPriority));
@@ -175,7 +175,7 @@ fn six_joints_at_a_wall_settle_and_exact_methods_are_the_same() {
 }
 
 #[test]
-fn a_biased_sensor_shifts_the_force_and_a_seed_makes_the_run() {
+fn biased_sensor_shifts_the_force_and_the_seed_determines_the_run() {
     let noisy = scenario("noisy_sensors");
     let run = served(&noisy);
     let steady = between(&run, 1.5, 3.0);
@@ -188,28 +188,28 @@ fn a_biased_sensor_shifts_the_force_and_a_seed_makes_the_run() {
 }
 
 #[test]
-fn on_a_lossy_line_the_arm_comes_to_rest_in_time_and_takes_its_way_up_again() {
+fn arm_comes_to_rest_during_an_outage_and_continues_afterwards() {
     for mode in [CallMode::Session, CallMode::Stateless] {
         let run = run_in(&scenario("lossy_line"), mode);
         let lost = run.samples.iter().filter(|s| !s.answered).count();
-        // Late by up to ten periods, where a second jam follows on the first.
-        let ages_are_told = run.samples.iter().all(|s| if s.answered { s.answer_age <= 10 } else { s.answer_age > 0 });
-        assert!(lost > 600 && ages_are_told, "{lost}");
+        // Answers are up to ten periods late, if a second late answer follows the first.
+        let ages_are_valid = run.samples.iter().all(|s| if s.answered { s.answer_age <= 10 } else { s.answer_age > 0 });
+        assert!(lost > 600 && ages_are_valid, "{lost}");
         let outage = between(&run, 2.0, 2.5);
         assert!(outage.iter().all(|s| !s.answered));
-        // Obeyed for 100 ms, then slower in each period, at rest before the end.
-        let (still, ramp) = outage.split_at(100);
-        assert!(still.iter().all(|s| s.joint_velocity == still[0].joint_velocity) && speed(&still[0]) > 0.01);
+        // Held for 100 ms, then slower in each period, at rest before the end.
+        let (held, ramp) = outage.split_at(100);
+        assert!(held.iter().all(|s| s.joint_velocity == held[0].joint_velocity) && speed(&held[0]) > 0.01);
         assert!(ramp.is_sorted_by(|a, b| speed(a) >= speed(b)) && speed(ramp.last().unwrap()) == 0.0);
-        let way = run.samples.last().unwrap();
-        let expected = 0.1 * (2.0 * way.time_s).sin();
-        assert!((way.position_error[1] - expected).abs() < 0.05, "{} {expected}", way.position_error[1]);
+        let last = run.samples.last().unwrap();
+        let expected = 0.1 * (2.0 * last.time_s).sin();
+        assert!((last.position_error[1] - expected).abs() < 0.05, "{} {expected}", last.position_error[1]);
     }
 }
 
-/// A lag moves the arm within the period, and a wall with inertia feels how.
+/// With a lag, the velocity changes within a period, which matters for a wall with inertia.
 #[test]
-fn finer_substeps_lead_to_the_same_run_a_quarter_of_the_step_to_a_quarter_of_the_error() {
+fn error_is_proportional_to_the_length_of_the_substeps() {
     let mut heavy = Scenario { duration_s: 1.0, ..scenario("stiff_wall_lag_damped") };
     heavy.contacts[0].offset_m = 0.01;
     heavy.contacts[0].damping = 50.0;

@@ -1,5 +1,5 @@
-//! The stability margin against the simulator: the lag at which a simulated contact begins to swing up, found by bisection
-//! over runs through the service, is the computed one.
+//! Compares the computed maximum lag with the simulator: bisection finds the lag at which the oscillation of a simulated
+//! contact begins to grow.
 
 use std::ops::{ControlFlow, Range};
 
@@ -36,7 +36,7 @@ axes = ["y", "z", "rx", "ry", "rz"]
 law = { kind = "velocity", target_velocity = { kind = "constant", value = [0.0, 0.0, 0.0, 0.0, 0.0] } }
 "#;
 
-/// The contact with so much lag and damping.
+/// Returns the contact with the given lag and damping.
 fn contact(lag_s: f64, damping: f64) -> Scenario {
     let text = CONTACT.replace("damping = [150.0]", &format!("damping = [{damping:?}]"));
     let mut scenario = Scenario::parse(&text, "stiff_spring.toml").unwrap();
@@ -44,13 +44,13 @@ fn contact(lag_s: f64, damping: f64) -> Scenario {
     scenario
 }
 
-/// Width of the swing of the force in the second and in the fourth second, N.
-fn swings(client: &Client, scenario: &Scenario) -> [f64; 2] {
-    swings_in(client, scenario, [1000..2000, 3000..4000])
+/// Returns the peak-to-peak force in the second and in the fourth second, N.
+fn amplitudes(client: &Client, scenario: &Scenario) -> [f64; 2] {
+    amplitudes_in(client, scenario, [1000..2000, 3000..4000])
 }
 
-/// Width of the swing of the force in some periods, N.
-fn swings_in<const N: usize>(client: &Client, scenario: &Scenario, periods: [Range<usize>; N]) -> [f64; N] {
+/// Returns the peak-to-peak force in some periods, N.
+fn amplitudes_in<const N: usize>(client: &Client, scenario: &Scenario, periods: [Range<usize>; N]) -> [f64; N] {
     let recording = run(scenario, client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
     periods.map(|periods| {
         let forces = recording.samples[periods].iter().map(|sample| sample.force[0]);
@@ -59,29 +59,29 @@ fn swings_in<const N: usize>(client: &Client, scenario: &Scenario, periods: [Ran
     })
 }
 
-/// Whether the force swings wider in the last second than in the second one.
-fn swings_up(client: &Client, lag_s: f64) -> bool {
-    let [early, late] = swings(client, &contact(lag_s, 150.0));
+/// Returns whether the oscillation grows between the second and the fourth second.
+fn oscillation_grows(client: &Client, lag_s: f64) -> bool {
+    let [early, late] = amplitudes(client, &contact(lag_s, 150.0));
     late > early
 }
 
-/// The lag at which the swing begins to grow, by eight halvings of 0.5 … 1.5 times `about`.
-fn simulated_largest_lag(client: &Client, about: f64) -> f64 {
-    let (mut calm, mut wild) = (0.5 * about, 1.5 * about);
-    assert!(!swings_up(client, calm) && swings_up(client, wild));
+/// Returns the lag at which the oscillation begins to grow, by eight bisections of 0.5 … 1.5 times `estimate`.
+fn simulated_largest_lag(client: &Client, estimate: f64) -> f64 {
+    let (mut stable, mut unstable) = (0.5 * estimate, 1.5 * estimate);
+    assert!(!oscillation_grows(client, stable) && oscillation_grows(client, unstable));
     for _ in 0..8 {
-        let middle = f64::midpoint(calm, wild);
-        if swings_up(client, middle) {
-            wild = middle;
+        let middle = f64::midpoint(stable, unstable);
+        if oscillation_grows(client, middle) {
+            unstable = middle;
         } else {
-            calm = middle;
+            stable = middle;
         }
     }
-    f64::midpoint(calm, wild)
+    f64::midpoint(stable, unstable)
 }
 
 #[test]
-fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
+fn computed_maximum_lag_equals_the_simulated_one() {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let client = Client::new(&server.url());
     let request = StabilityRequest {
@@ -102,7 +102,7 @@ fn the_largest_lag_is_the_one_at_which_a_simulated_contact_swings_up() {
 }
 
 #[test]
-fn a_warned_controller_swings_up_and_the_recommended_damping_settles() {
+fn controller_with_a_warning_is_unstable_and_the_recommended_damping_is_stable() {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let client = Client::new(&server.url());
     let warnings =
@@ -110,18 +110,18 @@ fn a_warned_controller_swings_up_and_the_recommended_damping_settles() {
     let lagging = contact(0.005, 150.0);
     let warnings_of_lagging = warnings(&lagging);
     assert_eq!(warnings_of_lagging.len(), 1);
-    // From about a second on it swings through the whole reach of the arm, and cannot swing wider.
-    let swings_of_lagging = swings_in(&client, &lagging, [100..200, 300..400, 1000..2000, 3000..4000]);
-    assert!(swings_of_lagging[1] > 3.0 * swings_of_lagging[0], "{swings_of_lagging:?} N");
-    assert!(swings_of_lagging[2..].iter().all(|swing| *swing > 1000.0), "{swings_of_lagging:?} N");
+    // After about a second the oscillation is limited by the reach of the arm.
+    let amplitudes_of_lagging = amplitudes_in(&client, &lagging, [100..200, 300..400, 1000..2000, 3000..4000]);
+    assert!(amplitudes_of_lagging[1] > 3.0 * amplitudes_of_lagging[0], "{amplitudes_of_lagging:?} N");
+    assert!(amplitudes_of_lagging[2..].iter().all(|amplitude| *amplitude > 1000.0), "{amplitudes_of_lagging:?} N");
 
     let (_, advice) = warnings_of_lagging[0].split_once("damping of at least ").unwrap();
     let recommended: f64 = advice.split(' ').next().unwrap().parse().unwrap();
-    let mended = contact(0.005, recommended);
-    assert_eq!(warnings(&mended), [""; 0]);
-    let [early, late] = swings(&client, &mended);
+    let corrected = contact(0.005, recommended);
+    assert_eq!(warnings(&corrected), [""; 0]);
+    let [early, late] = amplitudes(&client, &corrected);
     assert!(late < early, "{early} N, then {late} N");
-    let [early, late] = swings(&client, &contact(0.005, 1.5 * recommended));
+    let [early, late] = amplitudes(&client, &contact(0.005, 1.5 * recommended));
     assert!(late < 0.01 * early, "{early} N, then {late} N");
     assert_eq!(warnings(&contact(0.005, 0.999 * recommended / 1.001)).len(), 1);
 }

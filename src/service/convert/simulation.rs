@@ -34,7 +34,7 @@ fn built_in(name: &str) -> Result<Scenario, ApiError> {
 }
 
 fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, ApiError> {
-    if let Some(flaw) = scenario.flaw() {
+    if let Err(flaw) = scenario.check() {
         return Err(ApiError::invalid(flaw.pointer, flaw.problem));
     }
     let controller = controller(&scenario.controller, robots).map_err(|problem| problem.inside("/controller"))?;

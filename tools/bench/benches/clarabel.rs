@@ -1,6 +1,6 @@
-//! Which settings of Clarabel suit one level: min ‖J q̇ − ẋ‖² inside joint limits, 7 unknowns and 14 bounds, at 200 postures
-//! of Sawyer. `cargo bench --bench clarabel` prints time per solve (relative to the solver's defaults, built anew each
-//! time), iterations, and for how many levels the multipliers show the right active limits.
+//! Compares settings of Clarabel for one level: min ‖J q̇ − ẋ‖² inside joint limits, 7 unknowns and 14 bounds, at 200 postures
+//! of Sawyer. `cargo bench --bench clarabel` prints time per solve (relative to a new solver with default
+//! settings), iterations, and the share of levels whose multipliers show the right active limits.
 #![allow(non_snake_case)]
 
 use std::hint::black_box;
@@ -15,10 +15,10 @@ use revprio_robot::kinematics::Configuration;
 /// Joints of Sawyer.
 const N: usize = 7;
 
-/// Of every joint, rad/s.
+/// Limit of every joint, rad/s.
 const LIMIT: f64 = 0.3;
 
-/// Times that each setting solves all levels; the fastest counts.
+/// Number of rounds per setting; the fastest counts.
 const ROUNDS: usize = 15;
 
 /// ½ q̇ᵀP q̇ + qᵀq̇, P as its upper triangle by columns.
@@ -50,7 +50,7 @@ const DEFAULT: Setting = Setting {
     max_iter: 200,
 };
 
-/// What the resolution uses.
+/// The settings of the resolution.
 const CHOSEN: Setting = Setting {
     name: "persistent, none of them, 1e-10, at most 40: chosen",
     persistent: true,
@@ -77,7 +77,7 @@ const SETTINGS: [Setting; 11] = [
 
 fn main() {
     let levels: Vec<Level> = (1..=200).map(level).collect();
-    let exact: Vec<_> = levels.iter().map(|level| pressed(&mut CHOSEN.with(1e-12).solver(level))).collect();
+    let exact: Vec<_> = levels.iter().map(|level| active_bounds(&mut CHOSEN.with(1e-12).solver(level))).collect();
     let mut of_default = None;
     println!("{:<54} {:>8} {:>6} {:>10} {:>6}", "settings", "µs", "ratio", "iterations", "right");
     for setting in SETTINGS {
@@ -87,7 +87,8 @@ fn main() {
         let (mut iterations, mut right) = (0, 0);
         for (expected, solver) in exact.iter().zip(&mut solvers) {
             let mut solver = solver;
-            right += u32::from(pressed(&mut solver) == *expected && solver.solution.status == SolverStatus::Solved);
+            right +=
+                u32::from(active_bounds(&mut solver) == *expected && solver.solution.status == SolverStatus::Solved);
             iterations += solver.solution.iterations;
         }
         let mean = f64::from(iterations) / 200.0;
@@ -95,7 +96,7 @@ fn main() {
     }
 }
 
-/// A twist that the limits cut, at a posture of Sawyer.
+/// Returns a level with active limits at a posture of Sawyer.
 fn level(i: usize) -> Level {
     const STRIDES: [f64; N] = [0.754_878, 0.569_840, 0.430_160, 0.324_718, 0.245_122, 0.185_037, 0.139_681];
     let posture = STRIDES.map(|stride| 4.0 * ((i as f64 * stride).fract() - 0.5));
@@ -107,8 +108,8 @@ fn level(i: usize) -> Level {
     Level { P, q: (J.tr_mul(&xdot) * -1.0).as_slice().to_vec() }
 }
 
-/// The bounds whose multiplier exceeds their slack.
-fn pressed(solver: &mut DefaultSolver<f64>) -> Vec<usize> {
+/// Returns the bounds whose multiplier exceeds their slack.
+fn active_bounds(solver: &mut DefaultSolver<f64>) -> Vec<usize> {
     solver.solve();
     let pairs = solver.solution.z.iter().zip(&solver.solution.s).enumerate();
     pairs.filter(|(_, (multiplier, slack))| multiplier > slack).map(|(row, _)| row).collect()
@@ -148,7 +149,7 @@ impl Setting {
         DefaultSolver::new(&P, &level.q, &A, &[LIMIT; 2 * N], &[NonnegativeConeT(2 * N)], settings).unwrap()
     }
 
-    /// Seconds per level.
+    /// Returns the time per level, s.
     fn time(self, levels: &[Level]) -> f64 {
         let mut kept = self.solver(&levels[0]);
         let mut fastest = f64::INFINITY;

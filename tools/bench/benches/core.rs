@@ -91,7 +91,7 @@ fn overwrite(tasks: &mut TaskStack, configuration: &Configuration, push: &AxisSe
         .unwrap();
 }
 
-/// A second of a 1 kHz trajectory: the arm moves, pushes and is held back by limits for about half of the time.
+/// One second of a 1 kHz trajectory; limits are active for about half of the time.
 struct Trajectory {
     problems: Vec<Problem>,
 }
@@ -111,7 +111,7 @@ impl Trajectory {
         Self { problems: (0..1000).map(at).collect() }
     }
 
-    /// Only the cycles in which limits are active.
+    /// Keeps only the cycles with active limits.
     fn limited(mut self) -> Self {
         self.problems.retain(|problem| {
             let answer = revprio_core::resolution::resolve(problem, &[]).unwrap();

@@ -1,11 +1,11 @@
-//! Files, and the parts of a Markdown document that a program writes.
+//! Files, and marked tables of Markdown documents.
 
 use std::fs;
 use std::path::Path;
 
 use super::BenchError;
 
-/// The text with what stands between `<!-- bench:NAME -->` and `<!-- end -->` replaced, wherever that is.
+/// Replaces every text between `<!-- bench:NAME -->` and `<!-- end -->`.
 pub fn filled(text: &str, name: &str, content: &str) -> String {
     let (begin, end) = (format!("<!-- bench:{name} -->\n"), "<!-- end -->");
     let mut parts = text.split(&begin);
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_stands_between_the_marks_is_replaced_and_nothing_else() {
+    fn only_text_between_the_marks_is_replaced() {
         let text = "a\n<!-- bench:x -->\n\nold\n\n<!-- end -->\nb\n<!-- bench:y -->\n<!-- end -->\n";
         let expected = "a\n<!-- bench:x -->\n\nnew\n\n<!-- end -->\nb\n<!-- bench:y -->\n<!-- end -->\n";
         assert_eq!(filled(text, "x", "new\n"), expected);

@@ -1,13 +1,13 @@
-//! Measures how fast the program is, side by side with what else does the same.
+//! Measures the speed of revprio next to other programs.
 //!
 //! ```text
 //! core, http, pacing ─→ rows ────┐
 //! growth ────────────→ series ───┴→ Report ─→ text, JSON, Markdown in documents, figures
 //! ```
 //!
-//! Times say little without a peer in the same run: the machine, its load and its clock differ from day to day. Peers
-//! that are Rust (nalgebra, faer, Clarabel, a bare axum route, a bare TCP connection) run here; those in C++ and Python
-//! run in `tools/bench/peers`. No result passes or fails.
+//! Absolute times depend on the machine, its load and its clock, so each time is compared with a peer in the same run. Peers
+//! in Rust (nalgebra, faer, Clarabel, a bare axum route, a bare TCP connection) run here, peers in C++ and Python in
+//! `tools/bench/peers`. No result passes or fails.
 
 mod core;
 mod document;
@@ -30,7 +30,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Speed of revprio, side by side with other programs.
+/// Benchmarks and load test of revprio.
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true)]
 struct Cli {
@@ -40,9 +40,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Measure speed, side by side with other programs that do the same.
+    /// Measure speed next to other programs.
     Bench(options::Options),
-    /// Load a server with 1, 2 and 10 times its capacity, and with slow clients.
+    /// Test a server under 1, 2 and 10 times its capacity, and with slow clients.
     Load(load::Options),
     /// The server under load: `revprio serve` with these arguments.
     #[command(hide = true)]
@@ -72,14 +72,14 @@ fn serve(arguments: Vec<String>) -> Result<(), BenchError> {
     Ok(revprio::cli::Cli::parse_from(command).run()?)
 }
 
-/// Why nothing was measured.
+/// Why a measurement failed.
 #[derive(Debug, thiserror::Error)]
 enum BenchError {
-    /// What was to be measured refused its input: a defect of the measurement.
-    #[error("the measurement is wrong: {0}")]
+    /// The measured code rejected its input; this is a defect of the benchmark.
+    #[error("defect of the benchmark: {0}")]
     Defect(String),
     /// A server or a connection failed.
-    #[error("a connection of the measurement failed: {0}")]
+    #[error("a connection of the benchmark failed: {0}")]
     Connection(#[from] std::io::Error),
     /// The service did not start.
     #[error(transparent)]
@@ -93,8 +93,8 @@ enum BenchError {
     /// A figure cannot be drawn.
     #[error(transparent)]
     Figure(#[from] revprio_lab::report::Error),
-    /// The server under load broke a rule.
-    #[error("under load: {0}")]
+    /// The server under load did not behave as required.
+    #[error("the server under load failed: {0}")]
     Load(String),
     /// The server under load did not start.
     #[error(transparent)]
@@ -104,7 +104,7 @@ enum BenchError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! `revprio bench`
+//! `revprio-bench bench`
 
 use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
@@ -11,21 +11,21 @@ use crate::report::Report;
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Measure these parts alone
+    /// Parts to measure, separated by commas; all by default
     #[arg(long, value_delimiter = ',', value_enum)]
     only: Vec<Group>,
-    /// As little as shows that all of it works; its numbers mean little
+    /// Measure as little as possible, to test the benchmark; the numbers are not meaningful
     #[arg(long)]
     quick: bool,
-    /// Length of each paced control loop, s
+    /// Duration of each control loop, s
     #[arg(long, default_value_t = 60.0, value_parser = seconds)]
     seconds: f64,
-    /// Do one thing so many times, for a profiler that counts instructions
+    /// Repeat one operation, for a profiler that counts instructions
     #[arg(long, hide = true, value_enum, requires = "times")]
     repeat: Option<Repeated>,
     #[arg(long, hide = true)]
     times: Option<u64>,
-    /// Resolve the problems of `tools/bench/peers`
+    /// File with the problems of `tools/bench/peers` to resolve
     #[arg(long, hide = true, value_name = "FILE")]
     problems: Option<PathBuf>,
     /// Print JSON
@@ -34,15 +34,15 @@ pub struct Options {
     /// Directory for figures
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// Markdown document whose tables, marked `<!-- bench:NAME -->`, are to be rewritten; may be given several times
+    /// Markdown document in which tables marked `<!-- bench:NAME -->` are replaced; may be repeated
     #[arg(long, value_name = "FILE")]
     fill: Vec<PathBuf>,
 }
 
-/// Up to an hour.
+/// Parses a time of up to one hour.
 fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.001..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("between 0.001 and 3600".to_owned()) }
+    let seconds: f64 = text.parse().map_err(|_| "must be a number".to_owned())?;
+    if (0.001..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must be between 0.001 and 3600".to_owned()) }
 }
 
 pub fn run(options: &Options) -> Result<(), BenchError> {

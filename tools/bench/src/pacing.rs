@@ -1,4 +1,4 @@
-//! A control loop that asks once per period, as a robot would, and how often a period is missed.
+//! A control loop with one call per period, and the number of missed periods.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use super::timing::Times;
 
 const RATES_HZ: [u32; 3] = [100, 500, 1000];
 
-/// Classes of the histogram per decade.
+/// Histogram classes per decade.
 const CLASSES: f64 = 10.0;
 
 /// One paced loop.
@@ -20,22 +20,22 @@ const CLASSES: f64 = 10.0;
 pub struct Paced {
     /// Periods per second.
     pub rate_hz: u32,
-    /// Answers.
+    /// Number of periods.
     pub periods: u64,
-    /// Periods at whose end the answer was not there, or that were skipped because of that.
+    /// Periods without an answer at their end, including skipped ones.
     pub missed: u64,
-    /// Longest time from sending to the whole answer, s.
+    /// Longest time from sending to the complete answer, s.
     pub longest_s: f64,
-    /// Shares of the answers by their time: middle of the class (s) and share; empty classes are left out.
+    /// Histogram of the round trips: middle of the class (s) and share; without empty classes.
     pub histogram: Vec<(f64, f64)>,
     #[serde(skip)]
     round_trips: Times,
-    /// How late the loop itself woke up.
+    /// Delay of the wake-up of the loop.
     #[serde(skip)]
     wake_ups: Times,
 }
 
-/// Runs each rate for so many seconds.
+/// Runs each rate for the given time (s).
 pub fn run(seconds: f64) -> Result<Vec<Paced>, BenchError> {
     let service = UnderTest::start()?;
     let one = |rate_hz| {
@@ -55,7 +55,7 @@ fn paced(connection: &mut Connection, rate_hz: u32, seconds: f64) -> Result<Pace
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         let sent = Instant::now();
         wake_ups.push(sent.duration_since(due).as_secs_f64());
-        connection.ask()?;
+        connection.call()?;
         let answered = Instant::now();
         round_trips.push(answered.duration_since(sent).as_secs_f64());
         due += period;
@@ -73,12 +73,12 @@ fn paced(connection: &mut Connection, rate_hz: u32, seconds: f64) -> Result<Pace
         longest_s: round_trips.quantile(1.0),
         histogram: histogram(&round_trips),
         round_trips,
-        wake_ups: Times::of("lateness of the loop's own wake-up", wake_ups),
+        wake_ups: Times::of("wake-up delay of the loop", wake_ups),
     })
 }
 
 impl Paced {
-    /// Round trips beside the wake-ups of the loop, which say how busy the machine was.
+    /// Returns the round trips, compared with the wake-up delays, which show the load of the machine.
     pub fn row(&self) -> Row {
         Row::of_times(&self.round_trips, Some(&self.wake_ups))
     }
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_histogram_holds_every_answer_once() {
+    fn histogram_contains_every_answer_once() {
         let histogram = histogram(&Times::of("", vec![1.1e-4, 1.2e-4, 3e-3, 0.0]));
         assert_eq!(histogram.iter().map(|(_, share)| share).sum::<f64>(), 1.0);
         assert!(histogram.iter().any(|(middle, share)| (1e-4..1.26e-4).contains(middle) && *share == 0.5));

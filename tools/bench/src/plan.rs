@@ -1,4 +1,4 @@
-//! What is measured, and for how long.
+//! The parts to measure, and the time for each.
 
 use std::time::Duration;
 
@@ -6,54 +6,54 @@ use clap::ValueEnum;
 
 use super::timing::Budget;
 
-/// What belongs together.
+/// A part of the benchmark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Group {
-    /// The mathematics, in process
+    /// The mathematics, in one process
     Core,
-    /// Round trips and requests per second, WebSocket, kinds of runtime
+    /// Round trips, requests per second, WebSocket, number of threads
     Http,
     /// A control loop at 100 Hz, 500 Hz and 1 kHz
     Pacing,
-    /// How cost grows with joints, tasks, sessions, items of a batch and simulations
+    /// Growth of times with joints, tasks, sessions, items of a batch and simulations
     Growth,
 }
 
 impl Group {
-    /// All of them, in the order of the report.
+    /// All parts, in the order of the report.
     pub const ALL: [Self; 4] = [Self::Core, Self::Http, Self::Pacing, Self::Growth];
 }
 
 /// What to measure.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Which parts.
+    /// The parts.
     pub groups: Vec<Group>,
-    /// As little as shows that all of it works.
+    /// Whether to measure as little as possible.
     pub quick: bool,
     /// Length of each paced loop, s.
     pub pacing_s: f64,
 }
 
 impl Plan {
-    /// For one row and its peers.
+    /// Returns the budget for one row and its peers.
     pub fn rows(&self) -> Budget {
         let (turns, milliseconds) = if self.quick { (2, 1) } else { (15, 20) };
         Budget { turns, turn: Duration::from_millis(milliseconds) }
     }
 
-    /// For one point of a curve.
+    /// Returns the budget for one point of a curve.
     pub(super) fn points(&self) -> Budget {
         let (turns, milliseconds) = if self.quick { (1, 1) } else { (5, 20) };
         Budget { turns, turn: Duration::from_millis(milliseconds) }
     }
 
-    /// Simulated time of a run for its speed, s.
+    /// Returns the simulated time of a run, s.
     pub(super) fn simulated_s(&self) -> f64 {
         if self.quick { 0.05 } else { 20.0 }
     }
 
-    /// As many of these sizes as the plan has time for: the first ones of a quick plan.
+    /// Returns the sizes to measure: the first two for a quick plan.
     pub(super) fn sizes(&self, sizes: &[usize]) -> Vec<usize> {
         sizes.iter().copied().take(if self.quick { 2 } else { sizes.len() }).collect()
     }

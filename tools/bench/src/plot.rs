@@ -1,4 +1,4 @@
-//! Curves and histograms as figures.
+//! Figures of growth curves and histograms.
 
 use revprio_lab::report::figure::{Colour, Curve, Figure, Panel, Stroke};
 
@@ -7,21 +7,21 @@ use super::series::Growth;
 
 const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Blue, Colour::Green, Colour::Vermillion, Colour::Black];
 
-/// Values over sizes, the slope beside each name.
+/// Returns the figure of growth curves, with the slope in the legend.
 pub fn growth(growth: &Growth) -> Figure {
     let curves = growth.series.iter();
     let curves = curves.map(|series| (format!("{}: slope {:.2}", series.name, series.slope), series.points.clone()));
     figure(growth.name, growth.title, growth.size, growth.value, curves)
 }
 
-/// Shares of the answers over their times.
+/// Returns the histogram of round trips.
 pub fn latency(paced: &[Paced]) -> Figure {
     let name = |paced: &Paced| format!("{} Hz: {} of {} missed", paced.rate_hz, paced.missed, paced.periods);
     let curves = paced.iter().map(|paced| (name(paced), paced.histogram.clone()));
     figure("latency", "Round trips of a control loop", "round trip (s)", "share of the answers", curves)
 }
 
-/// A curve's label and points.
+/// Label and points of a curve.
 type Labelled = (String, Vec<(f64, f64)>);
 
 fn figure(name: &str, title: &str, x_label: &str, y_label: &str, curves: impl Iterator<Item = Labelled>) -> Figure {

@@ -1,4 +1,4 @@
-//! The problems of `tools/bench/peers`, for one table with other programs: kinematics and resolution of each, one by one.
+//! The problems of `tools/bench/peers`: kinematics and resolution of each, for a table with other programs.
 
 #![allow(non_snake_case)]
 
@@ -15,10 +15,10 @@ use super::core::cycle::NOMINAL;
 use super::timing::{Budget, Subject, side_by_side};
 use super::{BenchError, document};
 
-/// Numbers of a row: q, ẋ, limit, closed form, answer inside the limits.
+/// Number of values per row: q, ẋ, limit, closed form, solution inside the limits.
 const WIDTHS: [usize; 5] = [7, 6, 7, 7, 7];
 
-/// A line `name,median_s,p99_s,error,task_1_error` per way to resolve the problems of a file.
+/// Returns a line `name,median_s,p99_s,error,task_1_error` for each way to resolve the problems of a file.
 pub fn lines(path: &Path, budget: Budget) -> Result<Vec<String>, BenchError> {
     let robot = built_in().iter().find(|robot| robot.name() == "sawyer");
     let robot = robot.ok_or_else(|| BenchError::Defect("there is no robot `sawyer`".to_owned()))?;
@@ -73,7 +73,7 @@ impl Row {
         let numbers: Vec<f64> =
             line.split(',').map(str::parse).collect::<Result<_, _>>().map_err(BenchError::defect)?;
         if numbers.len() != WIDTHS.iter().sum::<usize>() {
-            return Err(BenchError::Defect(format!("{} numbers in a row", numbers.len())));
+            return Err(BenchError::Defect(format!("a row of the problem file has {} numbers", numbers.len())));
         }
         let mut rest = numbers.as_slice();
         let [q, xdot, limit, closed_form, limited] = WIDTHS.map(|width| {
@@ -84,7 +84,7 @@ impl Row {
         Ok(Self { q, xdot, limit, closed_form, limited })
     }
 
-    /// q̇, and J_1.
+    /// Resolves the problem. Returns q̇ and J_1.
     fn resolved(
         &self,
         robot: &RobotModel,

@@ -1,4 +1,4 @@
-//! One thing done so many times, for a profiler that counts instructions (`tools/bench/instructions/run`).
+//! Repeats one operation, for a profiler that counts instructions (`tools/bench/instructions/run`).
 
 use std::hint::black_box;
 
@@ -18,7 +18,7 @@ use super::http::connection::Connection;
 use super::http::subject::{Call, UnderTest};
 use super::http::{Echo, ping_pong};
 
-/// What is done.
+/// An operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Repeated {
     /// Nothing
@@ -49,7 +49,7 @@ pub enum Repeated {
     PingPong,
 }
 
-/// Does it `times` times.
+/// Repeats an operation `times` times.
 pub fn repeat(what: Repeated, times: u64) -> Result<(), BenchError> {
     let mut act = action(what)?;
     (0..times).try_for_each(|_| act())
@@ -73,7 +73,7 @@ fn action(what: Repeated) -> Result<Action, BenchError> {
         Repeated::Stateless => http(Call::Stateless),
         Repeated::BareSession => bare(Call::Session),
         Repeated::BareStateless => bare(Call::Stateless),
-        Repeated::PingPong => bounced(),
+        Repeated::PingPong => ping_pong_action(),
     }
 }
 
@@ -85,7 +85,7 @@ fn cycles(solver: wire::Solver, limit: Option<f64>) -> Result<Action, BenchError
     }))
 }
 
-/// Limits that cut the first task; the last answer's active set is the guess.
+/// Limits that are active for the first task; the guess is the active set of the last answer.
 fn certificate() -> Result<Action, BenchError> {
     let configuration = Configuration::new(&built_in()[0], &NOMINAL).map_err(BenchError::defect)?;
     let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
@@ -123,7 +123,7 @@ fn http(call: Call) -> Result<Action, BenchError> {
     let mut connection = Connection::open(service.address, service.request(call))?;
     Ok(Box::new(move || {
         let _keep = &service;
-        Ok(connection.ask().map(drop)?)
+        Ok(connection.call().map(drop)?)
     }))
 }
 
@@ -133,13 +133,13 @@ fn bare(call: Call) -> Result<Action, BenchError> {
     let mut connection = Connection::open(echo.address, service.request(call))?;
     Ok(Box::new(move || {
         let _keep = &echo;
-        Ok(connection.ask().map(drop)?)
+        Ok(connection.call().map(drop)?)
     }))
 }
 
-fn bounced() -> Result<Action, BenchError> {
+fn ping_pong_action() -> Result<Action, BenchError> {
     let service = UnderTest::start()?;
     let (request, answer) = (service.request(Call::Session), service.answer_length(Call::Session)?);
     let mut connection = Connection::open(ping_pong(request.length(), answer)?, request)?;
-    Ok(Box::new(move || Ok(connection.ask_bytes(answer)?)))
+    Ok(Box::new(move || Ok(connection.call_bytes(answer)?)))
 }

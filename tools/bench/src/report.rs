@@ -1,4 +1,4 @@
-//! All that was measured, as text, JSON, Markdown and figures.
+//! The results as text, JSON, Markdown and figures.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,7 +12,7 @@ use super::row::{self, Row};
 use super::series::Growth;
 use super::{BenchError, core, document, growth, http, plot};
 
-/// How the names of the rows begin that a README shows.
+/// Prefixes of the rows in the summary of the README.
 const SUMMARY: [&str; 6] = [
     "kinematics",
     "pseudo-inverse",
@@ -22,10 +22,10 @@ const SUMMARY: [&str; 6] = [
     "session steps, 64",
 ];
 
-/// What a plan measured.
+/// The results of a plan.
 #[derive(Debug, Default, Serialize)]
 pub struct Report {
-    /// Cores that the program could use.
+    /// Number of available cores.
     pub cores: usize,
     /// The mathematics.
     pub core: Vec<Row>,
@@ -33,12 +33,12 @@ pub struct Report {
     pub http: Vec<Row>,
     /// Control loops.
     pub pacing: Vec<Paced>,
-    /// How cost grows.
+    /// Growth curves.
     pub growth: Vec<Growth>,
 }
 
 impl Report {
-    /// Measures; `begun` hears of each group before it begins.
+    /// Runs the measurements; `begun` is called before each part.
     pub fn measured(plan: &Plan, mut begun: impl FnMut(Group)) -> Result<Self, BenchError> {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let mut report = Self { cores, ..Self::default() };
@@ -57,7 +57,7 @@ impl Report {
         Ok(report)
     }
 
-    /// For people.
+    /// Formats the results as text.
     pub fn text(&self) -> String {
         let mut text = String::new();
         for (_, rows) in self.tables() {
@@ -76,7 +76,7 @@ impl Report {
         text
     }
 
-    /// Tables that have rows, by name.
+    /// Returns the tables with rows, by name.
     fn tables(&self) -> Vec<(&'static str, Vec<Row>)> {
         let pacing = self.pacing.iter().map(Paced::row).collect();
         let tables = [("core", self.core.clone()), ("http", self.http.clone()), ("pacing", pacing)];
@@ -93,7 +93,7 @@ impl Report {
         Ok(())
     }
 
-    /// Rewrites the marked tables of a Markdown document; those that were not measured stay.
+    /// Replaces the marked tables of a Markdown document. Tables that were not measured stay.
     pub fn fill(&self, document: &Path) -> Result<(), BenchError> {
         let mut text = document::read(document)?;
         for (name, rows) in self.tables() {
@@ -111,20 +111,20 @@ impl Report {
         document::write(document, &text)
     }
 
-    /// Names and titles of the figures that there are.
+    /// Returns names and titles of the figures.
     fn figures(&self) -> Vec<(&'static str, &'static str)> {
         let latency = (!self.pacing.is_empty()).then_some(("latency", "Round trips of a control loop"));
         self.growth.iter().map(|growth| (growth.name, growth.title)).chain(latency).collect()
     }
 
-    /// The rows that a first look is for, each beside its first peer.
+    /// Returns the rows of the summary, each with its first peer.
     fn summary(&self) -> Vec<Row> {
         let rows = || self.core.iter().chain(&self.http);
         let first = |begin: &&str| rows().find(|row| row.ours.name.starts_with(begin)).cloned();
         SUMMARY.iter().filter_map(first).collect()
     }
 
-    /// Slopes as a table in Markdown.
+    /// Formats the slopes as a table in Markdown.
     fn slopes(&self) -> String {
         let mut table = "| over | what | slope | smallest | largest |\n| --- | --- | ---: | ---: | ---: |\n".to_owned();
         for growth in &self.growth {

@@ -4,39 +4,39 @@ use serde::Serialize;
 
 use super::timing::Times;
 
-/// What a number means.
+/// Unit of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
-    /// Seconds; less is better.
+    /// Seconds; lower is better.
     Seconds,
-    /// Something per second; more is better.
+    /// Events per second; higher is better.
     PerSecond,
 }
 
 /// One measured quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {
-    /// What was measured.
+    /// Name.
     pub name: String,
-    /// Median, or the only value.
+    /// Median, or the single value.
     pub median: f64,
-    /// What 99 of 100 stay below; `None` for a single value.
+    /// 99th percentile; `None` for a single value.
     pub p99: Option<f64>,
 }
 
-/// One line of the table: ours, and where there is one, a peer of the same run.
+/// One line of the table: a quantity of revprio and, if any, of a peer in the same run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Ours.
+    /// The quantity of revprio.
     pub ours: Quantity,
-    /// What it is compared with.
+    /// The quantity of the peer.
     pub peer: Option<Quantity>,
-    /// Ours divided by the peer's, from neighbouring turns.
+    /// Value of revprio divided by the value of the peer, from adjacent turns.
     pub ratio: Option<f64>,
-    /// Of all numbers.
+    /// Unit of all numbers.
     pub unit: Unit,
-    /// How it is to be read; empty where the name says it.
+    /// Remark, or empty.
     pub note: String,
 }
 
@@ -47,7 +47,7 @@ impl From<&Times> for Quantity {
 }
 
 impl Row {
-    /// Times, with or without a peer's.
+    /// Returns a row of times, with or without a peer.
     pub fn of_times(ours: &Times, peer: Option<&Times>) -> Self {
         Self {
             ours: ours.into(),
@@ -58,7 +58,7 @@ impl Row {
         }
     }
 
-    /// The first of these times is ours, the others are peers: a row for each.
+    /// Returns a row per peer; the first of the times belongs to revprio.
     pub fn against_each(times: &[Times]) -> Vec<Self> {
         match times {
             [ours] => vec![Self::of_times(ours, None)],
@@ -67,7 +67,7 @@ impl Row {
         }
     }
 
-    /// Rates, 1/s.
+    /// Returns a row of rates, 1/s.
     pub fn of_rates(name: &str, ours: f64, peer: &str, peers: f64) -> Self {
         let rate = |name: &str, median: f64| Quantity { name: name.to_owned(), median, p99: None };
         Self {
@@ -79,7 +79,7 @@ impl Row {
         }
     }
 
-    /// The same row with a remark.
+    /// Returns the row with a remark.
     #[must_use]
     pub fn with_note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
@@ -87,9 +87,9 @@ impl Row {
 }
 
 /// Columns of the table.
-const HEADINGS: [&str; 6] = ["what", "median", "p99", "beside", "its median", "ratio"];
+const HEADINGS: [&str; 6] = ["quantity", "median", "p99", "compared with", "median", "ratio"];
 
-/// The cells of a row.
+/// Returns the cells of a row.
 pub fn cells(row: &Row) -> [String; HEADINGS.len()] {
     let shown = |value: f64| match row.unit {
         Unit::Seconds => seconds(value),
@@ -106,7 +106,7 @@ pub fn cells(row: &Row) -> [String; HEADINGS.len()] {
     ]
 }
 
-/// Rows as aligned text, two lines of which are the headings.
+/// Formats rows as aligned text; the first line contains the headings.
 pub fn text(rows: &[Row]) -> String {
     let lines: Vec<_> = std::iter::once(HEADINGS.map(str::to_owned)).chain(rows.iter().map(cells)).collect();
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
@@ -121,7 +121,7 @@ pub fn text(rows: &[Row]) -> String {
     lines.iter().map(line).collect()
 }
 
-/// Rows as a table in Markdown.
+/// Formats rows as a table in Markdown.
 pub fn markdown(rows: &[Row]) -> String {
     let line = |cells: [String; HEADINGS.len()]| format!("| {} |\n", cells.join(" | "));
     let rule = std::array::from_fn(|column| if is_text(column) { "---" } else { "---:" }.to_owned());
@@ -133,7 +133,7 @@ fn is_text(column: usize) -> bool {
     matches!(column, 0 | 3)
 }
 
-/// A time in the unit that suits it, with three digits.
+/// Formats a time with three digits in a suitable unit.
 pub fn seconds(value: f64) -> String {
     let (scaled, unit) = match value {
         value if value < 1e-6 => (value * 1e9, "ns"),
@@ -154,20 +154,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_shown_with_three_digits_in_their_own_unit() {
+    fn times_have_three_digits_and_a_suitable_unit() {
         let shown = [1.234e-7, 9.996e-6, 2.5e-5, 0.123, 4.0].map(seconds);
         assert_eq!(shown, ["123 ns", "10.0 µs", "25.0 µs", "123 ms", "4.00 s"]);
     }
 
     #[test]
-    fn a_table_has_a_line_per_row_and_the_ratio_to_the_peer() {
+    fn table_has_one_line_per_row_with_the_ratio() {
         let (ours, peer) = (Times::of("ours", vec![2e-6]), Times::of("theirs", vec![1e-6]));
         let rows = [Row::of_times(&ours, Some(&peer)), Row::of_rates("calls", 100.0, "bare calls", 200.0)];
         assert_eq!(
             text(&rows),
-            "what    median      p99  beside      its median  ratio\n\
-             ours   2.00 µs  2.00 µs  theirs         1.00 µs   2.00\n\
-             calls    100/s           bare calls       200/s   0.50\n"
+            "quantity   median      p99  compared with   median  ratio\n\
+             ours      2.00 µs  2.00 µs  theirs         1.00 µs   2.00\n\
+             calls       100/s           bare calls       200/s   0.50\n"
         );
         assert!(markdown(&rows).ends_with("| calls | 100/s |  | bare calls | 200/s | 0.50 |\n"));
     }

@@ -1,4 +1,4 @@
-//! Cost over size.
+//! Growth curves.
 
 use serde::Serialize;
 
@@ -9,12 +9,12 @@ pub struct Series {
     pub name: String,
     /// Size and value.
     pub points: Vec<(f64, f64)>,
-    /// The value grows like size to this power: the slope of the straight line through the logarithms.
+    /// Exponent of the growth: the slope of a straight line through the logarithms.
     pub slope: f64,
 }
 
 impl Series {
-    /// A curve through these points, ascending in size.
+    /// Returns a curve through these points, ascending in size.
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         let slope = slope(&points);
         Self { name: name.into(), points, slope }
@@ -36,7 +36,7 @@ pub struct Growth {
     pub series: Vec<Series>,
 }
 
-/// Least squares through the logarithms; 0 for fewer than two sizes.
+/// Fits a straight line to the logarithms by least squares; 0 for fewer than two sizes.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let logarithms: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logarithms.len().max(1) as f64;
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_slope_is_the_power() {
+    fn slope_is_the_exponent() {
         let cubic = Series::new("", [1.0, 2.0, 5.0].map(|x: f64| (x, 7.0 * x.powi(3))).to_vec());
         assert!((cubic.slope - 3.0).abs() < 1e-12);
         assert_eq!(Series::new("", vec![(2.0, 1.0)]).slope, 0.0);

@@ -1,48 +1,48 @@
-//! How things are timed: side by side, in short turns, so that what disturbs one disturbs the other.
+//! Timing. The subjects are timed alternately in short turns, so that a disturbance affects all of them.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use super::BenchError;
 
-/// A sample lasts at least this long: many times the resolution of the clock.
-const SHORTEST_SAMPLE: Duration = Duration::from_micros(1);
+/// Shortest sample: many times the resolution of the clock.
+const MIN_SAMPLE: Duration = Duration::from_micros(1);
 
-/// Warming up ends after this.
-const LONGEST_WARM_UP: Duration = Duration::from_millis(100);
+/// Longest warm-up.
+const MAX_WARM_UP: Duration = Duration::from_millis(100);
 
-/// Samples to learn how long the clock itself takes.
+/// Number of samples to measure the cost of reading the clock.
 const CLOCK_SAMPLES: usize = 10_000;
 
-/// How long to measure.
+/// Duration of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Budget {
-    /// Turns of each.
+    /// Number of turns per subject.
     pub turns: usize,
     /// Length of one turn.
     pub turn: Duration,
 }
 
 impl Budget {
-    /// The same number of turns, each so many times as long.
+    /// Returns the same number of turns, each `times` times as long.
     pub fn stretched(self, times: u32) -> Self {
         Self { turn: self.turn * times, ..self }
     }
 }
 
-/// Something to be timed, by name.
+/// A named operation to time.
 pub struct Subject<'a> {
     name: String,
     call: Box<dyn FnMut() -> Result<(), BenchError> + 'a>,
 }
 
 impl<'a> Subject<'a> {
-    /// `call` is what is timed; its result is kept from being optimised away.
+    /// Returns a subject; the compiler cannot remove the result of `call`.
     pub fn new<T>(name: impl Into<String>, mut call: impl FnMut() -> T + 'a) -> Self {
         Self::fallible(name, move || Ok(call()))
     }
 
-    /// The same for what can fail; a failure ends the measurement.
+    /// Returns a subject that can fail; an error ends the measurement.
     pub fn fallible<T>(name: impl Into<String>, mut call: impl FnMut() -> Result<T, BenchError> + 'a) -> Self {
         Self { name: name.into(), call: Box::new(move || call().map(|result| drop(black_box(result)))) }
     }
@@ -51,43 +51,43 @@ impl<'a> Subject<'a> {
 /// Times of one subject, s per call.
 #[derive(Debug, Clone)]
 pub struct Times {
-    /// What was timed.
+    /// Name.
     pub name: String,
-    /// All of it, ascending.
+    /// All samples, ascending.
     samples: Vec<f64>,
     /// The median of each turn, in the order of the turns.
     turns: Vec<f64>,
 }
 
 impl Times {
-    /// Times that were taken elsewhere, s, in one turn.
+    /// Returns times that were measured elsewhere, s, as one turn.
     pub fn of(name: impl Into<String>, mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let turns = vec![quantile(&samples, 0.5)];
         Self { name: name.into(), samples, turns }
     }
 
-    /// The time that a share of the calls stays below, s.
+    /// Returns a quantile, s.
     pub fn quantile(&self, share: f64) -> f64 {
         quantile(&self.samples, share)
     }
 
-    /// s.
+    /// Returns the median, s.
     pub fn median(&self) -> f64 {
         self.quantile(0.5)
     }
 
-    /// All of them, s, ascending.
+    /// Returns all samples, s, ascending.
     pub fn samples(&self) -> &[f64] {
         &self.samples
     }
 
-    /// s.
+    /// Returns the mean, s.
     pub fn mean(&self) -> f64 {
         self.samples.iter().sum::<f64>() / self.samples.len().max(1) as f64
     }
 
-    /// How many times as long as the other: the median over the turns, of which each compares neighbours in time.
+    /// Returns the ratio to another subject: the median of the ratios of adjacent turns.
     pub fn ratio(&self, other: &Self) -> f64 {
         let mut ratios: Vec<f64> = self.turns.iter().zip(&other.turns).map(|(own, other)| own / other).collect();
         ratios.sort_by(f64::total_cmp);
@@ -95,7 +95,7 @@ impl Times {
     }
 }
 
-/// Times the subjects in turns.
+/// Times the subjects alternately.
 pub fn side_by_side(budget: Budget, mut subjects: Vec<Subject>) -> Result<Vec<Times>, BenchError> {
     let clock = clock_cost()?;
     let calls: Vec<u32> = subjects.iter_mut().map(calls_per_sample).collect::<Result<_, _>>()?;
@@ -116,7 +116,7 @@ pub fn side_by_side(budget: Budget, mut subjects: Vec<Subject>) -> Result<Vec<Ti
     Ok(subjects.into_iter().zip(turns).map(times).collect())
 }
 
-/// One turn: times per call, s.
+/// Runs one turn and returns times per call, s.
 fn turn(subject: &mut Subject, calls: u32, clock: f64, length: Duration) -> Result<Vec<f64>, BenchError> {
     let (start, mut samples) = (Instant::now(), Vec::new());
     while samples.is_empty() || start.elapsed() < length {
@@ -133,20 +133,20 @@ fn sample(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
     Ok(start.elapsed())
 }
 
-/// So many calls that a sample is long enough; warms up meanwhile.
+/// Returns the number of calls for a sample that is long enough. This is also the warm-up.
 fn calls_per_sample(subject: &mut Subject) -> Result<u32, BenchError> {
     let mut calls = 1;
-    while shortest(subject, calls)? < SHORTEST_SAMPLE {
+    while shortest(subject, calls)? < MIN_SAMPLE {
         calls *= 2;
     }
     Ok(calls)
 }
 
-/// The shortest of some samples; of one where it takes long, for another subject's connection must not lie idle meanwhile.
+/// Returns the shortest of some samples. It stops early for slow subjects, so that connections of others do not time out.
 fn shortest(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
     let (start, mut shortest) = (Instant::now(), sample(subject, calls)?);
     for _ in 1..20 {
-        if start.elapsed() > LONGEST_WARM_UP {
+        if start.elapsed() > MAX_WARM_UP {
             break;
         }
         shortest = shortest.min(sample(subject, calls)?);
@@ -154,7 +154,7 @@ fn shortest(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
     Ok(shortest)
 }
 
-/// What reading the clock twice takes, s.
+/// Returns the time to read the clock twice, s.
 fn clock_cost() -> Result<f64, BenchError> {
     let mut nothing = Subject::new("", || ());
     let sample = |_| sample(&mut nothing, 0).map(|time| time.as_secs_f64());
@@ -162,7 +162,7 @@ fn clock_cost() -> Result<f64, BenchError> {
     Ok(Times::of("", samples).median())
 }
 
-/// Of ascending values; zero without any.
+/// Returns a quantile of ascending values; zero if there are none.
 pub fn quantile(ascending: &[f64], share: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
     let place = (share * ascending.len().saturating_sub(1) as f64).round() as usize;
@@ -174,15 +174,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ratio_compares_neighbours_and_survives_a_disturbed_turn() {
+    fn ratio_compares_adjacent_turns_and_ignores_a_disturbed_one() {
         let times = |turns: &[f64]| Times { turns: turns.to_vec(), ..Times::of("", turns.to_vec()) };
-        // The machine was twice as slow in the second turn, and one of the two was held up in the third.
+        // The machine was half as fast in the second turn, and one subject was disturbed in the third.
         let (own, other) = (times(&[2.0, 4.0, 90.0]), times(&[1.0, 2.0, 1.0]));
         assert_eq!(own.ratio(&other), 2.0);
     }
 
     #[test]
-    fn every_subject_is_timed_however_small_the_budget() {
+    fn every_subject_is_timed_with_the_smallest_budget() {
         let budget = Budget { turns: 2, turn: Duration::ZERO };
         let sleeping = Subject::new("sleeps", || std::thread::sleep(Duration::from_millis(1)));
         let times = side_by_side(budget, vec![Subject::new("nothing", || ()), sleeping]).unwrap();
@@ -191,13 +191,13 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_is_not_timed() {
+    fn errors_end_the_measurement() {
         let fails = Subject::fallible("fails", || Err::<(), _>(BenchError::Defect("meant".to_owned())));
         assert!(side_by_side(Budget { turns: 1, turn: Duration::ZERO }, vec![fails]).is_err());
     }
 
     #[test]
-    fn quantiles_are_values_that_occurred() {
+    fn quantiles_are_measured_values() {
         assert_eq!([0.0, 0.5, 0.99, 1.0].map(|share| quantile(&[1.0, 2.0, 3.0], share)), [1.0, 2.0, 3.0, 3.0]);
         assert_eq!(quantile(&[], 0.5), 0.0);
     }

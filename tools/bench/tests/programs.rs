@@ -1,4 +1,4 @@
-//! The benchmark program measures every part that it lists. The figures themselves are not checked.
+//! The benchmark program measures every part. The values are not checked.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -16,7 +16,7 @@ fn success(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn every_part_is_measured_beside_its_peers_and_written_where_asked() {
+fn every_part_is_measured_with_its_peers_and_written() {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let argument = |name: &str| scratch.join(name).to_str().unwrap().to_owned();
     let (document, figures) = (argument("performance.md"), argument("figures"));
@@ -42,14 +42,14 @@ fn every_part_is_measured_beside_its_peers_and_written_where_asked() {
 }
 
 #[test]
-fn a_length_that_makes_no_sense_and_unknown_parts_are_refused() {
+fn invalid_durations_and_unknown_parts_are_refused() {
     for arguments in [["bench", "--seconds", "0"], ["bench", "--seconds", "NaN"], ["bench", "--only", "weather"]] {
         assert_eq!(program(&arguments).status.code(), Some(2), "{arguments:?}");
     }
 }
 
 #[test]
-fn under_any_load_answers_are_right_and_memory_is_bounded() {
+fn load_test_passes_with_bounded_memory() {
     let table = success(&["load", "--seconds", "1", "--clients", "10", "--times", "1,10", "--slow", "100"]);
     for row in ["1x ", "10x ", "1x, 100 slow"] {
         let line = table.lines().find(|line| line.starts_with(row)).unwrap_or_else(|| panic!("{row}: {table}"));

@@ -1,4 +1,4 @@
-//! An axis of a figure: its range and its ticks, at round numbers.
+//! An axis of a figure: its range, and ticks at round numbers.
 
 use std::ops::Range;
 
@@ -7,14 +7,14 @@ use plotters::coord::types::RangedCoordf64;
 
 use super::number;
 
-/// About so many intervals between ticks.
+/// Approximate number of intervals between ticks.
 const INTERVALS: f64 = 6.0;
-/// Curves keep this fraction of their extent away from the frame.
+/// Distance of the curves from the frame, as a fraction of their extent.
 const MARGIN: f64 = 0.06;
-/// Longer labels would reach into the name of the axis.
-const MOST_DECIMALS: usize = 4;
+/// Largest number of decimals in a label; longer labels would overlap the name of the axis.
+const MAX_DECIMALS: usize = 4;
 /// An extent below this is rounding noise in any unit drawn here (N, mm, s) and is not magnified.
-const SMALLEST_EXTENT: f64 = 1e-9;
+const MIN_EXTENT: f64 = 1e-9;
 
 /// A linear axis from `low` to `high` with a tick at every multiple of `step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,24 +25,24 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis that ends where the extent ends.
+    /// Returns an axis without margins.
     #[must_use]
     pub fn exactly((low, high): (f64, f64)) -> Self {
-        let (low, high) = if high - low < SMALLEST_EXTENT { (low - 1.0, high + 1.0) } else { (low, high) };
+        let (low, high) = if high - low < MIN_EXTENT { (low - 1.0, high + 1.0) } else { (low, high) };
         Self { low, high, step: round_step((high - low) / INTERVALS) }
     }
 
-    /// An axis with a margin on both sides of the extent.
+    /// Returns an axis with a margin on both sides.
     #[must_use]
     pub fn around((low, high): (f64, f64)) -> Self {
         let margin = MARGIN * (high - low);
         Self::exactly((low - margin, high + margin))
     }
 
-    /// The ticks inside the axis, ascending.
+    /// Returns the ticks inside the axis, ascending.
     #[must_use]
     pub fn ticks(&self) -> Vec<f64> {
-        // The ends may miss a multiple of the step by rounding; they still deserve their tick.
+        // Because of rounding, an end may not be an exact multiple of the step. It still gets a tick.
         let slack = 1e-6;
         let first = (self.low / self.step - slack).ceil();
         let last = self.high / self.step + slack;
@@ -52,8 +52,8 @@ impl Axis {
             .collect()
     }
 
-    /// The label of a tick: as many decimals as the step needs, multiples of a power of ten where
-    /// those would be many, and a real minus sign.
+    /// Returns the label of a tick, with as many decimals as the step needs, or as a multiple of a power of ten. The minus
+    /// sign is U+2212.
     #[must_use]
     pub fn label(&self, tick: f64) -> String {
         let exponent = number::exponent(self.step, 0);
@@ -62,15 +62,15 @@ impl Axis {
         // Adding zero turns a negative zero into a positive one.
         let multiple = (tick / power).round() + 0.0;
         let text = match multiple {
-            0.0 if decimals > MOST_DECIMALS => "0".to_owned(),
-            _ if decimals > MOST_DECIMALS => format!("{multiple}e{exponent}"),
+            0.0 if decimals > MAX_DECIMALS => "0".to_owned(),
+            _ if decimals > MAX_DECIMALS => format!("{multiple}e{exponent}"),
             _ => format!("{:.decimals$}", multiple * power),
         };
         text.replace('-', "−")
     }
 }
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `raw`.
+/// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `raw`.
 fn round_step(raw: f64) -> f64 {
     let power = 10_f64.powi(number::exponent(raw, 17));
     let steps = [1.0, 2.0, 5.0].map(|digit| digit * power);
@@ -115,13 +115,13 @@ mod tests {
     }
 
     #[test]
-    fn labels_carry_the_decimals_of_their_step_and_no_negative_zero() {
+    fn labels_have_the_decimals_of_the_step_and_no_negative_zero() {
         assert_eq!(labels(Axis::exactly((-0.3, 0.25))), ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2"]);
         assert_eq!(labels(Axis::exactly((0.0, 4e-6))), ["0", "1e−6", "2e−6", "3e−6", "4e−6"]);
     }
 
     #[test]
-    fn neighbouring_small_ticks_have_different_labels() {
+    fn adjacent_small_ticks_have_different_labels() {
         let axis = Axis::exactly((-1.5e-6, 0.0));
         assert_eq!(labels(axis), ["−15e−7", "−10e−7", "−5e−7", "0"]);
     }
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_stay_off_the_frame() {
+    fn axis_around_an_extent_has_a_margin() {
         let range = Axis::around((0.0, 100.0)).range();
         assert!(range.start < -5.0 && range.end > 105.0);
     }

@@ -1,72 +1,67 @@
-//! What the paper claims of its two examples, against what the runs show.
+//! Claims of the paper about its two examples, compared with the measured runs.
 //!
-//! The words are ours; each claim names the place in Su et al., *Materials* 2022, 15, 6611.
+//! The claims are paraphrased. Each names its place in Su et al., *Materials* 2022, 15, 6611.
 
-use super::experiment::{COINCIDE, Run};
-use super::metrics::{Metrics, largest_difference};
-use super::notes::of_method;
+use super::comparison::MethodPair;
+use super::metrics::Metrics;
 use super::number::significant;
-use super::paper_figures::{CLASSICAL, REVERSE_PRIORITY};
+use super::run::Run;
 
-/// A force that stays this near to its target (RMSE, N) follows it: 5 % of the paper's 30 N.
-const FOLLOWS: f64 = 1.5;
-/// A contact that ends this near to its target (N) is a stable one.
-const HOLDS: f64 = 0.01;
+/// Largest RMSE (N) of a force that counts as following its target: 5 % of the paper's 30 N.
+const MAX_TRACKING_RMSE: f64 = 1.5;
+/// Largest steady error (N) of a contact that counts as settled.
+const MAX_STEADY_ERROR: f64 = 0.01;
 
-/// A claim and what came of it.
+/// A claim and its result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Claim {
-    /// Where the paper says it.
+    /// Section and figures of the paper.
     pub place: &'static str,
-    /// What it says, in our words.
+    /// The claim, paraphrased.
     pub claim: &'static str,
-    /// Name of the scenario that it was tried in.
+    /// Name of the scenario that tests it.
     pub scenario: String,
-    /// What was measured.
+    /// The measured values.
     pub measured: String,
-    /// Whether it was seen.
+    /// The result.
     pub verdict: Verdict,
 }
 
-/// Whether a claim was seen in the runs of a scenario.
+/// Whether the runs of a scenario confirm a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Yes.
-    Seen,
-    /// No difference between the methods: both keep it.
+    /// The runs confirm it.
+    Confirmed,
+    /// Both methods give the same commands.
     NoDifference,
-    /// No.
-    NotSeen,
+    /// The runs do not confirm it.
+    NotConfirmed,
 }
 
 impl Verdict {
-    /// In words.
+    /// Returns the verdict as text.
     #[must_use]
-    pub const fn words(self) -> &'static str {
+    pub const fn as_str(self) -> &'static str {
         match self {
-            Self::Seen => "seen",
-            Self::NoDifference => "no difference here",
-            Self::NotSeen => "not seen",
+            Self::Confirmed => "confirmed",
+            Self::NoDifference => "no difference",
+            Self::NotConfirmed => "not confirmed",
         }
+    }
+
+    const fn from_bool(is_confirmed: bool) -> Self {
+        if is_confirmed { Self::Confirmed } else { Self::NotConfirmed }
     }
 }
 
-/// The claims that the runs can judge: those of scenarios of the paper for which both of its methods were run.
+/// Returns the claims for each of the paper's scenarios in which both methods were run.
 #[must_use]
 pub fn of_runs(runs: &[Run]) -> Vec<Claim> {
     runs.chunk_by(|a, b| a.recording.scenario == b.recording.scenario).flat_map(of_scenario).collect()
 }
 
-/// The two methods in one scenario.
-struct Pair<'a> {
-    reverse: &'a Run,
-    classical: &'a Run,
-}
-
 fn of_scenario(runs: &[Run]) -> Vec<Claim> {
-    let methods = (of_method(runs, REVERSE_PRIORITY), of_method(runs, CLASSICAL));
-    let (Some(reverse), Some(classical)) = methods else { return Vec::new() };
-    let pair = Pair { reverse, classical };
+    let Some(pair) = MethodPair::from_runs(runs) else { return Vec::new() };
     match runs[0].recording.scenario.as_str() {
         "force_tracking" | "force_tracking_singular" => tracking(&pair),
         "stiff_wall" | "stiff_wall_singular" => wall(&pair),
@@ -74,91 +69,72 @@ fn of_scenario(runs: &[Run]) -> Vec<Claim> {
     }
 }
 
-impl Pair<'_> {
-    fn metrics(&self) -> [Metrics; 2] {
-        [self.reverse, self.classical].map(|run| Metrics::of(&run.recording))
-    }
-
-    fn difference(&self) -> f64 {
-        largest_difference(&self.reverse.recording, &self.classical.recording)
-    }
-
-    fn claim(&self, place: &'static str, claim: &'static str, measured: String, verdict: Verdict) -> Claim {
-        Claim { place, claim, scenario: self.reverse.recording.scenario.clone(), measured, verdict }
-    }
-
-    /// Better, the same to rounding, or not better.
-    fn better(&self, is_better: bool) -> Verdict {
-        match is_better {
-            _ if self.difference() <= COINCIDE => Verdict::NoDifference,
-            true => Verdict::Seen,
-            false => Verdict::NotSeen,
-        }
-    }
-
-    fn coincide(&self) -> String {
-        format!("both methods command the same, to {} rad/s", significant(self.difference(), 2))
-    }
+fn metrics(pair: &MethodPair) -> [Metrics; 2] {
+    [pair.reverse, pair.classical].map(|run| Metrics::of(&run.recording))
 }
 
-fn seen(seen: bool) -> Verdict {
-    if seen { Verdict::Seen } else { Verdict::NotSeen }
+fn claim(pair: &MethodPair, place: &'static str, claim: &'static str, measured: String, verdict: Verdict) -> Claim {
+    Claim { place, claim, scenario: pair.reverse.recording.scenario.clone(), measured, verdict }
 }
 
-fn tracking(pair: &Pair) -> Vec<Claim> {
-    let [Some(reverse), Some(classical)] = pair.metrics().map(|metrics| metrics.rmse_fx) else { return Vec::new() };
-    let both = format!("RMSE of F_x {} N against {} N", significant(reverse, 3), significant(classical, 3));
-    let comparison = if pair.difference() <= COINCIDE { pair.coincide() } else { both };
+/// A claim that reverse priority is better; `measured` describes two runs that differ.
+fn comparison(pair: &MethodPair, place: &'static str, text: &'static str, measured: String, better: bool) -> Claim {
+    if !pair.coincide() {
+        return claim(pair, place, text, measured, Verdict::from_bool(better));
+    }
+    let measured = match pair.difference() {
+        0.0 => "both methods command identical joint velocities".to_owned(),
+        difference => format!("the commands differ by at most {} rad/s", significant(difference, 2)),
+    };
+    claim(pair, place, text, measured, Verdict::NoDifference)
+}
+
+fn tracking(pair: &MethodPair) -> Vec<Claim> {
+    let [Some(reverse), Some(classical)] = metrics(pair).map(|metrics| metrics.rmse_fx) else { return Vec::new() };
     vec![
-        pair.claim(
+        claim(
+            pair,
             "5.1, Figure 5",
-            "with reverse priority the tool follows a force that swings slowly between 25 and 35 N",
+            "with reverse priority, the force follows a target that oscillates slowly between 25 and 35 N",
             format!("RMSE of F_x {} N", significant(reverse, 3)),
-            seen(reverse <= FOLLOWS),
+            Verdict::from_bool(reverse <= MAX_TRACKING_RMSE),
         ),
-        pair.claim(
+        comparison(
+            pair,
             "5.1, Figures 5 and 6",
-            "F_x, the primary task, is followed visibly better than by the classical control",
-            comparison,
-            pair.better(reverse < classical),
+            "reverse priority tracks F_x, the primary task, visibly better than the classical control",
+            format!("RMSE of F_x {} N; classical control {} N", significant(reverse, 3), significant(classical, 3)),
+            reverse < classical,
         ),
     ]
 }
 
-fn wall(pair: &Pair) -> Vec<Claim> {
-    let [reverse, classical] = pair.metrics();
-    let ends = |metrics: &Metrics| match (metrics.first_contact_s, metrics.final_force) {
+fn wall(pair: &MethodPair) -> Vec<Claim> {
+    let [reverse, classical] = metrics(pair);
+    let result = |metrics: &Metrics| match (metrics.first_contact_s, metrics.final_force) {
         (Some(time), Some(force)) => {
-            format!("touches after {} s, ends at {} N", significant(time, 3), significant(force, 5))
+            format!("first contact at {} s, final force {} N", significant(time, 3), significant(force, 5))
         }
         _ => "does not reach the wall".to_owned(),
     };
-    let holds = |metrics: &Metrics| {
-        metrics.first_contact_s.is_some() && metrics.steady_error.is_some_and(|error| error.abs() <= HOLDS)
+    let settles = |metrics: &Metrics| {
+        metrics.first_contact_s.is_some() && metrics.steady_error.is_some_and(|error| error.abs() <= MAX_STEADY_ERROR)
     };
-    let comparison = if pair.difference() <= COINCIDE {
-        pair.coincide()
-    } else {
-        format!("reverse priority {}, the classical control {}", ends(&reverse), ends(&classical))
-    };
-    let better = holds(&reverse) && !holds(&classical);
+    let (peak, contacts) = (significant(reverse.peak_force, 3), reverse.contacts);
     vec![
-        pair.claim(
+        claim(
+            pair,
             "5.2, Figure 7",
-            "the tool approaches an aluminium wall, touches it and stays at a steady 30 N",
-            format!(
-                "{}, after a peak of {} N in {} contacts",
-                ends(&reverse),
-                significant(reverse.peak_force, 3),
-                reverse.contacts
-            ),
-            seen(holds(&reverse)),
+            "the tool approaches an aluminium wall, touches it and settles at 30 N",
+            format!("{}, peak {peak} N, {contacts} contacts", result(&reverse)),
+            Verdict::from_bool(settles(&reverse)),
         ),
-        pair.claim(
+        comparison(
+            pair,
             "5.2, Figures 7 and 8",
-            "reverse priority surpasses the classical control on the way to the wall and at it",
-            comparison,
-            pair.better(better),
+            "reverse priority is better than the classical control during the approach and in contact",
+            format!("reverse priority: {}; classical control: {}", result(&reverse), result(&classical)),
+            settles(&reverse) && !settles(&classical),
         ),
     ]
 }

@@ -1,8 +1,7 @@
-//! Fewer points for the same picture.
+//! Removes points of a curve that the picture cannot show.
 
-/// Keeps the first and the last point and, of every run of consecutive points, the lowest and the
-/// highest, in order of time: at most `2 * buckets + 2` points. An impact that lasts one sample
-/// keeps its full height, which every n-th sample or an average would lose.
+/// Keeps the first and the last point, and the lowest and the highest point of each bucket of consecutive points, in
+/// order of time: at most `2 * buckets + 2` points. An impact that lasts one sample keeps its full height.
 #[must_use]
 pub fn extremes_per_bucket(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
@@ -18,15 +17,15 @@ pub fn extremes_per_bucket(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f
     kept
 }
 
-/// Leaves out points that a straight line between their neighbours passes within `tolerance` (unit of the ordinate) of: no
-/// point of the result's polyline is farther from the given one, vertically. The abscissas must ascend.
+/// Removes points so that the vertical distance between the old and the new polyline stays within `tolerance` (unit of
+/// the ordinate). The abscissas must ascend.
 #[must_use]
 pub fn within(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let Some((&first, rest)) = points.split_first() else { return Vec::new() };
     let mut kept = vec![first];
     let mut cone = Cone::from(first);
     for &point in rest {
-        if !cone.sees(point) {
+        if !cone.contains(point) {
             kept.push(cone.end);
             cone = Cone::from(cone.end);
         }
@@ -35,7 +34,7 @@ pub fn within(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     if rest.is_empty() { kept } else { [kept, vec![cone.end]].concat() }
 }
 
-/// The slopes from a point that pass every later one within the tolerance.
+/// The range of slopes of straight lines from a point that pass within the tolerance of every later point.
 struct Cone {
     apex: (f64, f64),
     slopes: (f64, f64),
@@ -51,7 +50,7 @@ impl Cone {
         (y - self.apex.1) / (x - self.apex.0)
     }
 
-    fn sees(&self, point: (f64, f64)) -> bool {
+    fn contains(&self, point: (f64, f64)) -> bool {
         (self.slopes.0..=self.slopes.1).contains(&self.slope(point))
     }
 
@@ -62,7 +61,7 @@ impl Cone {
     }
 }
 
-/// Lowest and highest point of a non-empty chunk, the earlier one first.
+/// Returns the lowest and the highest point of a non-empty chunk, the earlier one first.
 fn extremes(chunk: &[(f64, f64)]) -> [(f64, f64); 2] {
     let pick = |a: (f64, f64), b: (f64, f64), keep_a: bool| if keep_a { a } else { b };
     let fold = |(low, high): ((f64, f64), (f64, f64)), p: &(f64, f64)| {
@@ -84,13 +83,13 @@ mod tests {
     }
 
     #[test]
-    fn a_spike_of_one_sample_survives() {
+    fn spike_of_one_sample_is_kept() {
         let kept = extremes_per_bucket(&ramp_with_spikes(), 100);
         assert!(kept.contains(&(1234.0, 900.0)) && kept.contains(&(1235.0, -700.0)));
     }
 
     #[test]
-    fn the_points_are_few_and_in_order_and_reach_both_ends() {
+    fn result_is_short_ordered_and_keeps_both_ends() {
         let points = ramp_with_spikes();
         let kept = extremes_per_bucket(&points, 100);
         assert!(kept.len() <= 202);
@@ -99,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polyline_of_few_points_stays_within_its_tolerance() {
+    fn reduced_polyline_stays_within_its_tolerance() {
         let wave = |i: i32| (f64::from(i), (0.01 * f64::from(i)).sin() + if i == 700 { 5.0 } else { 0.0 });
         let points: Vec<_> = (0..2000).map(wave).collect();
         let kept = within(&points, 1e-3);
@@ -114,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_line_is_its_two_ends() {
+    fn straight_line_is_reduced_to_its_two_ends() {
         let points = [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)];
         assert_eq!(within(&points, 1e-9), [points[0], points[3]]);
         assert_eq!(within(&points[..1], 1e-9), points[..1]);
@@ -122,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn few_points_are_left_alone() {
+    fn few_points_are_not_changed() {
         let points = [(0.0, 1.0), (1.0, 1.0), (2.0, 5.0)];
         assert_eq!(extremes_per_bucket(&points, 2), points);
         assert!(extremes_per_bucket(&[], 2).is_empty());

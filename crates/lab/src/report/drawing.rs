@@ -16,14 +16,14 @@ use super::error::Error;
 use super::figure::{Colour, Curve, Figure, Panel, Stroke};
 use super::{legend, markup, typeface};
 
-/// The backend rounds every coordinate to a whole unit, so a unit is a quarter of a pixel.
+/// Units per pixel. The backend rounds every coordinate to a whole unit, so a unit is a quarter of a pixel.
 pub const UNITS_PER_PIXEL: u32 = 4;
 /// Width of a figure (pixels).
 pub const WIDTH: u32 = 680;
 
-/// Margin around everything (pixels).
+/// Margin around the figure (pixels).
 pub const MARGIN: u32 = 12;
-/// Margin right of the axes, where half a tick label may stand (pixels).
+/// Margin right of the axes, wide enough for half a tick label (pixels).
 pub const RIGHT_MARGIN: u32 = 18;
 /// Left end of the axes (pixels).
 pub const PLOT_LEFT: u32 = MARGIN + Y_LABELS_WIDTH;
@@ -37,18 +37,20 @@ const X_LABELS_HEIGHT: u32 = 42;
 const GAP: u32 = 14;
 const Y_LABELS_WIDTH: u32 = 76;
 const TICK: u32 = 4;
-/// Two points per bucket: more than the quarter pixels that a curve is rounded to would not show.
+/// Buckets of a curve, with two points each. A higher resolution than a quarter of a pixel is not visible.
 const BUCKETS: usize = 600;
-/// A curve may be off by this part of the height of its axes, half of what it is rounded to.
-const UNSEEN: f64 = 0.5 / (PLOT_HEIGHT * UNITS_PER_PIXEL) as f64;
+/// Tolerance of a curve, as a fraction of the height of its axes: half a unit.
+const TOLERANCE: f64 = 0.5 / (PLOT_HEIGHT * UNITS_PER_PIXEL) as f64;
 
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+/// Colour of axes and text.
+pub const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Colour of grid lines.
+pub const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 
 type Area<'a, C = Shift> = DrawingArea<SVGBackend<'a>, C>;
 type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<io::Error>>;
 
-/// A figure as SVG, and where its axes are in it.
+/// A figure as SVG, with the positions of its axes.
 pub struct Drawing {
     /// The document, `WIDTH` pixels wide.
     pub svg: String,
@@ -56,7 +58,7 @@ pub struct Drawing {
     pub frames: Vec<Frame>,
 }
 
-/// Where the axes of a panel are, in the units of the SVG, and what they span.
+/// Position of the axes of a panel in the units of the SVG, and range of the vertical axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Left and right end.
@@ -67,7 +69,7 @@ pub struct Frame {
     pub y_range: (f64, f64),
 }
 
-/// The SVG document of a figure, `WIDTH` pixels wide.
+/// Draws a figure as SVG, `WIDTH` pixels wide.
 ///
 /// # Errors
 ///
@@ -76,7 +78,7 @@ pub fn svg(figure: &Figure) -> Result<String, Error> {
     drawing(figure).map(|drawing| drawing.svg)
 }
 
-/// The SVG document of a figure, and where its axes are in it.
+/// Draws a figure as SVG and returns the positions of its axes.
 ///
 /// # Errors
 ///
@@ -93,21 +95,21 @@ pub fn drawing(figure: &Figure) -> Result<Drawing, Error> {
     Ok(Drawing { svg: markup::finished(&elements, figure, height), frames })
 }
 
-/// Length in pixels as the units of the drawing library.
+/// Converts pixels to units of the drawing library.
 #[must_use]
 pub fn units(pixels: u32) -> i32 {
     (pixels * UNITS_PER_PIXEL).cast_signed()
 }
 
-/// Each panel, and whether it shows its legend: not when the one above has all of its curves.
-fn shown(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
+/// Returns each panel and whether it shows a legend. It does not if the panel above has all of its curves.
+fn with_legends(panels: &[Panel]) -> impl Iterator<Item = (&Panel, bool)> {
     let has = |panel: &Panel, curve: &Curve| panel.curves.iter().any(|other| other.label == curve.label);
     let repeats = move |i: usize| i > 0 && panels[i].curves.iter().all(|curve| has(&panels[i - 1], curve));
     panels.iter().enumerate().map(move |(i, panel)| (panel, !repeats(i)))
 }
 
 fn figure_height(figure: &Figure) -> u32 {
-    let panels = shown(&figure.panels).map(|(panel, with_legend)| panel_height(panel, with_legend));
+    let panels = with_legends(&figure.panels).map(|(panel, with_legend)| panel_height(panel, with_legend));
     TITLE_HEIGHT + panels.sum::<u32>() + MARGIN
 }
 
@@ -121,7 +123,7 @@ fn draw(page: &Area, figure: &Figure) -> Drawn<Vec<Frame>> {
     page.draw_text(&figure.title, &text(TITLE_EM, FontStyle::Bold), (units(MARGIN), units(MARGIN)))?;
     let (_, mut rest) = page.split_vertically(units(TITLE_HEIGHT));
     let mut frames = Vec::with_capacity(figure.panels.len());
-    for (panel, with_legend) in shown(&figure.panels) {
+    for (panel, with_legend) in with_legends(&figure.panels) {
         let (area, below) = rest.split_vertically(units(panel_height(panel, with_legend)));
         frames.push(draw_panel(&area, panel, with_legend)?);
         rest = below;
@@ -165,7 +167,7 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn<Frame> {
         .draw()?;
     for curve in &panel.curves {
         let points = extremes_per_bucket(&panel.visible(curve), BUCKETS);
-        trace(chart.plotting_area(), within(&points, UNSEEN * (y_range.end - y_range.start)), curve)?;
+        trace(chart.plotting_area(), within(&points, TOLERANCE * (y_range.end - y_range.start)), curve)?;
     }
     let (x, y) = chart.plotting_area().get_pixel_range();
     Ok(Frame { x: (x.start, x.end), y: (y.start, y.end), y_range: (y_range.start, y_range.end) })
@@ -175,7 +177,7 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn<Frame> {
 ///
 /// # Errors
 ///
-/// What the drawing library refuses.
+/// Errors of the drawing library.
 pub fn trace<C: CoordTranslate>(area: &Area<'_, C>, points: Vec<C::From>, curve: &Curve) -> Drawn
 where
     C::From: Clone,
@@ -187,7 +189,7 @@ where
     }
 }
 
-/// Text of an em of so many pixels.
+/// Returns a text style with an em of the given size (pixels).
 #[must_use]
 pub fn text(em: f64, weight: FontStyle) -> TextStyle<'static> {
     let size = em * f64::from(UNITS_PER_PIXEL) * typeface::SIZE_PER_EM;
@@ -198,7 +200,7 @@ fn line(curve: &Curve) -> ShapeStyle {
     rgb(curve.colour).stroke_width(stroke_width(curve.stroke))
 }
 
-/// Width of a line in units, quarters of a pixel.
+/// Returns the width of a line in units.
 #[must_use]
 pub const fn stroke_width(stroke: Stroke) -> u32 {
     match stroke {
@@ -207,7 +209,7 @@ pub const fn stroke_width(stroke: Stroke) -> u32 {
     }
 }
 
-/// Red, green, blue of a colour.
+/// Returns the RGB value of a colour.
 #[must_use]
 pub const fn rgb(colour: Colour) -> RGBColor {
     match colour {

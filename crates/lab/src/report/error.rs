@@ -1,4 +1,4 @@
-//! What can go wrong while a report is written.
+//! Errors of reading and writing reports.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,58 +7,61 @@ use plotters::drawing::DrawingAreaErrorKind;
 
 use crate::simulator::recording::ReadError;
 
-/// A report that could not be written.
+/// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file or the directory could not be written.
+    /// A file or the directory cannot be written.
     #[error("cannot write {}", path.display())]
     Write {
-        /// Where.
+        /// The file or directory.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// A directory does not say what its traces are.
-    #[error("cannot read {}: {source}; `simulate`, `demo` and `compare` leave it in the directory of their --out", path.display())]
+    /// A directory has no description of its recordings.
+    #[error(
+        "cannot read {}: {source}; give a directory that `simulate`, `demo` or `compare` wrote with --out",
+        path.display()
+    )]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The description of the traces is something else.
+    /// The description of the recordings is not valid.
     #[error("{}: {source}", path.display())]
     Parse {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         source: serde_json::Error,
     },
-    /// A trace cannot be used.
+    /// A recording cannot be read.
     #[error("{}: {source}", path.display())]
     Trace {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         source: Box<ReadError>,
     },
-    /// The embedded font could not be read.
-    #[error("the embedded font is unusable")]
+    /// The embedded font cannot be read.
+    #[error("the embedded font cannot be read")]
     Font,
-    /// The drawing library refused a figure.
+    /// The drawing library reported an error.
     #[error("cannot draw {figure}")]
     Draw {
         /// Name of the figure.
         figure: String,
-        /// Why.
+        /// The error.
         source: DrawingAreaErrorKind<io::Error>,
     },
-    /// A drawn figure could not be turned into pixels.
-    #[error("cannot turn {figure} into pixels")]
-    Pixels {
+    /// A figure cannot be rendered as PNG.
+    #[error("cannot render {figure} as PNG")]
+    Png {
         /// Name of the figure.
         figure: String,
-        /// Why.
+        /// The error.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }

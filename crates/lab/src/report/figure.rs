@@ -1,13 +1,13 @@
-//! What a figure shows, independent of how it is drawn.
+//! The content of a figure, independent of how it is drawn.
 
 /// A figure of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// File name without extension, and anchor in the page: `figure5_nominal`.
     pub name: String,
-    /// Title inside the picture. Here and in every other text, `_x` sets an index.
+    /// Title inside the picture. In this and all other texts, `F_x` prints x as an index.
     pub title: String,
-    /// Text below the picture, in the page only.
+    /// Text below the picture; only the page shows it.
     pub caption: String,
     /// Panels from top to bottom.
     pub panels: Vec<Panel>,
@@ -21,21 +21,20 @@ pub const TIME: &str = "time (s)";
 pub struct Panel {
     /// Heading above the axes.
     pub heading: String,
-    /// Quantity and unit of the horizontal axis, most often [`TIME`].
+    /// Quantity and unit of the horizontal axis, usually [`TIME`].
     pub x_label: String,
     /// Quantity and unit of the vertical axis.
     pub y_label: String,
-    /// Shown part of the horizontal axis; points outside are left out.
+    /// Range of the horizontal axis; points outside are not drawn.
     pub window: (f64, f64),
-    /// Values (unit of `y_label`) that the vertical axis covers besides its own curves, so that two
-    /// figures can share a scale.
+    /// Values (unit of `y_label`) that the vertical axis also covers, so that two figures can share a scale.
     pub y_covers: Vec<f64>,
-    /// Curves, the first one lowest.
+    /// Curves; the first one is drawn first.
     pub curves: Vec<Curve>,
 }
 
 impl Panel {
-    /// Points of a curve inside the window.
+    /// Returns the points of a curve inside the window.
     #[must_use]
     pub fn visible(&self, curve: &Curve) -> Vec<(f64, f64)> {
         let (from, to) = self.window;
@@ -43,7 +42,7 @@ impl Panel {
         curve.points.iter().copied().filter(shown).collect()
     }
 
-    /// Smallest and largest value that the vertical axis has to cover; (0, 0) without any.
+    /// Returns the smallest and largest value that the vertical axis must cover; (0, 0) if there are none.
     #[must_use]
     pub fn y_extent(&self) -> (f64, f64) {
         let values = self.curves.iter().flat_map(|c| self.visible(c)).map(|(_, value)| value);
@@ -61,12 +60,12 @@ pub struct Curve {
     pub colour: Colour,
     /// Shape of the line.
     pub stroke: Stroke,
-    /// Abscissa and value, in the units of the panel, in order.
+    /// Abscissa and value, in the units of the panel, in ascending order.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
-    /// Largest vertical distance to another curve sampled at the same instants (unit of the panel).
+    /// Returns the largest vertical distance to another curve with the same abscissas (unit of the panel).
     #[must_use]
     pub fn largest_distance(&self, other: &Self) -> f64 {
         let distances = self.points.iter().zip(&other.points).map(|(a, b)| (a.1 - b.1).abs());
@@ -74,20 +73,20 @@ impl Curve {
     }
 }
 
-/// Line shapes that stay distinguishable when curves coincide: a wide line shows on both sides of
-/// a thin one, and through the gaps of a dashed one.
+/// Line shapes that stay distinguishable where curves coincide: a wide line is visible on both sides of a thin one and
+/// through the gaps of a dashed one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// A broad line, to be drawn first.
+    /// A wide line; draw it first.
     Wide,
-    /// A fine line.
+    /// A thin line.
     Thin,
-    /// A fine dashed line, to be drawn last.
+    /// A thin dashed line; draw it last.
     Dashed,
 }
 
-/// Colours of Okabe and Ito, told apart by every kind of colour vision; orange and blue also differ
-/// in lightness, so they survive a black-and-white print.
+/// Colours of Okabe and Ito, distinguishable with every kind of colour vision. Orange and blue also differ in lightness,
+/// so they stay distinguishable in a black-and-white print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
     /// Black.
@@ -121,13 +120,13 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_outside_the_window_does_not_stretch_the_axis() {
+    fn points_outside_the_window_do_not_stretch_the_axis() {
         let panel = panel(vec![(-0.1, 50.0), (0.0, 1.0), (1.0, 3.0), (1.1, -50.0), (0.5, f64::NAN)]);
         assert_eq!(panel.y_extent(), (1.0, 3.0));
     }
 
     #[test]
-    fn a_shared_scale_covers_the_values_of_the_other_figure() {
+    fn shared_scale_covers_the_values_of_the_other_figure() {
         let panel = Panel { y_covers: vec![-2.0, 9.0], ..panel(vec![(0.0, 1.0)]) };
         assert_eq!(panel.y_extent(), (-2.0, 9.0));
     }

@@ -1,4 +1,4 @@
-//! A quantity over two others, as a field of colours.
+//! Heat maps: a quantity as colour over two other quantities.
 
 use std::io;
 
@@ -14,7 +14,7 @@ use super::error::Error;
 use super::figure::Figure;
 use super::{markup, number, typeface};
 
-/// A field of cells of the same size, whatever the distances of their values.
+/// A heat map. All cells have the same size, also if the values on an axis are not equidistant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
     /// File name without extension.
@@ -25,18 +25,18 @@ pub struct HeatMap {
     pub x: Scale,
     /// Quantity and values from bottom to top.
     pub y: Scale,
-    /// What the colours mean.
+    /// Quantity and unit of the colours.
     pub label: String,
-    /// Value of each cell, row by row from the bottom; `None` where there is none.
+    /// Value of each cell, row by row from the bottom; `None` if a cell has no value.
     pub cells: Vec<Vec<Option<f64>>>,
 }
 
-/// A quantity along one side.
+/// One axis of a heat map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// Its name.
+    /// Quantity and unit.
     pub label: String,
-    /// Its values, in order.
+    /// Values, in order.
     pub values: Vec<f64>,
 }
 
@@ -52,17 +52,17 @@ const BAR_WIDTH: u32 = 16;
 const FIELD_WIDTH: u32 = BAR_LEFT - 24 - LEFT;
 const HEIGHT: u32 = TOP + FIELD_HEIGHT + BOTTOM;
 const BAR_STEPS: u32 = 64;
-const MOST_LABELS: usize = 8;
+const MAX_LABELS: usize = 8;
 const EM: f64 = 12.0;
 
-/// Cells without a value.
-const NOTHING: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
+/// Colour of cells without a value.
+const MISSING: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 
-/// Dark to light, evenly for the eye and for every kind of colour vision: the map known as viridis.
+/// The colour map viridis, from dark to light. It is perceptually uniform, also with colour vision deficiency.
 const COLOURS: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
 
-/// The SVG document.
+/// Draws a heat map as SVG.
 ///
 /// # Errors
 ///
@@ -96,7 +96,7 @@ fn draw(page: &Page, map: &HeatMap) -> Drawn {
         for (i, value) in row.iter().enumerate() {
             let from = (left + edge(i, nx, FIELD_WIDTH), bottom - edge(j + 1, ny, FIELD_HEIGHT));
             let to = (left + edge(i + 1, nx, FIELD_WIDTH), bottom - edge(j, ny, FIELD_HEIGHT));
-            let colour = value.map_or(NOTHING, |value| colours.of_value(value));
+            let colour = value.map_or(MISSING, |value| colours.of_value(value));
             page.draw(&Rectangle::new([from, to], colour.filled()))?;
         }
     }
@@ -105,10 +105,10 @@ fn draw(page: &Page, map: &HeatMap) -> Drawn {
         let middle = left + i32::midpoint(edge(i, nx, FIELD_WIDTH), edge(i + 1, nx, FIELD_WIDTH));
         page.draw_text(&number::significant(map.x.values[i], 3), &below, (middle, bottom + units(6)))?;
     }
-    let beside = anchored(HPos::Right, VPos::Center);
+    let left_label = anchored(HPos::Right, VPos::Center);
     for j in labelled(ny) {
         let middle = bottom - i32::midpoint(edge(j, ny, FIELD_HEIGHT), edge(j + 1, ny, FIELD_HEIGHT));
-        page.draw_text(&number::significant(map.y.values[j], 3), &beside, (left - units(6), middle))?;
+        page.draw_text(&number::significant(map.y.values[j], 3), &left_label, (left - units(6), middle))?;
     }
     page.draw_text(&map.x.label, &below, (left + units(FIELD_WIDTH / 2), bottom + units(28)))?;
     let upwards = anchored(HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
@@ -125,10 +125,10 @@ fn draw_bar(page: &Page, map: &HeatMap, colours: &Colours) -> Drawn {
         let corners = [(left, bottom - height(step + 1)), (left + units(BAR_WIDTH), bottom - height(step))];
         page.draw(&Rectangle::new(corners, colour.filled()))?;
     }
-    let beside = anchored(HPos::Left, VPos::Center);
+    let right_label = anchored(HPos::Left, VPos::Center);
     for quarter in 0..=4_u32 {
         let value = number::significant(colours.value_at(f64::from(quarter) / 4.0), 3);
-        page.draw_text(&value, &beside, (left + units(BAR_WIDTH + 6), bottom - height(BAR_STEPS * quarter / 4)))?;
+        page.draw_text(&value, &right_label, (left + units(BAR_WIDTH + 6), bottom - height(BAR_STEPS * quarter / 4)))?;
     }
     let above = anchored(HPos::Right, VPos::Bottom);
     page.draw_text(&map.label, &above, (units(WIDTH - MARGIN), units(TOP - 6)))
@@ -138,16 +138,16 @@ fn anchored(horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
     text(EM, FontStyle::Normal).pos(Pos::new(horizontal, vertical))
 }
 
-/// Which of so many cells get a label.
+/// Returns the indices of the cells that get a label.
 fn labelled(count: usize) -> impl Iterator<Item = usize> {
-    (0..count).step_by(count.div_ceil(MOST_LABELS).max(1))
+    (0..count).step_by(count.div_ceil(MAX_LABELS).max(1))
 }
 
-/// From values to colours, over their range; by ratios where that is large.
+/// Maps values to colours over their range; on a logarithmic scale if the range is large.
 struct Colours {
     low: f64,
     high: f64,
-    by_ratio: bool,
+    is_logarithmic: bool,
 }
 
 impl Colours {
@@ -155,23 +155,23 @@ impl Colours {
         let values = || map.cells.iter().flatten().flatten().copied().filter(|value| value.is_finite());
         let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         if low > high {
-            return Self { low: 0.0, high: 1.0, by_ratio: false };
+            return Self { low: 0.0, high: 1.0, is_logarithmic: false };
         }
-        Self { low, high, by_ratio: low > 0.0 && high > 100.0 * low }
+        Self { low, high, is_logarithmic: low > 0.0 && high > 100.0 * low }
     }
 
     fn of_value(&self, value: f64) -> RGBColor {
-        let place = if self.by_ratio {
+        let place = if self.is_logarithmic {
             (value / self.low).ln() / (self.high / self.low).ln()
         } else {
             (value - self.low) / (self.high - self.low)
         };
-        // All values the same.
+        // NaN if all values are the same.
         blend(if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) })
     }
 
     fn value_at(&self, place: f64) -> f64 {
-        if self.by_ratio {
+        if self.is_logarithmic {
             self.low * (self.high / self.low).powf(place)
         } else {
             self.low + (self.high - self.low) * place
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_of_the_range_have_the_ends_of_the_colours_and_what_is_missing_has_none() {
+    fn extreme_values_have_the_extreme_colours_and_missing_ones_are_grey() {
         let drawn = svg(&map(vec![vec![Some(1.0), Some(3.0)], vec![None, Some(2.0)]])).unwrap();
         for colour in ["#440154", "#FDE725", "#E4E4E4"] {
             assert!(drawn.to_uppercase().contains(colour), "{colour}");
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn large_ranges_are_told_apart_by_ratios() {
+    fn large_ranges_use_a_logarithmic_scale() {
         let colours = Colours::of(&map(vec![vec![Some(1.0), Some(1e4)]]));
         assert_eq!(colours.of_value(100.0), blend(0.5));
         assert!((colours.value_at(0.5) / 100.0 - 1.0).abs() < 1e-12);

@@ -1,16 +1,16 @@
-//! Indices in plain text: in `F_x`, a single character on either side of the underscore, the `x` is
-//! an index; `force_tracking` stays a name.
+//! Indices in plain text. In `F_x`, with one character on either side of the underscore, `x` is an index.
+//! `force_tracking` has no index.
 
-/// A stretch of text.
+/// A part of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Piece<'a> {
-    /// On the line.
+    /// Normal text.
     Line(&'a str),
-    /// To be set smaller and lower.
+    /// An index.
     Index(&'a str),
 }
 
-/// Splits a text into what stands on the line and what is an index, in order.
+/// Splits a text into normal text and indices, in order.
 #[must_use]
 pub fn pieces(text: &str) -> Vec<Piece<'_>> {
     let mut pieces = Vec::new();
@@ -27,14 +27,14 @@ pub fn pieces(text: &str) -> Vec<Piece<'_>> {
     pieces
 }
 
-/// Where the index behind the underscore at `at` ends; `None` when the underscore is part of a name.
+/// Returns the end of the index after the underscore at `at`; `None` if the underscore is part of a name.
 fn index_end(text: &str, at: usize) -> Option<usize> {
     let mut before = text[..at].chars().rev();
     let mut after = text[at + 1..].chars();
     let symbol = before.next().is_some_and(char::is_alphabetic);
     let index = after.next().filter(|c| c.is_alphanumeric())?;
-    let goes_on = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
-    let alone = symbol && !goes_on(before.next()) && !goes_on(after.next());
+    let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    let alone = symbol && !is_word(before.next()) && !is_word(after.next());
     alone.then(|| at + 1 + index.len_utf8())
 }
 
@@ -44,13 +44,13 @@ mod tests {
     use super::pieces;
 
     #[test]
-    fn a_symbol_has_an_index() {
+    fn symbols_have_an_index() {
         assert_eq!(pieces("F_x, F_y (N)"), [Line("F"), Index("x"), Line(", F"), Index("y"), Line(" (N)")]);
         assert_eq!(pieces("−λ_2"), [Line("−λ"), Index("2")]);
     }
 
     #[test]
-    fn a_name_has_none() {
+    fn names_have_no_index() {
         for name in ["force_tracking", "x_axis", "stiff_w", "_x", "a_", "a_b_c", ""] {
             let whole: Vec<_> = [Line(name)].into_iter().filter(|_| !name.is_empty()).collect();
             assert_eq!(pieces(name), whole);

@@ -1,4 +1,4 @@
-//! The legend: a strip of its own above the axes, so that it never covers a curve.
+//! The legend, in a strip above the axes, so that it never covers a curve.
 
 use std::io;
 
@@ -18,23 +18,23 @@ const GAP: u32 = 7;
 const SPACING: u32 = 22;
 const EM: f64 = 12.0;
 
-/// An entry's place: left end (units) and row.
+/// Position of an entry: left end (units) and row.
 struct Place {
     x: i32,
     row: u32,
 }
 
-/// Height of the strip (pixels).
+/// Returns the height of the strip (pixels).
 #[must_use]
 pub fn height(curves: &[Curve]) -> u32 {
     places(curves).last().map_or(0, |place| (place.row + 1) * ROW_HEIGHT)
 }
 
-/// Draws the strip from the top of `area`.
+/// Draws the strip at the top of `area`.
 ///
 /// # Errors
 ///
-/// What the drawing library refuses.
+/// Errors of the drawing library.
 pub fn draw(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     curves: &[Curve],
@@ -48,7 +48,7 @@ pub fn draw(
     Ok(())
 }
 
-/// Sets the entries side by side and starts a new row where one would reach over the right end.
+/// Places the entries from left to right and starts a new row if an entry does not fit.
 fn places(curves: &[Curve]) -> Vec<Place> {
     let right = units(WIDTH - RIGHT_MARGIN);
     let mut next = Place { x: units(PLOT_LEFT), row: 0 };

@@ -1,4 +1,4 @@
-//! Figures with logarithmic axes: how something grows, where a power is a straight line.
+//! Figures with two logarithmic axes, in which a power law is a straight line.
 
 use std::io;
 use std::ops::Range;
@@ -10,9 +10,11 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::Circle;
-use plotters::style::{Color, FontStyle, RGBColor, WHITE};
+use plotters::style::{Color, FontStyle, WHITE};
 
-use super::drawing::{MARGIN, PLOT_LEFT, RIGHT_MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, rgb, text, trace, units};
+use super::drawing::{
+    GRID, INK, MARGIN, PLOT_LEFT, RIGHT_MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, rgb, text, trace, units,
+};
 use super::error::Error;
 use super::figure::{Figure, Panel};
 use super::{legend, markup, typeface};
@@ -20,20 +22,17 @@ use super::{legend, markup, typeface};
 const TITLE_HEIGHT: u32 = 36;
 const PLOT_HEIGHT: u32 = 300;
 const BOTTOM: u32 = 14;
-/// Room for the ascenders of the label beside the axis.
+/// Space for the ascenders of the label of the vertical axis.
 const LEFT_MARGIN: u32 = 8;
 /// Radius of the mark at a point (pixels).
 const MARK: u32 = 3;
-/// Over more decades than this, only powers of ten are labelled.
-const FEW_DECADES: f64 = 2.5;
-
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+/// An axis over more decades than this has labels at powers of ten only.
+const MAX_DECADES_WITH_STEPS: f64 = 2.5;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
-/// The SVG document of a figure whose first panel has positive values on both axes; each point gets a mark.
+/// Draws the first panel of a figure as SVG, with a mark at each point. All values must be positive.
 pub fn svg(figure: &Figure) -> Result<String, Error> {
     typeface::register()?;
     let mut elements = String::new();
@@ -93,14 +92,14 @@ fn draw_axes(area: &Area, panel: &Panel) -> Drawn {
     Ok(())
 }
 
-/// An axis of common logarithms.
+/// A logarithmic axis; the ends are decimal logarithms.
 struct Decades {
     low: f64,
     high: f64,
 }
 
 impl Decades {
-    /// An axis around these logarithms, a tenth of a decade wider on both sides.
+    /// Returns an axis around these logarithms, with a margin of a tenth of a decade.
     fn around(logarithms: impl Iterator<Item = f64>) -> Self {
         let ends = logarithms.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let (low, high) = ends.unwrap_or_default();
@@ -117,7 +116,7 @@ impl Ranged for Decades {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        let digits: &[f64] = if self.high - self.low > FEW_DECADES { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let digits: &[f64] = if self.high - self.low > MAX_DECADES_WITH_STEPS { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let decades = std::iter::successors(Some(self.low.floor()), |decade| Some(decade + 1.0));
         let ticks = decades.take_while(|decade| *decade <= self.high);
         let ticks = ticks.flat_map(|decade| digits.iter().map(move |digit| decade + digit.log10()));
@@ -131,7 +130,7 @@ impl Ranged for Decades {
 
 impl ValueFormatter<f64> for Decades {
     fn format_ext(&self, tick: &f64) -> String {
-        // Ticks are 1, 2 and 5 times a power of ten: one digit says all.
+        // Ticks are 1, 2 and 5 times a power of ten, so one digit is enough.
         let value = 10_f64.powf(*tick);
         let digits = format!("{value:.0e}").parse::<f64>().unwrap_or(value);
         if (-3.1..5.9).contains(tick) { digits.to_string() } else { format!("{digits:e}").replace('-', "−") }

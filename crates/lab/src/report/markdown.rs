@@ -1,9 +1,9 @@
-//! A report for documents, the same wherever it is made: without times of the machine.
+//! A report in Markdown. It contains no measured times, so that it is the same on every machine.
 
 use super::Report;
 use super::table::side_by_side;
 
-/// Tables and remarks of every scenario, and what the paper claims beside what was measured.
+/// Returns tables and remarks of every scenario, the claims of the paper with their results, and the command.
 #[must_use]
 pub fn document(report: &Report) -> String {
     let scenarios = report.sections.iter().map(|section| {
@@ -19,9 +19,10 @@ pub fn document(report: &Report) -> String {
 }
 
 fn claims(report: &Report) -> String {
-    let mut table = "| paper | claim, in our words | scenario | measured | |\n|---|---|---|---|---|\n".to_owned();
+    let mut table =
+        "| paper | claim (paraphrased) | scenario | measured | result |\n|---|---|---|---|---|\n".to_owned();
     for claim in &report.claims {
-        let cells = [claim.place, claim.claim, &claim.scenario, &claim.measured, claim.verdict.words()];
+        let cells = [claim.place, claim.claim, &claim.scenario, &claim.measured, claim.verdict.as_str()];
         table.extend(["| ", &cells.join(" | "), " |\n"]);
     }
     table

@@ -1,11 +1,10 @@
-//! What the drawing library does not write into an SVG: indices, an accessible name, and a root
-//! that scales with the page.
+//! Completes the SVG of the drawing library: indices, an accessible name, and a root element that scales with the page.
 
 use super::drawing::{UNITS_PER_PIXEL, WIDTH};
 use super::figure::Figure;
 use super::index::{Piece, pieces};
 
-/// The document of a figure `height` pixels high, from what the drawing library wrote.
+/// Returns the SVG document of a figure with the given height (pixels) from the output of the drawing library.
 #[must_use]
 pub fn finished(drawn: &str, figure: &Figure, height: u32) -> String {
     let (_root, elements) = drawn.split_once('\n').unwrap_or_default();
@@ -27,8 +26,8 @@ fn root(title: &str, height: u32) -> String {
     )
 }
 
-/// The text of an element with its indices. They are moved by `dy`, which lasts until the next
-/// one: not every browser knows `baseline-shift`.
+/// Returns the text of an element with its indices as `tspan` elements. They use `dy`, which stays in force until the next
+/// `dy`, because not every browser supports `baseline-shift`.
 fn indexed(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut lowered = false;
@@ -52,7 +51,7 @@ mod tests {
     use super::indexed;
 
     #[test]
-    fn the_line_after_an_index_returns_to_its_height() {
+    fn text_after_an_index_returns_to_the_baseline() {
         let expected = r#"F<tspan dy="0.3em" font-size="72%">x</tspan><tspan dy="-0.216em"> (N)</tspan>"#;
         assert_eq!(indexed("F_x (N)"), expected);
     }

@@ -1,7 +1,7 @@
-//! How the report prints numbers.
+//! Numbers as text.
 
-/// `value` with so many significant digits: in positional notation between 10⁻³ and 10⁵, with an
-/// exponent outside; `∞` when infinite.
+/// Formats `value` with the given number of significant digits: between 10⁻³ and 10⁵ without an exponent, outside with
+/// one; `∞` if infinite.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     if value.is_nan() {
@@ -18,12 +18,19 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// Decimal exponent of `value` after rounding to `fraction` digits behind the leading one, read
-/// from the standard library's own exact formatting: a logarithm errs near powers of ten.
+/// Returns the decimal exponent of `value` after rounding to `fraction` digits after the leading one. It uses the exact
+/// formatting of the standard library, because a logarithm is not exact near powers of ten.
 #[must_use]
 pub fn exponent(value: f64, fraction: usize) -> i32 {
     let text = format!("{value:.fraction$e}");
     text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0)
+}
+
+/// Formats `value` with at most six significant digits, without trailing zeros. The minus sign is U+2212.
+#[must_use]
+pub fn trimmed(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{rounded}").replace('-', "−")
 }
 
 fn decimals(digits: usize, exponent: i32) -> usize {
@@ -35,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_large_and_ordinary_numbers_keep_their_digits() {
+    fn numbers_of_any_size_keep_their_significant_digits() {
         let cases = [
             (0.0, "0"),
             (0.167_34, "0.167"),

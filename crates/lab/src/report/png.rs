@@ -1,30 +1,30 @@
-//! A figure's SVG as a PNG: the same picture in pixels.
+//! Renders the SVG of a figure as PNG.
 
 use resvg::{tiny_skia, usvg};
 
 use super::error::Error;
 use super::typeface;
 
-/// Pixels per SVG pixel; a figure of 680 pixels then prints at 300 dpi on 17 cm.
+/// PNG pixels per SVG pixel. A figure of 680 SVG pixels has 300 dpi on 17 cm of paper.
 const SCALE: f32 = 3.0;
 
-/// Renders a figure's SVG.
+/// Renders the SVG of a figure as PNG.
 ///
 /// # Errors
 ///
-/// [`Error::Pixels`] when the SVG does not parse or the image cannot be encoded.
+/// [`Error::Png`] if the SVG does not parse or the image cannot be encoded.
 pub fn render(figure: &str, svg: &str) -> Result<Vec<u8>, Error> {
     let options = usvg::Options { fontdb: typeface::database(), ..usvg::Options::default() };
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| pixels(figure, e))?;
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| error(figure, e))?;
     let size = tree.size().to_int_size().scale_by(SCALE);
-    let size = size.ok_or_else(|| pixels(figure, "the figure has no area"))?;
+    let size = size.ok_or_else(|| error(figure, "its area is zero"))?;
     let image = tiny_skia::Pixmap::new(size.width(), size.height());
-    let mut image = image.ok_or_else(|| pixels(figure, "the figure is too large"))?;
+    let mut image = image.ok_or_else(|| error(figure, "it is too large"))?;
     let scale = tiny_skia::Transform::from_scale(SCALE, SCALE);
     resvg::render(&tree, scale, &mut image.as_mut());
-    image.encode_png().map_err(|e| pixels(figure, e))
+    image.encode_png().map_err(|e| error(figure, e))
 }
 
-fn pixels(figure: &str, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
-    Error::Pixels { figure: figure.to_owned(), source: source.into() }
+fn error(figure: &str, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
+    Error::Png { figure: figure.to_owned(), source: source.into() }
 }

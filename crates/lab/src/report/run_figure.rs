@@ -1,25 +1,25 @@
-//! One run at a glance.
+//! One figure with the most important quantities of a run.
 
-use super::figure::{Colour, Curve, Figure, Panel, Stroke, TIME};
-use super::silence;
+use super::answer_gap;
+use super::figure::{Colour, Curve, Figure, Stroke};
+use super::time_series::{MM, panel, points, span};
 use crate::simulator::recording::{Recording, Sample};
 
 const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), ("z", Colour::Green)];
-const MM: f64 = 1e3;
 
-/// Forces with their targets, the tool's way, and what each task lacks, over time.
+/// Returns forces with their targets, displacement of the tool, and residuals of the tasks over time.
 pub fn of_run(run: &Recording) -> Figure {
+    let window = span(run);
     let mut panels = vec![
-        panel(run, "(a) Force on the environment", "force (N)", forces(run)),
-        panel(run, "(b) Way of the tool from its start", "displacement (mm)", displacements(run)),
-        panel(run, "(c) What each task lacks", "residual (m/s, rad/s)", residuals(run)),
+        panel("(a) Force on the environment", "force (N)", window, forces(run)),
+        panel("(b) Displacement of the tool", "displacement (mm)", window, displacements(run)),
+        panel("(c) Residual of each task", "residual (m/s, rad/s)", window, residuals(run)),
     ];
-    let mut caption =
-        "(a) Measured force and, dashed, its target where there is one. (b) Tool position minus start position. \
+    let mut caption = "(a) Measured force; its target, if any, is dashed. (b) Tool position minus start position. \
                        (c) ‖J q̇ − ẋ‖ of each task, highest priority first."
-            .to_owned();
-    if let Some(curves) = silence::curves(run) {
-        panels.push(panel(run, "(d) What the arm does without answers", "joint speed (rad/s)", curves));
+        .to_owned();
+    if let Some(curves) = answer_gap::curves(run) {
+        panels.push(panel("(d) Joint speed without answers", "joint speed (rad/s)", window, curves));
         caption += " (d) Largest commanded joint speed.";
     }
     Figure {
@@ -43,10 +43,10 @@ fn forces(run: &Recording) -> Vec<Curve> {
 }
 
 fn displacements(run: &Recording) -> Vec<Curve> {
-    let way = |(i, (axis, colour)): (usize, &(&str, Colour))| {
+    let displacement = |(i, (axis, colour)): (usize, &(&str, Colour))| {
         curve(run, (*axis).to_owned(), *colour, Stroke::Thin, move |sample| Some(MM * sample.position_error[i]))
     };
-    AXES.iter().enumerate().map(way).collect()
+    AXES.iter().enumerate().map(displacement).collect()
 }
 
 fn residuals(run: &Recording) -> Vec<Curve> {
@@ -58,20 +58,12 @@ fn residuals(run: &Recording) -> Vec<Curve> {
     (0..tasks).zip(colours.iter().cycle()).map(task).collect()
 }
 
-fn curve(run: &Recording, label: String, colour: Colour, stroke: Stroke, of: impl Fn(&Sample) -> Option<f64>) -> Curve {
-    let points = run.samples.iter().filter_map(|sample| Some((sample.time_s, of(sample)?))).collect();
-    Curve { label, colour, stroke, points }
-}
-
-fn panel(run: &Recording, heading: &str, y_label: &str, curves: Vec<Curve>) -> Panel {
-    let time = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.time_s);
-    let window = (time(run.samples.first()), time(run.samples.last()) + run.period_s);
-    Panel {
-        heading: heading.to_owned(),
-        x_label: TIME.to_owned(),
-        y_label: y_label.to_owned(),
-        window,
-        y_covers: Vec::new(),
-        curves,
-    }
+fn curve(
+    run: &Recording,
+    label: String,
+    colour: Colour,
+    stroke: Stroke,
+    value: impl Fn(&Sample) -> Option<f64>,
+) -> Curve {
+    Curve { label, colour, stroke, points: points(run, value) }
 }

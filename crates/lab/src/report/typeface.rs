@@ -1,5 +1,4 @@
-//! The font of every figure, `DejaVu Sans`, carried inside the program: no system font is needed and
-//! a figure looks the same on every machine.
+//! The font of every figure, `DejaVu Sans`. It is embedded in the program, so a figure looks the same on every machine.
 
 use std::sync::{Arc, LazyLock};
 
@@ -8,11 +7,10 @@ use resvg::usvg::fontdb;
 
 use super::error::Error;
 
-/// Font family written into the SVG. A browser without `DejaVu Sans` falls back on fonts that are
-/// not wider, so nothing is cut off.
+/// Font family in the SVG. The fallback fonts are not wider than `DejaVu Sans`, so no text is cut off.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// plotters' text size for an em of one pixel: its SVG backend divides by this number.
+/// Text size of plotters for an em of one pixel: its SVG backend divides by this number.
 pub const SIZE_PER_EM: f64 = 1.24;
 
 static DATABASE: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
@@ -22,13 +20,13 @@ static DATABASE: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(database)
 });
 
-/// The fonts for the rasteriser.
+/// Returns the fonts for rendering as PNG.
 #[must_use]
 pub fn database() -> Arc<fontdb::Database> {
     Arc::clone(&DATABASE)
 }
 
-/// Makes the fonts known to the drawing library.
+/// Registers the fonts with the drawing library.
 ///
 /// # Errors
 ///
@@ -38,7 +36,7 @@ pub fn register() -> Result<(), Error> {
     faces.into_iter().try_for_each(|(style, bytes)| register_font(FAMILY, style, bytes)).map_err(|_| Error::Font)
 }
 
-/// Width of a text set with an em of `em` units, in the same units. The fonts must be registered.
+/// Returns the width of a text with an em of `em` units, in the same units. Call [`register`] first.
 #[must_use]
 pub fn width(text: &str, em: f64) -> i32 {
     let size = (FAMILY, em * SIZE_PER_EM).into_font().box_size(text);

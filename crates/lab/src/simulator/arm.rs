@@ -1,4 +1,4 @@
-//! The arm behind its inner velocity loop.
+//! The simulated arm with its inner velocity loop.
 
 use std::collections::VecDeque;
 
@@ -8,27 +8,27 @@ use utoipa::ToSchema;
 use super::drive_limits::DriveLimits;
 use super::field_error::{FieldError, between, not_negative};
 
-/// Longest delay of a command, periods.
-const LONGEST_DELAY: usize = 10_000;
+/// Largest delay of a command, periods.
+const MAX_DELAY: usize = 10_000;
 
-/// How the arm follows a commanded velocity; ideal if nothing is set.
+/// How the arm follows a commanded velocity. The default is an ideal arm.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VelocityLoop {
-    /// τ of a first-order lag, s.
+    /// Time constant τ of a first-order lag, s.
     pub lag_s: f64,
-    /// Whole periods that a command waits before it acts.
+    /// Delay of a command, whole periods.
     pub delay_periods: usize,
-    /// Whether the drives cut commands at the limits that the controller is given, each joint by itself.
+    /// Whether the drives clamp the command of each joint at the limits of the controller.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub clamp: bool,
 }
 
 impl VelocityLoop {
-    /// Whether the numbers make sense; `pointer` says where they stand.
+    /// Checks the values; `pointer` is the JSON pointer of this object.
     pub fn check(&self, pointer: &str) -> Result<(), FieldError> {
         not_negative(self.lag_s, &format!("{pointer}/lag_s"))?;
-        between(self.delay_periods, 0, LONGEST_DELAY, &format!("{pointer}/delay_periods"))?;
+        between(self.delay_periods, 0, MAX_DELAY, &format!("{pointer}/delay_periods"))?;
         Ok(())
     }
 }
@@ -40,45 +40,47 @@ pub struct Arm {
     velocity: Vec<f64>,
     lag_s: f64,
     drive_limits: Option<DriveLimits>,
-    waiting: VecDeque<Vec<f64>>,
-    acting: Vec<f64>,
+    /// Delayed commands, the oldest first.
+    queue: VecDeque<Vec<f64>>,
+    /// The command in force.
+    active: Vec<f64>,
 }
 
 impl Arm {
-    /// An arm at rest; `position`: n, rad or m; `drive_limits` cut its commands, if given.
+    /// Returns an arm at rest; `position`: n, rad or m; `drive_limits` clamp its commands, if given.
     pub fn at_rest(position: Vec<f64>, inner_loop: VelocityLoop, drive_limits: Option<DriveLimits>) -> Self {
         let velocity = vec![0.0; position.len()];
-        let waiting = std::iter::repeat_n(velocity.clone(), inner_loop.delay_periods).collect();
-        let acting = velocity.clone();
-        Self { position, velocity, lag_s: inner_loop.lag_s, drive_limits, waiting, acting }
+        let queue = std::iter::repeat_n(velocity.clone(), inner_loop.delay_periods).collect();
+        let active = velocity.clone();
+        Self { position, velocity, lag_s: inner_loop.lag_s, drive_limits, queue, active }
     }
 
-    /// q, n, rad or m.
+    /// Returns q, n, rad or m.
     pub fn position(&self) -> &[f64] {
         &self.position
     }
 
-    /// q̇, n, rad/s or m/s.
+    /// Returns q̇, n, rad/s or m/s.
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
 
-    /// Takes a commanded velocity (n) for the period that begins, in which the command of `delay_periods` before acts.
+    /// Accepts a commanded velocity (n) and activates the command of `delay_periods` before for the next period.
     pub fn command(&mut self, velocity: &[f64]) {
-        self.waiting.push_back(velocity.to_vec());
-        let Some(mut acting) = self.waiting.pop_front() else { return };
+        self.queue.push_back(velocity.to_vec());
+        let Some(mut active) = self.queue.pop_front() else { return };
         if let Some(limits) = &self.drive_limits {
-            limits.cut(&mut acting, &self.position, &self.acting);
+            limits.clamp(&mut active, &self.position, &self.active);
         }
-        self.acting = acting;
+        self.active = active;
     }
 
-    /// Moves for a time (s) under the acting command u, exactly: q̇ → u + (q̇ − u) e^(−t/τ), and q its integral; for τ = 0:
-    /// q → q + t u.
+    /// Advances by a time t (s) under the active command u with the exact solution: q̇ → u + (q̇ − u) e^(−t/τ), and q its
+    /// integral; for τ = 0: q → q + t u.
     pub fn advance(&mut self, time: f64) {
         let tau = self.lag_s;
         let remaining = if tau > 0.0 { (-time / tau).exp() } else { 0.0 };
-        for ((q, qdot), u) in self.position.iter_mut().zip(&mut self.velocity).zip(&self.acting) {
+        for ((q, qdot), u) in self.position.iter_mut().zip(&mut self.velocity).zip(&self.active) {
             let gap = *qdot - u;
             *q += time * u + gap * tau * (1.0 - remaining);
             *qdot = u + gap * remaining;
@@ -95,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ideal_arm_does_what_it_is_told() {
+    fn ideal_arm_moves_at_the_commanded_velocity() {
         let mut arm = arm(1.0, 0.0, 0);
         arm.command(&[0.5]);
         arm.advance(0.01);
@@ -103,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lagging_arm_follows_the_exact_step_response_in_steps_of_any_length() {
+    fn lag_gives_the_exact_step_response_for_any_step_length() {
         for steps in [100, 10] {
             let mut arm = arm(0.0, 0.05, 0);
             arm.command(&[2.0]);
@@ -115,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delayed_command_acts_later_by_whole_periods() {
+    fn delayed_command_acts_after_whole_periods() {
         let mut arm = arm(0.0, 0.0, 2);
         let speeds: Vec<f64> = (1..=4)
             .map(|i| {

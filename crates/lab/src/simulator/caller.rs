@@ -1,4 +1,4 @@
-//! The service as one run sees it.
+//! Calls to the service, in a session or stateless.
 
 use revprio_api::wire;
 use revprio_api::{ClientError, Service};
@@ -7,14 +7,14 @@ use super::operator::Cycle;
 use super::run::CallMode;
 use super::stateless::Stateless;
 
-/// The service, in a session or not.
+/// The way in which a run calls the service.
 pub enum Caller<'a> {
     Session { service: &'a dyn Service, id: String },
     Stateless(Box<Stateless<'a>>),
 }
 
 impl<'a> Caller<'a> {
-    /// Opens a session, if there is to be one.
+    /// Opens a session, if the mode needs one.
     pub fn open(controller: &wire::Controller, service: &'a dyn Service, mode: CallMode) -> Result<Self, ClientError> {
         match mode {
             CallMode::Session => Ok(Self::Session { service, id: service.create_controller(controller)?.id }),
@@ -22,14 +22,14 @@ impl<'a> Caller<'a> {
         }
     }
 
-    /// The controller from the next period on; a session keeps the one that it was opened with.
+    /// Sets the controller from the next period on. A session keeps the controller with which it was opened.
     pub fn change(&mut self, controller: wire::Controller) {
         if let Self::Stateless(caller) = self {
             caller.change(controller);
         }
     }
 
-    /// What the last call asked, where no session keeps the memory.
+    /// Returns the input of the last call; `None` in a session.
     pub fn cycle(&self) -> Option<Cycle<'_>> {
         match self {
             Self::Session { .. } => None,
@@ -37,7 +37,7 @@ impl<'a> Caller<'a> {
         }
     }
 
-    /// Asks for the command of a period.
+    /// Requests the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
         match self {
             Self::Session { service, id } => service.step_controller(id, &state),
@@ -45,16 +45,16 @@ impl<'a> Caller<'a> {
         }
     }
 
-    /// The last answer did not arrive when it should; a session does not know.
-    pub fn lose(&mut self) {
+    /// Discards the memory of the last answer, which did not arrive in its period. A session ignores this.
+    pub fn discard_answer(&mut self) {
         if let Self::Stateless(caller) = self {
-            caller.lose();
+            caller.discard_answer();
         }
     }
 }
 
 impl Drop for Caller<'_> {
-    /// Ends the session, after a failure too; if that fails, the service ends it by itself.
+    /// Ends the session, also after an error. If this fails, the service ends the idle session itself.
     fn drop(&mut self) {
         if let Self::Session { service, id } = self {
             let _ = service.delete_controller(id);

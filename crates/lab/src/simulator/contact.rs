@@ -1,26 +1,26 @@
-//! What the tool touches, as a scenario says it.
+//! Contacts of the tool, as in a scenario.
 
 use nalgebra::Vector3;
 use revprio_api::wire::{Profile, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// What kind of thing is touched.
+/// Kind of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactKind {
-    /// Bilateral along an axis: pushes and pulls.
+    /// Bilateral along an axis: it pushes and pulls.
     Spring,
-    /// Unilateral across an axis: no force without penetration, never pulling.
+    /// Unilateral, normal to an axis: it only pushes, and only under penetration.
     Wall,
-    /// The same across any direction.
+    /// Unilateral, normal to any direction.
     Plane,
 }
 
-/// A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, and friction across it.
+/// A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.
 ///
-/// Paper: Eq. (36). Departs: X_0, where the surface is, is not printed; it may move, and velocity and acceleration count
-/// relative to it.
+/// Paper: Eq. (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and
+/// acceleration are relative to it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
@@ -28,33 +28,33 @@ pub struct Contact {
     #[serde(default, with = "axis_name", skip_serializing_if = "Option::is_none")]
     #[schema(schema_with = axis_name::schema)]
     pub axis: Option<usize>,
-    /// Direction out of a plane's material, base axes; of any length but zero.
+    /// Normal of a plane, out of the material, base axes; of any length except zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
-    /// What it is.
+    /// Kind of contact.
     pub kind: ContactKind,
-    /// X_0 from the tool's start position, m: along the axis, where a wall with a negative offset stands in the negative
-    /// direction; of a plane, the tool's way to it against the normal.
+    /// X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the negative
+    /// direction. For a plane: the distance of the tool to it, against the normal.
     #[serde(default)]
     pub offset_m: f64,
-    /// Added to `offset_m` over time, m, one value.
+    /// Motion that is added to `offset_m`, m, one value.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub motion: Option<Profile>,
-    /// K_e, N/m.
+    /// Stiffness K_e, N/m.
     pub stiffness: f64,
-    /// B_e, N·s/m.
+    /// Damping B_e, N·s/m.
     #[serde(default)]
     pub damping: f64,
-    /// M_e, kg.
+    /// Inertia M_e, kg.
     #[serde(default)]
     pub inertia: f64,
-    /// Along a wall or a plane; none if left out.
+    /// Friction along a wall or a plane; none by default.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }
 
 impl Contact {
-    /// Part of K_e that is felt along a base axis: the square of the direction's component.
+    /// Returns the share of K_e that acts along a base axis: the square of the component of the direction.
     pub fn share_along(&self, axis: usize) -> f64 {
         match (self.axis, self.normal) {
             (Some(own), _) => f64::from(u8::from(own == axis)),
@@ -71,18 +71,18 @@ impl Contact {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// μ.
+    /// Coefficient μ of dry friction.
     #[serde(default)]
     pub coulomb: f64,
-    /// B_t, N·s/m, wherever the tool touches.
+    /// Viscous friction B_t, N·s/m, during contact.
     #[serde(default)]
     pub viscous: f64,
-    /// v_s, m/s: below it dry friction falls towards zero, so that a tool at rest feels none.
-    #[serde(default = "slowest_slide")]
+    /// Speed v_s, m/s. Below it, dry friction decreases to zero, so that a tool at rest has none.
+    #[serde(default = "default_sticking_speed")]
     pub sticking_speed_m_s: f64,
 }
 
-fn slowest_slide() -> f64 {
+fn default_sticking_speed() -> f64 {
     1e-3
 }
 

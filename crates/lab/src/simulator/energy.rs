@@ -1,25 +1,25 @@
-//! What contacts take from the tool, keep and turn into heat.
+//! Energy of the contacts.
 
 use std::iter::Sum;
 
 use serde::{Deserialize, Serialize};
 
-/// Energy of all contacts together since the start, J.
+/// Energy of all contacts since the start, J.
 ///
-/// Work and dissipation are summed up independently of each other, the one over ways, the other over time, so that their
-/// balance tells how well the periods resolve the contact.
+/// Work is integrated over distance, dissipation over time. Their balance therefore shows how well the time steps resolve
+/// the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Energy {
-    /// Work done on the contacts, by the tool and by surfaces that move: ∫ F_e d(X − X_0).
+    /// Work of the tool and of moving surfaces on the contacts: ∫ F_e d(X − X_0).
     pub work_j: f64,
-    /// What they give back: ½ K_e (X − X_0)² + ½ M_e (Ẋ − Ẋ_0)².
+    /// Energy stored in the contacts: ½ K_e (X − X_0)² + ½ M_e (Ẋ − Ẋ_0)².
     pub stored_j: f64,
-    /// What damping, friction, and impacts have turned into heat.
+    /// Energy dissipated by damping, friction and impacts.
     pub dissipated_j: f64,
 }
 
 impl Energy {
-    /// Work that is neither stored nor dissipated, J: 0 but for the length of the steps.
+    /// Returns the work that is neither stored nor dissipated, J: 0 except for the error of the time steps.
     pub fn imbalance_j(&self) -> f64 {
         self.work_j - self.stored_j - self.dissipated_j
     }

@@ -1,4 +1,4 @@
-//! All that the tool touches: Eq. (36) along each direction.
+//! All contacts of the tool: Eq. (36) along each direction.
 
 use nalgebra::Vector3;
 
@@ -7,10 +7,10 @@ use super::energy::Energy;
 use super::field_error::FieldError;
 use super::surface::Surface;
 
-/// Most contacts of a scenario.
-const MOST_CONTACTS: usize = 100;
+/// Largest number of contacts of a scenario.
+const MAX_CONTACTS: usize = 100;
 
-/// All contacts at work.
+/// The state of all contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
     surfaces: Vec<Surface>,
@@ -18,30 +18,30 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Contacts placed relative to the tool's start position (base frame, m).
+    /// Returns the contacts, placed relative to the tool's start position (base frame, m).
     pub fn new(contacts: &[Contact], start: [f64; 3]) -> Result<Self, FieldError> {
-        if contacts.len() > MOST_CONTACTS {
-            return Err(FieldError::new("/contacts", format!("are more than {MOST_CONTACTS}")));
+        if contacts.len() > MAX_CONTACTS {
+            return Err(FieldError::new("/contacts", format!("has more than {MAX_CONTACTS} contacts")));
         }
         let surface = |(i, contact)| Surface::new(contact, &format!("/contacts/{i}"));
         let surfaces = contacts.iter().enumerate().map(surface).collect::<Result<_, _>>()?;
         Ok(Self { surfaces, start: start.into() })
     }
 
-    /// F_e on the environment (N, base axes) at a tool position (m) and velocity (m/s), at a time (s) that is `dt` (s)
-    /// after that of the last step.
+    /// Advances by `dt` (s) to a tool position (m), a tool velocity (m/s) and a time (s). Returns the force F_e on the
+    /// environment (N, base axes).
     pub fn step(&mut self, position: [f64; 3], velocity: [f64; 3], time_s: f64, dt: f64) -> [f64; 3] {
-        let way = Vector3::from(position) - self.start;
-        let forces = self.surfaces.iter_mut().map(|surface| surface.step(way, velocity.into(), time_s, dt));
+        let displacement = Vector3::from(position) - self.start;
+        let forces = self.surfaces.iter_mut().map(|surface| surface.step(displacement, velocity.into(), time_s, dt));
         forces.sum::<Vector3<f64>>().into()
     }
 
-    /// Way to the nearest wall or plane, m, negative in contact, at the last step; `None` without one.
+    /// Returns the distance to the nearest wall or plane at the last step, m, negative in contact; `None` without one.
     pub fn wall_distance(&self) -> Option<f64> {
         self.surfaces.iter().filter_map(Surface::distance).min_by(f64::total_cmp)
     }
 
-    /// What all contacts took and kept so far.
+    /// Returns the energy of all contacts so far.
     pub fn energy(&self) -> Energy {
         self.surfaces.iter().map(Surface::energy).sum()
     }
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_pushes_and_pulls() {
+    fn spring_pushes_and_pulls() {
         let mut spring = environment(contact(ContactKind::Spring, 0.0), [1.0, 2.0, 3.0]);
         assert!((spring.step([0.9, 2.5, 3.0], [0.0; 3], 0.0, 0.01)[0] + 100.0).abs() < 1e-9);
         let force = spring.step([1.1, 2.5, 3.0], [0.5, 9.0, 0.0], 0.01, 0.01);
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_never_pulls_on_either_side() {
+    fn wall_never_pulls() {
         for side in [1.0, -1.0] {
             let mut wall = environment(contact(ContactKind::Wall, 0.05 * side), [0.0; 3]);
             let mut step = |x: f64, v: f64| wall.step([x * side, 0.0, 0.0], [v * side, 0.0, 0.0], 0.0, 0.01)[0];
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_across_an_axis_is_the_wall_across_it() {
+    fn plane_normal_to_an_axis_equals_a_wall() {
         let wall = contact(ContactKind::Wall, -0.05);
         let plane = Contact {
             axis: None,
@@ -112,18 +112,18 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_that_moves_is_where_its_motion_says() {
+    fn moving_wall_follows_its_profile() {
         let motion =
             Profile::Ramp { start: PerAxis::All(0.0), end: PerAxis::All(-0.03), start_time_s: 0.0, duration_s: 1.0 };
         let mut wall =
             environment(Contact { motion: Some(motion), inertia: 0.0, ..contact(ContactKind::Wall, 0.05) }, [0.0; 3]);
         assert_eq!(wall.step([0.04, 0.0, 0.0], [0.0; 3], 0.1, 0.1)[0], 0.0);
-        // 5 mm deep, and coming with 0.03 m/s.
+        // Depth 5 mm; the wall approaches at 0.03 m/s.
         assert!((wall.step([0.04, 0.0, 0.0], [0.0; 3], 0.5, 0.4)[0] - (5.0 + 0.3)).abs() < 1e-9);
     }
 
     #[test]
-    fn friction_drags_against_the_slide_and_not_at_rest() {
+    fn friction_acts_along_the_motion_and_not_at_rest() {
         let friction = Friction { coulomb: 0.5, viscous: 2.0, sticking_speed_m_s: 1e-6 };
         let floor = Contact { friction: Some(friction), damping: 0.0, inertia: 0.0, ..contact(ContactKind::Wall, 0.0) };
         let force = |y: f64| environment(floor.clone(), [0.0; 3]).step([0.01, 0.0, 0.0], [0.0, y, 0.0], 0.0, 0.01);
@@ -132,8 +132,8 @@ mod tests {
         assert_eq!(force(0.0)[1], 0.0);
     }
 
-    /// A tool that runs into a wall, slides along it, and comes out again, in so many steps of a second: the forces at each
-    /// hundredth of it, and the energy.
+    /// Moves a tool into a wall, along it and out again within 1 s, in `steps` time steps. Returns the normal force every
+    /// 10 ms, and the energy.
     fn bounce(steps: u32) -> (Vec<f64>, Energy) {
         let dt = 1.0 / f64::from(steps);
         let friction = Friction { coulomb: 0.3, viscous: 1.0, sticking_speed_m_s: 1e-2 };
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn finer_steps_lead_to_the_same_forces() {
+    fn forces_converge_with_finer_steps() {
         let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let [coarse, fine, finest] = [1000, 10_000, 100_000].map(|steps| bounce(steps).0);
         assert!(distance(&coarse, &finest) < 0.1, "{}", distance(&coarse, &finest));
@@ -162,17 +162,17 @@ mod tests {
     }
 
     #[test]
-    fn work_is_stored_or_dissipated_the_better_the_finer_the_steps() {
+    fn energy_balance_improves_with_finer_steps() {
         let [coarse, fine] = [1000, 10_000].map(|steps| bounce(steps).1);
         assert!(coarse.work_j > 0.01 && coarse.dissipated_j > 0.01, "{coarse:?}");
         assert!(coarse.imbalance_j().abs() < 0.02 * coarse.work_j, "{coarse:?}");
         assert!(fine.imbalance_j().abs() < 0.002 * fine.work_j, "{fine:?}");
-        // Outside again: nothing is left in the wall.
+        // The tool has left the wall, so no energy is stored.
         assert_eq!(coarse.stored_j, 0.0);
     }
 
     #[test]
-    fn a_tool_that_leaves_faster_than_the_surface_follows_leaves_its_energy_there() {
+    fn surface_dissipates_its_energy_if_the_tool_leaves_too_fast() {
         let mut wall = environment(Contact { inertia: 0.0, ..contact(ContactKind::Wall, 0.0) }, [0.0; 3]);
         wall.step([0.01, 0.0, 0.0], [-5.0, 0.0, 0.0], 0.0, 1e-3);
         for step in 1..=20 {

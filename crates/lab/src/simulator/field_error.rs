@@ -1,23 +1,23 @@
-//! What is wrong with a scenario, and where.
+//! Errors in the fields of a scenario.
 
 use std::fmt;
 
 use revprio_api::wire::PerAxis;
 
-/// Largest number that a scenario may hold: far above any quantity of an arm, far below what overflows when squared.
-const LARGEST: f64 = 1e9;
+/// Largest absolute value in a scenario: far above any quantity of an arm, and its square does not overflow.
+const MAX_VALUE: f64 = 1e9;
 
-/// A quantity that makes no sense.
+/// A value that is not valid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldError {
     /// JSON pointer of the field.
     pub pointer: String,
-    /// What is wrong with it.
+    /// Why it is not valid.
     pub problem: String,
 }
 
 impl FieldError {
-    /// A flaw of the field at a JSON pointer.
+    /// Returns an error of the field at a JSON pointer.
     pub fn new(pointer: impl Into<String>, problem: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), problem: problem.into() }
     }
@@ -29,16 +29,16 @@ impl fmt::Display for FieldError {
     }
 }
 
-/// A number of sensible size.
+/// Checks that a number is not too large.
 pub fn number(value: f64, pointer: &str) -> Result<f64, FieldError> {
-    if value.abs() <= LARGEST {
+    if value.abs() <= MAX_VALUE {
         Ok(value)
     } else {
-        Err(FieldError::new(pointer, format!("is out of range; {value:e} does not lie between -1e9 and 1e9")))
+        Err(FieldError::new(pointer, format!("is {value:e}; it must be between -1e9 and 1e9")))
     }
 }
 
-/// A number of sensible size that is not negative.
+/// Checks that a number is not negative and not too large.
 pub fn not_negative(value: f64, pointer: &str) -> Result<f64, FieldError> {
     if value < 0.0 {
         return Err(FieldError::new(pointer, format!("must not be negative, but is {value}")));
@@ -46,7 +46,7 @@ pub fn not_negative(value: f64, pointer: &str) -> Result<f64, FieldError> {
     number(value, pointer)
 }
 
-/// A number of sensible size above zero.
+/// Checks that a number is positive and not too large.
 pub fn positive(value: f64, pointer: &str) -> Result<f64, FieldError> {
     if !(value > 0.0) {
         return Err(FieldError::new(pointer, format!("must be positive, but is {value}")));
@@ -54,16 +54,16 @@ pub fn positive(value: f64, pointer: &str) -> Result<f64, FieldError> {
     number(value, pointer)
 }
 
-/// A whole number in a range.
-pub fn between(value: usize, least: usize, most: usize, pointer: &str) -> Result<usize, FieldError> {
-    if (least..=most).contains(&value) {
+/// Checks that an integer is in a range.
+pub fn between(value: usize, min: usize, max: usize, pointer: &str) -> Result<usize, FieldError> {
+    if (min..=max).contains(&value) {
         Ok(value)
     } else {
-        Err(FieldError::new(pointer, format!("is out of range; {value} does not lie between {least} and {most}")))
+        Err(FieldError::new(pointer, format!("is {value}; it must be between {min} and {max}")))
     }
 }
 
-/// One number per row that the check lets pass.
+/// Returns one checked number per row.
 pub fn per_row(
     values: &PerAxis<f64>,
     rows: usize,
@@ -77,7 +77,7 @@ pub fn per_row(
         }
         PerAxis::Each(values) => Err(FieldError::new(
             pointer,
-            format!("has {} values where {rows} belong; or give one for all", values.len()),
+            format!("has {} values; give {rows} values, or one number for all", values.len()),
         )),
     }
 }

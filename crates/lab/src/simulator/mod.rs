@@ -1,15 +1,14 @@
-//! A simulated arm and its environment, which call the service over HTTP once per control period.
+//! A simulated arm with its environment, which calls a service once per control period.
 //!
-//! The simulator knows the robot's kinematics and the interface of the service, nothing of control or resolution: what
-//! it shows is what any client would get.
+//! The simulator uses the kinematics of the robot and the interface of the service. It does not use the control code, so a
+//! simulated arm gets the same commands as any other client.
 //!
-//! A [`Scenario`] says all of a run: the controller, the start, contacts (springs, walls and planes that may move and drag),
-//! pushes, the velocity loop, sensors with errors, a line with faults. Noise and faults come from its seed, so that a run
-//! can be had again to the last bit.
+//! A [`Scenario`] describes a whole run: controller, start posture, contacts (springs, walls and planes that may move and
+//! have friction), external pushes, velocity loop, sensor errors, and faults of the connection. Noise and faults depend on
+//! its seed only, so a run is reproducible to the last bit.
 
 mod arm;
 mod caller;
-mod chance;
 mod contact;
 mod drive_limits;
 mod energy;
@@ -20,6 +19,7 @@ mod lossy_channel;
 mod operator;
 mod plant;
 mod profile;
+mod random;
 pub mod recording;
 pub mod replay;
 mod request;

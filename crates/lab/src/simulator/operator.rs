@@ -1,4 +1,4 @@
-//! Who stands beside a run: lets time pass, pushes the arm, changes the controller, ends it.
+//! Control of a run while it is in progress: pace, pushes, changes of the controller, early end.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -7,50 +7,50 @@ use revprio_api::wire;
 
 use super::recording::Sample;
 
-/// What happens to a run in one period, besides what the scenario says.
+/// Influence on one period of a run, in addition to the scenario.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Influence {
-    /// Pushes the tool, N, base axes.
+    /// Force that pushes the tool, N, base axes.
     pub external_force: [f64; 3],
-    /// The controller from this period on. It continues from the memory of the one before, so it must have the same rows.
+    /// The controller from this period on. It continues with the memory of the previous one, so it must have the same rows.
     pub controller: Option<wire::Controller>,
 }
 
 /// How a run ends early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// What was recorded is of no use.
+    /// The run fails; its samples are discarded.
     Stop,
-    /// What was recorded is the run.
+    /// The run succeeds with the samples recorded so far.
     Finish,
 }
 
-/// A period that is done.
+/// A completed period.
 #[derive(Debug)]
 pub struct Observed<'a> {
-    /// What is recorded of it.
+    /// The recorded sample.
     pub sample: &'a Sample,
-    /// The answer that the arm obeyed.
+    /// The answer that the arm executed.
     pub answer: &'a wire::StepAnswer,
-    /// Time between state and answer.
+    /// Real time between state and answer.
     pub round_trip: Duration,
-    /// What was asked, where no session keeps the memory.
+    /// Input of the step; `None` in a session.
     pub cycle: Option<Cycle<'a>>,
 }
 
-/// The parts of a stateless step.
+/// Input of a stateless step.
 #[derive(Debug, Clone, Copy)]
 pub struct Cycle<'a> {
     /// The controller.
     pub controller: &'a wire::Controller,
     /// The measured state.
     pub state: &'a wire::State,
-    /// The memory of the period before.
+    /// The memory of the previous period.
     pub memory: Option<&'a wire::Memory>,
 }
 
 impl Cycle<'_> {
-    /// The step as a request of its own.
+    /// Returns the step as a request.
     pub fn request(&self) -> wire::StepRequest {
         wire::StepRequest {
             controller: self.controller.clone(),
@@ -60,28 +60,28 @@ impl Cycle<'_> {
     }
 }
 
-/// The run's view of who stands beside it.
+/// Observes and controls a run.
 pub trait Operator {
-    /// What happens in the next period; simulated time stands still until this returns.
+    /// Returns the influence on the next period. Simulated time does not advance until this returns.
     fn influence(&mut self, _period: u64) -> Influence {
         Influence::default()
     }
 
-    /// Sees a period; `done` counts them, this one included.
+    /// Receives a completed period; `done` is the number of completed periods.
     fn see(&mut self, done: u64, period: &Observed);
 
-    /// Whether the run goes on: asked after each period, and again and again while the service is silent.
+    /// Returns whether the run continues. Called after each period, and repeatedly while the service does not answer.
     fn goes_on(&mut self) -> ControlFlow<Ending>;
 }
 
-/// Looks at the progress alone.
+/// An operator that only reports progress.
 pub struct ProgressObserver<F> {
     progress: F,
     done: u64,
 }
 
 impl<F: FnMut(u64) -> ControlFlow<()>> ProgressObserver<F> {
-    /// `progress` hears how many periods are done and may end the run.
+    /// `progress` receives the number of completed periods and may end the run.
     pub fn new(progress: F) -> Self {
         Self { progress, done: 0 }
     }

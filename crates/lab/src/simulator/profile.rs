@@ -1,21 +1,21 @@
-//! Set-points over time, from the words of a scenario.
+//! Conversion of profiles over time from a scenario.
 
 use revprio_api::wire::{self, PerAxis, ProfilePoint};
 use revprio_robot::profile::{Point, Profile, ProfileError};
 
 use super::field_error::{FieldError, number, per_row};
 
-/// Most points of a profile, as in a controller.
-const MOST_POINTS: usize = 1000;
+/// Largest number of points of a profile, as in a controller.
+const MAX_POINTS: usize = 1000;
 
-/// The profile at a JSON pointer, of so many rows.
+/// Converts the profile at a JSON pointer; `rows` is its number of values.
 pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Profile, FieldError> {
     let at = |field: &str| format!("{pointer}/{field}");
     let list = |values: &PerAxis<f64>, field: &str| per_row(values, rows, &at(field), number);
     let single = |value: f64, field: &str| number(value, &at(field));
     let points = |points: &[ProfilePoint]| -> Result<Vec<Point>, FieldError> {
-        if points.len() > MOST_POINTS {
-            return Err(FieldError::new(at("points"), format!("has more than {MOST_POINTS} points")));
+        if points.len() > MAX_POINTS {
+            return Err(FieldError::new(at("points"), format!("has more than {MAX_POINTS} points")));
         }
         let point = |(i, point): (usize, &ProfilePoint)| {
             let time_s = single(point.time_s, &format!("points/{i}/time_s"))?;
@@ -40,10 +40,10 @@ pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Pr
         wire::Profile::Steps { points: list } => Profile::steps(points(list)?),
         wire::Profile::Waypoints { points: list } => Profile::waypoints(&points(list)?),
     };
-    profile.map_err(|error| FieldError::new(place(error, pointer), format!("is refused: {error}")))
+    profile.map_err(|error| FieldError::new(place(error, pointer), format!("is not valid: {error}")))
 }
 
-/// JSON pointer of what the library refuses.
+/// Returns the JSON pointer of an invalid part.
 fn place(error: ProfileError, pointer: &str) -> String {
     match error {
         ProfileError::Times { point } => format!("{pointer}/points/{point}/time_s"),

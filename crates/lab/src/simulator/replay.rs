@@ -1,4 +1,4 @@
-//! The states of a recording once more, and whether the answers are still the same.
+//! Sends the states of a recording again and compares the answers.
 
 use std::ops::ControlFlow;
 
@@ -7,55 +7,55 @@ use revprio_api::wire;
 
 use super::caller::Caller;
 use super::plant::target_force;
-use super::recording::{AtLimit, Extent, Recording, Sample, Sensed, Value};
+use super::recording::{AtLimit, Recording, Sample, Sensed, TableLayout, Value};
 use super::run::{CallMode, RunError};
 
-/// Why nothing can be compared.
+/// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The controller is not known.
-    #[error("the recording does not say which controller it is of")]
+    /// The recording has no controller.
+    #[error("the recording does not contain its controller")]
     NoController,
-    /// The service gave no answer.
+    /// The service did not answer.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// What came of a replay.
+/// Result of a replay.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Replay {
     /// Periods of the recording.
     pub periods: usize,
-    /// Answers of the recording that were compared; the service was silent in the other periods.
+    /// Number of compared answers; the other periods have no answer.
     pub compared: usize,
-    /// Answers that differ by more than the tolerance.
+    /// Number of answers that differ by more than the tolerance.
     pub differing: usize,
     /// The first of these differences.
     pub first: Option<Difference>,
-    /// The largest difference of any number, below the tolerance too.
+    /// The largest difference of any number, also if it is below the tolerance.
     pub worst: Option<Difference>,
 }
 
-/// Two values that should be the same.
+/// A difference between a recorded and a new value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// Number of the period, from 0.
     pub period: usize,
     /// Simulated time, s.
     pub time_s: f64,
-    /// Name of the column, as in the files.
+    /// Name of the column in the file.
     pub column: String,
-    /// As recorded.
+    /// Recorded value.
     pub recorded: Value,
-    /// As answered now.
+    /// New value.
     pub answered: Value,
 }
 
 /// Sends every recorded state to a service, in order, and compares each answer with the recorded one: commands, residuals,
 /// limits, path and status. Numbers may differ by `tolerance`; with 0 they must be the same bits.
 ///
-/// Where the recording obeys an older answer, as after a fault of the line, that one is compared. With faults, answers can
-/// only be the same in the mode in which they were recorded.
+/// If the recorded arm executed an older answer because of a fault, that answer is compared. With faults, the answers are
+/// only reproducible in the mode in which they were recorded.
 pub fn replay(
     recording: &Recording,
     service: &dyn Service,
@@ -69,11 +69,11 @@ pub fn replay(
     let mut caller = Caller::open(controller, service, mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
-    let columns = Extent::of(recording, false).columns();
+    let columns = TableLayout::from_recording(recording, false).columns();
     for (period, sample) in recording.samples.iter().enumerate() {
         let time_s = sample.time_s;
-        // A service that was dead was not asked.
-        if scenario.faults.is_dead(time_s) {
+        // There was no call while the service was down.
+        if scenario.faults.is_down(time_s) {
             again.samples.push(sample.clone());
         } else {
             let answer = caller.call(state(period, sample)).map_err(refused(time_s))?;
@@ -112,13 +112,13 @@ impl Replay {
 }
 
 impl Difference {
-    /// How far the two are apart; infinite where they are no numbers.
+    /// Returns the absolute difference; infinite if the values are not numbers.
     pub fn distance(&self) -> f64 {
         distance(&self.recorded, &self.answered).unwrap_or(0.0)
     }
 }
 
-/// How far two values are apart; `None` if they are the same to the last bit.
+/// Returns the absolute difference of two values; `None` if they are the same to the last bit.
 fn distance(a: &Value, b: &Value) -> Option<f64> {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) if a.to_bits() == b.to_bits() => None,
@@ -127,9 +127,9 @@ fn distance(a: &Value, b: &Value) -> Option<f64> {
     }
 }
 
-/// The state as the controller was told it.
+/// Returns the state that the controller received.
 fn state(period: usize, sample: &Sample) -> wire::State {
-    let told = sample.sensed.as_deref().cloned().unwrap_or_else(|| Sensed {
+    let sensed = sample.sensed.as_deref().cloned().unwrap_or_else(|| Sensed {
         joint_position: sample.joint_position.clone(),
         joint_velocity: sample.actual_velocity.clone(),
         force: sample.force,
@@ -138,13 +138,13 @@ fn state(period: usize, sample: &Sample) -> wire::State {
     wire::State {
         sequence: period as u64,
         time_s: sample.time_s,
-        joint_position: told.joint_position.into(),
-        joint_velocity: Some(told.joint_velocity.into()),
-        wrench: Some(wire::Wrench { force: told.force, torque: told.torque }),
+        joint_position: sensed.joint_position.into(),
+        joint_velocity: Some(sensed.joint_velocity.into()),
+        wrench: Some(wire::Wrench { force: sensed.force, torque: sensed.torque }),
     }
 }
 
-/// The sample with what another answer says.
+/// Returns the sample with the values of another answer.
 fn answered(
     sample: &Sample,
     tasks: &[wire::ControllerTask],

@@ -1,4 +1,4 @@
-//! Bodies that hold scenarios.
+//! Request and answer bodies that contain scenarios.
 
 use revprio_api::wire::string_or_map::{self, StringOrMap};
 use revprio_api::wire::{Interactive, Method, Solver, object};
@@ -8,30 +8,31 @@ use utoipa::ToSchema;
 
 use super::scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
 
-/// A run to make.
+/// A simulation to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulationRequest {
-    /// A scenario that ships with the service, by name, or one of the client's own.
+    /// Name of a scenario that ships with the service, or a whole scenario.
     pub scenario: NamedScenario,
-    /// Method, instead of the scenario's.
+    /// Method, instead of the method of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
-    /// Solver, instead of the scenario's.
+    /// Solver, instead of the solver of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
-    /// Paced by the clock, shown live and open to `POST /v1/simulations/{id}/control`; as fast as it goes if left out.
+    /// Interactive run: paced by the clock, shown live, and controlled by `POST /v1/simulations/{id}/control`. If left out, the
+    /// simulation runs as fast as possible.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub interactive: Option<Interactive>,
 }
 
-/// A scenario by name or as it is.
+/// A scenario, by name or in full.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum NamedScenario {
-    /// One that ships with the service.
+    /// Name of a scenario that ships with the service.
     BuiltIn(String),
-    /// Any other.
+    /// A whole scenario.
     Own(Box<Scenario>),
 }
 
@@ -42,7 +43,7 @@ impl<'de> Deserialize<'de> for NamedScenario {
 }
 
 impl StringOrMap for NamedScenario {
-    const EXPECTED: &'static str = "the name of a scenario or a scenario";
+    const EXPECTED: &'static str = "the name of a scenario, or a scenario";
 
     fn from_string<E: Error>(text: &str) -> Result<Self, E> {
         Ok(Self::BuiltIn(text.to_owned()))
@@ -65,16 +66,16 @@ pub struct ScenarioList {
 pub struct ScenarioEntry {
     /// Name.
     pub name: String,
-    /// What it is about, one line.
+    /// Description in one line.
     pub description: String,
     /// Name of its robot.
     pub robot: String,
-    /// All of it.
+    /// The whole scenario.
     pub scenario: Scenario,
 }
 
 impl ScenarioList {
-    /// Those that ship with the crate.
+    /// Returns the scenarios that ship with the crate.
     pub fn built_in() -> Result<Self, ScenarioError> {
         let entry = |(name, _)| {
             let scenario = Scenario::find(name)?;

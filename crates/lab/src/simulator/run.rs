@@ -1,4 +1,4 @@
-//! One run of a scenario against a service.
+//! Runs a scenario against a service.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::operator::{Cycle, Ending, Influence, Observed, Operator, ProgressObse
 use super::plant::Plant;
 use super::recording::{Recording, Timing};
 use super::scenario::Scenario;
-use super::watchdog::{HeldCommand, is_silence, pause};
+use super::watchdog::{HeldCommand, is_missing_answer, pause};
 
 /// Who keeps the controller's memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,22 +24,22 @@ pub enum CallMode {
     /// The service, in a session.
     #[default]
     Session,
-    /// The caller: it travels with every request.
+    /// The caller, which sends it with every request.
     Stateless,
 }
 
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The simulator has no such arm.
-    #[error("the simulator has no robot `{name}`; known: {known}; or give its file")]
+    /// The simulator does not know the robot.
+    #[error("the simulator has no robot `{name}`; use one of {known}, or give a robot file")]
     UnknownRobot {
         /// The name.
         name: String,
-        /// Those that ship with the crate.
+        /// The known names.
         known: String,
     },
-    /// The tool offset has no orientation.
+    /// The orientation of the tool offset is not valid.
     #[error("controller.tool_offset: {0}")]
     ToolOrientation(#[from] NotUnitLength),
     /// The tool offset is not finite.
@@ -48,20 +48,21 @@ pub enum RunError {
     /// The start posture does not fit the robot.
     #[error("start_joint_position: {0}")]
     Start(ConfigurationError),
-    /// A quantity of the scenario makes no sense.
+    /// A value of the scenario is not valid.
     #[error("{0}")]
     Scenario(FieldError),
-    /// The arm left the range of numbers, which no service should command.
+    /// The simulated posture is not finite.
     #[error("at t = {time_s} s: {source}")]
     Diverged {
         /// Simulated time, s.
         time_s: f64,
-        /// What is wrong with the posture.
+        /// The error.
         source: ConfigurationError,
     },
-    /// The service's robot of that name is another one.
+    /// The service has another robot of the same name.
     #[error(
-        "at t = {time_s} s: {given} joint velocities for {expected} joints; the service knows another robot of that name"
+        "at t = {time_s} s: the answer has {given} joint velocities, but the robot has {expected} joints; the service has \
+         another robot of this name"
     )]
     AnswerSize {
         /// Simulated time, s.
@@ -71,30 +72,30 @@ pub enum RunError {
         /// Velocities in the answer.
         given: usize,
     },
-    /// The caller asked for the end.
+    /// The caller stopped the run.
     #[error("stopped at t = {time_s} s")]
     Stopped {
         /// Simulated time, s.
         time_s: f64,
     },
-    /// The service gave no answer.
+    /// The service did not answer.
     #[error("at t = {time_s} s: {source}")]
     Service {
         /// Simulated time, s.
         time_s: f64,
-        /// Why.
+        /// The error.
         source: ClientError,
     },
 }
 
 impl From<FieldError> for RunError {
-    fn from(flaw: FieldError) -> Self {
-        Self::Scenario(flaw)
+    fn from(error: FieldError) -> Self {
+        Self::Scenario(error)
     }
 }
 
-/// Runs the scenario with a robot that ships with the crate, one call per control period; `progress` hears of every
-/// period that is done and may end the run.
+/// Runs the scenario with a robot that ships with the crate, with one call per control period. `progress` receives the
+/// number of completed periods and may end the run.
 pub fn run(
     scenario: &Scenario,
     service: &dyn Service,
@@ -104,7 +105,7 @@ pub fn run(
     run_robot(&built_in_robot(&scenario.controller.robot)?, scenario, service, mode, progress)
 }
 
-/// A robot that ships with the crate.
+/// Returns a robot that ships with the crate.
 pub fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
     let robot = built_in().iter().find(|robot| robot.name() == name).cloned();
     robot.ok_or_else(|| {
@@ -113,10 +114,10 @@ pub fn built_in_robot(name: &str) -> Result<Arc<RobotModel>, RunError> {
     })
 }
 
-/// Runs the scenario with any robot; the service must know the same one by the name in the scenario's controller.
+/// Runs the scenario with any robot. The service must know the same robot by the name in the scenario's controller.
 ///
-/// A service that falls silent in the middle does not end the run: the arm obeys the last answer for as long as that is
-/// valid, slows down to rest, and goes on with the next answer. Meanwhile periods take as long as they really do.
+/// If the service stops answering, the run continues: the arm executes the last answer while it is valid, then ramps to
+/// rest, and continues with the next answer. Without answers, the run proceeds in real time.
 pub fn run_robot(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
@@ -127,9 +128,10 @@ pub fn run_robot(
     drive(robot, scenario, service, mode, &mut ProgressObserver::new(progress))
 }
 
-/// Runs the scenario as an operator wants it.
+/// Runs the scenario under an operator.
 ///
-/// The controller's memory travels with every request, so that a changed controller continues where the one before stood.
+/// The memory of the controller is sent with every request, so that a changed controller continues from the state of the
+/// previous one.
 pub fn run_operated(
     robot: &Arc<RobotModel>,
     scenario: &Scenario,
@@ -150,8 +152,8 @@ fn drive(
     let mut plant = Plant::new(scenario, &robot)?;
     let caller = Caller::open(&scenario.controller, service, mode);
     let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
-    let line = LossyChannel::new(scenario.faults.clone(), scenario.seed);
-    let mut conversation = Conversation { caller, line, robot, period_s: scenario.period_s(), obeyed: None };
+    let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
+    let mut conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
     let start = Instant::now();
     let (mut samples, mut timings) = (Vec::new(), Vec::new());
     for period in 0..scenario.cycles() {
@@ -161,13 +163,13 @@ fn drive(
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let (now, cycle, round_trip) =
+        let (held, cycle, round_trip) =
             conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
-        let sample = plant.sample(period, time_s, measured, now, &scenario.controller.tasks);
-        plant.advance(&now.answer.joint_velocity, time_s)?;
-        operator.see(period + 1, &Observed { sample: &sample, answer: &now.answer, round_trip, cycle });
+        let sample = plant.sample(period, time_s, measured, held, &scenario.controller.tasks);
+        plant.advance(&held.answer.joint_velocity, time_s)?;
+        operator.see(period + 1, &Observed { sample: &sample, answer: &held.answer, round_trip, cycle });
         samples.push(sample);
-        timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: now.answer.elapsed_us });
+        timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: held.answer.elapsed_us });
         match operator.goes_on() {
             ControlFlow::Continue(()) => (),
             ControlFlow::Break(Ending::Finish) => break,
@@ -192,29 +194,29 @@ fn unit(goes_on: ControlFlow<Ending>) -> ControlFlow<()> {
     goes_on.map_break(|_| ())
 }
 
-/// Caller and line, and the answer that the arm obeys.
+/// The exchange with the service, and the command that the arm executes.
 struct Conversation<'a> {
     caller: Caller<'a>,
-    line: LossyChannel,
+    channel: LossyChannel,
     robot: Arc<RobotModel>,
     period_s: f64,
-    obeyed: Option<HeldCommand>,
+    held: Option<HeldCommand>,
 }
 
 impl Conversation<'_> {
-    /// What the arm obeys in the period of a state, what the service was asked, and how long it took to answer.
+    /// Sends a state. Returns the command for its period, the input of the call, and the round-trip time.
     fn next(
         &mut self,
         state: wire::State,
         goes_on: impl FnMut() -> ControlFlow<()>,
     ) -> Result<(&HeldCommand, Option<Cycle<'_>>, Duration), RunError> {
         let (period, time_s) = (state.sequence, state.time_s);
-        let is_dead = self.line.is_dead(time_s);
+        let is_down = self.channel.is_down(time_s);
         let called = Instant::now();
-        let answer = if is_dead { Ok(None) } else { self.caller.call(state).map(Some) };
-        let round_trip = if is_dead { Duration::ZERO } else { called.elapsed() };
+        let answer = if is_down { Ok(None) } else { self.caller.call(state).map(Some) };
+        let round_trip = if is_down { Duration::ZERO } else { called.elapsed() };
         let answer = match answer {
-            Err(error) if is_silence(&error) && self.obeyed.is_some() => {
+            Err(error) if is_missing_answer(&error) && self.held.is_some() => {
                 if pause(self.period_s, goes_on).is_break() {
                     return Err(RunError::Stopped { time_s });
                 }
@@ -223,24 +225,24 @@ impl Conversation<'_> {
             answer => answer.map_err(|source| RunError::Service { time_s, source })?,
         };
         let was_answered = answer.is_some();
-        let arrived = self.line.pass(period, answer);
+        let arrived = self.channel.pass(period, answer);
         if was_answered && arrived.as_ref().is_none_or(|answer| answer.sequence < period) {
-            self.caller.lose();
+            self.caller.discard_answer();
         }
-        let now = match (arrived, self.obeyed.take()) {
+        let held = match (arrived, self.held.take()) {
             (Some(answer), _) => HeldCommand::new(answer, self.period_s),
-            (None, Some(before)) => before.still(time_s, &self.robot, self.period_s),
-            (None, None) => return Err(FieldError::new("/faults", "leaves the first state without an answer").into()),
+            (None, Some(before)) => before.hold(time_s, &self.robot, self.period_s),
+            (None, None) => return Err(FieldError::new("/faults", "must leave an answer to the first state").into()),
         };
-        let (expected, given) = (self.robot.joint_count(), now.answer.joint_velocity.len());
+        let (expected, given) = (self.robot.joint_count(), held.answer.joint_velocity.len());
         if given != expected {
             return Err(RunError::AnswerSize { time_s, expected, given });
         }
-        Ok((self.obeyed.insert(now), self.caller.cycle(), round_trip))
+        Ok((self.held.insert(held), self.caller.cycle(), round_trip))
     }
 }
 
-/// The arm with its tool point where the controller says.
+/// Returns the robot with the tool offset of the controller.
 fn with_tool(robot: &Arc<RobotModel>, controller: &wire::Controller) -> Result<Arc<RobotModel>, RunError> {
     let Some(wire::Pose { position, orientation: wire::Orientation { w, x, y, z } }) = controller.tool_offset else {
         return Ok(Arc::clone(robot));

@@ -1,4 +1,4 @@
-//! Experiments as files.
+//! Scenarios: experiments as files.
 
 use std::path::Path;
 
@@ -15,46 +15,46 @@ use super::plant::external_profile;
 use super::sensors::{Sensing, Sensors};
 use super::toml_lines;
 
-/// Most steps of a period.
-const MOST_SUBSTEPS: usize = 1000;
+/// Largest number of integration steps per period.
+const MAX_SUBSTEPS: usize = 1000;
 
-/// Largest seed: what every client can write exactly.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Largest seed: the largest integer that every JSON client represents exactly.
+const MAX_SEED: u64 = (1 << 53) - 1;
 
-/// An experiment: a controller, where the arm starts, what it touches, for how long.
+/// An experiment: controller, start posture, contacts and duration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Name, as in `force_tracking`.
     pub name: String,
-    /// What it is about, one line.
+    /// Description in one line.
     pub description: String,
-    /// What is to be seen, in words.
+    /// Expected result, in words.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub expectation: String,
-    /// Simulated time, s.
+    /// Simulated duration, s.
     pub duration_s: f64,
-    /// q at the start, n, rad or m.
+    /// Joint positions q at the start, n, rad or m.
     pub start_joint_position: Vec<f64>,
     /// How the arm follows its commands.
     #[serde(default, deserialize_with = "object::deserialize")]
     pub velocity_loop: VelocityLoop,
-    /// What the tool touches.
+    /// Contacts of the tool.
     #[serde(default, deserialize_with = "object::list")]
     pub contacts: Vec<Contact>,
-    /// Force and torque with which somebody pushes the tool, base axes, at the tool point, N and N·m: six values over time.
+    /// External force and torque on the tool at the tool point, base axes, N and N·m: six values over time.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub external_wrench: Option<wire::Profile>,
-    /// What the arm's sensors make of the truth.
+    /// Errors of the sensors.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
     pub sensors: Sensors,
-    /// What goes wrong between the arm and the service.
+    /// Faults of the connection between arm and service.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
     pub faults: Faults,
-    /// Seed of noise and faults: the same seed, the same run.
+    /// Seed of noise and faults; the same seed gives the same run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub seed: u64,
-    /// Steps of arm and contacts in a period.
+    /// Integration steps of arm and contacts per period.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub substeps: usize,
     /// The controller, as in a request.
@@ -75,7 +75,7 @@ fn is_one(value: &usize) -> bool {
     *value == 1
 }
 
-/// Why a scenario is refused.
+/// Why a scenario cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// The file cannot be read.
@@ -83,36 +83,36 @@ pub enum ScenarioError {
     Read {
         /// The file.
         path: String,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// Not TOML, or not the fields of a scenario; says the line.
+    /// The file is not valid TOML, or not a scenario. The message names the line.
     #[error("{path}: {source}")]
     Toml {
         /// The file.
         path: String,
-        /// What is wrong.
+        /// The error.
         source: Box<toml::de::Error>,
     },
-    /// Not JSON, or not the fields of a scenario; says the line.
+    /// The file is not valid JSON, or not a scenario. The message names the line.
     #[error("{path}: {source}")]
     Json {
         /// The file.
         path: String,
-        /// What is wrong.
+        /// The error.
         source: serde_json::Error,
     },
-    /// A quantity makes no sense; says the line of a TOML file.
-    #[error("{path}{}: {flaw}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
+    /// A value is not valid. The message names the line of a TOML file.
+    #[error("{path}{}: {error}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Field {
         /// The file.
         path: String,
         /// The line, from 1.
         line: Option<usize>,
-        /// What is wrong.
-        flaw: FieldError,
+        /// The error.
+        error: FieldError,
     },
-    /// Neither a scenario that ships with the crate nor a file.
+    /// Neither the name of a scenario nor of a file.
     #[error("there is no scenario `{name}`; known: {known}; or give a file (.toml or .json)")]
     Unknown {
         /// The name.
@@ -126,7 +126,7 @@ macro_rules! built_in {
     ($($name:literal),+) => { [$(($name, include_str!(concat!("../../scenarios/", $name, ".toml")))),+] };
 }
 
-/// The scenarios that ship with the crate: name and TOML text, those of the paper first.
+/// The scenarios that ship with the crate, as name and TOML text. The scenarios of the paper come first.
 pub const BUILT_IN_SCENARIOS: [(&str, &str); 18] = built_in![
     "force_tracking",
     "force_tracking_singular",
@@ -148,23 +148,23 @@ pub const BUILT_IN_SCENARIOS: [(&str, &str); 18] = built_in![
     "lossy_line"
 ];
 
-/// Names of those with which the paper compares methods.
+/// Names of the scenarios of the paper.
 pub const PAPER_SCENARIOS: [&str; 4] =
     ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
 
 impl Scenario {
-    /// A scenario that ships with the crate; never a file.
+    /// Returns a scenario that ships with the crate.
     pub fn built_in(name: &str) -> Option<Result<Self, ScenarioError>> {
         let (name, text) = BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name)?;
         Some(Self::parse(text, name))
     }
 
-    /// Names of the scenarios that ship with the crate.
+    /// Returns the names of the scenarios that ship with the crate.
     pub fn names() -> String {
         BUILT_IN_SCENARIOS.map(|(name, _)| name).join(", ")
     }
 
-    /// A scenario that ships with the crate, by name, or a file, by path.
+    /// Returns a scenario that ships with the crate, by name, or reads a file, by path.
     pub fn find(name_or_path: &str) -> Result<Self, ScenarioError> {
         if let Some(scenario) = Self::built_in(name_or_path) {
             return scenario;
@@ -178,7 +178,7 @@ impl Scenario {
         Self::parse(&text, name_or_path)
     }
 
-    /// Reads a scenario; JSON if `path` ends so, TOML otherwise.
+    /// Parses a scenario: JSON if `path` ends in `.json`, otherwise TOML.
     pub fn parse(text: &str, path: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = if Path::new(path).extension().is_some_and(|ending| ending == "json") {
             serde_json::from_str(text).map_err(|source| ScenarioError::Json { path: path.to_owned(), source })?
@@ -186,17 +186,18 @@ impl Scenario {
             toml::from_str(text)
                 .map_err(|source| ScenarioError::Toml { path: path.to_owned(), source: Box::new(source) })?
         };
-        match scenario.flaw() {
-            None => Ok(scenario),
-            Some(flaw) => {
-                let line = toml_lines::line_of(text, &flaw.pointer);
-                Err(ScenarioError::Field { path: path.to_owned(), line, flaw })
+        match scenario.check() {
+            Ok(()) => Ok(scenario),
+            Err(error) => {
+                let line = toml_lines::line_of(text, &error.pointer);
+                Err(ScenarioError::Field { path: path.to_owned(), line, error })
             }
         }
     }
 
-    /// The controller with the scenario's own contacts and velocity loop as its environment, where it states none, so
-    /// that the service can warn. Several contacts on an axis add up; of an oblique plane each axis sees its part.
+    /// Returns the controller with an environment, so that the service can warn about instability. If the controller has none,
+    /// it is made of the contacts and the velocity loop: contacts on the same axis are added, and an oblique plane
+    /// contributes its share to each axis.
     pub fn controller_in_environment(&self) -> wire::Controller {
         let along = |axis: usize| {
             let shares = self.contacts.iter().map(|contact| (contact, contact.share_along(axis)));
@@ -227,26 +228,22 @@ impl Scenario {
         wire::Controller { environment: stated, ..self.controller.clone() }
     }
 
-    /// T, s.
+    /// Returns the control period T, s.
     pub fn period_s(&self) -> f64 {
         self.controller.period_s
     }
 
-    /// Control periods of a run.
+    /// Returns the number of control periods of a run.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked: 1 to 10^8 periods")]
     pub fn cycles(&self) -> u64 {
         (self.duration_s / self.period_s()).round() as u64
     }
 
-    /// The first quantity that makes no sense, and why; numbers of the controller itself are the service's to judge.
-    pub fn flaw(&self) -> Option<FieldError> {
-        self.check().err()
-    }
-
-    fn check(&self) -> Result<(), FieldError> {
+    /// Checks all values except those of the controller, which the service checks. Returns the first error.
+    pub fn check(&self) -> Result<(), FieldError> {
         positive(self.period_s(), "/controller/period_s")?;
         if !(0.5..=1e8).contains(&(self.duration_s / self.period_s())) {
-            return Err(FieldError::new("/duration_s", "must be positive and at most 10^8 periods"));
+            return Err(FieldError::new("/duration_s", "must be positive and at most 10^8 periods long"));
         }
         for (i, q) in self.start_joint_position.iter().enumerate() {
             number(*q, &format!("/start_joint_position/{i}"))?;
@@ -256,10 +253,10 @@ impl Scenario {
         self.external_wrench.as_ref().map(external_profile).transpose()?;
         Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
         self.faults.check("/faults")?;
-        if self.seed > LARGEST_SEED {
+        if self.seed > MAX_SEED {
             return Err(FieldError::new("/seed", "must be at most 2^53 - 1"));
         }
-        between(self.substeps, 1, MOST_SUBSTEPS, "/substeps").map(drop)
+        between(self.substeps, 1, MAX_SUBSTEPS, "/substeps").map(drop)
     }
 }
 
@@ -268,14 +265,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_built_in_scenarios_are_read_and_named_after_their_files() {
+    fn all_built_in_scenarios_are_valid_and_named_after_their_files() {
         for (name, _) in BUILT_IN_SCENARIOS {
             assert_eq!(Scenario::find(name).unwrap().name, name);
         }
     }
 
     #[test]
-    fn errors_say_the_line_or_the_field() {
+    fn errors_name_the_line_or_the_field() {
         let (_, text) = BUILT_IN_SCENARIOS[0];
         let refusal = |from: &str, to: &str| {
             assert!(text.contains(from));
@@ -290,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scenario_in_json_is_the_same() {
+    fn scenario_in_json_is_the_same() {
         let scenario = Scenario::find("stiff_wall").unwrap();
         let json = serde_json::to_string(&scenario).unwrap();
         assert_eq!(Scenario::parse(&json, "mine.json").unwrap(), scenario);

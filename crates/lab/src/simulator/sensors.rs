@@ -1,42 +1,43 @@
-//! What the arm's sensors make of the truth.
+//! Sensors of the arm with noise, bias, resolution and filter.
 
 use revprio_api::wire::{PerAxis, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::chance::{Chance, Purpose};
 use super::field_error::{FieldError, not_negative, number, per_row};
+use super::random::{Purpose, RandomSource};
 use super::recording::Sensed;
 
-/// Sensors of the arm; perfect if nothing is set.
+/// Sensors of the arm. The default is ideal sensors.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensors {
-    /// q, rad or m; per joint.
+    /// Joint positions q, rad or m; per joint.
     #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
     pub joint_position: Sensor,
-    /// q̇, rad/s or m/s; per joint.
+    /// Joint velocities q̇, rad/s or m/s; per joint.
     #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
     pub joint_velocity: Sensor,
-    /// Force along the sensor's x, y and z, N.
+    /// Force along x, y and z of the sensor, N.
     #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
     pub force: Sensor,
-    /// Torque about them, N·m.
+    /// Torque about x, y and z of the sensor, N·m.
     #[serde(deserialize_with = "object::deserialize", skip_serializing_if = "Sensor::is_perfect")]
     pub torque: Sensor,
-    /// τ of a first-order low-pass filter of force and torque, s; none if 0.
+    /// Time constant τ of a first-order low-pass filter for force and torque, s; no filter if 0.
     pub wrench_filter_s: f64,
 }
 
-/// What a sensor adds: quantum · round((value + bias + noise)/quantum). One number for all values, or one for each.
+/// Errors of a sensor: it measures quantum · round((value + bias + noise)/quantum). Each field is one number for all values,
+/// or one per value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensor {
-    /// Standard deviation of normally distributed noise, new in each period.
+    /// Standard deviation of the normally distributed noise in each period.
     pub noise: PerAxis<f64>,
-    /// Added to the value.
+    /// Constant offset.
     pub bias: PerAxis<f64>,
-    /// Step of the values that it can tell apart; any if 0.
+    /// Resolution; unlimited if 0.
     pub quantum: PerAxis<f64>,
 }
 
@@ -52,7 +53,7 @@ impl Sensor {
     }
 }
 
-/// Sensors at work.
+/// The state of all sensors.
 #[derive(Debug, Clone)]
 pub struct Sensing {
     joint_position: Channel,
@@ -60,11 +61,11 @@ pub struct Sensing {
     force: Channel,
     torque: Channel,
     is_perfect: bool,
-    chance: Chance,
+    random: RandomSource,
 }
 
 impl Sensing {
-    /// Sensors of an arm with so many joints, which measure once per period T (s).
+    /// Returns the sensors of an arm with `joints` joints; they measure once per period (s).
     pub fn new(sensors: &Sensors, joints: usize, period_s: f64, seed: u64) -> Result<Self, FieldError> {
         let tau = not_negative(sensors.wrench_filter_s, "/sensors/wrench_filter_s")?;
         let gain = if tau > 0.0 { -(-period_s / tau).exp_m1() } else { 1.0 };
@@ -75,21 +76,21 @@ impl Sensing {
             force: channel(&sensors.force, 3, "force", gain)?,
             torque: channel(&sensors.torque, 3, "torque", gain)?,
             is_perfect: *sensors == Sensors::default(),
-            chance: Chance::new(seed, Purpose::Sensors),
+            random: RandomSource::new(seed, Purpose::Sensors),
         })
     }
 
-    /// Whether all sensors tell the truth.
+    /// Returns whether all sensors are ideal.
     pub fn is_perfect(&self) -> bool {
         self.is_perfect
     }
 
-    /// Makes of the truth what the sensors tell, once per period.
+    /// Replaces the true state by the measured state. Call it once per period.
     pub fn sense(&mut self, state: &mut Sensed) {
-        self.joint_position.sense(&mut state.joint_position, &mut self.chance);
-        self.joint_velocity.sense(&mut state.joint_velocity, &mut self.chance);
-        self.force.sense(&mut state.force, &mut self.chance);
-        self.torque.sense(&mut state.torque, &mut self.chance);
+        self.joint_position.sense(&mut state.joint_position, &mut self.random);
+        self.joint_velocity.sense(&mut state.joint_velocity, &mut self.random);
+        self.force.sense(&mut state.force, &mut self.random);
+        self.torque.sense(&mut state.torque, &mut self.random);
     }
 }
 
@@ -99,7 +100,7 @@ struct Channel {
     noise: Vec<f64>,
     bias: Vec<f64>,
     quantum: Vec<f64>,
-    /// Part of the difference to the new value that the filter lets pass in a period.
+    /// Share of the difference to the new value that passes the filter in one period.
     gain: f64,
     filtered: Option<Vec<f64>>,
 }
@@ -116,11 +117,11 @@ impl Channel {
         })
     }
 
-    fn sense(&mut self, values: &mut [f64], chance: &mut Chance) {
+    fn sense(&mut self, values: &mut [f64], random: &mut RandomSource) {
         for (i, value) in values.iter_mut().enumerate() {
             *value += self.bias[i];
             if self.noise[i] > 0.0 {
-                *value += self.noise[i] * chance.normal();
+                *value += self.noise[i] * random.normal();
             }
         }
         if self.gain < 1.0 {

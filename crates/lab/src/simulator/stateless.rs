@@ -1,36 +1,39 @@
-//! A caller that keeps the controller's memory itself, and so can change the controller while the arm moves.
+//! A caller that keeps the memory of the controller itself, so that it can change the controller during a run.
 
 use revprio_api::wire;
 use revprio_api::{ClientError, Service};
 
 use super::operator::Cycle;
 
-/// Simulated time in which one method gives way to another, s: some periods of an arm's motion, short for a force.
-const FADING_S: f64 = 0.1;
+/// Simulated time over which the command is blended from one method to another, s. It is short compared with the motion of
+/// a force-controlled tool.
+const BLEND_S: f64 = 0.1;
 
 /// Calls `POST /v1/step`.
 pub struct Stateless<'a> {
     service: &'a dyn Service,
-    /// The last one, with the memory for the next.
+    /// The last request, with the memory for the next one.
     request: wire::StepRequest,
-    /// The memory that the last one was sent with.
+    /// The memory with which the last request was sent.
     sent_memory: Option<wire::Memory>,
-    /// J_k q̇ of each task in the last answer.
+    /// Achieved velocity J_k q̇ of each task in the last answer.
     achieved: Vec<Vec<f64>>,
-    fading: Option<Fading>,
-    /// Comes when the change before it is done.
-    waiting: Option<wire::Controller>,
+    blend: Option<Blend>,
+    /// Controller that follows after the blend.
+    pending: Option<wire::Controller>,
 }
 
-/// A controller that gives way.
-struct Fading {
+/// The previous controller during a blend.
+struct Blend {
     request: wire::StepRequest,
+    /// Completed periods of the blend.
     done: f64,
+    /// Length of the blend, periods.
     periods: f64,
 }
 
 impl<'a> Stateless<'a> {
-    /// Nothing is remembered yet.
+    /// Returns a caller without memory.
     pub fn new(service: &'a dyn Service, controller: wire::Controller) -> Self {
         let nothing = wire::State {
             sequence: 0,
@@ -40,25 +43,25 @@ impl<'a> Stateless<'a> {
             wrench: None,
         };
         let request = wire::StepRequest { controller, state: nothing, memory: None };
-        Self { service, request, sent_memory: None, achieved: Vec::new(), fading: None, waiting: None }
+        Self { service, request, sent_memory: None, achieved: Vec::new(), blend: None, pending: None }
     }
 
-    /// Asks for the command of a period.
+    /// Requests the command of a period.
     pub fn call(&mut self, state: wire::State) -> Result<wire::StepAnswer, ClientError> {
-        if self.fading.as_ref().is_some_and(|fading| fading.done >= fading.periods) {
-            self.fading = None;
-            if let Some(waiting) = self.waiting.take() {
-                self.change(waiting);
+        if self.blend.as_ref().is_some_and(|blend| blend.done >= blend.periods) {
+            self.blend = None;
+            if let Some(pending) = self.pending.take() {
+                self.change(pending);
             }
         }
-        let (mut answer, sent_memory) = ask(self.service, &mut self.request, state.clone())?;
+        let (mut answer, sent_memory) = send(self.service, &mut self.request, state.clone())?;
         self.sent_memory = sent_memory;
         self.achieved.clear();
         self.achieved.extend(answer.tasks.iter().map(|task| task.achieved.clone()));
-        if let Some(fading) = &mut self.fading {
-            fading.mix_into(&mut answer, self.service, state)?;
-            // Acceleration limits count from what the arm was really told.
-            for request in [&mut self.request, &mut fading.request] {
+        if let Some(blend) = &mut self.blend {
+            blend.mix_into(&mut answer, self.service, state)?;
+            // Acceleration limits refer to the command that the arm really received.
+            for request in [&mut self.request, &mut blend.request] {
                 if let Some(memory) = &mut request.memory {
                     memory.last_command.clone_from(&answer.joint_velocity);
                 }
@@ -67,33 +70,34 @@ impl<'a> Stateless<'a> {
         Ok(answer)
     }
 
-    /// What the last call asked.
+    /// Returns the input of the last call.
     pub fn cycle(&self) -> Cycle<'_> {
         let wire::StepRequest { controller, state, .. } = &self.request;
         Cycle { controller, state, memory: self.sent_memory.as_ref() }
     }
 
-    /// The last answer did not arrive, and so neither did its memory.
-    pub fn lose(&mut self) {
+    /// Restores the memory before the last answer, which did not arrive.
+    pub fn discard_answer(&mut self) {
         self.request.memory = self.sent_memory.clone();
     }
 
-    /// The controller from the next period on, with the same rows as the one before.
+    /// Sets the controller from the next period on. It must have the same rows as the previous one.
     ///
-    /// Its integrators go on from the velocities that were achieved, not from those that were asked for in vain. Laws
-    /// integrate accelerations and so do not jump; methods may differ, so for a while both are asked and mixed.
+    /// Its integrators start from the achieved velocities, not from requested ones that were not achieved. Laws integrate
+    /// accelerations, so their velocities do not jump. Methods may give different commands, so both controllers are called
+    /// for a short time and their commands are blended.
     pub fn change(&mut self, controller: wire::Controller) {
-        if self.fading.is_some() {
-            self.waiting = Some(controller);
+        if self.blend.is_some() {
+            self.pending = Some(controller);
             return;
         }
         let now = &self.request.controller;
         if (now.method, now.solver) != (controller.method, controller.solver) && self.request.memory.is_some() {
-            let periods = (FADING_S / now.period_s).ceil();
-            self.fading = Some(Fading { request: self.request.clone(), done: 0.0, periods });
+            let periods = (BLEND_S / now.period_s).ceil();
+            self.blend = Some(Blend { request: self.request.clone(), done: 0.0, periods });
             if let Some(memory) = &mut self.request.memory {
                 memory.task_velocities.clone_from(&self.achieved);
-                // A first guess for the solver, of another problem.
+                // The initial guess belongs to another problem.
                 memory.active_set.clear();
             }
         }
@@ -101,16 +105,15 @@ impl<'a> Stateless<'a> {
     }
 }
 
-impl Fading {
-    /// Mixes the command of the controller that gives way into the other one's. What is inside the limits stays so: they
-    /// are the same for both.
+impl Blend {
+    /// Blends the command of the previous controller into the new one. Both have the same limits, so the result keeps them.
     fn mix_into(
         &mut self,
         answer: &mut wire::StepAnswer,
         service: &dyn Service,
         state: wire::State,
     ) -> Result<(), ClientError> {
-        let (before, _) = ask(service, &mut self.request, state)?;
+        let (before, _) = send(service, &mut self.request, state)?;
         self.done += 1.0;
         let share = self.done / self.periods;
         for (velocity, before) in answer.joint_velocity.iter_mut().zip(before.joint_velocity) {
@@ -120,8 +123,8 @@ impl Fading {
     }
 }
 
-/// The answer, and the memory that the question was sent with.
-fn ask(
+/// Sends a request. Returns the answer, and the memory with which the request was sent.
+fn send(
     service: &dyn Service,
     request: &mut wire::StepRequest,
     state: wire::State,

@@ -1,9 +1,10 @@
-//! Where in a TOML text a field stands.
+//! Line numbers of fields in a TOML text.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Line (from 1) of the field at a JSON pointer, or of the nearest thing around it; `None` if the text is not TOML.
+/// Returns the line (from 1) of the field at a JSON pointer, or of the nearest enclosing field; `None` if the text is not
+/// TOML.
 pub fn line_of(text: &str, pointer: &str) -> Option<usize> {
     let table = DeTable::parse(text).ok()?;
     let mut at = table.span().start;
@@ -23,7 +24,7 @@ pub fn line_of(text: &str, pointer: &str) -> Option<usize> {
     Some(text[..at].matches('\n').count() + 1)
 }
 
-/// The value of a key; `at` becomes the place of the key.
+/// Returns the value of a key and sets `at` to the position of the key.
 fn entry<'a, 'i>(table: &'a DeTable<'i>, word: &str, at: &mut usize) -> Option<&'a Spanned<DeValue<'i>>> {
     let (key, value) = table.iter().find(|(key, _)| key.get_ref() == word)?;
     *at = key.span().start;
@@ -37,13 +38,13 @@ mod tests {
     const TEXT: &str = "a = 1\n\n[[list]]\nb = 2\n\n[[list]]\nb = 3\nc = { d = [\n  4,\n  5] }\n";
 
     #[test]
-    fn a_field_stands_where_its_key_does() {
+    fn line_of_a_field_is_the_line_of_its_key() {
         let line = |pointer| line_of(TEXT, pointer).unwrap();
         assert_eq!(["/a", "/list/0/b", "/list/1/b", "/list/1/c/d/1"].map(line), [1, 4, 7, 10]);
     }
 
     #[test]
-    fn a_missing_field_stands_where_its_table_does() {
+    fn line_of_a_missing_field_is_the_line_of_its_table() {
         assert_eq!(line_of(TEXT, "/list/1/missing"), Some(6));
         assert_eq!(line_of("not toml", "/a"), None);
     }

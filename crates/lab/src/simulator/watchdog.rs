@@ -1,4 +1,4 @@
-//! What a client does that hears nothing from the service: it goes on for a while, then comes to rest.
+//! The reaction of an arm to missing answers: it holds the last command while valid, then ramps to rest.
 
 use std::ops::ControlFlow;
 use std::thread::sleep;
@@ -8,33 +8,34 @@ use revprio_api::ClientError;
 use revprio_api::wire;
 use revprio_robot::RobotModel;
 
-/// Longest time without a look whether the run shall end.
-const BLINK: Duration = Duration::from_millis(50);
+/// Longest time between checks whether the run must end.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Sums of periods are not exact: an answer is not too old by less than this, s.
+/// Tolerance of the age of an answer, s, because sums of periods are not exact.
 const ROUNDING_S: f64 = 1e-9;
 
-/// The answer that the arm obeys.
+/// The answer that the arm executes.
 pub struct HeldCommand {
-    /// As it came, but the joint velocities slow down once it is too old.
+    /// The answer; its joint velocities decrease once it is too old.
     pub answer: wire::StepAnswer,
-    /// Whether it came in this period.
+    /// Whether it arrived in this period.
     pub is_new: bool,
-    given_s: f64,
+    /// Time of the measurement that it answers, s.
+    measured_s: f64,
 }
 
 impl HeldCommand {
-    /// An answer that came in this period, valid from the measurement of its state on; T in s.
+    /// Returns an answer that arrived in this period. It is valid from the measurement of its state; `period` in s.
     pub fn new(answer: wire::StepAnswer, period: f64) -> Self {
-        let given_s = answer.sequence as f64 * period;
-        Self { answer, is_new: true, given_s }
+        let measured_s = answer.sequence as f64 * period;
+        Self { answer, is_new: true, measured_s }
     }
 
-    /// For want of a new one, the same for one more period T (s): held while valid, then towards rest with the largest
-    /// accelerations.
-    pub fn still(mut self, time_s: f64, robot: &RobotModel, period: f64) -> Self {
+    /// Continues for one more period (s) without a new answer: the command is held while valid, then ramps to rest at the
+    /// acceleration limits.
+    pub fn hold(mut self, time_s: f64, robot: &RobotModel, period: f64) -> Self {
         let valid_s = self.answer.valid_for_ms as f64 / 1e3;
-        if time_s - self.given_s > valid_s + ROUNDING_S {
+        if time_s - self.measured_s > valid_s + ROUNDING_S {
             for (speed, joint) in self.answer.joint_velocity.iter_mut().zip(robot.joints()) {
                 let slower = (speed.abs() - joint.limits.acceleration * period).max(0.0);
                 *speed = slower.copysign(*speed);
@@ -44,8 +45,9 @@ impl HeldCommand {
     }
 }
 
-/// Whether a client just waits for the next period: the service cannot be reached, has no time, or lost the session.
-pub fn is_silence(error: &ClientError) -> bool {
+/// Returns whether an error counts as a missing answer, after which the run continues: the service cannot be reached, is
+/// overloaded, or lost the session.
+pub fn is_missing_answer(error: &ClientError) -> bool {
     match error {
         ClientError::Transport { .. } => true,
         ClientError::UnexpectedAnswer { status, .. } => *status >= 500,
@@ -55,12 +57,12 @@ pub fn is_silence(error: &ClientError) -> bool {
     }
 }
 
-/// Lets a period (s) pass as it really does, unless the run shall end.
+/// Waits for one period (s) of real time, unless the run must end.
 pub fn pause(period: f64, mut goes_on: impl FnMut() -> ControlFlow<()>) -> ControlFlow<()> {
     let (start, period) = (Instant::now(), Duration::try_from_secs_f64(period).unwrap_or(Duration::MAX));
     while let Some(left) = period.checked_sub(start.elapsed()) {
         goes_on()?;
-        sleep(left.min(BLINK));
+        sleep(left.min(POLL_INTERVAL));
     }
     ControlFlow::Continue(())
 }
@@ -70,14 +72,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pause_lasts_a_period_or_until_the_run_shall_end() {
+    fn pause_lasts_one_period_or_until_the_run_ends() {
         let start = Instant::now();
         assert!(pause(0.06, || ControlFlow::Continue(())).is_continue());
         assert!(start.elapsed() >= Duration::from_millis(60));
-        let mut looks = 0;
+        let mut polls = 0;
         let stop = || {
-            looks += 1;
-            if looks == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            polls += 1;
+            if polls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         assert!(pause(f64::MAX, stop).is_break());
     }

@@ -9,37 +9,35 @@ use super::table::{self, Outcome};
 use crate::simulator::recording::Value;
 use crate::simulator::{CallMode, RunError, Scenario, run};
 
-/// The row of a cell. Whatever goes wrong in it stands in its row; but a service that cannot be reached at all is no
-/// property of the cell.
+/// Runs a cell and returns its row. Errors of the cell are part of the row. An unreachable service is returned as an error.
 pub fn row(plan: &Plan, index: usize, service: &dyn Service) -> Result<Vec<Value>, RunError> {
     let cell = plan.cell(index);
-    let (warnings, outcome) = match plan.scenario(&cell).and_then(sound) {
+    let (warnings, outcome) = match plan.scenario(&cell).and_then(checked) {
         Err(problem) => (Vec::new(), Outcome::Failed("refused", problem)),
         Ok(scenario) => (warnings(&scenario, service), outcome(&scenario, service)?),
     };
     Ok(table::row(&plan.variations, &cell, &warnings, &outcome))
 }
 
-fn sound(scenario: Scenario) -> Result<Scenario, String> {
-    match scenario.flaw() {
-        Some(flaw) => Err(flaw.to_string()),
-        None => Ok(scenario),
+fn checked(scenario: Scenario) -> Result<Scenario, String> {
+    match scenario.check() {
+        Err(error) => Err(error.to_string()),
+        Ok(()) => Ok(scenario),
     }
 }
 
 fn outcome(scenario: &Scenario, service: &dyn Service) -> Result<Outcome, RunError> {
-    let word = match run(scenario, service, CallMode::Session, |_| ControlFlow::Continue(())) {
-        Ok(recording) => return Ok(Outcome::Finished(Box::new(recording))),
-        Err(error) => (kind(&error), error),
-    };
-    match word {
-        (Some(word), error) => Ok(Outcome::Failed(word, without_address(&error))),
-        (None, error) => Err(error),
+    match run(scenario, service, CallMode::Session, |_| ControlFlow::Continue(())) {
+        Ok(recording) => Ok(Outcome::Finished(Box::new(recording))),
+        Err(error) => match outcome_word(&error) {
+            Some(word) => Ok(Outcome::Failed(word, without_address(&error))),
+            None => Err(error),
+        },
     }
 }
 
-/// How the run ended, in a word; `None` where the service is not there.
-fn kind(error: &RunError) -> Option<&'static str> {
+/// Returns the outcome of a failed run; `None` if the service cannot be reached.
+fn outcome_word(error: &RunError) -> Option<&'static str> {
     match error {
         RunError::Service { source: ClientError::Refused { .. }, .. } => Some("refused"),
         RunError::Service { .. } => None,
@@ -49,7 +47,7 @@ fn kind(error: &RunError) -> Option<&'static str> {
     }
 }
 
-/// The message without the address of the service, which differs from run to run.
+/// Returns the message without the address of the service, which differs from run to run.
 fn without_address(error: &RunError) -> String {
     match error {
         RunError::Service { time_s, source: ClientError::Refused { problem, .. } } => {
@@ -60,10 +58,10 @@ fn without_address(error: &RunError) -> String {
     }
 }
 
-/// What the service warns of: contacts that would bounce for ever.
+/// Returns the warnings of the service about unstable contacts.
 fn warnings(scenario: &Scenario, service: &dyn Service) -> Vec<String> {
     let Ok(created) = service.create_controller(&scenario.controller_in_environment()) else { return Vec::new() };
-    // If that fails, the service ends it by itself.
+    // If this fails, the service ends the idle session itself.
     let _ = service.delete_controller(&created.id);
     created.warnings
 }

@@ -1,5 +1,5 @@
-//! What a sweep shows: a heat map over the first two quantities that are numbers, or lines over the only one; a picture
-//! for each measure, means over everything else.
+//! Figures of a sweep: for each measure a heat map over the first two numeric quantities, or curves over the only one. Other
+//! numeric quantities are averaged.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::simulator::recording::{Kind, Value};
 const COLOURS: [Colour; 6] =
     [Colour::Blue, Colour::Orange, Colour::Green, Colour::Vermillion, Colour::SkyBlue, Colour::Black];
 
-/// Draws the measures; returns what was written. A part of a sweep is not drawn.
+/// Draws the measures and returns the paths of the figures. Draws nothing for an incomplete sweep.
 pub fn write(
     out: &Path,
     label: &str,
@@ -52,7 +52,7 @@ struct Table<'a> {
 }
 
 impl Table<'_> {
-    /// A curve for every value of the quantities that are words.
+    /// Returns curves over a quantity, one for each combination of the quantities that are not numbers.
     fn lines(&self, measure: &str, x: usize) -> Figure {
         let variation = &self.variations[x];
         let numbers = variation.numbers().unwrap_or_default();
@@ -89,7 +89,7 @@ impl Table<'_> {
         self.label.strip_prefix("sweep-").unwrap_or(self.label)
     }
 
-    /// A map for every value of the quantities that are words.
+    /// Returns heat maps, one for each combination of the quantities that are not numbers.
     fn maps(&self, measure: &str, x: usize, y: usize) -> Vec<HeatMap> {
         let scale = |i: usize| Scale {
             label: plain(&self.variations[i].path),
@@ -119,7 +119,7 @@ impl Table<'_> {
         kinds.iter().map(map).collect()
     }
 
-    /// All combinations of the quantities that are no numbers: numbers of their values, in order.
+    /// Returns all combinations of the quantities that are not numbers, as indices of their values.
     fn kinds(&self) -> Vec<Vec<usize>> {
         let words = self.words().map(|i| self.variations[i].values.len());
         words.fold(vec![Vec::new()], |kinds, count| {
@@ -141,7 +141,7 @@ impl Table<'_> {
         (!words.is_empty()).then(|| words.join(", "))
     }
 
-    /// Mean of a measure over all cells where the quantities have these values.
+    /// Returns the mean of a measure over all cells in which the quantities have these values.
     fn mean(&self, measure: &str, kind: &[usize], fixed: &[(usize, usize)]) -> Option<f64> {
         let column = self.columns.iter().position(|(name, _)| name == measure)?;
         let words = self.words().zip(kind.iter().copied());
@@ -156,14 +156,14 @@ impl Table<'_> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// Which value of a quantity a cell has.
+    /// Returns the index of the value of a quantity in a cell.
     fn place(&self, cell: usize, variation: usize) -> usize {
         let faster: usize = self.variations[variation + 1..].iter().map(|variation| variation.values.len()).product();
         cell / faster % self.variations[variation].values.len()
     }
 }
 
-/// In the texts of figures `_x` sets an index.
+/// Removes underscores, which would print an index in the texts of figures.
 fn plain(text: &str) -> String {
     text.replace('_', " ")
 }

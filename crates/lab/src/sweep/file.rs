@@ -1,4 +1,4 @@
-//! The Parquet file of a sweep, or of a part of it.
+//! The Parquet file of a sweep or of a part of it.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -6,69 +6,69 @@ use std::path::{Path, PathBuf};
 
 use parquet::errors::{ParquetError, Result};
 
-use super::partial::{Rows, number};
+use super::partial::{Rows, cell_index};
 use super::plan::Identity;
 use crate::simulator::recording::parquet_file::{ParquetReader, ParquetWriter};
 use crate::simulator::recording::{Kind, Value};
 
-/// Where the sweep is described in the file.
+/// Key of the description of the sweep in the file.
 const KEY: &str = "revprio-sweep";
 
-/// Rows that are written at once.
-const GROUP: usize = 10_000;
+/// Rows per row group.
+const GROUP_LEN: usize = 10_000;
 
-/// Writes the rows, in the order of their cells.
+/// Writes the rows in the order of their cells.
 pub fn write(path: &Path, identity: &Identity, columns: &[(String, Kind)], rows: &Rows) -> Result<()> {
     let rows: Vec<&Vec<Value>> = rows.values().collect();
     let identity = serde_json::to_string(identity).map_err(|error| ParquetError::External(error.into()))?;
     let names = columns.iter().map(|(name, kind)| (name.as_str(), *kind));
-    // Whole or not at all: what stands under the name is a complete file.
+    // The file is renamed when it is complete, so that a file of this name is always complete.
     let unfinished = path.with_extension("parquet.tmp");
     let mut file = ParquetWriter::begin(names, &[(KEY, identity)], BufWriter::new(File::create(&unfinished)?))?;
-    for start in (0..rows.len()).step_by(GROUP) {
-        file.write(start..rows.len().min(start + GROUP), |row, column| rows[row][column].clone())?;
+    for start in (0..rows.len()).step_by(GROUP_LEN) {
+        file.write(start..rows.len().min(start + GROUP_LEN), |row, column| rows[row][column].clone())?;
     }
     file.finish()?;
     Ok(std::fs::rename(unfinished, path)?)
 }
 
-/// A file that was written so.
+/// The content of a sweep file.
 pub struct Written {
-    /// The sweep.
+    /// The identity of the sweep.
     pub identity: Identity,
-    /// The rows that are in this file.
+    /// The rows of this file.
     pub rows: Rows,
 }
 
-/// Reads a file.
+/// Reads a sweep file.
 pub fn read(path: &Path) -> Result<Written> {
-    let foreign = || ParquetError::General("it is no table of a sweep".to_owned());
+    let foreign = || ParquetError::General("the file is not a table of a sweep".to_owned());
     let file = ParquetReader::open(File::open(path)?)?;
     let identity = file.text(KEY).and_then(|text| serde_json::from_str(text).ok()).ok_or_else(foreign)?;
     let mut rows = Rows::new();
     file.read(|group| {
         for row in 0..group.first().map_or(0, Vec::len) {
             let row: Vec<Value> = group.iter().map(|column| column[row].clone()).collect();
-            rows.insert(number(&row).ok_or_else(foreign)?, row);
+            rows.insert(cell_index(&row).ok_or_else(foreign)?, row);
         }
         Ok::<_, ParquetError>(())
     })?;
     Ok(Written { identity, rows })
 }
 
-/// Puts the parts of a sweep together.
+/// Merges the parts of a sweep.
 pub fn merge(parts: &[PathBuf]) -> std::result::Result<Written, String> {
     let read = |path: &PathBuf| read(path).map_err(|error| format!("cannot read {}: {error}", path.display()));
-    let (first, others) = parts.split_first().ok_or("name the files to merge")?;
+    let (first, others) = parts.split_first().ok_or("give the files to merge")?;
     let mut whole = read(first)?;
     for path in others {
         let part = read(path)?;
         if part.identity != whole.identity {
-            return Err(format!("{} and {} are of different sweeps", first.display(), path.display()));
+            return Err(format!("{} and {} belong to different sweeps", first.display(), path.display()));
         }
         for (index, row) in part.rows {
             if whole.rows.insert(index, row).is_some() {
-                return Err(format!("cell {index} is in {} and in a file before it", path.display()));
+                return Err(format!("cell {index} of {} is also in an earlier file", path.display()));
             }
         }
     }

@@ -1,8 +1,12 @@
-//! A sweep: one scenario with many values of some quantities, a run for each combination.
+//! Sweeps: one scenario with many values of some quantities, and one run for each combination.
+//!
+//! [`Plan`] lists the combinations (cells). [`row`] runs one cell against a service; cells are independent of each other, so
+//! they can run in parallel or on several machines. [`Partial`] keeps completed rows, so that an interrupted sweep
+//! continues. [`write()`] writes the table, [`merge`] joins the parts of several machines, [`figures`] draws measures.
 //!
 //! ```text
 //! scenario, variations ─→ Plan (cells) ─→ a row per cell ─→ one Parquet file ─→ figures
-//!                                          └→ partial file, line by line: an interrupted sweep continues
+//!                                          └→ partial file, one line per row
 //! ```
 
 mod cell_run;

@@ -1,9 +1,9 @@
-//! Places in a scenario: `controller.tasks.0.law.inertia`, `contacts.*.stiffness`.
+//! Paths of fields in a scenario: `controller.tasks.0.law.inertia`, `contacts.*.stiffness`.
 
 use serde_json::Value;
 
-/// Short names and what they stand for.
-const SHORT: [(&str, &str); 5] = [
+/// Abbreviations and the paths that they stand for.
+const ABBREVIATIONS: [(&str, &str); 5] = [
     ("environment.", "contacts.*."),
     ("loop.", "velocity_loop."),
     ("method", "controller.method"),
@@ -11,15 +11,15 @@ const SHORT: [(&str, &str); 5] = [
     ("limits", "controller.limits"),
 ];
 
-/// Puts a value at every place that the path names; says what is there instead if it names none.
-pub fn put(scenario: &mut Value, path: &str, value: &Value) -> Result<(), String> {
-    let path = long(path);
+/// Sets every field that matches the path. The error of an unknown path lists the known names.
+pub fn set(scenario: &mut Value, path: &str, value: &Value) -> Result<(), String> {
+    let path = expand(path);
     let steps: Vec<&str> = path.split('.').collect();
     descend(scenario, &steps, value).map_err(|problem| format!("`{path}` {problem}"))
 }
 
-fn long(path: &str) -> String {
-    let short = SHORT.iter().find(|(short, _)| match short.strip_suffix('.') {
+fn expand(path: &str) -> String {
+    let short = ABBREVIATIONS.iter().find(|(short, _)| match short.strip_suffix('.') {
         Some(_) => path.starts_with(short),
         None => path == *short,
     });
@@ -34,7 +34,7 @@ fn descend(place: &mut Value, steps: &[&str], value: &Value) -> Result<(), Strin
     match place {
         Value::Array(items) if *step == "*" => {
             if items.is_empty() {
-                return Err("is in an empty list".to_owned());
+                return Err("is a path in an empty list".to_owned());
             }
             items.iter_mut().try_for_each(|item| descend(item, rest, value))
         }
@@ -42,12 +42,14 @@ fn descend(place: &mut Value, steps: &[&str], value: &Value) -> Result<(), Strin
             let count = items.len();
             let item = step.parse().ok().and_then(|i: usize| items.get_mut(i));
             descend(
-                item.ok_or_else(|| format!("has no item `{step}`; there are {count}, from 0, or all: `*`"))?,
+                item.ok_or_else(|| {
+                    format!("has no item `{step}`; the list has {count} items, from 0; `*` selects all")
+                })?,
                 rest,
                 value,
             )
         }
-        // Fields that are left out are those at the end of the path; unknown ones are refused when it is read.
+        // The last field of a path may be missing. Unknown fields are rejected when the scenario is parsed.
         Value::Object(fields) if rest.is_empty() => {
             fields.insert((*step).to_owned(), value.clone());
             Ok(())
@@ -55,12 +57,12 @@ fn descend(place: &mut Value, steps: &[&str], value: &Value) -> Result<(), Strin
         Value::Object(fields) => {
             let known = fields.keys().cloned().collect::<Vec<_>>().join(", ");
             descend(
-                fields.get_mut(*step).ok_or_else(|| format!("has no part `{step}`; there are {known}"))?,
+                fields.get_mut(*step).ok_or_else(|| format!("has no field `{step}`; the fields are {known}"))?,
                 rest,
                 value,
             )
         }
-        _ => Err(format!("goes on with `{step}` below a plain value")),
+        _ => Err(format!("has `{step}` after a value that has no fields")),
     }
 }
 
@@ -71,12 +73,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn short_and_long_paths_lead_to_the_same_places() {
+    fn abbreviations_select_the_same_fields_as_full_paths() {
         let scenario =
             || json!({"contacts": [{"stiffness": 1}, {"stiffness": 2}], "velocity_loop": {}, "controller": {}});
         let changed = |path: &str, value: Value| {
             let mut scenario = scenario();
-            put(&mut scenario, path, &value).map(|()| scenario)
+            set(&mut scenario, path, &value).map(|()| scenario)
         };
         let stiff = changed("environment.stiffness", json!(7)).unwrap();
         assert_eq!(stiff, changed("contacts.*.stiffness", json!(7)).unwrap());
@@ -84,7 +86,7 @@ mod tests {
         assert_eq!(changed("contacts.1.stiffness", json!(7)).unwrap()["contacts"][0]["stiffness"], 1);
         assert_eq!(changed("loop.lag_s", json!(0.1)).unwrap()["velocity_loop"]["lag_s"], 0.1);
         assert_eq!(changed("method", json!("qp")).unwrap()["controller"]["method"], "qp");
-        assert!(changed("contacts.2.stiffness", json!(1)).unwrap_err().contains("no item `2`; there are 2"));
-        assert!(changed("wall.stiffness", json!(1)).unwrap_err().contains("no part `wall`"));
+        assert!(changed("contacts.2.stiffness", json!(1)).unwrap_err().contains("no item `2`; the list has 2 items"));
+        assert!(changed("wall.stiffness", json!(1)).unwrap_err().contains("no field `wall`"));
     }
 }

@@ -1,4 +1,4 @@
-//! What a sweep is about: a scenario, quantities and their values; its cells are all combinations.
+//! The plan of a sweep: a scenario, quantities and their values. Its cells are all combinations.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -7,39 +7,39 @@ use super::path;
 use super::values::Variation;
 use crate::simulator::Scenario;
 
-/// Most cells of a sweep.
-const MOST_CELLS: usize = 10_000_000;
+/// Largest number of cells of a sweep.
+const MAX_CELLS: usize = 10_000_000;
 
-/// A sweep.
+/// The plan of a sweep.
 pub struct Plan {
     base: Value,
-    /// The quantities; the last one changes fastest.
+    /// The varied quantities; the last one changes fastest.
     pub variations: Vec<Variation>,
 }
 
-/// What tells one sweep from another, as it stands in its files.
+/// Identifies a sweep in its files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
-    /// The program.
+    /// Version of the program.
     pub version: String,
     /// The quantities and their values as given.
     pub vary: Vec<String>,
     /// The scenario.
     pub scenario: Value,
-    /// All cells, those of other shards too.
+    /// Number of all cells, including those of other shards.
     pub cells: usize,
 }
 
-/// One combination.
+/// One combination of values.
 pub struct Cell {
-    /// Its number.
+    /// Its index.
     pub index: usize,
     /// A value of each quantity.
     pub values: Vec<Value>,
 }
 
 impl Plan {
-    /// All combinations; an error says which path or value does not fit.
+    /// Returns the plan of all combinations. The error names a path or value that is not valid.
     pub fn new(scenario: &Scenario, variations: Vec<Variation>) -> Result<Self, String> {
         let base = serde_json::to_value(scenario).map_err(|error| error.to_string())?;
         for (i, variation) in variations.iter().enumerate() {
@@ -48,20 +48,20 @@ impl Plan {
             }
         }
         let cells = variations.iter().try_fold(1_usize, |cells, variation| cells.checked_mul(variation.values.len()));
-        if cells.is_none_or(|cells| cells > MOST_CELLS) {
-            return Err(format!("there are more than {MOST_CELLS} combinations"));
+        if cells.is_none_or(|cells| cells > MAX_CELLS) {
+            return Err(format!("the sweep has more than {MAX_CELLS} combinations"));
         }
         let plan = Self { base, variations };
         plan.check()?;
         Ok(plan)
     }
 
-    /// Tries every value once, so that a slip shows before the work.
+    /// Checks every value once, so that errors are found before the first run.
     fn check(&self) -> Result<(), String> {
         for variation in &self.variations {
             for value in &variation.values {
                 let mut scenario = self.base.clone();
-                path::put(&mut scenario, &variation.path, value)?;
+                path::set(&mut scenario, &variation.path, value)?;
                 let read: Result<Scenario, _> = serde_json::from_value(scenario);
                 read.map_err(|error| format!("`{}` = {value}: {error}", variation.path))?;
             }
@@ -69,12 +69,12 @@ impl Plan {
         Ok(())
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn cells(&self) -> usize {
         self.variations.iter().map(|variation| variation.values.len()).product()
     }
 
-    /// A cell by number.
+    /// Returns a cell by index.
     pub fn cell(&self, index: usize) -> Cell {
         let mut rest = index;
         let mut values: Vec<Value> = self
@@ -91,16 +91,16 @@ impl Plan {
         Cell { index, values }
     }
 
-    /// The scenario of a cell.
+    /// Returns the scenario of a cell.
     pub fn scenario(&self, cell: &Cell) -> Result<Scenario, String> {
         let mut scenario = self.base.clone();
         for (variation, value) in self.variations.iter().zip(&cell.values) {
-            path::put(&mut scenario, &variation.path, value)?;
+            path::set(&mut scenario, &variation.path, value)?;
         }
         serde_json::from_value(scenario).map_err(|error| error.to_string())
     }
 
-    /// What tells this sweep from another.
+    /// Returns the identity of the sweep.
     pub fn identity(&self) -> Identity {
         Identity {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_quantity_changes_fastest() {
+    fn last_quantity_changes_fastest() {
         let scenario = Scenario::find("stiff_wall").unwrap();
         let vary = ["loop.lag_s=0,0.001", "solver=auto,qp,closed_form"].map(|text| text.parse().unwrap());
         let plan = Plan::new(&scenario, vary.into()).unwrap();
@@ -131,13 +131,13 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_shows_before_the_work() {
+    fn invalid_paths_and_values_are_found_before_the_first_run() {
         let refusal = |text: &str| {
             let scenario = Scenario::find("stiff_wall").unwrap();
             Plan::new(&scenario, vec![text.parse().unwrap()]).err().unwrap()
         };
         assert!(refusal("environment.stifness=1,2").contains("stifness"));
         assert!(refusal("method=reverse_priority,newton").contains("newton"));
-        assert!(refusal("controller.task.0.axes=1").contains("no part `task`"));
+        assert!(refusal("controller.task.0.axes=1").contains("no field `task`"));
     }
 }

@@ -1,4 +1,4 @@
-//! The table of a sweep: a row per cell, a column per varied quantity and per measure.
+//! The table of a sweep: one row per cell, one column per varied quantity and measure.
 
 use revprio_api::wire;
 use serde_json::Value as Json;
@@ -8,10 +8,10 @@ use super::values::Variation;
 use crate::report::metrics::Metrics;
 use crate::simulator::recording::{Kind, Recording, Value};
 
-/// A measure: its column, its values, and where it comes from.
+/// A measure: name of its column, and its value for a run.
 type Measure = (&'static str, fn(&Metrics, &Recording) -> Option<f64>);
 
-/// All measures of a run that ended well; empty where one has no meaning.
+/// All measures of a finished run.
 pub const MEASURES: [Measure; 16] = [
     ("rmse_force_x_n", |metrics, _| metrics.rmse_fx),
     ("rmse_force_y_n", |metrics, _| metrics.rmse_fy),
@@ -37,18 +37,18 @@ fn periods(metrics: &Metrics, path: wire::Path) -> f64 {
     metrics.paths.get(&path).copied().unwrap_or(0) as f64
 }
 
-/// How a cell ended.
+/// Outcome of a cell.
 pub enum Outcome {
-    /// All periods were run.
+    /// The run finished.
     Finished(Box<Recording>),
-    /// The run or its scenario was refused, or broke off: a word and the reason.
+    /// The scenario was refused or the run ended early: a word and the reason.
     Failed(&'static str, String),
 }
 
-/// Columns after the number of the cell and the varied quantities, before the measures.
+/// Columns between the varied quantities and the measures.
 const STATE: [(&str, Kind); 3] = [("outcome", Kind::Word), ("error", Kind::Word), ("warnings", Kind::Word)];
 
-/// All columns.
+/// Returns all columns.
 pub fn columns(variations: &[Variation]) -> Vec<(String, Kind)> {
     let varied = variations.iter().map(|variation| (variation.path.clone(), kind(variation)));
     let state = STATE.map(|(name, kind)| (name.to_owned(), kind));
@@ -69,10 +69,10 @@ fn kind(variation: &Variation) -> Kind {
     }
 }
 
-/// The row of a cell.
+/// Returns the row of a cell.
 pub fn row(variations: &[Variation], cell: &Cell, warnings: &[String], outcome: &Outcome) -> Vec<Value> {
     let varied = variations.iter().zip(&cell.values).map(|(variation, value)| varied(kind(variation), value));
-    // A row is a line of the file that an interrupted sweep goes on from.
+    // A row must be one line of the partial file.
     let line = |text: &str| Value::Word(text.replace(['\n', '\r'], " "));
     let (word, error) = match outcome {
         Outcome::Finished(_) => ("finished", ""),

@@ -1,36 +1,36 @@
-//! The values that a quantity takes: `log:1e3..1e6:20`, `lin:0..0.01:5`, `0,0.001,0.005`, `auto,qp`.
+//! The values of a varied quantity: `log:1e3..1e6:20`, `lin:0..0.01:5`, `0,0.001,0.005`, `auto,qp`.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde_json::Value;
 
-/// Most values of one quantity.
-const MOST: usize = 1_000_000;
+/// Largest number of values of one quantity.
+const MAX_VALUES: usize = 1_000_000;
 
 /// A quantity and its values: `PATH=VALUES`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variation {
-    /// Where it stands in the scenario.
+    /// Path in the scenario.
     pub path: String,
-    /// What it takes, in order.
+    /// Values, in order.
     pub values: Vec<Value>,
     text: String,
 }
 
 impl Variation {
-    /// A quantity of these values, written as `text`.
+    /// Returns a quantity with these values; `text` is their notation.
     pub fn new(path: &str, values: Vec<Value>, text: &str) -> Self {
         Self { path: path.to_owned(), values, text: format!("{path}={text}") }
     }
 
-    /// The values if all of them are numbers and there are two at least.
+    /// Returns the values if all of them are numbers and there are at least two.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         let numbers: Vec<f64> = self.values.iter().map(Value::as_f64).collect::<Option<_>>()?;
         (numbers.len() > 1).then_some(numbers)
     }
 
-    /// Whether the values are spaced by a factor.
+    /// Returns whether the values are spaced logarithmically.
     pub fn is_logarithmic(&self) -> bool {
         self.text.contains("=log:")
     }
@@ -46,9 +46,9 @@ impl FromStr for Variation {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (path, values) = text.split_once('=').ok_or("write PATH=VALUES, such as loop.lag_s=0,0.001")?;
+        let (path, values) = text.split_once('=').ok_or("write PATH=VALUES, for example loop.lag_s=0,0.001")?;
         if path.is_empty() {
-            return Err("there is no path before `=`".to_owned());
+            return Err("the path before `=` is missing".to_owned());
         }
         let parsed = match values.split_once(':') {
             Some(("lin", range)) => spaced(range, |from, to, t| from + (to - from) * t)?,
@@ -56,7 +56,7 @@ impl FromStr for Variation {
                 let values = spaced(range, |from, to, t| from * (to / from).powf(t))?;
                 if values.iter().any(|value| value.as_f64().is_none_or(|value| value == 0.0)) {
                     return Err(format!(
-                        "`{range}`: both ends of a logarithmic range have the same sign, and none is 0"
+                        "`{range}`: the ends of a logarithmic range must have the same sign and must not be 0"
                     ));
                 }
                 values
@@ -67,14 +67,14 @@ impl FromStr for Variation {
     }
 }
 
-/// `from..to:count`, both ends among the values.
+/// Parses `from..to:count`; the values include both ends.
 fn spaced(range: &str, between: impl Fn(f64, f64, f64) -> f64) -> Result<Vec<Value>, String> {
-    let wrong = || format!("`{range}` is not like 1e3..1e6:20 (from..to:how many)");
+    let wrong = || format!("`{range}` is not a range; write FROM..TO:COUNT, for example 1e3..1e6:20");
     let (ends, count) = range.rsplit_once(':').ok_or_else(wrong)?;
     let (from, to) = ends.split_once("..").ok_or_else(wrong)?;
     let number = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(wrong);
     let (from, to) = (number(from)?, number(to)?);
-    let count: usize = count.parse().ok().filter(|count| (1..=MOST).contains(count)).ok_or_else(wrong)?;
+    let count: usize = count.parse().ok().filter(|count| (1..=MAX_VALUES).contains(count)).ok_or_else(wrong)?;
     let at = |i: usize| match i {
         0 => from,
         i if i + 1 == count => to,
@@ -83,19 +83,19 @@ fn spaced(range: &str, between: impl Fn(f64, f64, f64) -> f64) -> Result<Vec<Val
     Ok((0..count).map(|i| Value::from(at(i))).collect())
 }
 
-/// A number, `true`, `false`, `null`, or a word.
+/// Parses a number, `true`, `false`, `null`, or a word.
 fn value(text: &str) -> Result<Value, String> {
     if text.is_empty() {
-        return Err("there is nothing between two commas".to_owned());
+        return Err("a value between two commas is missing".to_owned());
     }
     let is_plain = |value: &Value| !(value.is_array() || value.is_object() || value.is_string());
     let plain = serde_json::from_str(text).ok().filter(is_plain);
-    // Words, and numbers that JSON writes otherwise: `.5`, `1.`.
+    // Words, and numbers that are not valid JSON: `.5`, `1.`.
     let number = || text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::from);
     Ok(plain.or_else(number).unwrap_or_else(|| Value::from(text)))
 }
 
-/// `0..99`, both ends included, or `3`.
+/// A range of seeds `0..99`, including both ends, or one seed `3`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Seeds {
     first: u64,
@@ -103,7 +103,7 @@ pub struct Seeds {
 }
 
 impl Seeds {
-    /// The seeds as a quantity.
+    /// Returns the seeds as a quantity.
     pub fn variation(self) -> Variation {
         let values = (self.first..=self.last).map(Value::from).collect();
         Variation::new("seed", values, &format!("{}..{}", self.first, self.last))
@@ -115,10 +115,10 @@ impl FromStr for Seeds {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (first, last) = text.split_once("..").unwrap_or((text, text));
-        let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is no seed; write 0..99 or 3"));
+        let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is not a seed; write 0..99 or 3"));
         let seeds = Self { first: number(first)?, last: number(last)? };
-        if seeds.first > seeds.last || seeds.last - seeds.first >= MOST as u64 {
-            return Err(format!("`{text}` are no seeds; write 0..99"));
+        if seeds.first > seeds.last || seeds.last - seeds.first >= MAX_VALUES as u64 {
+            return Err(format!("`{text}` is not a range of seeds; write 0..99"));
         }
         Ok(seeds)
     }
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_both_ends_exactly() {
+    fn ranges_include_both_ends_exactly() {
         assert_eq!(numbers("a=lin:0..1:5"), [0.0, 0.25, 0.5, 0.75, 1.0]);
         let stiffness = numbers("environment.stiffness=log:1e3..1e6:4");
         assert_eq!((stiffness[0], stiffness[3]), (1e3, 1e6));
@@ -141,14 +141,14 @@ mod tests {
     }
 
     #[test]
-    fn lists_hold_numbers_and_words() {
+    fn lists_contain_numbers_and_words() {
         let values = "solver=auto,qp,1,.5,true".parse::<Variation>().unwrap().values;
         assert_eq!(values, [Value::from("auto"), "qp".into(), 1.into(), 0.5.into(), true.into()]);
         assert_eq!("0..2".parse::<Seeds>().unwrap().variation().values, [0, 1, 2]);
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn invalid_values_are_refused() {
         for wrong in
             ["a", "=1", "a=log:0..1:3", "a=log:-1..1:3", "a=lin:0..1", "a=lin:0..1:0", "a=lin:0..inf:3", "a=1,,2"]
         {

@@ -1,4 +1,4 @@
-//! Whole control periods along a trajectory: measurement in, command and its explanation out.
+//! Whole control periods along a trajectory.
 
 use std::f64::consts::TAU;
 
@@ -15,28 +15,28 @@ use crate::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 
-/// Periods of a trajectory: four swings of a second each at 1 kHz.
+/// Periods of a trajectory: four oscillations of 1 s at 1 kHz.
 const PERIODS: usize = 4000;
 
 /// The nominal posture of the paper's experiments.
 pub const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 
-/// A controller and the states that it met on its way.
+/// A controller with the states of a trajectory.
 pub struct Cycle {
     stepper: Stepper,
     states: Vec<Measurement>,
     next: usize,
     memory: Option<Memory>,
-    /// Share of the periods in which a limit was active.
+    /// Share of the periods with an active limit.
     pub limited: f64,
-    /// Largest joint speed on the way, rad/s.
+    /// Largest joint speed, rad/s.
     pub fastest: f64,
-    /// Share of the periods that active sets answered.
+    /// Share of the periods solved by a known active set.
     pub guessed: f64,
 }
 
 impl Cycle {
-    /// Lets an ideal arm follow the controller from a posture on, and keeps the states.
+    /// Simulates an ideal arm from a posture and stores the states.
     pub fn along(
         controller: &wire::Controller,
         robots: &Robots,
@@ -75,12 +75,12 @@ impl Cycle {
         Ok(cycle)
     }
 
-    /// The next period, for the sake of the time that it takes.
+    /// Runs the next period, for timing.
     pub fn repeat(&mut self) -> Result<f64, BenchError> {
         self.step().map(|command| command.resolution.joint_velocity[0])
     }
 
-    /// The next period; begins anew after the last.
+    /// Runs the next period; restarts after the last one.
     pub fn step(&mut self) -> Result<&Command, BenchError> {
         if self.next == self.states.len() {
             (self.next, self.memory) = (0, None);
@@ -97,7 +97,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(rows)
 }
 
-/// Push along x, hold the rest, exact inverses, no limits: beside the printed formula.
+/// Push along x, hold the rest, without damping and limits; compared with the printed formula.
 fn closed_form(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let mut ours = Cycle::along(&swing(wire::Solver::ClosedForm, None)?, &Robots::built_in(), &NOMINAL, PERIODS)?;
     let chain = Chain::of(&ours.stepper.controller().config().robot);
@@ -121,7 +121,7 @@ fn closed_form(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(Row::against_each(&times))
 }
 
-/// The same swing with joint limits that cut it.
+/// The same motion with active joint limits.
 fn with_limits(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let along = |solver| Cycle::along(&swing(solver, Some(0.35))?, &Robots::built_in(), &NOMINAL, PERIODS);
     let (mut auto, mut qp) = (along(wire::Solver::Auto)?, along(wire::Solver::Qp)?);
@@ -138,9 +138,9 @@ fn with_limits(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(vec![Row::of_times(&times[0], Some(&times[1])).with_note(note), Row::of_times(&times[1], None)])
 }
 
-/// The tool swings along x once a second, 0.4 m/s at most; the rest is held.
+/// Returns a controller that oscillates along x once per second at up to 0.4 m/s and holds the rest.
 ///
-/// `limit`: of every joint, rad/s.
+/// `limit`: limit of every joint, rad/s.
 pub fn swing(solver: wire::Solver, limit: Option<f64>) -> Result<wire::Controller, BenchError> {
     let limits = limit.map_or(json!("none"), |limit| json!({"lower": vec![-limit; 7], "upper": vec![limit; 7]}));
     let sine = json!({"kind": "sine", "offset": 0, "amplitude": 0.4, "angular_frequency_rad_s": TAU});

@@ -1,4 +1,4 @@
-//! The solver behind `qp` by itself: one level, min ‖J q̇ − ẋ‖² inside the joint limits, 7 unknowns and 14 bounds.
+//! The QP solver Clarabel alone: one level, min ‖J q̇ − ẋ‖² inside the joint limits, 7 unknowns and 14 bounds.
 
 #![allow(non_snake_case)]
 
@@ -13,7 +13,7 @@ use crate::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 
-/// Of every joint, rad/s.
+/// Limit of every joint, rad/s.
 const LIMIT: f64 = 0.3;
 
 /// Tolerance of the solver.
@@ -50,7 +50,7 @@ struct Level {
 }
 
 impl Level {
-    /// A twist that the limits cut, at a posture of Sawyer.
+    /// Returns a level with active limits at a posture of Sawyer.
     fn at(posture: &[f64; 7]) -> Result<Self, BenchError> {
         let configuration = Configuration::new(&built_in()[0], posture).map_err(BenchError::defect)?;
         let J = DMatrix::from_column_slice(6, 7, configuration.jacobian().as_slice());

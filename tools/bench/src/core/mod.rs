@@ -1,4 +1,4 @@
-//! The mathematics, in process.
+//! The mathematics, in one process.
 
 pub mod cycle;
 mod kinematics;
@@ -10,7 +10,7 @@ use super::BenchError;
 use super::row::Row;
 use super::timing::Budget;
 
-/// A row per measurement and peer.
+/// Returns a row per measurement and peer.
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let mut rows = kinematics::rows(budget)?;
     rows.extend(pseudo_inverse::rows(budget)?);
@@ -19,7 +19,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(rows)
 }
 
-/// Postures of Sawyer, spread over the ranges of its joints by an irrational stride.
+/// Returns postures of Sawyer, spread over the joint ranges by irrational strides.
 pub fn postures(count: usize) -> Vec<[f64; 7]> {
     const STRIDES: [f64; 7] = [0.754_878, 0.569_840, 0.430_160, 0.324_718, 0.245_122, 0.185_037, 0.139_681];
     let posture = |i: usize| STRIDES.map(|stride| 4.0 * ((i as f64 * stride).fract() - 0.5));

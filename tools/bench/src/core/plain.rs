@@ -1,4 +1,4 @@
-//! What one would write by hand: homogeneous matrices, and a pseudo-inverse from a library wherever a formula has one.
+//! A direct implementation as a peer: homogeneous matrices, and pseudo-inverses from a library.
 
 #![allow(non_snake_case)]
 
@@ -21,7 +21,7 @@ impl Chain {
         Self { placements, tool: robot.tool().to_homogeneous() }
     }
 
-    /// The tool Jacobian, 6 × n.
+    /// Returns the tool Jacobian, 6 × n.
     pub fn jacobian(&self, q: &[f64]) -> DMatrix<f64> {
         let mut frame = Matrix4::identity();
         let mut frames = Vec::new();
@@ -41,14 +41,14 @@ impl Chain {
     }
 }
 
-/// A⁺ by faer's singular value decomposition.
+/// Returns A⁺ by the singular value decomposition of faer.
 pub fn pseudo_inverse(A: &DMatrix<f64>) -> DMatrix<f64> {
     let (m, n) = A.shape();
     let inverse = faer::MatRef::from_column_major_slice(A.as_slice(), m, n).svd().map(|svd| svd.pseudoinverse());
     inverse.map_or_else(|_| DMatrix::zeros(n, m), |inverse| DMatrix::from_fn(n, m, |i, j| inverse[(i, j)]))
 }
 
-/// A⁺ by nalgebra's.
+/// Returns A⁺ by the singular value decomposition of nalgebra.
 pub fn nalgebra_pseudo_inverse(A: &DMatrix<f64>) -> DMatrix<f64> {
     A.clone().pseudo_inverse(CUT).unwrap_or_else(|_| DMatrix::zeros(A.ncols(), A.nrows()))
 }

@@ -1,4 +1,4 @@
-//! Pseudo-inverses of 6 × 7, with their accuracy beside their time.
+//! Pseudo-inverses of 6 × 7 matrices: time and accuracy.
 
 use std::f64::consts::FRAC_PI_6;
 
@@ -36,14 +36,14 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(Row::against_each(&times))
 }
 
-/// Ours.
+/// Computes A⁺ with revprio.
 fn pseudo_inverse(a: &Matrix) -> Matrix {
     let decomposition = Decomposition::new(&TaskMatrix::from(a));
     let columns = (0..a.nrows()).map(|i| decomposition.solve(&TaskVector::unit(a.nrows(), i)).to_vector());
     Matrix::from_columns(&columns.collect::<Vec<_>>())
 }
 
-/// Sawyer's Jacobians, a quarter of them at multiples of 30°, where singular values coincide.
+/// Returns Jacobians of Sawyer, a quarter of them at multiples of 30°, where singular values coincide.
 fn jacobians(count: usize) -> Result<Vec<Matrix>, BenchError> {
     let round = |i: usize| [0, 1, 2, 3, 4, 5, 6].map(|j: usize| FRAC_PI_6 * ((i >> j) % 12) as f64);
     let special = (1..=count / 4).map(|i| round(i * 37));
@@ -54,7 +54,7 @@ fn jacobians(count: usize) -> Result<Vec<Matrix>, BenchError> {
     postures(count - count / 4).into_iter().chain(special).map(jacobian).collect()
 }
 
-/// Of A A⁺ A − A, relative to A: zero for any pseudo-inverse, whatever it takes for the rank.
+/// Returns the largest ‖A A⁺ A − A‖ / ‖A‖, which is zero for every exact pseudo-inverse.
 fn largest_error(matrices: &[Matrix], invert: fn(&DMatrix<f64>) -> DMatrix<f64>) -> f64 {
     let error = |a: &Matrix| (a * invert(a) * a - a).norm() / a.norm();
     matrices.iter().map(error).fold(0.0, f64::max)

@@ -9,10 +9,10 @@ use revprio_robot::{RobotModel, from_toml};
 
 use crate::BenchError;
 
-/// Name of every such arm.
+/// Name of the arms.
 pub const NAME: &str = "arm";
 
-/// A service's robots with one more: revolute joints, each at a right angle to the one before, 1.2 m all together.
+/// Returns the built-in robots and an arm of revolute joints, each at a right angle to the one before, 1.2 m long.
 pub fn with_joints(joints: usize) -> Result<Robots, BenchError> {
     let length = 1.2 / joints as f64;
     let mut text = format!("name = \"{NAME}\"\n");
@@ -28,7 +28,7 @@ pub fn with_joints(joints: usize) -> Result<Robots, BenchError> {
     Robots::built_in().with(Arc::new(robot)).map_err(BenchError::defect)
 }
 
-/// A posture away from singular ones.
+/// Returns a posture that is not near a singularity.
 pub fn posture(joints: usize) -> Vec<f64> {
     (0..joints).map(|joint| 0.5 + 0.4 * (1.3 * joint as f64).sin()).collect()
 }

@@ -1,4 +1,4 @@
-//! Control periods of arms with more joints and of controllers with more tasks.
+//! Control periods over the number of joints and the number of tasks.
 
 use revprio::service::Robots;
 use revprio_api::wire;
@@ -15,16 +15,16 @@ use crate::timing::{Subject, side_by_side};
 const JOINTS: [usize; 9] = [3, 4, 5, 7, 10, 14, 18, 24, 30];
 const TASKS: [usize; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
 
-/// Joints of the arm whose tasks are counted: more than there are rows, so that no task is in vain.
+/// Joints of the arm for the number of tasks: more than rows, so that every task is feasible.
 const MANY_JOINTS: usize = 10;
 
 /// Periods of the trajectory: a quarter of a second.
 const PERIODS: usize = 250;
 
-/// Joint limits as a share of the fastest joint of the swing without any: they cut it.
+/// Joint limits as a share of the largest joint speed without limits, so that they are active.
 const TIGHTNESS: f64 = 0.7;
 
-/// Two tasks of 1 + 2 rows.
+/// Varies the number of joints, with two tasks of 1 + 2 rows.
 pub fn joints(plan: &Plan) -> Result<Growth, BenchError> {
     let tasks = json!([swing("x", 0.4), hold("rest", &["y", "z"])]);
     let mut curves = Curves::default();
@@ -33,14 +33,14 @@ pub fn joints(plan: &Plan) -> Result<Growth, BenchError> {
     }
     Ok(Growth {
         name: "growth_joints",
-        title: "A control period and the joints of the arm, two tasks of 1 + 2 rows",
+        title: "Control period over number of joints, two tasks of 1 + 2 rows",
         size: "joints n",
         value: "time of a control period (s)",
         series: curves.series(),
     })
 }
 
-/// One row each, on an arm of ten joints.
+/// Varies the number of tasks with one row each, on an arm of ten joints.
 pub fn tasks(plan: &Plan) -> Result<Growth, BenchError> {
     let mut all = vec![swing("x", 0.4)];
     all.extend(["y", "z", "rx", "ry", "rz"].map(|axis| hold(axis, &[axis])));
@@ -54,7 +54,7 @@ pub fn tasks(plan: &Plan) -> Result<Growth, BenchError> {
     }
     Ok(Growth {
         name: "growth_tasks",
-        title: "A control period and the tasks of the controller, one row each, ten joints",
+        title: "Control period over number of tasks, one row each, ten joints",
         size: "tasks",
         value: "time of a control period (s)",
         series: curves.series(),
@@ -80,7 +80,7 @@ struct Curves {
 }
 
 impl Curves {
-    /// Adds a point of this size to each curve.
+    /// Measures one size and adds a point to each curve.
     fn measure(&mut self, plan: &Plan, size: usize, joints: usize, tasks: &Value) -> Result<(), BenchError> {
         let (robots, posture) = (arms::with_joints(joints)?, arms::posture(joints));
         let robot = robots.get(arms::NAME).map_err(BenchError::defect)?;
@@ -98,7 +98,7 @@ impl Curves {
             ],
         )?;
         let curves = [&mut self.kinematics, &mut self.closed_form, &mut self.auto, &mut self.qp];
-        // The mean: a few of the periods along a trajectory are hard ones.
+        // The mean, because a few periods of a trajectory take much longer.
         curves.into_iter().zip(&times).for_each(|(curve, times)| curve.push((size as f64, times.mean())));
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! How cost grows: with joints, tasks, sessions, items of a batch, and simulations side by side.
+//! Growth of times with joints, tasks, sessions, items of a batch, and concurrent simulations.
 
 mod arms;
 mod cycles;
@@ -9,7 +9,7 @@ use super::BenchError;
 use super::plan::Plan;
 use super::series::Growth;
 
-/// A figure each.
+/// Measures all growth curves.
 pub fn curves(plan: &Plan) -> Result<Vec<Growth>, BenchError> {
     Ok(vec![
         cycles::joints(plan)?,

@@ -1,4 +1,4 @@
-//! Steps of more and more sessions, and larger and larger batches.
+//! Times over the number of sessions and the size of a batch.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ const ITEMS: [usize; 9] = [1, 3, 10, 30, 100, 300, 1000, 3000, 10_000];
 /// One problem: about 0.4 KB.
 const RESOLVE: &str = include_str!("../../../../api/examples/resolve.json");
 
-/// One connection that steps them in turn.
+/// Varies the number of sessions, called in turn on one connection.
 pub fn sessions(plan: &Plan) -> Result<Growth, BenchError> {
     let service = UnderTest::start()?;
     let mut connection = Connection::open(service.address, service.request(Call::Session))?;
@@ -27,21 +27,21 @@ pub fn sessions(plan: &Plan) -> Result<Growth, BenchError> {
         let mut next = (0..count).cycle();
         let step = || {
             let i = next.next().unwrap_or(0);
-            Ok(connection.ask_for(&mut requests[i])?)
+            Ok(connection.call_with(&mut requests[i])?)
         };
         let times = side_by_side(plan.points().stretched(2), vec![Subject::fallible("", step)])?;
         points.push((count as f64, times[0].median()));
     }
     Ok(Growth {
         name: "growth_sessions",
-        title: "A step over HTTP and the number of sessions that take turns",
+        title: "Step over HTTP over number of sessions, called in turn",
         size: "sessions",
         value: "round trip (s)",
         series: vec![Series::new("POST /v1/controllers/{id}/step", points)],
     })
 }
 
-/// The same number of problems in one request and in as many requests.
+/// Varies the number of problems, sent in one batch and in separate requests.
 pub fn batch(plan: &Plan) -> Result<Growth, BenchError> {
     let service = UnderTest::start()?;
     let problem: Value = serde_json::from_str(RESOLVE).map_err(BenchError::defect)?;
@@ -54,8 +54,8 @@ pub fn batch(plan: &Plan) -> Result<Growth, BenchError> {
         let times = side_by_side(
             plan.points(),
             vec![
-                Subject::fallible("", || Ok(connection.ask()?)),
-                Subject::fallible("", || (0..count).try_for_each(|_| Ok(one_by_one.ask().map(drop)?))),
+                Subject::fallible("", || Ok(connection.call()?)),
+                Subject::fallible("", || (0..count).try_for_each(|_| Ok(one_by_one.call().map(drop)?))),
             ],
         )?;
         batches.push((count as f64, times[0].median()));
@@ -63,7 +63,7 @@ pub fn batch(plan: &Plan) -> Result<Growth, BenchError> {
     }
     Ok(Growth {
         name: "growth_batch",
-        title: "Problems in one batch, and as many requests one after the other",
+        title: "Problems in one batch and in separate requests",
         size: "problems",
         value: "time until all are answered (s)",
         series: vec![

@@ -1,4 +1,4 @@
-//! How fast simulated time passes, with one and more simulations against one service.
+//! Speed of one or more concurrent simulations against one service.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -15,10 +15,10 @@ use crate::timing::Times;
 
 const SIMULATIONS: [usize; 4] = [1, 2, 4, 8];
 
-/// Simulated time of each of several, as a share of that of a single one: their sum is measured.
+/// Simulated time of each concurrent simulation, as a share of the time of a single one.
 const SHARE: f64 = 0.1;
 
-/// 20 s of `force_tracking` at 1 kHz, a call per period.
+/// Measures 20 s of `force_tracking` at 1 kHz, one call per period.
 pub fn row(plan: &Plan) -> Result<Row, BenchError> {
     let simulated = plan.simulated_s();
     let elapsed = together(1, simulated)?;
@@ -27,7 +27,7 @@ pub fn row(plan: &Plan) -> Result<Row, BenchError> {
     Ok(row.with_note(format!("{:.1} × real time, {:.0} calls/s", simulated / elapsed, 1000.0 * simulated / elapsed)))
 }
 
-/// Clients with a thread and a session each.
+/// Varies the number of simulations, each with its own thread and session.
 pub fn side_by_side(plan: &Plan) -> Result<Growth, BenchError> {
     let simulated = SHARE * plan.simulated_s();
     let mut points = Vec::new();
@@ -36,14 +36,14 @@ pub fn side_by_side(plan: &Plan) -> Result<Growth, BenchError> {
     }
     Ok(Growth {
         name: "growth_simulations",
-        title: "Simulated seconds per second and the number of simulations at a time",
+        title: "Simulated seconds per second over number of simulations",
         size: "simulations",
         value: "simulated seconds per second, all together",
         series: vec![Series::new("force_tracking at 1 kHz over HTTP", points)],
     })
 }
 
-/// Time that so many simulations take at once, s.
+/// Runs `count` simulations concurrently and returns the time, s.
 fn together(count: usize, simulated_s: f64) -> Result<f64, BenchError> {
     let server = RunningServer::start(router(AppState::new(Robots::built_in())))?;
     let mut scenario = Scenario::find("force_tracking").map_err(BenchError::defect)?;

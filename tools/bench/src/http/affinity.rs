@@ -1,11 +1,11 @@
-//! Which core a thread runs on.
+//! CPU affinity of threads.
 
-/// Keeps this thread, and those that it starts, on one core until dropped; without effect where the system cannot.
+/// Keeps this thread, and threads that it starts, on one core until dropped. Only on Linux.
 pub struct Pinned(#[cfg(target_os = "linux")] Option<rustix::thread::CpuSet>);
 
 #[cfg(target_os = "linux")]
 impl Pinned {
-    /// To the core of that number, counted from 0 among those that this thread may use now; the last one if there are
+    /// Pins to the core with this index, from 0, among the cores available to this thread; to the last one if there are
     /// fewer.
     pub fn to(core: usize) -> Self {
         use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};

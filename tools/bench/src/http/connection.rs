@@ -1,38 +1,37 @@
-//! A client that costs next to nothing: bytes that are ready to send, and as much HTTP as it takes to find the end of an
-//! answer.
+//! A client with minimal cost: it sends prepared bytes and parses only the length of an answer.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 
-/// A request whose body counts up with every sending, without changing its length.
+/// A request with a number in its body that increases with every call, at constant length.
 #[derive(Debug, Clone)]
 pub struct Request {
     bytes: Vec<u8>,
-    /// Where the number stands, if one counts.
+    /// Position of the number, if any.
     number: Option<usize>,
     next: u64,
 }
 
-/// The first number: all that follow have as many digits.
+/// The first number; all following numbers have the same number of digits.
 const FIRST: u64 = 1_000_000_000;
 
-/// Stands in a body where the number is to be.
+/// Placeholder of the number in a body.
 pub const NUMBER: &str = "1000000000";
 
 impl Request {
-    /// `POST` of a JSON body; [`NUMBER`] in it counts up.
+    /// Returns a `POST` request with a JSON body; [`NUMBER`] in it counts up.
     pub fn post(path: &str, body: &str) -> Self {
         let head = format!("POST {path} HTTP/1.1\r\nhost: bench\r\ncontent-type: application/json");
-        Self::of(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()))
+        Self::from_text(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()))
     }
 
-    /// Any text; [`NUMBER`] in it counts up.
-    pub fn of(text: String) -> Self {
+    /// Returns a request of any text; [`NUMBER`] in it counts up.
+    pub fn from_text(text: String) -> Self {
         let number = text.rfind(NUMBER);
         Self { bytes: text.into_bytes(), number, next: FIRST }
     }
 
-    /// The bytes of the next sending.
+    /// Returns the bytes of the next call.
     pub fn next_bytes(&mut self) -> &[u8] {
         if let Some(at) = self.number {
             let mut rest = self.next;
@@ -45,13 +44,13 @@ impl Request {
         &self.bytes
     }
 
-    /// Length, bytes.
+    /// Returns the length, bytes.
     pub fn length(&self) -> usize {
         self.bytes.len()
     }
 }
 
-/// A kept-open connection.
+/// A persistent connection.
 #[derive(Debug)]
 pub struct Connection {
     stream: TcpStream,
@@ -71,7 +70,7 @@ impl Connection {
         self.stream.write_all(self.request.next_bytes())
     }
 
-    /// Reads a whole answer, which must be a 200, and returns its length with head and body.
+    /// Reads a complete answer with status 200 and returns the length of head and body.
     pub fn receive(&mut self) -> io::Result<usize> {
         let mut filled = 0;
         loop {
@@ -100,32 +99,32 @@ impl Connection {
     }
 
     /// Sends a request and reads its answer.
-    pub fn ask(&mut self) -> io::Result<usize> {
+    pub fn call(&mut self) -> io::Result<usize> {
         self.send()?;
         self.receive()
     }
 
-    /// The same with another request than the connection's own.
-    pub fn ask_for(&mut self, request: &mut Request) -> io::Result<usize> {
+    /// Sends another request and reads its answer.
+    pub fn call_with(&mut self, request: &mut Request) -> io::Result<usize> {
         std::mem::swap(&mut self.request, request);
-        let answer = self.ask();
+        let answer = self.call();
         std::mem::swap(&mut self.request, request);
         answer
     }
 
-    /// Sends a request and reads so many bytes, whatever they say.
-    pub fn ask_bytes(&mut self, length: usize) -> io::Result<()> {
+    /// Sends a request and reads `length` bytes without parsing them.
+    pub fn call_bytes(&mut self, length: usize) -> io::Result<()> {
         self.send()?;
         self.stream.read_exact(&mut self.buffer[..length])
     }
 
-    /// What was read last.
+    /// Returns the last answer.
     pub fn answer(&self, length: usize) -> &[u8] {
         &self.buffer[..length]
     }
 }
 
-/// Length of head and body, once the head is there.
+/// Returns the length of head and body; `None` before the end of the head.
 fn answer_length(bytes: &[u8]) -> Option<usize> {
     let head = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
     let name = b"content-length: ";
@@ -139,8 +138,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_counts_up_in_place() {
-        let mut request = Request::of(format!("a{NUMBER}b"));
+    fn number_counts_up_in_place() {
+        let mut request = Request::from_text(format!("a{NUMBER}b"));
         assert_eq!(
             (request.next_bytes().to_vec(), request.next_bytes().to_vec()),
             (b"a1000000000b".into(), b"a1000000001b".into())
@@ -148,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_ends_where_its_length_says() {
+    fn length_of_an_answer_comes_from_its_head() {
         let head = b"HTTP/1.1 200 OK\r\ncontent-length: 12\r\n\r\n";
         assert_eq!(answer_length(head), Some(head.len() + 12));
         assert_eq!(answer_length(&head[..head.len() - 1]), None);

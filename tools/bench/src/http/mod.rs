@@ -1,4 +1,4 @@
-//! The service over HTTP and WebSocket, beside a bare route and a bare connection of the same bytes.
+//! The service over HTTP and WebSocket, compared with a bare route and a bare TCP connection with the same bytes.
 
 mod affinity;
 pub mod connection;
@@ -17,7 +17,7 @@ use subject::{Call, UnderTest};
 pub use affinity::Pinned;
 pub use peers::{Echo, ping_pong};
 
-/// A row per measurement and peer.
+/// Returns a row per measurement and peer.
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
     for (cores, client) in [("one core", 0), ("two cores", 1)] {
@@ -31,7 +31,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(rows)
 }
 
-/// One connection, each request after the answer to the last.
+/// Measures round trips on one connection.
 fn round_trips(budget: Budget, call: Call, cores: &str, client: usize) -> Result<Vec<Row>, BenchError> {
     let pinned = Pinned::to(0);
     let service = UnderTest::start()?;
@@ -46,9 +46,9 @@ fn round_trips(budget: Budget, call: Call, cores: &str, client: usize) -> Result
     let times = side_by_side(
         budget,
         vec![
-            Subject::fallible(format!("POST {}, {cores}", call.route()), || Ok(ours.ask()?)),
-            Subject::fallible("axum + serde_json that answers the same bodies", || Ok(echoed.ask()?)),
-            Subject::fallible("TCP ping-pong of the same bytes", || Ok(bounced.ask_bytes(answer)?)),
+            Subject::fallible(format!("POST {}, {cores}", call.route()), || Ok(ours.call()?)),
+            Subject::fallible("axum + serde_json that answers the same bodies", || Ok(echoed.call()?)),
+            Subject::fallible("TCP ping-pong of the same bytes", || Ok(bounced.call_bytes(answer)?)),
         ],
     )?;
     Ok(Row::against_each(&times))

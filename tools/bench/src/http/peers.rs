@@ -1,4 +1,4 @@
-//! What the service is compared with: a bare route that parses and answers the same bodies, and a bare connection.
+//! Peers of the service: a bare route with the same bodies, and a bare TCP connection.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -16,10 +16,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tokio::sync::oneshot;
 
-/// Where the route of sessions lies.
+/// Route of a session step.
 pub const SESSION: &str = "/v1/controllers/{id}/step";
 
-/// A route that parses a body with serde, answers the same answer always, written anew, and does nothing else.
+/// A route that parses the body with serde and serialises the same answer each time.
 pub struct Echo {
     pub address: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
@@ -27,7 +27,7 @@ pub struct Echo {
 }
 
 impl Echo {
-    /// Starts one on this thread's cores.
+    /// Starts the route on the cores of this thread.
     pub fn start(stateless: wire::StepAnswer, session: wire::StepAnswer) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let address = listener.local_addr()?;
@@ -66,7 +66,7 @@ async fn echo<Q: DeserializeOwned, A: Serialize>(State(answer): State<A>, body: 
     }
 }
 
-/// Answers so many bytes with so many others, on one connection after the other.
+/// Starts a server that answers `request` bytes with `answer` bytes, one connection at a time.
 pub fn ping_pong(request: usize, answer: usize) -> io::Result<SocketAddr> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     let address = listener.local_addr()?;

@@ -1,4 +1,4 @@
-//! The service under test and the bytes that it is sent.
+//! The service under test and its requests.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -14,21 +14,20 @@ use crate::BenchError;
 /// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
 const STEP: &str = include_str!("../../../../api/examples/step.json");
 
-/// T B_d / M_d of its force task: the share of its steady speed, (F_d − F) / B_d, that an arm at rest reaches in a period.
+/// T B_d / M_d of the force task: the share of the steady speed (F_d − F) / B_d that an arm reaches from rest in one period.
 const FIRST_SHARE: f64 = 0.01;
 
-/// How a step is asked for.
+/// The kind of a step request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Call {
-    /// The controller and its memory travel with the state; the service knows the controller's text from the call before, as
-    /// it does in a loop.
+    /// The request contains controller and memory. The service recognises the text of the controller from the call before.
     Stateless,
-    /// The service keeps them.
+    /// The service keeps controller and memory in a session.
     Session,
 }
 
 impl Call {
-    /// For people.
+    /// Returns the route.
     pub fn route(self) -> &'static str {
         match self {
             Self::Stateless => "/v1/step",
@@ -46,8 +45,8 @@ pub struct UnderTest {
     session: String,
 }
 
-/// The service, but for its refusals when the machine stops for some milliseconds, as a busy virtual one does.
-pub fn patient() -> AppState {
+/// Returns a service that does not shed load when the machine stops for some milliseconds, as virtual machines do.
+pub fn state_without_load_shedding() -> AppState {
     AppState::with_config(
         Robots::built_in(),
         ServiceConfig { max_lag: Duration::from_secs(10), ..ServiceConfig::default() },
@@ -55,12 +54,12 @@ pub fn patient() -> AppState {
 }
 
 impl UnderTest {
-    /// Starts one on this thread's cores.
+    /// Starts a service on the cores of this thread.
     pub fn start() -> Result<Self, BenchError> {
-        Self::on(RunningServer::start(router(patient()))?)
+        Self::on(RunningServer::start(router(state_without_load_shedding()))?)
     }
 
-    /// The service that runs already.
+    /// Uses a running service.
     pub fn on(server: RunningServer) -> Result<Self, BenchError> {
         let client = Client::new(&server.url());
         let step = steady(&client, NUMBER.parse().map_err(BenchError::defect)?)?;
@@ -69,7 +68,7 @@ impl UnderTest {
         Ok(Self { address, _server: server, client, step, session })
     }
 
-    /// Requests of which each is a new control period.
+    /// Returns a request; each call is a new control period.
     pub fn request(&self, call: Call) -> Request {
         match call {
             Call::Stateless => Request::post("/v1/step", &self.step_body()),
@@ -77,47 +76,47 @@ impl UnderTest {
         }
     }
 
-    /// The same for another session.
+    /// Returns a request for another session.
     pub fn request_of(&self, session: &str) -> Request {
         Request::post(&format!("/v1/controllers/{session}/step"), &self.state())
     }
 
-    /// The body of a stateless step as JSON.
+    /// Returns the body of a stateless step as JSON.
     pub fn step_body(&self) -> String {
-        text(&self.step)
+        to_json(&self.step)
     }
 
-    /// A state as JSON, with a number that counts up.
+    /// Returns a state as JSON, with a number that counts up.
     pub fn state(&self) -> String {
-        text(&self.step.state)
+        to_json(&self.step.state)
     }
 
-    /// Opens another session and returns its name.
+    /// Opens another session and returns its identifier.
     pub fn another_session(&self) -> Result<String, BenchError> {
         Ok(self.client.create_controller(&self.step.controller)?.id)
     }
 
-    /// So many connections to an address, each with a session of its own here.
+    /// Opens `count` connections to an address, each with its own session of this service.
     pub fn connections(&self, count: usize, address: SocketAddr) -> Result<Vec<Connection>, BenchError> {
         let open = |_| Ok(Connection::open(address, self.request_of(&self.another_session()?))?);
         (0..count).map(open).collect()
     }
 
-    /// Length of an answer, head included, bytes.
+    /// Returns the length of an answer with head, bytes.
     pub fn answer_length(&self, call: Call) -> Result<usize, BenchError> {
-        Ok(Connection::open(self.address, self.fresh(call)?)?.ask()?)
+        Ok(Connection::open(self.address, self.fresh(call)?)?.call()?)
     }
 
-    /// What such a request is answered.
+    /// Returns the answer to a request.
     pub fn parsed_answer<A: DeserializeOwned>(&self, call: Call) -> Result<A, BenchError> {
         let mut connection = Connection::open(self.address, self.fresh(call)?)?;
-        let length = connection.ask()?;
+        let length = connection.call()?;
         let answer = connection.answer(length);
         let body = answer.windows(4).position(|window| window == b"\r\n\r\n").map_or(&[][..], |at| &answer[at + 4..]);
         serde_json::from_slice(body).map_err(BenchError::defect)
     }
 
-    /// A request that spends no number of the session that is measured.
+    /// Returns a request that does not use a sequence number of the measured session.
     fn fresh(&self, call: Call) -> Result<Request, BenchError> {
         match call {
             Call::Stateless => Ok(self.request(call)),
@@ -126,9 +125,9 @@ impl UnderTest {
     }
 }
 
-/// The example with an arm that moves as the force task would have it, so that the state can be sent again and again: the
-/// integrators stay where they are, and each period is a `closed_form` one without an active limit. Sent from rest they
-/// would run up to the limits within a second, and the confirmation of those be measured instead of the service.
+/// Returns the example with an arm that moves at the speed that the force task commands. The state can then be sent
+/// repeatedly: the integrators do not change, and each period is solved in closed form without an active limit. From rest,
+/// the integrators would reach the limits within a second.
 fn steady(client: &Client, sequence: u64) -> Result<wire::StepRequest, BenchError> {
     let mut step: wire::StepRequest = serde_json::from_str(STEP).map_err(BenchError::defect)?;
     let from_rest = client.step(&step)?.joint_velocity;
@@ -142,7 +141,7 @@ fn steady(client: &Client, sequence: u64) -> Result<wire::StepRequest, BenchErro
     Ok(step)
 }
 
-/// As JSON; what comes from this crate's own types always can be written.
-fn text(value: &impl serde::Serialize) -> String {
+/// Serializes a value as JSON, which cannot fail for these types.
+fn to_json(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Requests per second from several connections, each of which waits for its answers; server and load have a core each.
+//! Requests per second over several connections. Server and client have one core each.
 
 use std::time::{Duration, Instant};
 
@@ -12,10 +12,10 @@ use crate::timing::{Budget, Times};
 
 const CONNECTIONS: [usize; 3] = [1, 8, 64];
 
-/// Turns are this many times as long as those of a single call.
+/// Length of a turn relative to turns of single calls.
 const STRETCH: u32 = 5;
 
-/// Session steps per second beside the bare route.
+/// Measures session steps per second, compared with the bare route.
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let pinned = Pinned::to(0);
     let service = UnderTest::start()?;
@@ -33,7 +33,7 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     Ok(rows)
 }
 
-/// Median rates of two sets of connections.
+/// Returns the median rates of two sets of connections, measured alternately.
 pub fn in_turns(budget: Budget, both: [&mut [Connection]; 2]) -> Result<[f64; 2], BenchError> {
     let mut turns = [Vec::new(), Vec::new()];
     let [first, second] = both;
@@ -44,7 +44,7 @@ pub fn in_turns(budget: Budget, both: [&mut [Connection]; 2]) -> Result<[f64; 2]
     Ok(turns.map(|turns| Times::of("", turns).median()))
 }
 
-/// Answers per second: one request of every connection is under way all the time.
+/// Returns answers per second; every connection always has one request in progress.
 fn rate(connections: &mut [Connection], length: Duration) -> Result<f64, BenchError> {
     connections.iter_mut().try_for_each(Connection::send)?;
     let start = Instant::now();

@@ -1,4 +1,4 @@
-//! The stream beside requests: the same states of a session, one after the other on one core.
+//! The WebSocket stream compared with HTTP requests: states of a session, one after the other on one core.
 
 use std::net::TcpStream;
 
@@ -19,14 +19,14 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let times = side_by_side(
         budget,
         vec![
-            Subject::fallible("WebSocket, a state and its answer, one core", || stream.ask()),
-            Subject::fallible("POST /v1/controllers/{id}/step", || Ok(requests.ask()?)),
+            Subject::fallible("WebSocket, a state and its answer, one core", || stream.call()),
+            Subject::fallible("POST /v1/controllers/{id}/step", || Ok(requests.call()?)),
         ],
     )?;
     Ok(Row::against_each(&times))
 }
 
-/// A session's stream in JSON.
+/// The JSON stream of a session.
 struct Stream {
     socket: WebSocket<TcpStream>,
     states: Request,
@@ -38,10 +38,10 @@ impl Stream {
         stream.set_nodelay(true)?;
         let url = format!("ws://{}/v1/controllers/{}/stream", service.address, service.another_session()?);
         let (socket, _) = tungstenite::client(url, stream).map_err(BenchError::defect)?;
-        Ok(Self { socket, states: Request::of(service.state()) })
+        Ok(Self { socket, states: Request::from_text(service.state()) })
     }
 
-    fn ask(&mut self) -> Result<Message, BenchError> {
+    fn call(&mut self) -> Result<Message, BenchError> {
         let state = String::from_utf8_lossy(self.states.next_bytes()).into_owned();
         self.socket.send(Message::text(state)).map_err(BenchError::defect)?;
         match self.socket.read().map_err(BenchError::defect)? {

@@ -1,4 +1,4 @@
-//! One client: a connection, a pace, and what became of its requests.
+//! One client of the load test.
 
 use std::io;
 use std::net::SocketAddr;
@@ -9,8 +9,8 @@ use tokio::net::TcpStream;
 use super::tally::Tally;
 use crate::BenchError;
 
-/// Longest wait for an answer.
-const PATIENCE: Duration = Duration::from_secs(30);
+/// Timeout for an answer.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A request as bytes.
 #[derive(Clone)]
@@ -27,12 +27,12 @@ impl Request {
     }
 }
 
-/// When a client sends.
+/// When a client sends its requests.
 #[derive(Debug, Clone, Copy)]
 pub enum Pace {
-    /// The next request follows an answer at once.
-    AsFastAsAnswered,
-    /// Once per period, whatever becomes of the answers.
+    /// Directly after each answer.
+    Unpaced,
+    /// Once per period.
     Every(Duration),
 }
 
@@ -43,10 +43,10 @@ pub struct Schedule {
 }
 
 impl Pace {
-    /// The schedule of client `i` of so many, who spread over the period.
-    pub fn begun(self, start: Instant, i: usize, clients: usize) -> Schedule {
+    /// Returns the schedule of client `i` of `clients`; the clients are spread over the period.
+    pub fn schedule(self, start: Instant, i: usize, clients: usize) -> Schedule {
         let offset = match self {
-            Self::AsFastAsAnswered => Duration::ZERO,
+            Self::Unpaced => Duration::ZERO,
             Self::Every(period) => period.mul_f64(i as f64 / clients as f64),
         };
         Schedule { pace: self, next: start + offset }
@@ -54,7 +54,7 @@ impl Pace {
 }
 
 impl Schedule {
-    /// Waits for the next time to send, and returns how many passed before.
+    /// Waits for the next time to send and returns the number of missed periods.
     async fn next(&mut self) -> u64 {
         let Pace::Every(period) = self.pace else { return 0 };
         let mut missed = 0;
@@ -68,7 +68,7 @@ impl Schedule {
     }
 }
 
-/// Sends until the time has come.
+/// Sends requests until a time.
 pub async fn send_until(
     address: SocketAddr,
     request: Request,
@@ -83,8 +83,8 @@ pub async fn send_until(
         if start >= until {
             return Ok(tally);
         }
-        let answer = tokio::time::timeout(PATIENCE, ask(&stream, request.0.as_bytes())).await;
-        let answer = answer.map_err(|_| BenchError::Load(format!("no answer within {PATIENCE:?}")))??;
+        let answer = tokio::time::timeout(ANSWER_TIMEOUT, call(&stream, request.0.as_bytes())).await;
+        let answer = answer.map_err(|_| BenchError::Load(format!("no answer within {ANSWER_TIMEOUT:?}")))??;
         match (answer.status, answer.has("retry-after:")) {
             (200, _) => tally.accepted.push(start.elapsed()),
             (503, true) => tally.shed += 1,
@@ -113,8 +113,8 @@ impl Answer {
     }
 }
 
-/// Sends a request and reads its whole answer.
-async fn ask(stream: &TcpStream, mut request: &[u8]) -> io::Result<Answer> {
+/// Sends a request and reads its complete answer.
+async fn call(stream: &TcpStream, mut request: &[u8]) -> io::Result<Answer> {
     while !request.is_empty() {
         stream.writable().await?;
         match stream.try_write(request) {
@@ -132,14 +132,14 @@ async fn ask(stream: &TcpStream, mut request: &[u8]) -> io::Result<Answer> {
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => continue,
             Err(error) => return Err(error),
         }
-        if let Some(answer) = whole(&bytes) {
+        if let Some(answer) = parse_answer(&bytes) {
             return Ok(answer);
         }
     }
 }
 
-/// The answer, once all of it is there.
-fn whole(bytes: &[u8]) -> Option<Answer> {
+/// Parses an answer; `None` if it is not complete.
+fn parse_answer(bytes: &[u8]) -> Option<Answer> {
     let end = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
     let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
     let length = head.lines().find_map(|line| line.strip_prefix("content-length: ")?.parse::<usize>().ok())?;

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use crate::BenchError;
 
-/// A server as a process of its own, killed when dropped.
+/// A server process, killed when dropped.
 pub struct Server {
     process: Child,
     pub address: SocketAddr,
@@ -23,7 +23,8 @@ impl Server {
         let stdout = process.stdout.take().ok_or_else(|| io::Error::other("no standard output"))?;
         BufReader::new(stdout).read_line(&mut line)?;
         let address = line.trim().strip_prefix("listening on http://").and_then(|address| address.parse().ok());
-        let address = address.ok_or_else(|| BenchError::Load(format!("the server said `{}`", line.trim())));
+        let address =
+            address.ok_or_else(|| BenchError::Load(format!("the server did not start; it printed `{}`", line.trim())));
         match address {
             Ok(address) => Ok(Self { process, address }),
             Err(error) => {
@@ -33,7 +34,7 @@ impl Server {
         }
     }
 
-    /// Resident memory, MiB; `None` where the system does not say.
+    /// Returns the resident memory, MiB; `None` if the system does not provide it.
     pub fn memory_mib(&self) -> Option<f64> {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

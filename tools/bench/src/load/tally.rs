@@ -1,17 +1,19 @@
-//! What became of requests.
+//! Results of requests.
 
 use std::time::Duration;
+
+use crate::timing::quantile;
 
 /// Counts and times of one client, or of many.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Time from sending a request to its whole answer, of those that were accepted.
+    /// Time from sending an accepted request to its complete answer.
     pub accepted: Vec<Duration>,
-    /// Requests that got 503.
+    /// Number of requests with status 503.
     pub shed: u64,
-    /// Periods in which nothing was sent, because the last answer had not come.
+    /// Number of periods without a request, because the last answer was missing.
     pub missed: u64,
-    /// As above, of `/healthz`.
+    /// Times of `/healthz`.
     pub probes: Vec<Duration>,
 }
 
@@ -30,7 +32,7 @@ impl Tally {
         self.accepted.len() as f64 / duration.as_secs_f64()
     }
 
-    /// One line of the table.
+    /// Formats one line of the table.
     pub fn row(&self, load: &str, clients: usize, duration: Duration) -> String {
         let sent = self.accepted.len() as f64 + self.shed as f64;
         let offered = (sent + self.missed as f64).max(1.0);
@@ -47,11 +49,9 @@ impl Tally {
     }
 }
 
-/// The time that a share of all stays below, ms; zero without any.
+/// Returns a quantile, ms; zero if there are no times.
 fn quantile_ms(times: &[Duration], share: f64) -> f64 {
-    let mut times = times.to_vec();
-    times.sort_unstable();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
-    let place = (share * times.len().saturating_sub(1) as f64).round() as usize;
-    times.get(place).map_or(0.0, |time| time.as_secs_f64() * 1e3)
+    let mut times: Vec<f64> = times.iter().map(|time| time.as_secs_f64() * 1e3).collect();
+    times.sort_by(f64::total_cmp);
+    quantile(&times, share)
 }

@@ -1,13 +1,13 @@
-// Zoom and read the figures of this page. Without this script they are still there, only still.
+// Zoom and values for the figures of this page, which are complete without this script.
 "use strict";
 
 (() => {
   const SVG = "http://www.w3.org/2000/svg";
-  // Lengths in units of the drawings, a quarter of a pixel at their own size.
+  // Lengths in units of the drawings: a quarter of a pixel at original size.
   const LABELS = { left: 220, top: 16, right: 64, bottom: 92 };
   const TEXT = { size: 48, gap: 24 };
   const DRAG = 24;
-  const MOST_ZOOM = 1e-4;
+  const MIN_SPAN = 1e-4;
 
   const element = (name, attributes, parent) => {
     const made = document.createElementNS(SVG, name);
@@ -22,7 +22,7 @@
     made.textContent = text;
   };
 
-  /** Round numbers between two ends, and how many decimals tell them apart. */
+  /** Returns round numbers between two ends, and the number of decimals that distinguishes them. */
   const ticks = ([low, high], wanted) => {
     const raw = (high - low) / wanted;
     const power = 10 ** Math.floor(Math.log10(raw));
@@ -44,7 +44,7 @@
     return text.replaceAll("-", "−");
   };
 
-  /** `F_x` → F with an index, as the rest of the page sets it. */
+  /** Prints `F_x` as F with an index, like the rest of the page. */
   const indexed = (text) => {
     const pieces = text.split(/(?<![\p{L}\p{N}_])(\p{L})_([\p{L}\p{N}])(?![\p{L}\p{N}_])/u);
     return pieces.map((piece, i) => {
@@ -86,7 +86,7 @@
       return this.shown[0] > this.window[0] || this.shown[1] < this.window[1];
     }
 
-    /** What the vertical axis spans: all of it, or what the shown part needs. */
+    /** Returns the range of the vertical axis: the whole range, or the range of the visible part. */
     range() {
       if (!this.zoomed) return this.y_range;
       let [low, high] = [Infinity, -Infinity];
@@ -104,7 +104,7 @@
       return [low - margin, high + margin];
     }
 
-    /** Value of a curve at an instant; null outside of it. */
+    /** Returns the value of a curve at a time; null outside of the curve. */
     at(points, x) {
       let [low, high] = [0, points.length / 2 - 1];
       if (high < 0 || x < points[0] || x > points[2 * high]) return null;
@@ -118,7 +118,7 @@
     }
 
     show([from, to]) {
-      const least = MOST_ZOOM * (this.window[1] - this.window[0]);
+      const least = MIN_SPAN * (this.window[1] - this.window[0]);
       if (to - from < least) [from, to] = [(from + to - least) / 2, (from + to + least) / 2];
       this.shown = [Math.max(from, this.window[0]), Math.min(to, this.window[1])];
       this.drawn?.remove();
@@ -126,7 +126,7 @@
       if (this.zoomed) this.draw();
     }
 
-    /** Draws the shown part over the picture. */
+    /** Draws the visible part over the picture. */
     draw() {
       const [[left, right], [top, bottom]] = [this.x, this.y];
       const group = element("g", { class: "live" }, this.svg);
@@ -170,7 +170,7 @@
     }
   }
 
-  /** A figure: its panels, the pointer, the keys, and three buttons. */
+  /** A figure with its panels, pointer and keyboard events, and three buttons. */
   class Figure {
     constructor(figure) {
       this.card = figure.querySelector(".card");
@@ -217,7 +217,7 @@
       return new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM().inverse());
     }
 
-    /** Panels over the same part of the same axis move together. */
+    /** Panels with the same horizontal axis and range move together. */
     linked(panel) {
       return this.panels.filter((other) => String(other.window) === String(panel.window));
     }
@@ -228,7 +228,7 @@
       this.cursor ? this.read(this.cursor.panel, this.cursor.x) : this.clear();
     }
 
-    /** Zooms about the instant under the cursor, else about the middle. */
+    /** Zooms around the time under the cursor, or around the middle. */
     zoom(factor, panel = this.cursor?.panel ?? this.panels[0], at = this.cursor?.x) {
       const [from, to] = panel.shown;
       const centre = at ?? (from + to) / 2;
@@ -281,7 +281,7 @@
       this.clear();
     }
 
-    /** The wheel alone scrolls the page. */
+    /** Without a modifier key, the wheel scrolls the page. */
     rolled(event) {
       if (!event.ctrlKey && !event.metaKey) return;
       const point = this.point(event);
@@ -322,7 +322,7 @@
       this.read(panel, Math.min(Math.max(this.cursor?.x ?? from, from), to));
     }
 
-    /** Shows every curve's value at an instant. */
+    /** Shows the value of every curve at a time. */
     read(panel, x) {
       this.clear();
       this.cursor = { panel, x };

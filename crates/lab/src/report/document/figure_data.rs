@@ -1,4 +1,4 @@
-//! What the page's script knows of a figure: where its axes are, and its curves.
+//! The data of a figure for the script of the page: positions of the axes, and curves.
 
 use serde::Serialize;
 
@@ -6,9 +6,9 @@ use crate::report::decimation::{extremes_per_bucket, within};
 use crate::report::drawing::{Frame, rgb, stroke_width};
 use crate::report::figure::{Curve, Figure, Panel, Stroke};
 
-/// Before points that hardly matter are left out, at most two per bucket are kept.
+/// Buckets of a curve, with at most two points each, before points within the tolerance are removed.
 const BUCKETS: usize = 4000;
-/// A curve may be off by this part of the height of its axes: a pixel of the picture, zoomed in twenty times.
+/// Tolerance of a curve, as a fraction of the height of its axes: one pixel of a picture that is enlarged twenty times.
 const TOLERANCE: f64 = 1.0 / 4000.0;
 
 #[derive(Serialize)]
@@ -31,10 +31,10 @@ struct CurveData<'a> {
     points: Vec<f64>,
 }
 
-/// JSON that may stand inside a `script` element.
+/// Returns JSON that is safe inside a `script` element.
 pub fn json(figure: &Figure, frames: &[Frame]) -> String {
     let panels: Vec<_> = figure.panels.iter().zip(frames).map(|(panel, frame)| panel_data(panel, frame)).collect();
-    // Only numbers and texts are written, which cannot fail; a `<` might end the element.
+    // Numbers and texts can always be serialized. A `<` could end the element.
     serde_json::to_string(&panels).unwrap_or_else(|_| "[]".to_owned()).replace('<', "\\u003c")
 }
 
@@ -58,12 +58,12 @@ fn curve_data<'a>(panel: &Panel, curve: &'a Curve, tolerance: f64) -> CurveData<
         colour: format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2),
         width: stroke_width(curve.stroke),
         dashed: curve.stroke == Stroke::Dashed,
-        points: points.into_iter().flat_map(|(x, y)| [short(x), short(y)]).collect(),
+        points: points.into_iter().flat_map(|(x, y)| [rounded(x), rounded(y)]).collect(),
     }
 }
 
-/// Seven significant digits.
-fn short(value: f64) -> f64 {
+/// Rounds to seven significant digits.
+fn rounded(value: f64) -> f64 {
     format!("{value:.6e}").parse().unwrap_or(value)
 }
 
@@ -73,7 +73,7 @@ mod tests {
     use crate::report::figure::{Colour, TIME};
 
     #[test]
-    fn the_script_gets_every_curve_within_its_tolerance_and_no_end_of_its_element() {
+    fn script_data_keeps_spikes_and_cannot_end_the_script_element() {
         let points = (0..5000).map(|i| (1e-3 * f64::from(i), if i == 2500 { 240.0 } else { 30.0 })).collect();
         let label = "</script>".to_owned();
         let curve = Curve { label, colour: Colour::Blue, stroke: Stroke::Thin, points };
@@ -91,7 +91,7 @@ mod tests {
         assert!(!json.contains("</script>"));
         let data: serde_json::Value = serde_json::from_str(&json).unwrap();
         let points = data[0]["curves"][0]["points"].as_array().unwrap();
-        assert_eq!(points.len(), 2 * 5, "two ends, the spike and its feet");
+        assert_eq!(points.len(), 2 * 5, "two ends, the spike and its two adjacent points");
         assert!(points.chunks(2).any(|point| point[0] == 2.5 && point[1] == 240.0));
         assert_eq!(data[0]["curves"][0]["colour"], "#0072B2");
     }

@@ -1,8 +1,7 @@
-//! The page: one HTML file that carries its style, its figures and their script, and loads nothing.
+//! The page: one HTML file that contains its style, its figures and their script. It loads nothing.
 //!
-//! The script adds zoom and values to figures that are complete without it. It is our own: some 300 lines weigh a
-//! hundredth of a plotting library, the figures stay the very SVG that is in the files and in print, and a page of twenty
-//! curves remains small.
+//! The figures are complete without the script, which adds zoom and values. A script of some 300 lines instead of a plotting
+//! library keeps the page small, and the figures are the same SVG as in the files.
 
 mod figure_data;
 
@@ -18,17 +17,17 @@ use super::{Report, Section};
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("figure.js");
 
-/// A figure and its drawing.
+/// A figure with its drawing.
 pub struct Drawn<'a> {
     /// The figure.
     pub figure: &'a Figure,
-    /// Its picture.
+    /// The drawing.
     pub drawing: Drawing,
-    /// Whether `.svg` and `.png` files stand beside the page.
+    /// Whether the directory of the page has the figure as `.svg` and `.png`.
     pub files: bool,
 }
 
-/// The page as HTML; `figures` are those of each section.
+/// Returns the page as HTML; `figures` are the figures of each section.
 #[must_use]
 pub fn html(report: &Report, figures: &[Vec<Drawn<'_>>]) -> String {
     let page = html! {
@@ -60,8 +59,8 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
         @if !report.claims.is_empty() { (claims(&report.claims)) }
         @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures)) }
         @if !report.traces.is_empty() {
-            h2 id="traces" { "Traces" }
-            p { "One row per control period; beside this page." }
+            h2 id="traces" { "Recordings" }
+            p { "One row per control period. The files are in the directory of this page." }
             ul.files { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
         }
         h2 id="made-by" { "Made by" }
@@ -87,9 +86,9 @@ fn contents(sections: &[Section]) -> Markup {
 
 fn claims(claims: &[Claim]) -> Markup {
     html! {
-        h2 id="claims" { "What the paper claims, and what was measured" }
+        h2 id="claims" { "Claims of the paper and measured results" }
         table.claims {
-            thead { tr { th { "Paper" } th { "Claim, in our words" } th { "Scenario" } th { "Measured" } th { "" } } }
+            thead { tr { th { "Paper" } th { "Claim (paraphrased)" } th { "Scenario" } th { "Measured" } th { "Result" } } }
             tbody {
                 @for claim in claims {
                     tr {
@@ -97,7 +96,7 @@ fn claims(claims: &[Claim]) -> Markup {
                         td data-label="Claim" { (indexed(claim.claim)) }
                         td data-label="Scenario" { code { (claim.scenario) } }
                         td data-label="Measured" { (indexed(&claim.measured)) }
-                        td.verdict data-label="Verdict" { (mark(claim.verdict)) " " (claim.verdict.words()) }
+                        td.verdict data-label="Result" { (mark(claim.verdict)) " " (claim.verdict.as_str()) }
                     }
                 }
             }
@@ -107,27 +106,41 @@ fn claims(claims: &[Claim]) -> Markup {
 
 const fn mark(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Seen => "✓",
+        Verdict::Confirmed => "✓",
         Verdict::NoDifference => "=",
-        Verdict::NotSeen => "✗",
+        Verdict::NotConfirmed => "✗",
     }
 }
 
 fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
     html! {
         h2 id=(section.name) { code { (section.name) } }
-        ul.words { @for sentence in &section.words { li { (indexed(sentence)) } } }
+        ul.words { @for sentence in &section.summary { li { (indexed(sentence)) } } }
+        (scenario_file(section))
         @for note in &section.notes { p { (indexed(note)) } }
-        @if section.rows.len() > 1 { (beside(&section.rows)) }
+        @if section.rows.len() > 1 { (side_by_side_table(&section.rows)) }
         div.figures { @for drawn in figures { (figure(drawn)) } }
     }
 }
 
-/// All quantities of a scenario, a column per run.
-fn beside(rows: &[Row]) -> Markup {
+/// All fields of a scenario, collapsed.
+fn scenario_file(section: &Section) -> Markup {
+    html! {
+        @if !section.json.is_empty() {
+            details {
+                summary { "Scenario file" }
+                p { "Save this as a .json file to run it with " code { "revprio simulate" } ". Units: m, rad, s, N, N·m, kg." }
+                pre { code { (section.json) } }
+            }
+        }
+    }
+}
+
+/// All quantities of a scenario, one column per run.
+fn side_by_side_table(rows: &[Row]) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Side by side" {
-            table.beside {
+            table.side-by-side {
                 thead { tr {
                     th.name scope="col" { "side by side" }
                     td {}
@@ -147,8 +160,7 @@ fn beside(rows: &[Row]) -> Markup {
     }
 }
 
-/// The table with the first column, the scenario, as a heading above its rows: on a phone the
-/// numbers are then nearer.
+/// The table of all runs. The first column, the scenario, is a heading above its rows, so that the table fits on a phone.
 fn table(rows: &[Row]) -> Markup {
     let width = shown_columns().count();
     html! {
@@ -193,7 +205,7 @@ const fn alignment(is_number: bool) -> &'static str {
 fn meanings() -> Markup {
     html! {
         details {
-            summary { "What the quantities mean" }
+            summary { "Meaning of the quantities" }
             dl.meanings {
                 @for quantity in QUANTITIES.iter().filter(|quantity| !quantity.meaning.is_empty()) {
                     div { dt { (indexed(quantity.heading)) ": " } dd { (indexed(quantity.meaning)) "." } }

@@ -1,9 +1,9 @@
-//! The page: complete, escaped, and on its own.
+//! The page is complete, escaped and self-contained.
 
 use crate::report::claims::{Claim, Verdict};
 use crate::report::drawing;
-use crate::report::experiment::Program;
 use crate::report::figure::Figure;
+use crate::report::run::Program;
 use crate::report::{Report, Section};
 
 use super::*;
@@ -27,7 +27,8 @@ fn report() -> Report {
         }],
         sections: vec![Section {
             name: "force_tracking".to_owned(),
-            words: vec!["A wall <of> stone.".to_owned()],
+            summary: vec!["A wall <of> stone.".to_owned()],
+            json: r#"{"lag_s": 0.1}"#.to_owned(),
             notes: vec!["A note.".to_owned()],
             figures: vec![figure],
             ..Section::default()
@@ -56,7 +57,8 @@ fn texts_are_escaped_and_indexed() {
         "<code>force_tracking</code>",
         "A wall &lt;of&gt; stone.",
         "3 &lt; 4",
-        "= no difference here",
+        "= no difference",
+        "&quot;lag_s&quot;: 0.1",
         "revprio 1.2.3, commit abc-dirty.",
     ] {
         assert!(page.contains(part), "`{part}` is not in the page");
@@ -64,7 +66,7 @@ fn texts_are_escaped_and_indexed() {
 }
 
 #[test]
-fn a_figure_is_inline_with_its_caption_and_its_files_where_they_are() {
+fn figure_is_inline_with_its_caption_and_links_to_existing_files() {
     let page_with_files = page(true);
     assert!(page_with_files.contains("<svg ") && page_with_files.contains("Force F<sub>d</sub>."));
     assert!(page_with_files.contains(r#"href="figure5_nominal.png""#));
@@ -73,7 +75,7 @@ fn a_figure_is_inline_with_its_caption_and_its_files_where_they_are() {
 
 #[test]
 fn the_page_loads_nothing() {
-    // The names of SVG in the pictures and in the script are names, not addresses to load from.
+    // The XML namespace of SVG is a name. Browsers do not load it.
     let page = page(true).replace("http://www.w3.org/2000/svg", "");
     for foreign in ["http://", "https://", "<link", "@import", "url(http", "src=", "fetch(", "import("] {
         assert!(!page.contains(foreign), "{foreign}");

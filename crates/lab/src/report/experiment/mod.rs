@@ -1,63 +1,35 @@
-//! Runs with what they were made of, and the page that comes of them.
+//! A set of runs, and its report.
 //!
-//! Every command that runs scenarios ends with an [`Experiment`]: [`store`] leaves it in a directory, from which
-//! `revprio report` reads it again, and [`Experiment::report`] makes the page.
+//! Every command that runs scenarios makes an [`Experiment`]. [`store`] writes it to a directory, from which
+//! `revprio report` reads it again. [`Experiment::report`] makes the report.
 
 pub mod store;
 
-use revprio_api::wire;
-use serde::{Deserialize, Serialize};
-
-use super::metrics::largest_difference;
 use super::paper_figures::{Posture, of_posture};
+use super::run::{Program, Run};
 use super::table::{self, Row};
-use super::{Report, Section, claims, comparison_figure, notes, run_figure, scenario_words, silence};
-use crate::simulator::Scenario;
+use super::{Report, Section, answer_gap, claims, comparison_figure, notes, run_figure, scenario_summary};
 use crate::simulator::recording::Recording;
 
-/// Commands that differ less (rad/s) count as the same.
-pub const COINCIDE: f64 = 1e-9;
-
-/// One run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Run {
-    /// The scenario, with the method and solver of this run.
-    pub scenario: Scenario,
-    /// The arm.
-    pub robot: wire::Robot,
-    /// What happened.
-    pub recording: Recording,
-}
-
-/// A question put to some runs.
+/// A set of runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// Title of the page.
     pub title: String,
-    /// The question, in paragraphs.
+    /// Paragraphs that introduce it.
     pub question: Vec<String>,
     /// The command that repeats it.
     pub command: String,
-    /// What made it.
+    /// The program that made the runs.
     pub program: Program,
-    /// The runs; those of a scenario stand together.
+    /// The runs, grouped by scenario.
     pub runs: Vec<Run>,
-    /// What kept other runs from their end.
+    /// Errors of runs that did not finish.
     pub failures: Vec<String>,
 }
 
-/// The program that made the runs.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Program {
-    /// Its version.
-    pub version: String,
-    /// The commit of the checkout that it was run in; `None` outside of one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub commit: Option<String>,
-}
-
 impl Experiment {
-    /// The page: table, claims of the paper, and a section per scenario.
+    /// Returns the report: table, claims of the paper, and a section per scenario.
     #[must_use]
     pub fn report(&self) -> Report {
         let rows = table::rows(&self.runs);
@@ -75,7 +47,6 @@ impl Experiment {
     }
 }
 
-/// What there is to say of the runs of one scenario.
 fn section(runs: &[Run], rows: &[Row]) -> Section {
     let name = &runs[0].recording.scenario;
     let recordings: Vec<&Recording> = runs.iter().map(|run| &run.recording).collect();
@@ -87,40 +58,14 @@ fn section(runs: &[Run], rows: &[Row]) -> Section {
     });
     Section {
         name: name.clone(),
-        words: scenario_words::of_scenario(&runs[0].scenario, &runs[0].robot),
+        summary: scenario_summary::sentences(&runs[0].scenario, &runs[0].robot),
+        json: serde_json::to_string_pretty(&runs[0].scenario).unwrap_or_default(),
         notes: notes::of_scenario(runs)
             .into_iter()
-            .chain(recordings.iter().filter_map(|run| silence::of_run(run)))
+            .chain(recordings.iter().filter_map(|run| answer_gap::of_run(run)))
             .collect(),
         rows: rows.iter().filter(|row| row.scenario == *name).cloned().collect(),
         figures,
-    }
-}
-
-/// Runs of one scenario that command the same, together, in the order of the first of each.
-#[must_use]
-pub fn coinciding<'a>(runs: &[&'a Recording]) -> Vec<Vec<&'a Recording>> {
-    let mut groups: Vec<Vec<&Recording>> = Vec::new();
-    for run in runs {
-        match groups.iter_mut().find(|group| largest_difference(group[0], run) <= COINCIDE) {
-            Some(group) => group.push(run),
-            None => groups.push(vec![run]),
-        }
-    }
-    groups
-}
-
-#[cfg(test)]
-impl Run {
-    /// A run of `stiff_wall` with an arm without joints, for tests to fill in.
-    pub(crate) fn of(recording: Recording) -> Self {
-        let robot = wire::Robot {
-            name: "none".to_owned(),
-            description: String::new(),
-            source: wire::RobotSource::Urdf,
-            joints: Vec::new(),
-        };
-        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording }
     }
 }
 

@@ -1,4 +1,4 @@
-//! An experiment in a directory: `experiment.json` beside the traces.
+//! Stores an experiment in a directory: `experiment.json` and the recordings.
 
 use std::fs;
 use std::path::Path;
@@ -6,15 +6,16 @@ use std::path::Path;
 use revprio_api::wire;
 use serde::{Deserialize, Serialize};
 
-use super::{Experiment, Program, Run};
+use super::Experiment;
 use crate::report::Error;
+use crate::report::run::{Program, Run};
 use crate::simulator::Scenario;
 use crate::simulator::recording::{self, Recording};
 
-/// Name of the file that says what the traces beside it are.
+/// Name of the file that describes the recordings in its directory.
 pub const FILE: &str = "experiment.json";
 
-/// The file.
+/// Content of the file.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     title: String,
@@ -36,11 +37,11 @@ struct StoredRun {
     robot: wire::Robot,
 }
 
-/// Writes `experiment.json`; the traces are written by the recordings themselves.
+/// Writes `experiment.json`, without the recordings.
 ///
 /// # Errors
 ///
-/// [`Error::Write`] when it cannot be written.
+/// [`Error::Write`] if the file cannot be written.
 pub fn write(
     directory: &Path,
     experiment: &Experiment,
@@ -65,12 +66,12 @@ pub fn write(
     write.map_err(|source| Error::Write { path, source })
 }
 
-/// Reads what [`write()`] and the recordings left in a directory: the experiment, and the names of its traces.
+/// Reads an experiment and the names of its recordings from a directory.
 ///
 /// # Errors
 ///
-/// [`Error::Read`] when `experiment.json` is not there, [`Error::Parse`] when it is something else, [`Error::Trace`] for
-/// a trace that cannot be used.
+/// [`Error::Read`] if `experiment.json` cannot be read, [`Error::Parse`] if it is not valid, [`Error::Trace`] if a
+/// recording cannot be read.
 pub fn read(directory: &Path) -> Result<(Experiment, Vec<String>), Error> {
     let path = directory.join(FILE);
     let text = fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;

@@ -1,11 +1,11 @@
-//! The page of an experiment holds what its runs say.
+//! The report of an experiment.
 
 use revprio_api::wire::{Method, Solver};
 
 use super::*;
 use crate::simulator::recording::Sample;
 
-/// A run in contact with a wall in x, one sample per period, that ends at this force and moves a joint so fast.
+/// A run at a wall in x with a constant force (N) and a constant speed of its joint (rad/s).
 fn run(scenario: &str, method: Method, force: f64, velocity: f64) -> Run {
     let sample = |i: i32| Sample {
         time_s: 1e-3 * f64::from(i),
@@ -33,7 +33,7 @@ fn experiment(runs: Vec<Run>) -> Experiment {
 }
 
 #[test]
-fn every_scenario_has_a_section_with_its_own_rows() {
+fn each_scenario_has_a_section_with_its_own_rows() {
     let methods = [Method::ReversePriority, Method::DampedLeastSquares];
     let runs = ["a", "b"].into_iter().flat_map(|name| methods.map(|method| run(name, method, 30.0, 0.1))).collect();
     let report = experiment(runs).report();
@@ -45,7 +45,7 @@ fn every_scenario_has_a_section_with_its_own_rows() {
 }
 
 #[test]
-fn runs_that_command_the_same_share_a_curve_of_the_comparison() {
+fn runs_with_the_same_commands_share_a_curve() {
     let runs = [(Method::ReversePriority, 0.1), (Method::TaskPriority, 0.1), (Method::DampedLeastSquares, 0.2)];
     let runs = runs.map(|(method, velocity)| run("mine", method, 30.0, velocity)).to_vec();
     let report = experiment(runs).report();
@@ -55,25 +55,25 @@ fn runs_that_command_the_same_share_a_curve_of_the_comparison() {
     assert_eq!(labels, [shared, "damped least squares (closed form)", "target"]);
     let headings: Vec<_> = figure.panels.iter().map(|panel| panel.heading.as_str()).collect();
     assert!(
-        headings.contains(&"(c) What task 1 lacks") && headings.contains(&"(e) Speed of the fastest joint"),
+        headings.contains(&"(c) Residual of task 1") && headings.contains(&"(e) Speed of the fastest joint"),
         "{headings:?}"
     );
 }
 
 #[test]
-fn a_claim_is_seen_where_the_methods_differ_and_only_there() {
+fn claims_are_confirmed_only_where_the_methods_differ() {
     let verdicts = |classical_force, classical_velocity| -> Vec<&str> {
         let reverse = run("stiff_wall", Method::ReversePriority, 30.0, 0.1);
         let classical = run("stiff_wall", Method::DampedLeastSquares, classical_force, classical_velocity);
-        experiment(vec![reverse, classical]).report().claims.iter().map(|claim| claim.verdict.words()).collect()
+        experiment(vec![reverse, classical]).report().claims.iter().map(|claim| claim.verdict.as_str()).collect()
     };
-    assert_eq!(verdicts(30.0, 0.1), ["seen", "no difference here"]);
-    assert_eq!(verdicts(0.0, 0.2), ["seen", "seen"]);
-    assert_eq!(verdicts(30.0, 0.2), ["seen", "not seen"]);
+    assert_eq!(verdicts(30.0, 0.1), ["confirmed", "no difference"]);
+    assert_eq!(verdicts(0.0, 0.2), ["confirmed", "confirmed"]);
+    assert_eq!(verdicts(30.0, 0.2), ["confirmed", "not confirmed"]);
 }
 
 #[test]
-fn a_scenario_that_is_not_the_papers_makes_no_claim() {
+fn scenarios_that_are_not_in_the_paper_have_no_claims() {
     let runs = vec![run("mine", Method::ReversePriority, 30.0, 0.1), run("mine", Method::DampedLeastSquares, 0.0, 0.2)];
     assert!(experiment(runs).report().claims.is_empty());
 }

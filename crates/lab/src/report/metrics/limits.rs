@@ -1,31 +1,31 @@
-//! What a run made of the robot's limits. Whether they were broken is read off the trace, not off what the solver says.
+//! Use of the robot's limits in a run. Excesses are computed from the recorded motion, not from the report of the solver.
 
 use revprio_api::wire::{Limits, RobotJoint};
 use serde::Serialize;
 
 use crate::simulator::recording::{AtLimit, Recording, Sample};
 
-/// An excess below this, times 1 or the size of the value, is rounding.
+/// An excess below this, relative to 1 + |value|, counts as rounding.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Time at limits, and by how much they were broken. Limits are those that the controller is told to keep; the solver
-/// `closed_form` ignores them all the same.
+/// Time at limits and largest excesses. The limits are the ones in the settings of the controller. The solver `closed_form`
+/// ignores them.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct LimitUse {
-    /// Time (s) in which a limit held at least one joint back, or was broken, as the answers say.
+    /// Time (s) in which a limit was active or exceeded for at least one joint, according to the answers.
     pub at_limits_s: f64,
-    /// Largest excess of a position (rad or m); 0 when the limits held, as for the others.
+    /// Largest excess of a position (rad or m); 0 if no limit was exceeded, here and below.
     pub position_excess: f64,
     /// Largest excess of a commanded speed (rad/s or m/s).
     pub velocity_excess: f64,
     /// Largest excess of a commanded acceleration (rad/s² or m/s²).
     pub acceleration_excess: f64,
-    /// Largest `|q̇_i|` as a fraction of that joint's limit; 0 where no joint has one.
+    /// Largest `|q̇_i|` as a fraction of the velocity limit of the joint; 0 if no joint has one.
     pub speed_use: f64,
 }
 
 impl LimitUse {
-    /// Measures a run of an arm with these joints, whose controller is told to keep these limits.
+    /// Measures a run with these joints and these limits of the controller.
     #[must_use]
     pub fn of(recording: &Recording, joints: &[RobotJoint], limits: &Limits) -> Self {
         let bounds: Vec<Bounds> = joints.iter().enumerate().map(|(i, joint)| Bounds::of(joint, limits, i)).collect();
@@ -33,7 +33,7 @@ impl LimitUse {
         let mut before: Option<&Sample> = None;
         for sample in &recording.samples {
             for (i, bounds) in bounds.iter().enumerate() {
-                sum.take(bounds, Joint::of(sample, before, i, recording.period_s));
+                sum.add(bounds, Joint::of(sample, before, i, recording.period_s));
             }
             let at_limit = sample.limits.iter().any(|limit| *limit != AtLimit::Free);
             sum.at_limits_s += if at_limit { recording.period_s } else { 0.0 };
@@ -42,23 +42,23 @@ impl LimitUse {
         sum
     }
 
-    /// Whether every limit held.
+    /// Returns whether no limit was exceeded.
     #[must_use]
     pub fn kept(&self) -> bool {
         [self.position_excess, self.velocity_excess, self.acceleration_excess].iter().all(|excess| *excess == 0.0)
     }
 
-    /// Counts one joint in one period.
-    fn take(&mut self, bounds: &Bounds, joint: Joint) {
-        let meet = |excess: &mut f64, value: f64, (low, high): (f64, f64)| {
+    /// Adds one joint in one period.
+    fn add(&mut self, bounds: &Bounds, joint: Joint) {
+        let update = |excess: &mut f64, value: f64, (low, high): (f64, f64)| {
             let beyond = (value - high).max(low - value);
             if beyond > TOLERANCE * (1.0 + value.abs()) {
                 *excess = excess.max(beyond);
             }
         };
-        meet(&mut self.position_excess, joint.position, bounds.position);
-        meet(&mut self.velocity_excess, joint.velocity, bounds.velocity);
-        meet(&mut self.acceleration_excess, joint.acceleration, bounds.acceleration);
+        update(&mut self.position_excess, joint.position, bounds.position);
+        update(&mut self.velocity_excess, joint.velocity, bounds.velocity);
+        update(&mut self.acceleration_excess, joint.acceleration, bounds.acceleration);
         let limit = if joint.velocity < 0.0 { -bounds.velocity.0 } else { bounds.velocity.1 };
         if limit.is_finite() && limit > 0.0 {
             self.speed_use = self.speed_use.max(joint.velocity.abs() / limit);
@@ -66,7 +66,7 @@ impl LimitUse {
     }
 }
 
-/// Bounds of one joint; infinite where none counts.
+/// Bounds of one joint; infinite where there is no limit.
 struct Bounds {
     position: (f64, f64),
     velocity: (f64, f64),
@@ -96,7 +96,7 @@ impl Bounds {
     }
 }
 
-/// What one joint did in one period.
+/// Motion of one joint in one period.
 #[derive(Clone, Copy)]
 struct Joint {
     position: f64,
@@ -105,7 +105,7 @@ struct Joint {
 }
 
 impl Joint {
-    /// The first command of a run starts from rest.
+    /// Computes the acceleration from the command before; a run starts at rest.
     fn of(sample: &Sample, before: Option<&Sample>, i: usize, period_s: f64) -> Self {
         let entry = |list: &[f64]| list.get(i).copied().unwrap_or(0.0);
         let velocity = entry(&sample.joint_velocity);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_inside_its_limits_breaks_none_even_on_them() {
+    fn motion_at_a_limit_does_not_exceed_it() {
         let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
         let run = measured(&[(2.0, 0.5), (-1.0, -0.5)], &limits);
         assert!(run.kept(), "{run:?}");
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_excess_of_each_kind_is_told_where_it_counts() {
+    fn only_limits_of_the_selected_kind_are_checked() {
         let trace = [(-1.25, -0.75), (2.5, 1.0)];
         let all = measured(&trace, &Limits::Robot(LimitKind::PositionVelocityAcceleration));
         assert!(near(all.position_excess, 0.5) && near(all.velocity_excess, 0.5) && near(all.acceleration_excess, 7.5));
@@ -166,13 +166,13 @@ mod tests {
     }
 
     #[test]
-    fn a_box_of_the_controllers_own_counts_instead_of_the_robots() {
+    fn limits_of_the_controller_replace_those_of_the_robot() {
         let limits = Limits::Box { lower: vec![-0.1], upper: vec![2.0] };
         assert!(near(measured(&[(9.0, -0.3), (9.0, 1.9)], &limits).velocity_excess, 0.2));
     }
 
     #[test]
-    fn time_at_limits_is_what_the_answers_say() {
+    fn time_at_limits_comes_from_the_answers() {
         let sample = |limit| Sample { limits: vec![AtLimit::Free, limit], ..Sample::at_rest() };
         let samples = [AtLimit::Free, AtLimit::Upper, AtLimit::Below].map(sample).to_vec();
         let run = Recording { period_s: 0.1, samples, ..Recording::empty() };

@@ -1,4 +1,4 @@
-//! The numbers of the results table, each computed from one [`Recording`].
+//! Metrics of one [`Recording`].
 
 pub mod limits;
 
@@ -9,52 +9,51 @@ use serde::Serialize;
 
 use crate::simulator::recording::{Recording, Sample};
 
-/// A run longer than this (s) is judged on its steady part only.
+/// For a run longer than this (s), only the steady part is evaluated.
 pub const LONG_RUN_S: f64 = 10.0;
-/// Where the steady part of a long run begins (s).
+/// Start of the steady part of a long run (s).
 pub const STEADY_FROM_S: f64 = 5.0;
 /// Half width of the settling band, as a fraction of the target.
 pub const SETTLING_BAND: f64 = 0.05;
-/// How long (s) a force has to stay inside the band to count as settled. A stiff contact rings at
-/// some 80 rad/s; one whole period of that is 0.08 s, so a ringing force cannot pass by ending the
-/// run as it crosses the band.
+/// Time (s) for which a force must stay inside the band to count as settled. A stiff contact oscillates at some 80 rad/s
+/// with a period of 0.08 s. Therefore a force that only crosses the band at the end of a run does not count.
 pub const SETTLED_FOR_S: f64 = 0.1;
-/// The last part of a run, as a fraction of its samples, on which the steady error is the mean.
+/// The last part of a run, as a fraction of its samples, over which the steady error is averaged.
 pub const STEADY_PART: f64 = 0.1;
 
-/// By how much a force exceeded its target, in the direction of the target.
+/// Excess of a force over its target, in the direction of the target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Overshoot {
     /// Largest excess over the target of the same instant (N), at least 0.
     pub newton: f64,
-    /// The same as a percentage of the target of that instant; infinite where that target is 0.
+    /// The same as a percentage of that target; infinite if the target is 0.
     pub percent: f64,
 }
 
-/// What the commands of a run lacked of one task's velocity, `‖J_k q̇ − ẋ_k‖` (m/s and rad/s).
+/// Residual of one task over a run, `‖J_k q̇ − ẋ_k‖` (m/s and rad/s).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Residual {
     /// Root mean square over all samples.
     pub rms: f64,
-    /// Largest.
+    /// Largest value.
     pub largest: f64,
 }
 
-/// Measures of one run. `F` is the force along one axis, x unless said otherwise. The tool is *in contact* while its
-/// distance to the wall is not positive or, without a wall, while a force is measured.
+/// Metrics of one run. `F` is the force along one axis, x by default. The tool is *in contact* while its distance to the
+/// wall is not positive or, without a wall, while a force is measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Root mean square of `F_x − F_d,x` (N) from [`evaluation_start`] on; `None` when x has no
-    /// target or nothing was touched.
+    /// Root mean square of `F_x − F_d,x` (N) from [`evaluation_start`] on; `None` if x has no
+    /// target or there was no contact.
     pub rmse_fx: Option<f64>,
     /// The same for y (N).
     pub rmse_fy: Option<f64>,
     /// The same for z (N).
     pub rmse_fz: Option<f64>,
-    /// Overshoot of `F` from the first contact on; `None` without target or contact.
+    /// Overshoot of `F` after the first contact; `None` without target or contact.
     pub overshoot: Option<Overshoot>,
     /// Simulated time (s) from which `F` stays within [`SETTLING_BAND`] of its target until the
-    /// end, and for [`SETTLED_FOR_S`] at least; `None` when it does not settle.
+    /// end, and for at least [`SETTLED_FOR_S`]; `None` if it does not settle.
     pub settling_time_s: Option<f64>,
     /// Mean of `F − F_d` (N) over the last [`STEADY_PART`] of the run; `None` without target or contact.
     pub steady_error: Option<f64>,
@@ -64,32 +63,32 @@ pub struct Metrics {
     pub peak_force: f64,
     /// Simulated time of the first contact (s).
     pub first_contact_s: Option<f64>,
-    /// Number of separate intervals in contact.
+    /// Number of separate contact intervals.
     pub contacts: usize,
     /// Largest `|q̇_i|` of any joint (rad/s).
     pub max_joint_speed: f64,
-    /// What each task lacked, highest priority first.
+    /// Residuals of the tasks, highest priority first.
     pub residuals: Vec<Residual>,
-    /// Control periods per second of real time; `None` when the run took no measurable time.
+    /// Control periods per second of real time; `None` if the run took no measurable time.
     pub calls_per_second: Option<f64>,
-    /// How many answers each solve path gave.
+    /// Number of answers of each solution path.
     pub paths: BTreeMap<Path, usize>,
-    /// How many answers had each status.
+    /// Number of answers with each status.
     pub statuses: BTreeMap<Status, usize>,
-    /// Largest KKT residual that an answer carried; `None` when none did.
+    /// Largest KKT residual of any answer; `None` if no answer has one.
     pub largest_kkt_residual: Option<f64>,
     /// Periods without an answer.
     pub unanswered: usize,
 }
 
 impl Metrics {
-    /// Measures a run, `F` along x.
+    /// Computes the metrics of a run, with `F` along x.
     #[must_use]
     pub fn of(recording: &Recording) -> Self {
         Self::along(recording, 0)
     }
 
-    /// Measures a run, `F` along an axis of the base (0 = x).
+    /// Computes the metrics of a run, with `F` along an axis of the base (0 = x).
     #[must_use]
     pub fn along(recording: &Recording, axis: usize) -> Self {
         let samples = &recording.samples;
@@ -117,17 +116,17 @@ impl Metrics {
     }
 }
 
-/// The axis that a run is about: the first one whose force has a target, x without any.
+/// Returns the first axis whose force has a target, or x if there is none.
 #[must_use]
 pub fn main_axis(recording: &Recording) -> usize {
     let targets = recording.samples.first().map_or([None; 3], |sample| sample.target_force);
     targets.iter().position(Option::is_some).unwrap_or(0)
 }
 
-/// Largest difference of two runs' commands, `max_i ‖q̇_a,i − q̇_b,i‖∞` (rad/s).
+/// Returns the largest difference between the commands of two runs, `max_i ‖q̇_a,i − q̇_b,i‖∞` (rad/s).
 ///
-/// Infinite when the runs have a different number of samples or joints, or a command is not a
-/// number: runs that cannot be compared must not look alike.
+/// The result is infinite if the runs have a different number of samples or joints, or if a command is not a number, so
+/// that runs that cannot be compared never count as equal.
 #[must_use]
 pub fn largest_difference(a: &Recording, b: &Recording) -> f64 {
     if a.samples.len() != b.samples.len() {
@@ -140,8 +139,8 @@ pub fn largest_difference(a: &Recording, b: &Recording) -> f64 {
         .fold(0.0, larger)
 }
 
-/// Start of the part that the RMSE judges (s): [`STEADY_FROM_S`] for a run longer than
-/// [`LONG_RUN_S`], otherwise the first contact; `None` when a short run touches nothing.
+/// Returns the start of the part over which the RMSE is computed (s): [`STEADY_FROM_S`] for a run longer than
+/// [`LONG_RUN_S`], otherwise the first contact; `None` if a short run has no contact.
 #[must_use]
 pub fn evaluation_start(recording: &Recording) -> Option<f64> {
     let (first, last) = (recording.samples.first()?, recording.samples.last()?);
@@ -151,7 +150,7 @@ pub fn evaluation_start(recording: &Recording) -> Option<f64> {
     from_first_contact(&recording.samples).first().map(|s| s.time_s)
 }
 
-/// `F − F_d` on one axis (N); `None` where the axis has no target.
+/// Returns `F − F_d` on one axis (N); `None` if the axis has no target.
 #[must_use]
 pub fn force_error(sample: &Sample, axis: usize) -> Option<f64> {
     sample.target_force[axis].map(|target| sample.force[axis] - target)
@@ -175,8 +174,8 @@ fn contacts(samples: &[Sample]) -> usize {
 
 fn rmse(recording: &Recording, axis: usize) -> Option<f64> {
     let start = evaluation_start(recording)?;
-    let judged = recording.samples.iter().filter(|s| s.time_s >= start);
-    mean_square(judged.filter_map(|s| force_error(s, axis))).map(f64::sqrt)
+    let evaluated = recording.samples.iter().filter(|s| s.time_s >= start);
+    mean_square(evaluated.filter_map(|s| force_error(s, axis))).map(f64::sqrt)
 }
 
 fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
@@ -184,7 +183,7 @@ fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then_some(sum / count)
 }
 
-/// The direction in which a force is asked for, ±1; + without a target.
+/// Returns the sign of the target force, ±1; +1 without a target.
 fn direction(sample: &Sample, axis: usize) -> f64 {
     sample.target_force[axis].map_or(1.0, f64::signum)
 }
@@ -252,8 +251,7 @@ fn command_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
 }
 
-/// The larger of two numbers. A value that is not a number counts as infinite, where `f64::max`
-/// would drop it and so hide the worst sample.
+/// Returns the larger of two numbers. NaN counts as infinite; `f64::max` would ignore it and hide the worst sample.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

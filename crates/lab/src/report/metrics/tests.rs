@@ -1,8 +1,8 @@
-//! Each metric on runs whose answer is known by hand.
+//! Each metric on runs with known results.
 
 use super::*;
 
-/// A free sample at `time_s`, 10 cm before the wall, with a target of 30 N in x.
+/// A sample at `time_s`, 10 cm in front of the wall, with a target of 30 N in x.
 fn sample(time_s: f64) -> Sample {
     Sample {
         time_s,
@@ -14,7 +14,7 @@ fn sample(time_s: f64) -> Sample {
     }
 }
 
-fn pressing(time_s: f64, force_x: f64) -> Sample {
+fn in_contact_with(time_s: f64, force_x: f64) -> Sample {
     Sample { force: [force_x, 0.0, 0.0], wall_distance: Some(-1e-4), ..sample(time_s) }
 }
 
@@ -23,9 +23,9 @@ fn recording(samples: Vec<Sample>) -> Recording {
 }
 
 /// A run in contact, one sample every 0.1 s, with these values of `F_x`.
-fn pressed(forces: &[f64]) -> Recording {
+fn run_with_forces(forces: &[f64]) -> Recording {
     let times = (0..).map(|i| 0.1 * f64::from(i));
-    recording(times.zip(forces).map(|(t, f)| pressing(t, *f)).collect())
+    recording(times.zip(forces).map(|(t, f)| in_contact_with(t, *f)).collect())
 }
 
 fn near(value: Option<f64>, expected: f64) -> bool {
@@ -33,40 +33,40 @@ fn near(value: Option<f64>, expected: f64) -> bool {
 }
 
 #[test]
-fn a_short_run_is_judged_from_the_first_contact_on() {
-    let run = recording(vec![sample(0.0), pressing(0.1, 33.0), pressing(0.2, 26.0)]);
+fn short_run_is_evaluated_from_the_first_contact() {
+    let run = recording(vec![sample(0.0), in_contact_with(0.1, 33.0), in_contact_with(0.2, 26.0)]);
     assert!(near(Metrics::of(&run).rmse_fx, 12.5_f64.sqrt()));
 }
 
 #[test]
-fn a_short_run_stays_judged_while_it_bounces_off() {
-    let run = recording(vec![pressing(0.0, 30.0), sample(0.1)]);
+fn short_run_is_also_evaluated_while_contact_is_lost() {
+    let run = recording(vec![in_contact_with(0.0, 30.0), sample(0.1)]);
     assert!(near(Metrics::of(&run).rmse_fx, 450.0_f64.sqrt()));
 }
 
 #[test]
-fn a_long_run_is_judged_from_five_seconds_on() {
+fn long_run_is_evaluated_from_five_seconds() {
     let error = |t: f64| if t < 5.0 { 100.0 } else { 2.0 };
-    let samples = (0..=22).map(|i| 0.5 * f64::from(i)).map(|t| pressing(t, 30.0 + error(t)));
+    let samples = (0..=22).map(|i| 0.5 * f64::from(i)).map(|t| in_contact_with(t, 30.0 + error(t)));
     assert!(near(Metrics::of(&recording(samples.collect())).rmse_fx, 2.0));
 }
 
 #[test]
-fn a_run_of_exactly_ten_seconds_is_a_short_one() {
-    let run = recording(vec![pressing(0.0, 34.0), pressing(10.0, 30.0)]);
+fn run_of_exactly_ten_seconds_is_short() {
+    let run = recording(vec![in_contact_with(0.0, 34.0), in_contact_with(10.0, 30.0)]);
     assert!(near(Metrics::of(&run).rmse_fx, 8.0_f64.sqrt()));
 }
 
 #[test]
-fn an_axis_without_a_target_has_no_rmse() {
-    let mut run = pressed(&[30.0]);
+fn axis_without_a_target_has_no_rmse() {
+    let mut run = run_with_forces(&[30.0]);
     assert_eq!(Metrics::of(&run).rmse_fy, None);
     run.samples[0].target_force[1] = Some(3.0);
     assert!(near(Metrics::of(&run).rmse_fy, 3.0));
 }
 
 #[test]
-fn a_run_that_touches_nothing_has_no_contact_metrics() {
+fn run_without_contact_has_no_contact_metrics() {
     let metrics = Metrics::of(&recording(vec![sample(0.0), sample(1.0)]));
     assert_eq!(metrics.rmse_fx, None);
     assert_eq!(metrics.overshoot, None);
@@ -76,29 +76,29 @@ fn a_run_that_touches_nothing_has_no_contact_metrics() {
 }
 
 #[test]
-fn an_empty_run_is_measured_without_a_panic() {
+fn empty_run_has_metrics() {
     let metrics = Metrics::of(&recording(vec![]));
     assert_eq!(metrics.final_force, None);
     assert_eq!(metrics.calls_per_second, Some(0.0));
 }
 
 #[test]
-fn overshoot_is_relative_to_the_target_of_its_own_instant() {
-    let mut run = pressed(&[240.0, 31.0]);
+fn overshoot_is_relative_to_the_target_at_the_same_time() {
+    let mut run = run_with_forces(&[240.0, 31.0]);
     run.samples[0].target_force[0] = Some(40.0);
     let expected = Overshoot { newton: 200.0, percent: 500.0 };
     assert_eq!(Metrics::of(&run).overshoot, Some(expected));
 }
 
 #[test]
-fn a_force_below_its_target_does_not_overshoot() {
+fn force_below_its_target_does_not_overshoot() {
     let expected = Overshoot { newton: 0.0, percent: 0.0 };
-    assert_eq!(Metrics::of(&pressed(&[10.0, 29.0])).overshoot, Some(expected));
+    assert_eq!(Metrics::of(&run_with_forces(&[10.0, 29.0])).overshoot, Some(expected));
 }
 
 #[test]
-fn a_pull_overshoots_towards_the_negative_side() {
-    let mut run = pressed(&[-33.0, -20.0]);
+fn negative_target_overshoots_in_negative_direction() {
+    let mut run = run_with_forces(&[-33.0, -20.0]);
     run.samples.iter_mut().for_each(|s| s.target_force[0] = Some(-30.0));
     let expected = Overshoot { newton: 3.0, percent: 10.0 };
     assert_eq!(Metrics::of(&run).overshoot, Some(expected));
@@ -106,23 +106,29 @@ fn a_pull_overshoots_towards_the_negative_side() {
 
 #[test]
 fn settling_starts_after_the_last_sample_outside_the_band() {
-    let run = pressed(&[30.0, 31.6, 31.4, 28.6, 30.0, 30.0]);
+    let run = run_with_forces(&[30.0, 31.6, 31.4, 28.6, 30.0, 30.0]);
     assert!(near(Metrics::of(&run).settling_time_s, 0.2));
 }
 
 #[test]
-fn a_force_that_ends_outside_the_band_does_not_settle() {
-    assert_eq!(Metrics::of(&pressed(&[30.0, 30.0, 31.6])).settling_time_s, None);
+fn force_that_ends_outside_the_band_does_not_settle() {
+    assert_eq!(Metrics::of(&run_with_forces(&[30.0, 30.0, 31.6])).settling_time_s, None);
 }
 
 #[test]
-fn a_force_that_only_crosses_the_band_at_the_end_does_not_settle() {
-    assert_eq!(Metrics::of(&pressed(&[90.0, 0.0, 30.0])).settling_time_s, None);
+fn force_that_only_crosses_the_band_at_the_end_does_not_settle() {
+    assert_eq!(Metrics::of(&run_with_forces(&[90.0, 0.0, 30.0])).settling_time_s, None);
 }
 
 #[test]
-fn each_bounce_is_a_contact() {
-    let bounces = vec![sample(0.0), pressing(0.1, 90.0), pressing(0.2, 5.0), sample(0.3), pressing(0.4, 30.0)];
+fn each_bounce_counts_as_a_contact() {
+    let bounces = vec![
+        sample(0.0),
+        in_contact_with(0.1, 90.0),
+        in_contact_with(0.2, 5.0),
+        sample(0.3),
+        in_contact_with(0.4, 30.0),
+    ];
     let metrics = Metrics::of(&recording(bounces));
     assert_eq!(metrics.contacts, 2);
     assert_eq!(metrics.first_contact_s, Some(0.1));
@@ -131,15 +137,15 @@ fn each_bounce_is_a_contact() {
 }
 
 #[test]
-fn without_a_wall_a_force_is_a_contact() {
-    let mut run = pressed(&[0.0, 1.0, 2.0]);
+fn without_a_wall_a_force_counts_as_contact() {
+    let mut run = run_with_forces(&[0.0, 1.0, 2.0]);
     run.samples.iter_mut().for_each(|s| s.wall_distance = None);
     assert!(near(Metrics::of(&run).first_contact_s, 0.1));
 }
 
 #[test]
-fn speed_rate_and_paths_are_counted_over_every_sample() {
-    let mut run = pressed(&[30.0; 4]);
+fn speed_call_rate_and_paths_cover_all_samples() {
+    let mut run = run_with_forces(&[30.0; 4]);
     run.samples[2].joint_velocity = vec![0.5, -1.5];
     run.samples[3].path = Path::Qp;
     let metrics = Metrics::of(&run);
@@ -150,16 +156,16 @@ fn speed_rate_and_paths_are_counted_over_every_sample() {
 }
 
 #[test]
-fn the_steady_error_is_the_mean_of_the_last_tenth() {
+fn steady_error_is_the_mean_of_the_last_tenth() {
     let mut forces = vec![90.0; 18];
     forces.extend([31.0, 30.5]);
-    assert!(near(Metrics::of(&pressed(&forces)).steady_error, 0.75));
+    assert!(near(Metrics::of(&run_with_forces(&forces)).steady_error, 0.75));
     assert_eq!(Metrics::of(&recording(vec![sample(0.0)])).steady_error, None);
 }
 
 #[test]
-fn residuals_are_measured_task_by_task() {
-    let mut run = pressed(&[30.0; 2]);
+fn residuals_are_computed_per_task() {
+    let mut run = run_with_forces(&[30.0; 2]);
     run.samples[0].residual_norms = vec![0.0, 3.0];
     run.samples[1].residual_norms = vec![0.0, 4.0];
     let [first, second] = Metrics::of(&run).residuals[..] else { panic!("two tasks") };
@@ -168,8 +174,8 @@ fn residuals_are_measured_task_by_task() {
 }
 
 #[test]
-fn a_run_can_be_measured_along_the_axis_that_it_presses() {
-    let mut run = pressed(&[0.0; 3]);
+fn metrics_can_be_computed_along_another_axis() {
+    let mut run = run_with_forces(&[0.0; 3]);
     run.samples.iter_mut().for_each(|s| (s.force, s.target_force) = ([0.0, 0.0, -33.0], [None, None, Some(-30.0)]));
     assert_eq!(main_axis(&run), 2);
     let metrics = Metrics::along(&run, 2);
@@ -177,8 +183,8 @@ fn a_run_can_be_measured_along_the_axis_that_it_presses() {
 }
 
 #[test]
-fn statuses_and_silence_are_counted_and_the_worst_kkt_residual_is_kept() {
-    let mut run = pressed(&[30.0; 3]);
+fn statuses_and_missing_answers_are_counted_and_the_largest_kkt_residual_is_kept() {
+    let mut run = run_with_forces(&[30.0; 3]);
     run.samples[1].status = Status::NotCertified;
     run.samples[1].kkt_residual = Some(1e-3);
     run.samples[2].answered = false;
@@ -188,8 +194,8 @@ fn statuses_and_silence_are_counted_and_the_worst_kkt_residual_is_kept() {
 }
 
 #[test]
-fn the_largest_difference_is_over_samples_and_joints() {
-    let a = pressed(&[30.0; 3]);
+fn largest_difference_covers_samples_and_joints() {
+    let a = run_with_forces(&[30.0; 3]);
     let mut b = a.clone();
     b.samples[1].joint_velocity = vec![0.25, -0.5];
     assert!(near(Some(largest_difference(&a, &b)), 0.5));
@@ -197,13 +203,13 @@ fn the_largest_difference_is_over_samples_and_joints() {
 }
 
 #[test]
-fn runs_that_cannot_be_compared_differ_infinitely() {
-    let a = pressed(&[30.0; 3]);
+fn runs_that_cannot_be_compared_have_an_infinite_difference() {
+    let a = run_with_forces(&[30.0; 3]);
     let mut other_joints = a.clone();
     other_joints.samples[0].joint_velocity.push(0.0);
     let mut not_a_number = a.clone();
     not_a_number.samples[0].joint_velocity[0] = f64::NAN;
-    for b in [pressed(&[30.0; 2]), other_joints, not_a_number] {
+    for b in [run_with_forces(&[30.0; 2]), other_joints, not_a_number] {
         assert!(largest_difference(&a, &b).is_infinite());
     }
 }

@@ -1,22 +1,18 @@
-//! The paper's Figures 5 to 8, made from recordings.
+//! Figures 5 to 8 of the paper, from recordings.
 
-use revprio_api::wire::{Method, Solver};
+use revprio_api::wire::Method;
 
-use super::figure::{Colour, Curve, Figure, Panel, Stroke, TIME};
+use super::comparison::{CLASSICAL, REVERSE_PRIORITY, solver_preference};
+use super::figure::{Colour, Curve, Figure, Stroke};
 use super::metrics::{Metrics, evaluation_start, force_error};
 use super::number::significant;
+use super::time_series::{MM, panel, points, span};
 use crate::simulator::recording::{Recording, Sample};
 
-/// The paper's contribution.
-pub const REVERSE_PRIORITY: Method = Method::ReversePriority;
-/// The classical control it is compared with.
-pub const CLASSICAL: Method = Method::DampedLeastSquares;
+/// Time before and after the first contact that the impact panel shows (s).
+const IMPACT_WINDOW: (f64, f64) = (0.05, 1.0);
 
-/// How long before and after the first contact the impact panel reaches (s).
-const IMPACT: (f64, f64) = (0.05, 1.0);
-const MM: f64 = 1e3;
-
-/// Where the runs of a figure start.
+/// Start posture of the runs of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Posture {
     /// Well inside the arm's limits: `force_tracking`, `stiff_wall`.
@@ -26,7 +22,7 @@ pub enum Posture {
 }
 
 impl Posture {
-    /// `nominal` or `singular`, as in the names of the figures.
+    /// Returns `nominal` or `singular`, as in the names of the figures.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -43,8 +39,8 @@ impl Posture {
     }
 }
 
-/// The figures that the recordings of a posture suffice for, in the paper's order. Of several
-/// solvers of one method, the closed form is drawn.
+/// Returns the figures for which the recordings suffice, in the order of the paper. If a method was run with several
+/// solvers, the closed form is drawn.
 #[must_use]
 pub fn of_posture(posture: Posture, recordings: &[&Recording]) -> Vec<Figure> {
     let find = |scenario: &str, method| pick(recordings, &posture.scenario(scenario), method);
@@ -60,7 +56,7 @@ pub fn of_posture(posture: Posture, recordings: &[&Recording]) -> Vec<Figure> {
 
 fn pick<'a>(recordings: &[&'a Recording], scenario: &str, method: Method) -> Option<&'a Recording> {
     let runs = recordings.iter().copied().filter(|r| r.scenario == scenario && r.method == method);
-    runs.min_by_key(|r| r.solver != Solver::ClosedForm)
+    runs.min_by_key(|run| solver_preference(run))
 }
 
 fn tracking_figures(posture: Posture, classical: Option<&Recording>, reverse: Option<&Recording>) -> Vec<Figure> {
@@ -82,7 +78,7 @@ fn tracking_force(posture: Posture, number: u8, control: &str, run: &Recording) 
         label: label.to_owned(),
         colour,
         stroke,
-        points: over_time(run, of),
+        points: points(run, of),
     };
     let forces = vec![
         curve("F_x (primary)", Colour::Orange, Stroke::Wide, &|s| Some(s.force[0])),
@@ -94,23 +90,23 @@ fn tracking_force(posture: Posture, number: u8, control: &str, run: &Recording) 
         curve("F_y − F_d", Colour::Blue, Stroke::Thin, &|s| force_error(s, 1)),
     ];
     let (start, end) = span(run);
-    let judged = evaluation_start(run).unwrap_or(start);
+    let evaluated = evaluation_start(run).unwrap_or(start);
     let distance = forces[0].largest_distance(&forces[1]);
     Figure {
         name: format!("figure{number}_{}", posture.name()),
         title: title(number, &format!("Tracking force, {control}"), posture),
         caption: format!(
-            "Figure {number}, {} posture. Tracking force under {control}; F_x and F_y {}. (b) begins \
-             where the RMSE does.",
+            "Figure {number}, {} posture. Tracking force under {control}; F_x and F_y {}. (b) shows the \
+             part over which the RMSE is computed.",
             posture.name(),
             apart(distance, "N")
         ),
         panels: vec![
             panel("(a) Force on the environment", "force (N)", (start, end), forces),
             panel(
-                &format!("(b) Force error from {} s on", significant(judged, 2)),
+                &format!("(b) Force error from {} s on", significant(evaluated, 2)),
                 "force error (N)",
-                (judged, end),
+                (evaluated, end),
                 errors,
             ),
         ],
@@ -125,16 +121,16 @@ fn contact_force(posture: Posture, classical: &Recording, reverse: &Recording) -
         label: "target F_d".to_owned(),
         colour: Colour::Black,
         stroke: Stroke::Dashed,
-        points: over_time(reverse, &|s| s.target_force[0]),
+        points: points(reverse, |s| s.target_force[0]),
     });
     let (start, end) = span(reverse);
     let measured = [classical, reverse].map(Metrics::of);
     let first_contact = measured.iter().filter_map(|m| m.first_contact_s).reduce(f64::min);
     let impact = first_contact.map(|t| {
-        let window = ((t - IMPACT.0).max(start), (t + IMPACT.1).min(end));
-        panel("(b) The impact", "force F_x (N)", window, curves.clone())
+        let window = ((t - IMPACT_WINDOW.0).max(start), (t + IMPACT_WINDOW.1).min(end));
+        panel("(b) Impact", "force F_x (N)", window, curves.clone())
     });
-    let whole = panel("(a) The whole run", "force F_x (N)", (start, end), curves);
+    let whole = panel("(a) Whole run", "force F_x (N)", (start, end), curves);
     Figure {
         name: format!("figure7_{}", posture.name()),
         title: title(7, "Contact force at the stiff wall", posture),
@@ -142,15 +138,15 @@ fn contact_force(posture: Posture, classical: &Recording, reverse: &Recording) -
             "Figure 7, {} posture. Contact force F_x at the stiff wall. Case 1 {}; case 2 {}. The \
              two {}.",
             posture.name(),
-            touch(&measured[0]),
-            touch(&measured[1]),
+            wall_result(&measured[0]),
+            wall_result(&measured[1]),
             apart(distance, "N")
         ),
         panels: std::iter::once(whole).chain(impact).collect(),
     }
 }
 
-/// Figure 8; `None` without a wall.
+/// Figure 8; `None` if the scenario has no wall.
 fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording) -> Option<Figure> {
     reverse.samples.first()?.wall_distance?;
     let x = cases(classical, reverse, |s| s.wall_distance.map(|d| MM * d));
@@ -162,8 +158,8 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
         name: format!("figure8_{}", posture.name()),
         title: title(8, "Position errors at the stiff wall", posture),
         caption: format!(
-            "Figure 8, {} posture. (a) Distance to the wall, positive when free; (b, c) errors of \
-             the lower-priority hold. In x the two cases {x_apart}, in y they {y_apart}, in z \
+            "Figure 8, {} posture. (a) Distance to the wall, positive without contact; (b, c) errors of \
+             the lower task. In x the two cases {x_apart}, in y they {y_apart}, in z \
              they {z_apart}.",
             posture.name()
         ),
@@ -175,13 +171,13 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
     })
 }
 
-/// Case 1 and case 2 of the paper, drawn so that both are seen where they coincide.
-fn cases(classical: &Recording, reverse: &Recording, of: impl Fn(&Sample) -> Option<f64>) -> Vec<Curve> {
+/// Case 1 and case 2 of the paper, in strokes that are both visible where the curves coincide.
+fn cases(classical: &Recording, reverse: &Recording, value: impl Fn(&Sample) -> Option<f64>) -> Vec<Curve> {
     let curve = |label: &str, colour, stroke, run| Curve {
         label: label.to_owned(),
         colour,
         stroke,
-        points: over_time(run, &of),
+        points: points(run, &value),
     };
     vec![
         curve("case 1: classical control", Colour::Orange, Stroke::Wide, classical),
@@ -189,7 +185,7 @@ fn cases(classical: &Recording, reverse: &Recording, of: impl Fn(&Sample) -> Opt
     ]
 }
 
-/// Gives the panels of two figures the same vertical scales, so that they compare at a glance.
+/// Gives the panels of two figures the same vertical scales, so that they can be compared.
 fn share_scales(a: &mut Figure, b: &mut Figure) {
     for (a, b) in a.panels.iter_mut().zip(&mut b.panels) {
         let ((low_a, high_a), (low_b, high_b)) = (a.y_extent(), b.y_extent());
@@ -198,7 +194,7 @@ fn share_scales(a: &mut Figure, b: &mut Figure) {
     }
 }
 
-/// How far two coinciding curves are from each other, as a predicate.
+/// Returns the largest distance of two curves as a predicate.
 fn apart(distance: f64, unit: &str) -> String {
     if distance > 0.0 {
         format!("are at most {} {unit} apart", significant(distance, 2))
@@ -207,34 +203,19 @@ fn apart(distance: f64, unit: &str) -> String {
     }
 }
 
-/// What happened at the wall, as a predicate.
-fn touch(metrics: &Metrics) -> String {
+/// Returns the result at the wall as a predicate.
+fn wall_result(metrics: &Metrics) -> String {
     metrics.first_contact_s.map_or_else(
         || "does not reach it".to_owned(),
         |time| {
             let (time, peak) = (significant(time, 3), significant(metrics.peak_force, 3));
-            format!("touches it after {time} s and peaks at {peak} N")
+            format!("touches it at {time} s and peaks at {peak} N")
         },
     )
 }
 
 fn title(number: u8, subject: &str, posture: Posture) -> String {
     format!("Figure {number} · {subject} ({} posture)", posture.name())
-}
-
-fn panel(heading: &str, y_label: &str, window: (f64, f64), curves: Vec<Curve>) -> Panel {
-    let (heading, y_label) = (heading.to_owned(), y_label.to_owned());
-    Panel { heading, x_label: TIME.to_owned(), y_label, window, y_covers: vec![], curves }
-}
-
-fn over_time(run: &Recording, of: &dyn Fn(&Sample) -> Option<f64>) -> Vec<(f64, f64)> {
-    run.samples.iter().filter_map(|s| Some((s.time_s, of(s)?))).collect()
-}
-
-/// First instant of a run and the end of its last period (s).
-fn span(run: &Recording) -> (f64, f64) {
-    let time = |sample: Option<&Sample>| sample.map_or(0.0, |s| s.time_s);
-    (time(run.samples.first()), time(run.samples.last()) + run.period_s)
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
-//! Which figures come out of which recordings, and whether they fit on their page.
+//! Which recordings give which figures, and whether texts fit into the picture.
+
+use revprio_api::wire::Solver;
 
 use super::*;
 use crate::report::drawing::{self, MARGIN, WIDTH};
 use crate::report::typeface;
 
-/// A run of 2 s that presses with `peak` N for one sample in the middle.
+/// A run of 2 s with a force of `peak` N in one sample in the middle.
 fn run(scenario: &str, method: Method, solver: Solver, peak: f64) -> Recording {
     let samples = (0..2000).map(|i| sample(i, if i == 1000 { peak } else { 0.0 })).collect();
     Recording { scenario: scenario.to_owned(), method, solver, samples, ..Recording::empty() }
@@ -21,7 +23,7 @@ fn sample(index: i32, force: f64) -> Sample {
     }
 }
 
-fn every_run(suffix: &str) -> Vec<Recording> {
+fn all_runs(suffix: &str) -> Vec<Recording> {
     let scenarios = ["force_tracking", "stiff_wall"].map(|name| format!("{name}{suffix}"));
     let pairs = scenarios.iter().flat_map(|s| [(s, CLASSICAL, 200.0), (s, REVERSE_PRIORITY, 240.0)]);
     pairs.map(|(scenario, method, peak)| run(scenario, method, Solver::ClosedForm, peak)).collect()
@@ -36,22 +38,22 @@ fn names(posture: Posture, recordings: &[Recording]) -> Vec<String> {
 }
 
 #[test]
-fn a_posture_has_the_four_figures_of_the_paper() {
-    let recordings = every_run("_singular");
+fn each_posture_has_the_four_figures_of_the_paper() {
+    let recordings = all_runs("_singular");
     let expected = ["figure5_singular", "figure6_singular", "figure7_singular", "figure8_singular"];
     assert_eq!(names(Posture::Singular, &recordings), expected);
     assert!(names(Posture::Nominal, &recordings).is_empty());
 }
 
 #[test]
-fn a_figure_whose_recording_is_missing_is_left_out() {
-    let mut recordings = every_run("");
+fn figures_without_recordings_are_left_out() {
+    let mut recordings = all_runs("");
     recordings.retain(|r| r.method == REVERSE_PRIORITY);
     assert_eq!(names(Posture::Nominal, &recordings), ["figure5_nominal"]);
 }
 
 #[test]
-fn the_closed_form_is_drawn_where_it_was_run() {
+fn closed_form_is_drawn_if_it_was_run() {
     let qp = run("force_tracking", REVERSE_PRIORITY, Solver::Qp, 1.0);
     let closed_form = run("force_tracking", REVERSE_PRIORITY, Solver::ClosedForm, 2.0);
     let figures = of_posture(Posture::Nominal, &[&qp, &closed_form]);
@@ -61,7 +63,7 @@ fn the_closed_form_is_drawn_where_it_was_run() {
 
 #[test]
 fn figures_five_and_six_share_their_scales() {
-    let figures = figures(Posture::Nominal, &every_run(""));
+    let figures = figures(Posture::Nominal, &all_runs(""));
     for (five, six) in figures[0].panels.iter().zip(&figures[1].panels) {
         assert_eq!(five.y_extent(), six.y_extent());
     }
@@ -70,20 +72,20 @@ fn figures_five_and_six_share_their_scales() {
 
 #[test]
 fn the_impact_panel_surrounds_the_first_contact() {
-    let figures = figures(Posture::Nominal, &every_run(""));
+    let figures = figures(Posture::Nominal, &all_runs(""));
     let (from, to) = figures[2].panels[1].window;
     assert!((from - 0.95).abs() < 1e-12 && (to - 2.0).abs() < 1e-12);
 }
 
 #[test]
-fn captions_tell_how_far_the_curves_are_apart_and_who_touches() {
-    let mut recordings = every_run("");
+fn captions_state_distances_and_contacts() {
+    let mut recordings = all_runs("");
     recordings.iter_mut().filter(|r| r.method == CLASSICAL).for_each(|r| {
         r.samples.iter_mut().for_each(|s| (s.force[0], s.wall_distance) = (0.0, Some(0.05)));
     });
     let figures = figures(Posture::Nominal, &recordings);
     assert!(figures[2].caption.contains("Case 1 does not reach it"));
-    assert!(figures[2].caption.contains("case 2 touches it after 1.00 s and peaks at 240 N"));
+    assert!(figures[2].caption.contains("case 2 touches it at 1.00 s and peaks at 240 N"));
     assert!(figures[2].caption.contains("at most 240 N apart"));
     assert!(figures[3].caption.contains("in y they coincide exactly"));
 }
@@ -91,16 +93,16 @@ fn captions_tell_how_far_the_curves_are_apart_and_who_touches() {
 #[test]
 fn every_title_and_heading_fits_into_the_picture() {
     typeface::register().unwrap();
-    let room = i32::try_from(WIDTH).unwrap() - 2 * i32::try_from(MARGIN).unwrap();
-    for figure in figures(Posture::Singular, &every_run("_singular")) {
-        assert!(typeface::width(&figure.title, drawing::TITLE_EM) < room, "{}", figure.title);
-        assert!(figure.panels.iter().all(|p| typeface::width(&p.heading, 13.0) < room));
+    let available = i32::try_from(WIDTH).unwrap() - 2 * i32::try_from(MARGIN).unwrap();
+    for figure in figures(Posture::Singular, &all_runs("_singular")) {
+        assert!(typeface::width(&figure.title, drawing::TITLE_EM) < available, "{}", figure.title);
+        assert!(figure.panels.iter().all(|p| typeface::width(&p.heading, 13.0) < available));
     }
 }
 
 #[test]
-fn a_figure_is_drawn_small_with_its_indices_and_its_spike() {
-    let figures = figures(Posture::Nominal, &every_run(""));
+fn drawing_is_small_and_keeps_indices_and_spikes() {
+    let figures = figures(Posture::Nominal, &all_runs(""));
     let svg = drawing::svg(&figures[2]).unwrap();
     assert!(svg.len() < 200_000);
     assert!(svg.contains(r#"F<tspan dy="0.3em" font-size="72%">x</tspan>"#));
@@ -109,12 +111,12 @@ fn a_figure_is_drawn_small_with_its_indices_and_its_spike() {
 }
 
 #[test]
-fn a_run_without_samples_is_drawn_empty() {
-    let mut recordings = every_run("");
+fn run_without_samples_gives_empty_figures() {
+    let mut recordings = all_runs("");
     for run in &mut recordings {
         run.samples.clear();
     }
     let figures = figures(Posture::Nominal, &recordings);
-    assert_eq!(figures.len(), 3, "no figure 8 without a wall");
+    assert_eq!(figures.len(), 3, "figure 8 needs a wall");
     assert!(figures.iter().all(|figure| drawing::svg(figure).is_ok()));
 }

@@ -1,7 +1,7 @@
-//! The results: one definition of every quantity for the terminal, for markdown and for the page.
+//! Tables of results. Each quantity is defined once, for the terminal, for Markdown and for the page.
 //!
-//! [`text`] sets the most important ones with a row per run; [`side_by_side`] sets all of them with a column per run of
-//! one scenario.
+//! [`text`] prints the most important quantities with one row per run. [`side_by_side`] prints all quantities of a scenario
+//! with one column per run.
 
 pub mod side_by_side;
 
@@ -11,45 +11,45 @@ use std::fmt::Display;
 use revprio_api::wire::{Method, Solver};
 use serde::Serialize;
 
-use super::experiment::Run;
 use super::metrics::limits::LimitUse;
 use super::metrics::{Metrics, Overshoot, Residual, largest_difference, main_axis};
 use super::number::significant;
+use super::run::Run;
 use crate::simulator::recording::Recording;
 
-/// The solver that the others are compared with.
+/// The solver with which the others are compared.
 const REFERENCE_SOLVER: Solver = Solver::ClosedForm;
-/// Stands where a quantity does not exist.
-pub const NOTHING: &str = "–";
+/// Cell of a quantity that a run does not have.
+pub const MISSING: &str = "–";
 
 /// One run in the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Scenario, as named on the command line.
+    /// Name of the scenario.
     pub scenario: String,
-    /// Method, as in the recording.
+    /// Method.
     pub method: Method,
-    /// Solver, as in the recording.
+    /// Solver.
     pub solver: Solver,
-    /// The axis that the forces in `metrics` are along, 0 = x.
+    /// Axis of the forces in `metrics`, 0 = x.
     pub axis: usize,
-    /// Measures of the run.
+    /// Metrics of the run.
     pub metrics: Metrics,
-    /// What it made of its limits.
+    /// Use of the limits.
     pub limits: LimitUse,
-    /// Largest difference of the commands (rad/s) from the closed form of the same scenario and
-    /// method; `None` for the closed form itself and where it was not run.
+    /// Largest difference of the commands (rad/s) from the closed form of the same scenario and method; `None` for the
+    /// closed form itself and if it was not run.
     pub largest_difference: Option<f64>,
 }
 
 impl Row {
-    /// The method for people.
+    /// Returns the method as words.
     #[must_use]
     pub fn method_name(&self) -> String {
         words(self.method)
     }
 
-    /// The solver for people.
+    /// Returns the solver as words.
     #[must_use]
     pub fn solver_name(&self) -> String {
         words(self.solver)
@@ -59,105 +59,112 @@ impl Row {
 /// A quantity of the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
-    /// Heading; `F_x` sets an index, and `F` alone is the force along the axis of the row.
+    /// Heading. `F_x` prints x as an index. `F` without an index is the force along the axis of the row.
     pub heading: &'static str,
-    /// Unit, empty without one.
+    /// Unit, or empty.
     pub unit: &'static str,
-    /// What it means, for the page; empty where the heading says it.
+    /// Meaning, for the page; empty if the heading is clear.
     pub meaning: &'static str,
-    /// Whether cells are set flush right.
+    /// Whether cells are aligned to the right.
     pub is_number: bool,
-    /// Where it stands.
+    /// Tables that contain it.
     pub place: Place,
-    /// Content of the cell in a row.
+    /// Returns the text of a cell.
     pub cell: fn(&Row) -> String,
 }
 
-/// Where a quantity stands.
+/// The tables that contain a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Names a run: in every table, as its head.
+    /// All tables; it identifies the run.
     Head,
-    /// In every table.
+    /// All tables.
     Everywhere,
-    /// Only side by side.
+    /// Tables with one column per run only.
     SideBySide,
-    /// Time of the machine: in every table but those of documents, which are the same wherever they are made.
+    /// All tables except in Markdown, because the value depends on the machine.
     Machine,
 }
 
-/// All quantities; the first one names what the rows are grouped by.
+/// All quantities; rows are grouped by the first one.
 pub static QUANTITIES: [Quantity; 24] = [
-    head("scenario", |row| row.scenario.clone()),
-    head("method", Row::method_name),
-    head("solver", Row::solver_name),
-    more("first contact", "s", "", |row| optional(row.metrics.first_contact_s, 3)),
-    more("contacts", "", CONTACTS, |row| row.metrics.contacts.to_string()),
-    more("peak F", "N", "", |row| significant(row.metrics.peak_force, 4)),
-    main("RMSE F_x", "N", RMSE, |row| optional(row.metrics.rmse_fx, 3)),
-    main("RMSE F_y", "N", "", |row| optional(row.metrics.rmse_fy, 3)),
-    more("RMSE F_z", "N", "", |row| optional(row.metrics.rmse_fz, 3)),
-    main("overshoot F", "N (%)", OVERSHOOT, |row| overshoot(row.metrics.overshoot)),
-    main("settling", "s", SETTLING, |row| optional(row.metrics.settling_time_s, 3)),
-    more("steady error F", "N", STEADY, |row| optional(row.metrics.steady_error, 2)),
-    main("final F", "N", FINAL, |row| optional(row.metrics.final_force, 5)),
-    more("residual of each task, RMS", RESIDUAL_UNIT, RESIDUAL, |row| residuals(row, |residual| residual.rms)),
-    more("residual of each task, largest", RESIDUAL_UNIT, "", |row| residuals(row, |residual| residual.largest)),
-    more("largest joint speed", "rad/s", "", |row| significant(row.metrics.max_joint_speed, 3)),
-    more("of what that joint may do", "%", SPEED_USE, |row| percent(row.limits.speed_use)),
-    more("time at limits", "s", AT_LIMITS, |row| significant(row.limits.at_limits_s, 3)),
-    main("limits broken by", "", BROKEN, |row| broken(&row.limits)),
-    main("solved by", "periods", PATHS, |row| counted(&row.metrics.paths)),
-    more("status", "periods", STATUS, |row| counted(&row.metrics.statuses)),
-    more("largest KKT residual", "", KKT, |row| optional(row.metrics.largest_kkt_residual, 2)),
-    main("vs closed form", "rad/s", DIFFERENCE, |row| optional(row.largest_difference, 2)),
-    Quantity { place: Place::Machine, ..more("calls", "1/s", CALLS, |row| optional(row.metrics.calls_per_second, 3)) },
+    identifier("scenario", |row| row.scenario.clone()),
+    identifier("method", Row::method_name),
+    identifier("solver", Row::solver_name),
+    detail("first contact", "s", "", |row| optional(row.metrics.first_contact_s, 3)),
+    detail("contacts", "", CONTACTS, |row| row.metrics.contacts.to_string()),
+    detail("peak F", "N", "", |row| significant(row.metrics.peak_force, 4)),
+    column("RMSE F_x", "N", RMSE, |row| optional(row.metrics.rmse_fx, 3)),
+    column("RMSE F_y", "N", "", |row| optional(row.metrics.rmse_fy, 3)),
+    detail("RMSE F_z", "N", "", |row| optional(row.metrics.rmse_fz, 3)),
+    column("overshoot F", "N (%)", OVERSHOOT, |row| overshoot(row.metrics.overshoot)),
+    column("settling", "s", SETTLING, |row| optional(row.metrics.settling_time_s, 3)),
+    detail("steady error F", "N", STEADY, |row| optional(row.metrics.steady_error, 2)),
+    column("final F", "N", FINAL, |row| optional(row.metrics.final_force, 5)),
+    detail("residual of each task, RMS", RESIDUAL_UNIT, RESIDUAL, |row| residuals(row, |residual| residual.rms)),
+    detail("residual of each task, largest", RESIDUAL_UNIT, "", |row| residuals(row, |residual| residual.largest)),
+    detail("largest joint speed", "rad/s", "", |row| significant(row.metrics.max_joint_speed, 3)),
+    detail("share of speed limit", "%", SPEED_USE, |row| percent(row.limits.speed_use)),
+    detail("time at limits", "s", AT_LIMITS, |row| significant(row.limits.at_limits_s, 3)),
+    column(LIMIT_EXCESS_HEADING, "", LIMIT_EXCESS, |row| limit_excess(&row.limits)),
+    column("solved by", "periods", PATHS, |row| counted(&row.metrics.paths)),
+    detail("status", "periods", STATUS, |row| counted(&row.metrics.statuses)),
+    detail("largest KKT residual", "", KKT, |row| optional(row.metrics.largest_kkt_residual, 2)),
+    column("vs closed form", "rad/s", DIFFERENCE, |row| optional(row.largest_difference, 2)),
+    Quantity {
+        place: Place::Machine,
+        ..detail("calls", "1/s", CALLS, |row| optional(row.metrics.calls_per_second, 3))
+    },
 ];
 
-const CONTACTS: &str = "separate intervals in contact: at a wall or, without one, under a force";
-const RMSE: &str = "root mean square of the force minus its target, from 5 s on in a run longer than 10 s, \
-     otherwise from the first contact on";
-const OVERSHOOT: &str = "largest excess of the force over the target of the same instant, from the first contact on; F is the \
-     force along the first axis that has a target";
-const SETTLING: &str = "simulated time from which the force stays within 5 % of its target until the end, and for 0.1 s \
-     at least";
+/// Heading of the excess over the limits, a quantity that is shown even if no run has it.
+const LIMIT_EXCESS_HEADING: &str = "limit excess";
+
+const CONTACTS: &str = "number of separate contact intervals (without a wall: intervals with a force)";
+const RMSE: &str = "root mean square of the force minus its target; after 5 s in a run longer than 10 s, otherwise after the \
+     first contact";
+const OVERSHOOT: &str = "largest excess of the force over the target at the same time, after the first contact; F is the force \
+     along the first axis that has a target";
+const SETTLING: &str =
+    "simulated time from which the force stays within 5 % of its target until the end, for at least 0.1 s";
 const STEADY: &str = "mean of the force minus its target over the last tenth of the run";
 const FINAL: &str = "force of the last sample";
 const RESIDUAL_UNIT: &str = "m/s, rad/s";
-const RESIDUAL: &str = "‖J_k q̇ − ẋ_k‖, what the command lacks of each task's velocity, highest priority first";
-const SPEED_USE: &str = "largest |q̇_i| as a part of that joint's limit";
+const RESIDUAL: &str =
+    "‖J_k q̇ − ẋ_k‖, the part of the task velocity that the command does not achieve; highest priority first";
+const SPEED_USE: &str = "largest |q̇_i| as a percentage of the velocity limit of the joint";
 const AT_LIMITS: &str =
-    "simulated time in which a limit holds at least one joint back, or is broken, as the answers say";
-const BROKEN: &str = "largest excess over the limits that the controller is told to keep, read off the trace: position, \
-     commanded speed, commanded acceleration; – if all held; the solver `closed_form` does not know of limits";
-const DIFFERENCE: &str = "largest difference of any joint's commanded velocity, over all samples, from the closed form of \
-     the same scenario and method";
-const PATHS: &str = "how many control periods each path served: the closed form inside the limits, a known set of active \
-     limits that proved right, or a solver at every level (`qp`)";
-const STATUS: &str = "how sure the answers are: `optimal` is certified by the optimality conditions";
-const KKT: &str = "largest relative residual of the optimality conditions of any answer";
-const CALLS: &str = "control periods per second of real time, simulation and transport included";
+    "simulated time in which a limit is active or exceeded for at least one joint, according to the answers";
+const LIMIT_EXCESS: &str = "largest excess of position, commanded speed and commanded acceleration over the controller's \
+     limits in the recorded motion; – if no limit is exceeded; the solver `closed_form` ignores limits";
+const DIFFERENCE: &str = "largest difference between the commanded velocity of any joint and the closed form of the same \
+     scenario and method";
+const PATHS: &str = "number of control periods solved by each path: the closed form inside the limits, a known set of active \
+     limits that is confirmed, or a QP solver at every level (`qp`)";
+const STATUS: &str = "status of the answers: `optimal` is certified by the optimality conditions";
+const KKT: &str = "largest relative residual of the optimality conditions in any answer";
+const CALLS: &str = "control periods per second of real time, including simulation and transport";
 
-const fn head(heading: &'static str, cell: fn(&Row) -> String) -> Quantity {
+const fn identifier(heading: &'static str, cell: fn(&Row) -> String) -> Quantity {
     Quantity { heading, unit: "", meaning: "", is_number: false, place: Place::Head, cell }
 }
 
 type Cell = fn(&Row) -> String;
 
-const fn main(heading: &'static str, unit: &'static str, meaning: &'static str, cell: Cell) -> Quantity {
+const fn column(heading: &'static str, unit: &'static str, meaning: &'static str, cell: Cell) -> Quantity {
     Quantity { heading, unit, meaning, is_number: true, place: Place::Everywhere, cell }
 }
 
-const fn more(heading: &'static str, unit: &'static str, meaning: &'static str, cell: Cell) -> Quantity {
-    Quantity { place: Place::SideBySide, ..main(heading, unit, meaning, cell) }
+const fn detail(heading: &'static str, unit: &'static str, meaning: &'static str, cell: Cell) -> Quantity {
+    Quantity { place: Place::SideBySide, ..column(heading, unit, meaning, cell) }
 }
 
-/// The columns of the table with a row per run, from left to right.
+/// Returns the columns of the table with one row per run, from left to right.
 pub fn columns() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().filter(|quantity| quantity.place != Place::SideBySide)
 }
 
-/// A row per run, in their order.
+/// Returns one row per run, in the order of the runs.
 #[must_use]
 pub fn rows(runs: &[Run]) -> Vec<Row> {
     let row = |run: &Run| {
@@ -176,7 +183,7 @@ pub fn rows(runs: &[Run]) -> Vec<Row> {
     runs.iter().map(row).collect()
 }
 
-/// The table with a row per run as aligned text, two lines for the headings.
+/// Formats the table with one row per run as aligned text. The first two lines are headings and units.
 #[must_use]
 pub fn text(rows: &[Row]) -> String {
     let columns: Vec<_> = columns().map(|column| Aligned::new(column, rows)).collect();
@@ -197,14 +204,14 @@ impl Aligned {
     }
 }
 
-/// Cells of one width, numbers flush right.
+/// Pads cells to the same width; numbers are aligned to the right.
 fn padded(cells: Vec<String>, is_number: bool) -> Vec<String> {
     let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
     let pad = |cell: String| if is_number { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
     cells.into_iter().map(pad).collect()
 }
 
-/// The closed-form run to compare a run of another solver with.
+/// Returns the closed-form run with which a run of another solver is compared.
 fn reference<'a>(run: &Recording, runs: &'a [Run]) -> Option<&'a Recording> {
     let same = |other: &&Recording| {
         other.scenario == run.scenario
@@ -220,11 +227,11 @@ fn words(word: impl Display) -> String {
 }
 
 fn optional(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| NOTHING.to_owned(), |v| significant(v, digits))
+    value.map_or_else(|| MISSING.to_owned(), |v| significant(v, digits))
 }
 
 fn percent(fraction: f64) -> String {
-    if fraction > 0.0 { significant(100.0 * fraction, 3) } else { NOTHING.to_owned() }
+    if fraction > 0.0 { significant(100.0 * fraction, 3) } else { MISSING.to_owned() }
 }
 
 fn counted<T: Display>(counts: &BTreeMap<T, usize>) -> String {
@@ -236,17 +243,17 @@ fn residuals(row: &Row, of: fn(&Residual) -> f64) -> String {
     row.metrics.residuals.iter().map(|residual| significant(of(residual), 2)).collect::<Vec<_>>().join(" / ")
 }
 
-fn broken(limits: &LimitUse) -> String {
+fn limit_excess(limits: &LimitUse) -> String {
     let excesses =
         [(limits.position_excess, "rad"), (limits.velocity_excess, "rad/s"), (limits.acceleration_excess, "rad/s²")];
     let excess = |(value, unit): &(f64, &str)| format!("{} {unit}", significant(*value, 3));
-    let broken: Vec<_> = excesses.iter().filter(|(value, _)| *value > 0.0).map(excess).collect();
-    if broken.is_empty() { NOTHING.to_owned() } else { broken.join(", ") }
+    let exceeded: Vec<_> = excesses.iter().filter(|(value, _)| *value > 0.0).map(excess).collect();
+    if exceeded.is_empty() { MISSING.to_owned() } else { exceeded.join(", ") }
 }
 
 fn overshoot(value: Option<Overshoot>) -> String {
     value
-        .map_or_else(|| NOTHING.to_owned(), |o| format!("{} ({})", significant(o.newton, 3), significant(o.percent, 3)))
+        .map_or_else(|| MISSING.to_owned(), |o| format!("{} ({})", significant(o.newton, 3), significant(o.percent, 3)))
 }
 
 #[cfg(test)]

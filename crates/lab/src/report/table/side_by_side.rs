@@ -1,28 +1,28 @@
-//! Every quantity of one scenario, a column per run.
+//! All quantities of one scenario, one column per run.
 
-use super::{Place, QUANTITIES, Quantity, Row, padded};
+use super::{LIMIT_EXCESS_HEADING, MISSING, Place, QUANTITIES, Quantity, Row, padded};
 
-/// Runs that stand beside each other in the terminal; further ones follow below.
-const ABREAST: usize = 5;
+/// Largest number of runs in one table in the terminal; further runs follow in another table.
+const MAX_COLUMNS: usize = 5;
 
-/// Rows of quantities that at least one run of a scenario has; `document`s leave out times of the machine.
-fn quantities(runs: &[Row], document: bool) -> impl Iterator<Item = Line> {
-    let wanted =
-        move |quantity: &&Quantity| quantity.place != Place::Head && !(document && quantity.place == Place::Machine);
-    let lines = QUANTITIES.iter().filter(wanted).map(|quantity| Line::new(quantity, runs));
-    lines.filter(|line| line.always || line.cells.iter().any(|cell| cell != super::NOTHING))
+/// Returns the quantities that at least one run of a scenario has. `portable` omits those that depend on the machine.
+fn quantities(runs: &[Row], portable: bool) -> impl Iterator<Item = Line> {
+    let included =
+        move |quantity: &&Quantity| quantity.place != Place::Head && !(portable && quantity.place == Place::Machine);
+    let lines = QUANTITIES.iter().filter(included).map(|quantity| Line::new(quantity, runs));
+    lines.filter(|line| line.always || line.cells.iter().any(|cell| cell != MISSING))
 }
 
-/// One quantity over all runs of a scenario.
+/// One quantity of all runs of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Heading; the force `F` has its axis.
+    /// Heading, with the axis of the force.
     pub heading: String,
-    /// Unit, empty without one.
+    /// Unit, or empty.
     pub unit: &'static str,
-    /// A cell per run.
+    /// One cell per run.
     pub cells: Vec<String>,
-    /// Whether it is worth saying that no run has it.
+    /// Whether the line is shown even if no run has the quantity.
     always: bool,
 }
 
@@ -34,23 +34,24 @@ impl Line {
             heading: heading.map_or_else(|| quantity.heading.to_owned(), |name| format!("{name} F_{axis}")),
             unit: quantity.unit,
             cells: runs.iter().map(quantity.cell).collect(),
-            always: quantity.heading == "limits broken by",
+            always: quantity.heading == LIMIT_EXCESS_HEADING,
         }
     }
 }
 
-/// Lines of the page's table of a scenario.
+/// Returns the lines of the table on the page.
 #[must_use]
 pub fn lines(runs: &[Row]) -> Vec<Line> {
     quantities(runs, false).collect()
 }
 
-/// One table per scenario as aligned text.
+/// Formats one table per scenario as aligned text.
 #[must_use]
 pub fn text(rows: &[Row]) -> String {
     let scenarios = rows.chunk_by(|a, b| a.scenario == b.scenario);
-    let tables =
-        scenarios.flat_map(|runs| runs.chunks(ABREAST)).map(|runs| format!("{}\n{}", runs[0].scenario, aligned(runs)));
+    let tables = scenarios
+        .flat_map(|runs| runs.chunks(MAX_COLUMNS))
+        .map(|runs| format!("{}\n{}", runs[0].scenario, aligned(runs)));
     tables.collect::<Vec<_>>().join("\n")
 }
 
@@ -71,7 +72,7 @@ fn aligned(runs: &[Row]) -> String {
     (0..lines.len() + 2).map(|i| line(i).trim_end().to_owned() + "\n").collect()
 }
 
-/// The table of one scenario in markdown, without times of the machine.
+/// Formats the table of one scenario in Markdown, without values that depend on the machine.
 #[must_use]
 pub fn markdown(runs: &[Row]) -> String {
     let names = runs.iter().map(|run| format!("{}, {}", run.method_name(), run.solver_name()));

@@ -1,4 +1,4 @@
-//! The table on runs whose cells are known by hand.
+//! Tables of runs with known cells.
 
 use super::*;
 use crate::simulator::recording::Sample;
@@ -21,7 +21,7 @@ fn run(method: Method, solver: Solver, velocity: f64) -> Run {
 }
 
 #[test]
-fn a_run_is_compared_with_the_closed_form_of_its_own_method() {
+fn run_is_compared_with_the_closed_form_of_the_same_method() {
     let recordings = [
         run(Method::ReversePriority, Solver::Qp, 0.75),
         run(Method::DampedLeastSquares, Solver::ClosedForm, 9.0),
@@ -33,7 +33,7 @@ fn a_run_is_compared_with_the_closed_form_of_its_own_method() {
 }
 
 #[test]
-fn the_cells_of_a_row_are_its_metrics() {
+fn cells_show_the_metrics_of_the_row() {
     let row = &rows(&[run(Method::ReversePriority, Solver::ClosedForm, 0.0)])[0];
     let cell = |heading: &str| {
         let quantity = QUANTITIES.iter().find(|quantity| quantity.heading == heading).unwrap();
@@ -46,16 +46,16 @@ fn the_cells_of_a_row_are_its_metrics() {
         ["vs closed form", "solved by", "status", "calls"].map(cell),
         ["–", "closed form 1", "optimal 1", "2.00"]
     );
-    assert_eq!(["steady error F", "peak F", "limits broken by"].map(cell), ["3.0", "33.00", "–"]);
+    assert_eq!(["steady error F", "peak F", "limit excess"].map(cell), ["3.0", "33.00", "–"]);
 }
 
 #[test]
-fn side_by_side_a_row_is_a_quantity_and_only_of_runs_that_have_it() {
+fn side_by_side_table_lists_only_quantities_that_a_run_has() {
     let runs = [Method::ReversePriority, Method::Pseudoinverse].map(|method| run(method, Solver::Qp, 0.0));
     let rows = rows(&runs);
     let headings: Vec<String> = side_by_side::lines(&rows).into_iter().map(|line| line.heading).collect();
-    for there in ["RMSE F_x", "final F_x", "limits broken by", "calls"] {
-        assert!(headings.contains(&there.to_owned()), "{headings:?}");
+    for present in ["RMSE F_x", "final F_x", "limit excess", "calls"] {
+        assert!(headings.contains(&present.to_owned()), "{headings:?}");
     }
     for missing in ["RMSE F_y", "settling", "vs closed form", "scenario"] {
         assert!(!headings.contains(&missing.to_owned()), "{headings:?}");
@@ -67,7 +67,7 @@ fn side_by_side_a_row_is_a_quantity_and_only_of_runs_that_have_it() {
 }
 
 #[test]
-fn markdown_has_a_column_per_run_and_no_time_of_the_machine() {
+fn markdown_has_one_column_per_run_and_no_machine_times() {
     let markdown = side_by_side::markdown(&rows(&[run(Method::ReversePriority, Solver::Qp, 0.0)]));
     assert!(markdown.starts_with("|  | reverse priority, qp |\n| :-- | --: |\n"), "{markdown}");
     assert!(markdown.contains("| RMSE F_x (N) | 3.00 |"), "{markdown}");
@@ -75,13 +75,13 @@ fn markdown_has_a_column_per_run_and_no_time_of_the_machine() {
 }
 
 #[test]
-fn more_runs_than_fit_beside_each_other_follow_below() {
+fn runs_that_do_not_fit_follow_in_another_table() {
     let runs: Vec<Run> = (0..7).map(|_| run(Method::ReversePriority, Solver::Qp, 0.0)).collect();
     assert_eq!(side_by_side::text(&rows(&runs)).matches("method").count(), 2);
 }
 
 #[test]
-fn the_text_is_aligned_names_left_and_numbers_right() {
+fn names_are_aligned_left_and_numbers_right() {
     let text =
         text(&rows(&[run(Method::Pseudoinverse, Solver::Qp, 0.0), run(Method::ReversePriority, Solver::Qp, 0.0)]));
     let lines: Vec<_> = text.lines().collect();

@@ -1,4 +1,4 @@
-//! One value of a table, whatever it stands for.
+//! Values of table cells.
 
 use revprio_api::wire;
 use serde::Deserialize;
@@ -7,39 +7,39 @@ use serde::de::value::{Error, StrDeserializer};
 
 use super::AtLimit;
 
-/// A value on its way into a file or out of it.
+/// A value that is read from or written to a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// Nothing.
+    /// No value.
     Missing,
     /// A number.
     Number(f64),
-    /// A whole number.
+    /// A non-negative integer.
     Count(u64),
     /// True or false.
     Flag(bool),
-    /// One of a few words.
+    /// A word.
     Word(String),
 }
 
-/// What one value of a sample is to a table.
+/// A field of a sample as the value of a table cell.
 pub trait Cell {
-    /// The value.
+    /// Returns the value.
     fn value(&self) -> Value;
 
-    /// Takes a value; false if it is of another kind.
-    fn put(&mut self, value: Value) -> bool;
+    /// Sets the value; returns false if it has another kind.
+    fn set(&mut self, value: Value) -> bool;
 }
 
-/// One cell or a row of them.
+/// A field with one cell or several.
 pub trait Cells {
-    /// What a cell is.
+    /// Type of a cell.
     type Cell: Cell;
 
-    /// A cell by number.
+    /// Returns a cell by index.
     fn cell(&self, i: usize) -> Option<&Self::Cell>;
 
-    /// A cell by number, to be filled.
+    /// Returns a mutable cell by index.
     fn cell_mut(&mut self, i: usize) -> Option<&mut Self::Cell>;
 }
 
@@ -79,7 +79,7 @@ impl<T: Cell, const N: usize> Cells for [T; N] {
     }
 }
 
-/// A kind of value that is a variant of [`Value`].
+/// Implements [`Cell`] for a type that is a variant of [`Value`].
 macro_rules! cell {
     ($($kind:ty: $variant:ident),+) => {$(
         impl Cell for $kind {
@@ -87,7 +87,7 @@ macro_rules! cell {
                 Value::$variant(*self)
             }
 
-            fn put(&mut self, value: Value) -> bool {
+            fn set(&mut self, value: Value) -> bool {
                 let Value::$variant(value) = value else { return false };
                 *self = value;
                 true
@@ -103,7 +103,7 @@ impl Cell for Option<f64> {
         self.map_or(Value::Missing, Value::Number)
     }
 
-    fn put(&mut self, value: Value) -> bool {
+    fn set(&mut self, value: Value) -> bool {
         *self = match value {
             Value::Missing => None,
             Value::Number(value) => Some(value),
@@ -113,7 +113,7 @@ impl Cell for Option<f64> {
     }
 }
 
-/// A word of the interface.
+/// Implements [`Cell`] for an enum that is serialized as a word.
 macro_rules! word {
     ($($kind:ty),+) => {$(
         impl Cell for $kind {
@@ -121,7 +121,7 @@ macro_rules! word {
                 Value::Word(self.to_string())
             }
 
-            fn put(&mut self, value: Value) -> bool {
+            fn set(&mut self, value: Value) -> bool {
                 let Value::Word(word) = value else { return false };
                 let word: StrDeserializer<Error> = word.as_str().into_deserializer();
                 <$kind>::deserialize(word).map(|word| *self = word).is_ok()

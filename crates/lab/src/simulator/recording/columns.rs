@@ -1,4 +1,4 @@
-//! The columns of a recording's tables.
+//! Columns of the tables of a recording.
 
 use super::cell::Value;
 use super::error::ReadError;
@@ -7,30 +7,30 @@ use super::{Recording, Sample, Timing};
 
 /// One column of a table.
 pub struct Column {
-    /// Quantity, joint or axis or task, unit: `force_x_n`.
+    /// Name: quantity, then joint, axis or task, then unit, for example `force_x_n`.
     pub name: String,
-    /// What stands in it.
+    /// The quantity.
     pub quantity: &'static Quantity,
-    /// For which joint, axis or task.
-    place: usize,
+    /// Index of the joint, axis or task.
+    index: usize,
 }
 
-/// What decides about the columns.
+/// The properties of a recording that determine its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Extent<'a> {
-    /// n names.
+pub struct TableLayout<'a> {
+    /// Joint names, n.
     pub joints: &'a [String],
     /// Number of tasks.
     pub tasks: usize,
-    /// Whether the controller was told something else than the true state.
+    /// Whether the controller received other values than the true state.
     pub sensed: bool,
-    /// Whether the clock on the wall is asked for.
+    /// Whether real times are included.
     pub timed: bool,
 }
 
-impl<'a> Extent<'a> {
-    /// That of a recording.
-    pub fn of(recording: &'a Recording, timed: bool) -> Self {
+impl<'a> TableLayout<'a> {
+    /// Returns the layout of a recording.
+    pub fn from_recording(recording: &'a Recording, timed: bool) -> Self {
         let first = recording.samples.first();
         Self {
             joints: &recording.joint_names,
@@ -40,18 +40,18 @@ impl<'a> Extent<'a> {
         }
     }
 
-    /// That of a table, by the names of its columns.
-    pub fn of_names<'n>(joints: &'a [String], names: &(impl Iterator<Item = &'n str> + Clone)) -> Self {
+    /// Returns the layout of a table with these column names.
+    pub fn from_column_names<'n>(joints: &'a [String], names: &(impl Iterator<Item = &'n str> + Clone)) -> Self {
         let count = |start: &str| names.clone().filter(|name| name.starts_with(start)).count();
         Self { joints, tasks: count("residual_task_"), sensed: count("sensed_") > 0, timed: count("round_trip_us") > 0 }
     }
 
-    /// A sample of that extent, to be filled.
-    pub fn blank(&self) -> (Sample, Timing) {
-        (Sample::blank(self.joints.len(), self.tasks, self.sensed), Timing::default())
+    /// Returns an empty sample with this layout.
+    pub fn empty_sample(&self) -> (Sample, Timing) {
+        (Sample::zeros(self.joints.len(), self.tasks, self.sensed), Timing::default())
     }
 
-    /// All columns.
+    /// Returns all columns.
     pub fn columns(&self) -> Vec<Column> {
         let shown = |quantity: &&Quantity| match quantity.presence {
             Presence::Always => true,
@@ -70,30 +70,30 @@ impl<'a> Extent<'a> {
             Per::QuaternionPart => words(&["w", "x", "y", "z"]),
             Per::Task => (1..=self.tasks).map(|k| k.to_string()).collect(),
         };
-        let column = |(place, label): (usize, String)| {
+        let column = |(index, label): (usize, String)| {
             let parts = [quantity.name, &label, quantity.unit];
             let name = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");
-            Column { name, quantity, place }
+            Column { name, quantity, index }
         };
         labels.into_iter().enumerate().map(column).collect()
     }
 }
 
 impl Column {
-    /// The value of a period; missing where the sample has no such joint or task.
+    /// Returns the value of a period; missing if the sample has no such joint or task.
     pub fn value(&self, recording: &Recording, row: usize) -> Value {
         let timing = recording.timings.get(row).copied().unwrap_or_default();
-        (self.quantity.of)(&recording.samples[row], &timing, self.place).unwrap_or(Value::Missing)
+        (self.quantity.get)(&recording.samples[row], &timing, self.index).unwrap_or(Value::Missing)
     }
 
-    /// Puts a value, `None` if it cannot be read, into a period of a table: its row, from 0.
-    pub fn put(
+    /// Sets the value of a period; `row` from 0. Returns an error for a value of the wrong kind and for `None`.
+    pub fn set(
         &self,
         row: usize,
         (sample, timing): (&mut Sample, &mut Timing),
         value: Option<Value>,
     ) -> Result<(), ReadError> {
-        let taken = value.is_some_and(|value| (self.quantity.put)(sample, timing, self.place, value));
-        if taken { Ok(()) } else { Err(ReadError::Value { row: row + 1, column: self.name.clone() }) }
+        let is_valid = value.is_some_and(|value| (self.quantity.set)(sample, timing, self.index, value));
+        if is_valid { Ok(()) } else { Err(ReadError::Value { row: row + 1, column: self.name.clone() }) }
     }
 }

@@ -5,28 +5,28 @@ use std::ops::Range;
 
 use super::Recording;
 use super::cell::Value;
-use super::columns::{Column, Extent};
+use super::columns::{Column, TableLayout};
 use super::error::{ReadError, WriteError};
 use super::format::Writer;
 use super::quantity::Kind;
 
-/// A table that is being written.
-pub struct Table<W: Write> {
+/// Writes a CSV file.
+pub struct CsvWriter<W: Write> {
     columns: Vec<Column>,
     out: csv::Writer<W>,
 }
 
-impl<W: Write> Table<W> {
+impl<W: Write> CsvWriter<W> {
     /// Writes the names of the columns.
     pub fn begin(recording: &Recording, timed: bool, out: W) -> Result<Self, WriteError> {
-        let columns = Extent::of(recording, timed).columns();
+        let columns = TableLayout::from_recording(recording, timed).columns();
         let mut out = csv::Writer::from_writer(out);
         out.write_record(columns.iter().map(|column| &column.name))?;
         Ok(Self { columns, out })
     }
 }
 
-impl<W: Write + Send> Writer for Table<W> {
+impl<W: Write + Send> Writer for CsvWriter<W> {
     fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
         for row in rows {
             self.out.write_record(self.columns.iter().map(|column| cell_text(column.value(recording, row))))?;
@@ -39,7 +39,7 @@ impl<W: Write + Send> Writer for Table<W> {
     }
 }
 
-/// Numbers in the shortest form that reads back to the same bits.
+/// Formats a value. Numbers have the shortest form that is parsed to the same bits.
 pub fn cell_text(value: Value) -> String {
     match value {
         Value::Missing => String::new(),
@@ -50,7 +50,7 @@ pub fn cell_text(value: Value) -> String {
     }
 }
 
-/// What a text stands for; `None` if it is none of that kind.
+/// Parses a value; `None` if the text is not of this kind.
 pub fn cell_value(text: &str, kind: Kind) -> Option<Value> {
     Some(match kind {
         Kind::OptionalNumber if text.is_empty() => Value::Missing,
@@ -62,28 +62,28 @@ pub fn cell_value(text: &str, kind: Kind) -> Option<Value> {
 }
 
 /// Reads the samples of a recording.
-pub fn read(head: Recording, file: impl Read) -> Result<Recording, ReadError> {
+pub fn read(description: Recording, file: impl Read) -> Result<Recording, ReadError> {
     let mut table = csv::Reader::from_reader(file);
     let names = table.headers()?.clone();
-    let mut recording = head;
+    let mut recording = description;
     let joints = std::mem::take(&mut recording.joint_names);
-    let extent = Extent::of_names(&joints, &names.iter());
-    let columns = extent.columns();
-    let places: Vec<usize> = columns.iter().map(|column| place(column, &names)).collect::<Result<_, _>>()?;
+    let layout = TableLayout::from_column_names(&joints, &names.iter());
+    let columns = layout.columns();
+    let indices: Vec<usize> = columns.iter().map(|column| column_index(column, &names)).collect::<Result<_, _>>()?;
     for row in table.records() {
         let row = row?;
-        let (mut sample, mut timing) = extent.blank();
-        for (column, &place) in columns.iter().zip(&places) {
-            let value = row.get(place).and_then(|text| cell_value(text, column.quantity.kind));
-            column.put(recording.samples.len(), (&mut sample, &mut timing), value)?;
+        let (mut sample, mut timing) = layout.empty_sample();
+        for (column, &index) in columns.iter().zip(&indices) {
+            let value = row.get(index).and_then(|text| cell_value(text, column.quantity.kind));
+            column.set(recording.samples.len(), (&mut sample, &mut timing), value)?;
         }
-        recording.push(sample, timing, extent.timed);
+        recording.push(sample, timing, layout.timed);
     }
     recording.joint_names = joints;
     Ok(recording)
 }
 
-fn place(column: &Column, names: &csv::StringRecord) -> Result<usize, ReadError> {
-    let place = names.iter().position(|name| name == column.name);
-    place.ok_or_else(|| ReadError::Column { column: column.name.clone() })
+fn column_index(column: &Column, names: &csv::StringRecord) -> Result<usize, ReadError> {
+    let index = names.iter().position(|name| name == column.name);
+    index.ok_or_else(|| ReadError::Column { column: column.name.clone() })
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with files of recordings.
+//! Errors of reading and writing recordings.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,23 +6,23 @@ use std::path::PathBuf;
 /// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The file.
+    /// The file cannot be written.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The table.
+    /// The CSV table cannot be written.
     #[error("{0}")]
     Csv(#[from] csv::Error),
-    /// A line or the description of the run.
+    /// A sample or the description of the run cannot be written as JSON.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
-    /// The Parquet file.
+    /// The Parquet file cannot be written.
     #[error("{0}")]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// The MCAP file.
+    /// The MCAP file cannot be written.
     #[error("{0}")]
     Mcap(#[from] mcap::McapError),
-    /// A message of the MCAP file.
-    #[error("a message is too long")]
+    /// A message of the MCAP file cannot be encoded.
+    #[error("a message cannot be encoded")]
     Message,
 }
 
@@ -35,64 +35,64 @@ impl From<WriteError> for io::Error {
     }
 }
 
-/// Why a file is no recording.
+/// Why a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file cannot be read.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The ending of its name is unknown.
-    #[error("the name of a recording ends in {known}")]
+    /// The file name extension is unknown.
+    #[error("the extension of a recording must be one of {known}")]
     Format {
-        /// The endings.
+        /// The known extensions.
         known: String,
     },
-    /// A table without the description of its run.
+    /// The description of the run next to a table cannot be read.
     #[error(
-        "the run is described in {}, which cannot be read: {source}; it is written beside the table; Parquet and MCAP \
-         carry it inside", path.display()
+        "cannot read the description of the run, {}: {source}; keep this file next to the table, or record as Parquet or \
+         MCAP, which contain it", path.display()
     )]
     Sidecar {
-        /// The other file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// A Parquet or MCAP file of somebody else.
-    #[error("the file does not say which run it is of; was it written by revprio?")]
-    NoHead,
-    /// The description of the run.
-    #[error("the description of the run: {0}")]
-    Head(serde_json::Error),
-    /// A line.
+    /// A Parquet or MCAP file without the description of a run.
+    #[error("the file has no description of the run; only files written by revprio can be read")]
+    NoDescription,
+    /// The description of the run is not valid.
+    #[error("the description of the run is not valid: {0}")]
+    Description(serde_json::Error),
+    /// A line is not valid.
     #[error("line {line}: {source}")]
     Line {
-        /// Its number, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The error.
         source: serde_json::Error,
     },
-    /// Not a table.
+    /// The CSV table is not valid.
     #[error("{0}")]
     Csv(#[from] csv::Error),
-    /// Not a Parquet file.
+    /// The Parquet file is not valid.
     #[error("{0}")]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// Not an MCAP file.
+    /// The MCAP file is not valid.
     #[error("{0}")]
     Mcap(#[from] mcap::McapError),
-    /// A column is not there.
+    /// A column is missing.
     #[error("there is no column `{column}`")]
     Column {
-        /// Its name.
+        /// Name of the column.
         column: String,
     },
-    /// A value is of another kind.
-    #[error("row {row}: column `{column}` holds a value that cannot stand there")]
+    /// A value has the wrong kind.
+    #[error("row {row}: column `{column}` has a value that is not valid")]
     Value {
-        /// Its row, from 1.
+        /// Row, from 1.
         row: usize,
-        /// Its name.
+        /// Name of the column.
         column: String,
     },
 }

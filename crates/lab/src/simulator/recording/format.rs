@@ -1,4 +1,4 @@
-//! The formats in which recordings are kept.
+//! File formats of recordings.
 
 use std::fmt;
 use std::fs::File;
@@ -7,18 +7,18 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::error::{ReadError, WriteError};
-use super::{Recording, csv_table, head, json_lines, mcap_log, parquet_table};
+use super::{Recording, csv_table, description, json_lines, mcap_log, parquet_table};
 
-/// A format of recordings.
+/// A file format of recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Format {
-    /// A table, units in the names of the columns; the description of the run in a file beside it.
+    /// CSV, with units in the column names; the description of the run is in another file.
     Csv,
-    /// One object per line and period; the description of the run in a file beside it.
+    /// JSON lines, one object per period; the description of the run is in another file.
     JsonLines,
-    /// The table of the CSV file in columns, the description of the run inside.
+    /// Parquet, with the columns of the CSV file and the description of the run.
     Parquet,
-    /// Messages for Foxglove, Rerun and PlotJuggler, the description of the run inside.
+    /// MCAP, with messages for Foxglove, Rerun and PlotJuggler and the description of the run.
     Mcap,
 }
 
@@ -28,12 +28,12 @@ impl fmt::Display for Format {
     }
 }
 
-/// Writes a recording piece by piece.
+/// Writes a recording in parts.
 pub trait Writer: Send {
-    /// Writes some periods of the recording, those after the last ones.
+    /// Writes the next periods of the recording.
     fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError>;
 
-    /// Writes what comes after the last period.
+    /// Writes the end of the file.
     fn finish(self: Box<Self>) -> Result<(), WriteError>;
 }
 
@@ -41,7 +41,7 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 4] = [Self::Csv, Self::JsonLines, Self::Parquet, Self::Mcap];
 
-    /// Ending of the file name.
+    /// Returns the file name extension.
     pub const fn ending(self) -> &'static str {
         match self {
             Self::Csv => "csv",
@@ -51,14 +51,14 @@ impl Format {
         }
     }
 
-    /// The format of a file, by its name.
+    /// Returns the format of a file, by its extension.
     pub fn of(path: &Path) -> Result<Self, ReadError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         let known = || Self::ALL.map(|format| format!(".{}", format.ending())).join(", ");
         Self::ALL.into_iter().find(|f| f.ending() == ending).ok_or_else(|| ReadError::Format { known: known() })
     }
 
-    /// Periods that are best written at once; those of a Parquet file must be.
+    /// Returns the number of periods to write at once. For Parquet it is the size of a row group.
     pub const fn piece(self) -> usize {
         match self {
             Self::Csv | Self::JsonLines | Self::Mcap => 500,
@@ -66,12 +66,12 @@ impl Format {
         }
     }
 
-    /// Whether the description of the run stands in a file of its own.
+    /// Returns whether the description of the run is in another file.
     const fn has_sidecar(self) -> bool {
         matches!(self, Self::Csv | Self::JsonLines)
     }
 
-    /// Begins a file; `timed` adds the clock on the wall, which differs from run to run.
+    /// Begins a file. `timed` adds real times, which differ from run to run.
     pub fn writer<W: Write + Send + 'static>(
         self,
         recording: &Recording,
@@ -79,14 +79,14 @@ impl Format {
         out: W,
     ) -> Result<Box<dyn Writer>, WriteError> {
         Ok(match self {
-            Self::Csv => Box::new(csv_table::Table::begin(recording, timed, out)?),
-            Self::JsonLines => Box::new(json_lines::Lines::new(timed, out)),
-            Self::Parquet => Box::new(parquet_table::Table::begin(recording, timed, out)?),
-            Self::Mcap => Box::new(mcap_log::Log::begin(recording, timed, out)?),
+            Self::Csv => Box::new(csv_table::CsvWriter::begin(recording, timed, out)?),
+            Self::JsonLines => Box::new(json_lines::JsonLinesWriter::new(timed, out)),
+            Self::Parquet => Box::new(parquet_table::ParquetTableWriter::begin(recording, timed, out)?),
+            Self::Mcap => Box::new(mcap_log::McapWriter::begin(recording, timed, out)?),
         })
     }
 
-    /// Writes all of a recording.
+    /// Writes a whole recording.
     pub fn write_all<W: Write + Send + 'static>(
         self,
         recording: &Recording,
@@ -101,16 +101,16 @@ impl Format {
         writer.finish()
     }
 
-    /// Writes a recording to a file, and the description of the run beside it where the format has no place for it.
+    /// Writes a recording to a file, and the description of the run to another file if the format needs it.
     pub fn write_file(self, recording: &Recording, timed: bool, path: &Path) -> Result<(), WriteError> {
         if self.has_sidecar() {
-            std::fs::write(sidecar(path), head::to_json(recording, timed)?)?;
+            std::fs::write(sidecar(path), description::to_json(recording, timed)?)?;
         }
         self.write_all(recording, timed, BufWriter::new(File::create(path)?))
     }
 }
 
-/// The file beside a table.
+/// Returns the path of the description of the run of a table.
 fn sidecar(path: &Path) -> std::path::PathBuf {
     path.with_extension("recording.json")
 }
@@ -125,11 +125,11 @@ pub fn read(path: &Path) -> Result<Recording, ReadError> {
         };
     }
     let file = BufReader::new(File::open(path)?);
-    let beside = sidecar(path);
-    let text = std::fs::read_to_string(&beside).map_err(|source| ReadError::Sidecar { path: beside, source })?;
-    let head = head::from_json(&text)?;
+    let sidecar = sidecar(path);
+    let text = std::fs::read_to_string(&sidecar).map_err(|source| ReadError::Sidecar { path: sidecar, source })?;
+    let description = description::from_json(&text)?;
     match format {
-        Format::Csv => csv_table::read(head, file),
-        _ => json_lines::read(head, file),
+        Format::Csv => csv_table::read(description, file),
+        _ => json_lines::read(description, file),
     }
 }

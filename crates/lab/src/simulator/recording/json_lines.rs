@@ -9,13 +9,13 @@ use super::error::{ReadError, WriteError};
 use super::format::Writer;
 use super::{Recording, Sample, Timing};
 
-/// Lines that are being written.
-pub struct Lines<W> {
+/// Writes a file of JSON lines.
+pub struct JsonLinesWriter<W> {
     timed: bool,
     out: W,
 }
 
-/// A sample and how long it took.
+/// A sample with its real times.
 #[derive(Serialize)]
 struct Timed<'a> {
     #[serde(flatten)]
@@ -24,14 +24,14 @@ struct Timed<'a> {
     timing: Timing,
 }
 
-impl<W: Write> Lines<W> {
-    /// Nothing yet.
+impl<W: Write> JsonLinesWriter<W> {
+    /// Returns a writer for an empty file.
     pub fn new(timed: bool, out: W) -> Self {
         Self { timed, out }
     }
 }
 
-impl<W: Write + Send> Writer for Lines<W> {
+impl<W: Write + Send> Writer for JsonLinesWriter<W> {
     fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
         for row in rows {
             write_object(recording, row, self.timed, &mut self.out)?;
@@ -45,7 +45,7 @@ impl<W: Write + Send> Writer for Lines<W> {
     }
 }
 
-/// Writes one period.
+/// Writes one period as a JSON object.
 pub fn write_object(recording: &Recording, row: usize, timed: bool, out: impl Write) -> serde_json::Result<()> {
     let sample = &recording.samples[row];
     match recording.timings.get(row) {
@@ -54,18 +54,18 @@ pub fn write_object(recording: &Recording, row: usize, timed: bool, out: impl Wr
     }
 }
 
-/// Reads one period into the recording.
+/// Parses one period and adds it to the recording.
 pub fn read_object(recording: &mut Recording, text: &[u8]) -> serde_json::Result<()> {
     let sample = serde_json::from_slice(text)?;
-    // Without the clock on the wall it is not there.
+    // The fields are missing in files without real times.
     let timing = serde_json::from_slice::<Timing>(text).ok();
     recording.push(sample, timing.unwrap_or_default(), timing.is_some());
     Ok(())
 }
 
 /// Reads the samples of a recording.
-pub fn read(head: Recording, file: impl BufRead) -> Result<Recording, ReadError> {
-    let mut recording = head;
+pub fn read(description: Recording, file: impl BufRead) -> Result<Recording, ReadError> {
+    let mut recording = description;
     for (i, line) in file.lines().enumerate() {
         let line = line?;
         if !line.trim().is_empty() {

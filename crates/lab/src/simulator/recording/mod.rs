@@ -1,4 +1,4 @@
-//! What a run leaves behind, and the files that keep it.
+//! Recordings of runs, and their files.
 //!
 //! ```text
 //! Recording ─→ columns (one line per quantity) ─→ CSV, Parquet ─┐
@@ -8,9 +8,9 @@
 mod cell;
 mod columns;
 mod csv_table;
+mod description;
 mod error;
 mod format;
-mod head;
 mod json_lines;
 mod mcap_log;
 pub mod parquet_file;
@@ -26,62 +26,62 @@ use super::scenario::Scenario;
 use revprio_api::wire;
 
 pub use cell::Value;
-pub use columns::{Column, Extent};
+pub use columns::{Column, TableLayout};
 pub use csv_table::{cell_text, cell_value};
 pub use error::{ReadError, WriteError};
 pub use format::{Format, Writer, read};
 pub use json_lines::write_object;
 pub use quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
 
-/// One run of a scenario.
+/// The recording of one run of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scenario, as in `force_tracking`.
     pub scenario: String,
-    /// How priorities were understood.
+    /// The resolution method.
     pub method: wire::Method,
-    /// How each period's problem was solved.
+    /// The solver.
     pub solver: wire::Solver,
-    /// T, s.
+    /// Control period T, s.
     pub period_s: f64,
-    /// Real time that the run took, s; 0 where a file does not tell.
+    /// Real time of the run, s; 0 if a file does not contain it.
     #[serde(default)]
     pub wall_time_s: f64,
     /// Joint names, n.
     pub joint_names: Vec<String>,
-    /// What the contacts took and kept, from the start to the last sample.
+    /// Energy of the contacts from the start to the last sample.
     pub energy: Energy,
-    /// All of the scenario, controller included, as it was run.
+    /// The whole scenario with its controller, as it was run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<Box<Scenario>>,
     /// One sample per control period.
     #[serde(skip)]
     pub samples: Vec<Sample>,
-    /// How long each period's call took: apart from the samples, which are the same in every run. Empty where a file does
-    /// not tell.
+    /// Real times of each period, separate from the samples, which are the same in every run. Empty if a file does not
+    /// contain them.
     #[serde(skip)]
     pub timings: Vec<Timing>,
 }
 
-/// How long one call took.
+/// Real times of one call.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Timing {
-    /// From the state to its answer or failure, µs; 0 where no call was made.
+    /// Time from sending the state to its answer or error, µs; 0 if there was no call.
     pub round_trip_us: f64,
-    /// As the service says of the answer that the arm obeys, µs.
+    /// Time to compute the answer that the arm executes, as reported by the service, µs.
     pub elapsed_us: f64,
 }
 
-/// One control period, as measured before the command.
+/// One control period, before the command acts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Simulated time, s.
     pub time_s: f64,
-    /// q, n, rad or m.
+    /// Joint positions q, n, rad or m.
     pub joint_position: Vec<f64>,
-    /// q̇ as commanded for this period, n, rad/s or m/s.
+    /// Commanded joint velocities q̇, n, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
-    /// q̇ at which the arm moves, n, rad/s or m/s.
+    /// Actual joint velocities q̇, n, rad/s or m/s.
     pub actual_velocity: Vec<f64>,
     /// Tool position in the base frame, m.
     pub position: [f64; 3],
@@ -89,67 +89,67 @@ pub struct Sample {
     pub orientation: [f64; 4],
     /// Tool position minus start position, m.
     pub position_error: [f64; 3],
-    /// F_e on the environment and on whoever pushes the tool, base axes, N.
+    /// Force F_e of the tool on contacts and on external pushes, base axes, N.
     pub force: [f64; 3],
-    /// Its torque at the tool point, N·m.
+    /// Torque of F_e at the tool point, N·m.
     pub torque: [f64; 3],
-    /// Part of −F_e with which somebody pushes the tool, N.
+    /// External push on the tool, a part of −F_e, N.
     pub external_force: [f64; 3],
-    /// What the controller was told; `None` where that is q, q̇, and F_e as above.
+    /// The state that the controller received; `None` if it is q, q̇ and F_e as above.
     pub sensed: Option<Box<Sensed>>,
-    /// F_d, N, `None` where the axis is not force-controlled.
+    /// Target force F_d, N; `None` if the axis is not force-controlled.
     pub target_force: [Option<f64>; 3],
-    /// Distance to the wall, m, positive when free; `None` without a wall.
+    /// Distance to the wall, m, positive without contact; `None` without a wall.
     #[serde(rename = "wall_distance_m")]
     pub wall_distance: Option<f64>,
-    /// Which way led to the command.
+    /// Solution path of the command.
     pub path: wire::Path,
-    /// How sure the command is.
+    /// Status of the command.
     pub status: wire::Status,
     /// Residual of the optimality conditions.
     pub kkt_residual: Option<f64>,
-    /// σ_min of all task rows together.
+    /// Smallest singular value σ_min of all task rows.
     pub smallest_singular_value: f64,
-    /// Product of their singular values.
+    /// Product of the singular values of all task rows.
     pub manipulability: f64,
-    /// ‖J_k q̇ − ẋ_k‖ per task, highest priority first.
+    /// Residual ‖J_k q̇ − ẋ_k‖ of each task, highest priority first.
     pub residual_norms: Vec<f64>,
-    /// How each joint stands to its limits, n.
+    /// Relation of each joint velocity to its limits, n.
     pub limits: Vec<AtLimit>,
-    /// What the contacts took and kept so far.
+    /// Energy of the contacts so far.
     pub energy: Energy,
-    /// Whether an answer came in this period; if not, what is said of the answer is that of the last one.
+    /// Whether an answer arrived in this period; if not, the values of the answer are those of the last one.
     pub answered: bool,
-    /// Periods since the state was measured to which the answer belongs; 0 where it is this one's.
+    /// Age of the answer: periods since the measurement of its state; 0 for the state of this period.
     pub answer_age: u64,
 }
 
-/// A state as the controller was told it, to the bit.
+/// The state that the controller received.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sensed {
-    /// q, n, rad or m.
+    /// Joint positions q, n, rad or m.
     pub joint_position: Vec<f64>,
-    /// q̇, n, rad/s or m/s.
+    /// Joint velocities q̇, n, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
-    /// Force with the sign and along the axes that the controller expects, N.
+    /// Force in the controller's convention of sign and axes, N.
     pub force: [f64; 3],
-    /// Torque, likewise, N·m.
+    /// Torque in the same convention, N·m.
     pub torque: [f64; 3],
 }
 
-/// How a commanded joint velocity stands to its bounds.
+/// Relation of a commanded joint velocity to its bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AtLimit {
-    /// Between them, or not held back by them.
+    /// No bound is active.
     Free,
-    /// Held back by the lower one.
+    /// The lower bound is active.
     Lower,
-    /// Held back by the upper one.
+    /// The upper bound is active.
     Upper,
-    /// Below the lower one.
+    /// Below the lower bound.
     Below,
-    /// Above the upper one.
+    /// Above the upper bound.
     Above,
 }
 
@@ -160,7 +160,7 @@ impl fmt::Display for AtLimit {
 }
 
 impl AtLimit {
-    /// Of each joint, by what the answer says of them; n.
+    /// Returns the relation for each joint, n, from an answer.
     pub fn of(answer: &wire::StepAnswer, joint_names: &[String]) -> Vec<Self> {
         let side = |side, lower, upper| if side == wire::Side::Lower { lower } else { upper };
         let of = |name: &String| {
@@ -176,12 +176,12 @@ impl AtLimit {
 }
 
 impl Recording {
-    /// Scenario, method and solver in one word, for file names.
+    /// Returns scenario, method and solver as one word for file names.
     pub fn label(&self) -> String {
         format!("{}-{}-{}", self.scenario, self.method, self.solver)
     }
 
-    /// File name of the trace in a format.
+    /// Returns the file name of the recording in a format.
     pub fn trace_name(&self, format: Format) -> String {
         format!("{}.{}", self.label(), format.ending())
     }
@@ -196,7 +196,7 @@ impl Recording {
 
 #[cfg(test)]
 impl Recording {
-    /// A run of nothing, for tests to fill in.
+    /// Returns a recording without samples, for tests.
     pub fn empty() -> Self {
         Self {
             scenario: "stiff_wall".to_owned(),
@@ -214,13 +214,13 @@ impl Recording {
 }
 
 impl Sample {
-    /// A sample of that many joints and tasks, to be filled in.
-    fn blank(joints: usize, tasks: usize, sensed: bool) -> Self {
+    /// Returns a sample of zeros for the given number of joints and tasks.
+    fn zeros(joints: usize, tasks: usize, sensed: bool) -> Self {
         let row = vec![0.0; joints];
-        let nothing =
+        let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
         Self {
-            sensed: sensed.then(|| Box::new(nothing())),
+            sensed: sensed.then(|| Box::new(zero())),
             joint_position: row.clone(),
             joint_velocity: row.clone(),
             actual_velocity: row.clone(),
@@ -230,7 +230,7 @@ impl Sample {
         }
     }
 
-    /// An arm without joints that touches nothing, to be filled in.
+    /// Returns a sample of an arm without joints and without contact.
     pub fn at_rest() -> Self {
         Self {
             time_s: 0.0,

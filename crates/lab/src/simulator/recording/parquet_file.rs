@@ -1,4 +1,4 @@
-//! Tables as Parquet files: flat columns, a few texts beside them, the same bytes for the same content.
+//! Tables as Parquet files with flat columns and metadata. The same content gives the same bytes.
 
 use std::io::Write;
 use std::ops::Range;
@@ -17,14 +17,14 @@ use parquet::schema::types::Type;
 use super::cell::Value;
 use super::quantity::Kind;
 
-/// A file that is being written.
+/// Writes a Parquet file.
 pub struct ParquetWriter<W: Write + Send> {
     kinds: Vec<Kind>,
     out: SerializedFileWriter<W>,
 }
 
 impl<W: Write + Send> ParquetWriter<W> {
-    /// Begins a file of these columns, with texts by their keys.
+    /// Begins a file with these columns and these texts as metadata.
     pub fn begin<'a>(
         columns: impl Iterator<Item = (&'a str, Kind)> + Clone,
         texts: &[(&str, String)],
@@ -42,7 +42,7 @@ impl<W: Write + Send> ParquetWriter<W> {
         Ok(Self { kinds: columns.map(|(_, kind)| kind).collect(), out })
     }
 
-    /// Writes rows as one group; `value` gives the value of a row in a column.
+    /// Writes rows as one row group; `value(row, column)` returns a cell.
     pub fn write(&mut self, rows: Range<usize>, value: impl Fn(usize, usize) -> Value) -> Result<()> {
         let mut group = self.out.next_row_group()?;
         for (column, &kind) in self.kinds.iter().enumerate() {
@@ -54,7 +54,7 @@ impl<W: Write + Send> ParquetWriter<W> {
         group.close().map(drop)
     }
 
-    /// Writes the directory of the file.
+    /// Writes the end of the file.
     pub fn finish(self) -> Result<()> {
         self.out.close().map(drop)
     }
@@ -91,13 +91,13 @@ fn write_column(out: &mut SerializedColumnWriter, kind: Kind, values: impl Itera
             _ => None,
         }),
         Kind::OptionalNumber => {
-            let (mut numbers, mut there) = (Vec::new(), Vec::new());
+            let (mut numbers, mut present) = (Vec::new(), Vec::new());
             for value in values {
                 let number = if let Value::Number(number) = value { Some(number) } else { None };
-                there.push(i16::from(number.is_some()));
+                present.push(i16::from(number.is_some()));
                 numbers.extend(number);
             }
-            out.typed::<DoubleType>().write_batch(&numbers, Some(&there), None).map(drop)
+            out.typed::<DoubleType>().write_batch(&numbers, Some(&present), None).map(drop)
         }
     }
 }
@@ -108,11 +108,11 @@ fn write_all<T: DataType>(
     of: impl Fn(Value) -> Option<T::T>,
 ) -> Result<()> {
     let values: Option<Vec<T::T>> = values.map(of).collect();
-    let values = values.ok_or_else(|| ParquetError::General("a value is missing or of another kind".to_owned()))?;
+    let values = values.ok_or_else(|| ParquetError::General("a value is missing or has the wrong kind".to_owned()))?;
     out.typed::<T>().write_batch(&values, None, None).map(drop)
 }
 
-/// A file that is being read.
+/// Reads a Parquet file.
 pub struct ParquetReader<R: ChunkReader + 'static> {
     file: SerializedFileReader<R>,
 }
@@ -123,19 +123,19 @@ impl<R: ChunkReader + 'static> ParquetReader<R> {
         SerializedFileReader::new(file).map(|file| Self { file })
     }
 
-    /// A text by its key.
+    /// Returns a text of the metadata by its key.
     pub fn text(&self, key: &str) -> Option<&str> {
         let texts = self.file.metadata().file_metadata().key_value_metadata()?;
         texts.iter().find(|text| text.key == key)?.value.as_deref()
     }
 
-    /// Names of the columns.
+    /// Returns the names of the columns.
     pub fn names(&self) -> Vec<&str> {
         let columns = self.file.metadata().file_metadata().schema_descr().columns();
         columns.iter().map(|column| column.name()).collect()
     }
 
-    /// Hands on each group of rows, as its columns.
+    /// Calls `take` with the columns of each row group.
     pub fn read<E: From<ParquetError>>(
         &self,
         mut take: impl FnMut(Vec<Vec<Value>>) -> std::result::Result<(), E>,
@@ -160,7 +160,7 @@ fn read_column(column: ColumnReader, rows: usize) -> Result<Vec<Value>> {
         ColumnReader::ByteArrayColumnReader(column) => {
             read_all(column, rows, |word| word.as_utf8().ok().map(|word| Value::Word(word.to_owned())))
         }
-        _ => Err(ParquetError::General("a column of a kind that no recording has".to_owned())),
+        _ => Err(ParquetError::General("a column has a type that recordings do not use".to_owned())),
     }
 }
 
@@ -169,19 +169,22 @@ fn read_all<T: DataType>(
     rows: usize,
     of: impl Fn(&T::T) -> Option<Value>,
 ) -> Result<Vec<Value>> {
-    let (mut values, mut there) = (Vec::new(), Vec::new());
+    let (mut values, mut present) = (Vec::new(), Vec::new());
     let mut read = 0;
     while read < rows {
-        let (more, _, _) = column.read_records(rows - read, Some(&mut there), None, &mut values)?;
+        let (more, _, _) = column.read_records(rows - read, Some(&mut present), None, &mut values)?;
         if more == 0 {
             break;
         }
         read += more;
     }
-    let wrong = || ParquetError::General("a value that no recording has".to_owned());
+    let wrong = || ParquetError::General("a value is not valid in a recording".to_owned());
     let mut values = values.iter().map(|value| of(value).ok_or_else(wrong));
-    if there.is_empty() {
+    if present.is_empty() {
         return values.collect();
     }
-    there.iter().map(|there| if *there > 0 { values.next().ok_or_else(wrong)? } else { Ok(Value::Missing) }).collect()
+    present
+        .iter()
+        .map(|present| if *present > 0 { values.next().ok_or_else(wrong)? } else { Ok(Value::Missing) })
+        .collect()
 }

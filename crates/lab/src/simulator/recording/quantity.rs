@@ -1,75 +1,75 @@
-//! What is known of every control period: one line per quantity, from which all formats are made.
+//! The quantities of a control period. All formats are made from this table.
 
 use super::cell::{Cell, Cells};
 use super::{Sample, Timing};
 
-/// What a quantity has one value for.
+/// The index of the values of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Per {
-    /// The period.
+    /// One value per period.
     Period,
-    /// Each joint.
+    /// One value per joint.
     Joint,
-    /// Each of x, y, z.
+    /// One value per axis x, y, z.
     Axis,
-    /// Each of w, x, y, z.
+    /// One value per part w, x, y, z.
     QuaternionPart,
-    /// Each task, highest priority first.
+    /// One value per task, highest priority first.
     Task,
 }
 
-/// What a value is.
+/// Kind of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
     Number,
     /// A number that may be missing.
     OptionalNumber,
-    /// A whole number.
+    /// A non-negative integer.
     Count,
     /// True or false.
     Flag,
-    /// One of a few words.
+    /// A word.
     Word,
 }
 
-/// Which recordings have it.
+/// The recordings that contain a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Presence {
-    /// All.
+    /// All recordings.
     Always,
-    /// Those whose controller was told something else than the true state.
+    /// Recordings whose controller received other values than the true state.
     Sensed,
-    /// Those that are asked for the clock on the wall.
+    /// Recordings with real times.
     Timed,
 }
 
-/// One quantity: the name of its columns, what it means, and where it stands.
+/// One quantity.
 pub struct Quantity {
     /// First part of the column names.
     pub name: &'static str,
     /// Unit, the last part of the column names.
     pub unit: &'static str,
-    /// Its columns.
+    /// Index of its values.
     pub per: Per,
-    /// Its values.
+    /// Kind of its values.
     pub kind: Kind,
-    /// Which recordings have it.
+    /// The recordings that contain it.
     pub presence: Presence,
-    /// What it is.
+    /// Description.
     pub about: &'static str,
-    pub(super) of: fn(&Sample, &Timing, usize) -> Option<super::cell::Value>,
-    pub(super) put: fn(&mut Sample, &mut Timing, usize, super::cell::Value) -> bool,
+    pub(super) get: fn(&Sample, &Timing, usize) -> Option<super::cell::Value>,
+    pub(super) set: fn(&mut Sample, &mut Timing, usize, super::cell::Value) -> bool,
 }
 
 impl Quantity {
-    /// Whether it says what the service answered.
+    /// Returns whether the quantity comes from the answer of the service.
     pub fn is_answered(&self) -> bool {
         ANSWERED.contains(&self.name)
     }
 }
 
-/// Names of the quantities that the service answers.
+/// Names of the quantities that come from the answer of the service.
 const ANSWERED: [&str; 9] = [
     "velocity",
     "target_force",
@@ -82,7 +82,8 @@ const ANSWERED: [&str; 9] = [
     "limit",
 ];
 
-/// `name, unit, per, kind, field: about`; the field of the sample, of what was sensed, or of the timing.
+/// One line per quantity: name, unit, index, kind, field and description. The field belongs to the sample, to the received
+/// state (`sensed`) or to the timing.
 macro_rules! quantities {
     ($($name:literal $unit:literal $per:ident $kind:ident $of:ident.$($field:ident).+ $about:literal;)+) => {
         [$(Quantity {
@@ -92,14 +93,14 @@ macro_rules! quantities {
             kind: Kind::$kind,
             presence: quantities!(@presence $of),
             about: $about,
-            of: |sample, timing, i| {
+            get: |sample, timing, i| {
                 let _ = (sample, timing);
                 quantities!(@owner $of sample timing as_deref)?.$($field).+.cell(i).map(Cell::value)
             },
-            put: |sample, timing, i, value| {
+            set: |sample, timing, i, value| {
                 let _ = (&sample, &timing);
                 let owner = quantities!(@owner_mut $of sample timing);
-                owner.and_then(|owner| owner.$($field).+.cell_mut(i)).is_some_and(|cell| cell.put(value))
+                owner.and_then(|owner| owner.$($field).+.cell_mut(i)).is_some_and(|cell| cell.set(value))
             },
         }),+]
     };
@@ -114,36 +115,36 @@ macro_rules! quantities {
     (@owner_mut timing $sample:ident $timing:ident) => { Some($timing) };
 }
 
-/// All quantities, in the order of their columns. A new one is a field of [`Sample`] and a line here.
+/// All quantities, in the order of their columns. To add one, add a field to [`Sample`] and a line here.
 pub static QUANTITIES: [Quantity; 30] = quantities! {
     "time" "s" Period Number sample.time_s "simulated time";
-    "position" "rad" Joint Number sample.joint_position "q, joint position; m for a prismatic joint";
-    "velocity" "rad_s" Joint Number sample.joint_velocity "q̇ as commanded for this period; m/s for a prismatic joint";
+    "position" "rad" Joint Number sample.joint_position "joint position q; m for a prismatic joint";
+    "velocity" "rad_s" Joint Number sample.joint_velocity "commanded joint velocity q̇; m/s for a prismatic joint";
     "tool" "m" Axis Number sample.position "tool point, base frame";
-    "displacement" "m" Axis Number sample.position_error "tool point minus where it started";
-    "force" "n" Axis Number sample.force "F_e, force of the tool on what it touches, base axes";
-    "target_force" "n" Axis OptionalNumber sample.target_force "F_d; empty where the axis is not force-controlled";
-    "wall_distance" "m" Period OptionalNumber sample.wall_distance "way to the nearest wall, negative in contact; empty without a wall";
-    "path" "" Period Word sample.path "which way led to the command: `closed_form`, `active_set`, `qp`, …";
-    "status" "" Period Word sample.status "how sure the command is: `optimal` or why not";
+    "displacement" "m" Axis Number sample.position_error "displacement of the tool point from its start position";
+    "force" "n" Axis Number sample.force "force F_e of the tool on the environment, base axes";
+    "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled";
+    "wall_distance" "m" Period OptionalNumber sample.wall_distance "distance to the nearest wall, negative in contact; empty without a wall";
+    "path" "" Period Word sample.path "solution path of the command: `closed_form`, `active_set`, `qp`, …";
+    "status" "" Period Word sample.status "status of the command: `optimal`, or the reason why it is not";
     "kkt_residual" "" Period OptionalNumber sample.kkt_residual "residual of the optimality conditions";
-    "smallest_singular_value" "" Period Number sample.smallest_singular_value "σ_min of all task rows together";
-    "residual_task" "" Task Number sample.residual_norms "‖J_k q̇ − ẋ_k‖, highest priority first";
-    "answered" "" Period Flag sample.answered "whether an answer came in this period; if not, the rest is that of the last one";
-    "actual_velocity" "rad_s" Joint Number sample.actual_velocity "q̇ at which the arm moves";
+    "smallest_singular_value" "" Period Number sample.smallest_singular_value "smallest singular value σ_min of all task rows";
+    "residual_task" "" Task Number sample.residual_norms "residual ‖J_k q̇ − ẋ_k‖ of each task, highest priority first";
+    "answered" "" Period Flag sample.answered "whether an answer arrived in this period; if not, the values of the answer are those of the last one";
+    "actual_velocity" "rad_s" Joint Number sample.actual_velocity "actual joint velocity q̇";
     "orientation" "" QuaternionPart Number sample.orientation "orientation of the tool, base frame, unit quaternion";
     "torque" "n_m" Axis Number sample.torque "torque of F_e at the tool point";
-    "external_force" "n" Axis Number sample.external_force "part of −F_e with which somebody pushes the tool";
+    "external_force" "n" Axis Number sample.external_force "external push on the tool, a part of −F_e";
     "manipulability" "" Period Number sample.manipulability "product of the singular values of all task rows";
-    "limit" "" Joint Word sample.limits "`free`, held back by a bound (`lower`, `upper`), or beyond it (`below`, `above`)";
+    "limit" "" Joint Word sample.limits "`free`, at an active bound (`lower`, `upper`), or beyond a bound (`below`, `above`)";
     "work" "j" Period Number sample.energy.work_j "work done on the contacts so far";
-    "stored" "j" Period Number sample.energy.stored_j "what they give back";
-    "dissipated" "j" Period Number sample.energy.dissipated_j "what they turned into heat";
-    "answer_age" "" Period Count sample.answer_age "periods since the state was measured that the answer belongs to";
-    "sensed_position" "rad" Joint Number sensed.joint_position "q as the controller was told it";
-    "sensed_velocity" "rad_s" Joint Number sensed.joint_velocity "q̇ as the controller was told it";
-    "sensed_force" "n" Axis Number sensed.force "force as the controller was told it, with the sign and along the axes that it expects";
-    "sensed_torque" "n_m" Axis Number sensed.torque "torque, likewise";
-    "round_trip" "us" Period Number timing.round_trip_us "real time from the state to its answer";
-    "elapsed" "us" Period Number timing.elapsed_us "real time to compute the answer, as the service says";
+    "stored" "j" Period Number sample.energy.stored_j "energy stored in the contacts";
+    "dissipated" "j" Period Number sample.energy.dissipated_j "energy dissipated by damping, friction and impacts so far";
+    "answer_age" "" Period Count sample.answer_age "age of the answer: periods since the measurement of its state";
+    "sensed_position" "rad" Joint Number sensed.joint_position "joint position q that the controller received";
+    "sensed_velocity" "rad_s" Joint Number sensed.joint_velocity "joint velocity q̇ that the controller received";
+    "sensed_force" "n" Axis Number sensed.force "force that the controller received, in its convention of sign and axes";
+    "sensed_torque" "n_m" Axis Number sensed.torque "torque that the controller received, in the same convention";
+    "round_trip" "us" Period Number timing.round_trip_us "real time from sending the state to its answer";
+    "elapsed" "us" Period Number timing.elapsed_us "real time to compute the answer, as reported by the service";
 };

@@ -34,7 +34,7 @@ struct Vector {
     z: f64,
 }
 
-/// F_e of a period.
+/// Returns the wrench F_e of a period.
 pub fn wrench(sample: &Sample) -> Wrench {
     const SECOND: u64 = 1_000_000_000;
     let time = nanoseconds(sample.time_s);
@@ -47,7 +47,7 @@ pub fn wrench(sample: &Sample) -> Wrench {
     }
 }
 
-/// q and the q̇ at which the arm moves.
+/// Returns q and the actual q̇.
 pub fn joint_states(recording: &Recording, sample: &Sample) -> JointStates {
     let joints = recording.joint_names.iter().enumerate().map(|(i, name)| JointState {
         name: name.clone(),
@@ -58,20 +58,20 @@ pub fn joint_states(recording: &Recording, sample: &Sample) -> JointStates {
     JointStates { timestamp: Some(timestamp(sample)), joints: joints.collect() }
 }
 
-/// The tool in the base frame.
+/// Returns the pose of the tool in the base frame.
 pub fn tool_pose(sample: &Sample) -> PoseInFrame {
     let [w, x, y, z] = sample.orientation;
     let pose = Pose { position: Some(vector(sample.position)), orientation: Some(Quaternion { x, y, z, w }) };
     PoseInFrame { timestamp: Some(timestamp(sample)), frame_id: BASE.to_owned(), pose: Some(pose) }
 }
 
-/// Frames of the links, named after their joints, and of the tool, all in the base frame.
+/// Returns the frames of the links, named after their joints, and of the tool, all in the base frame.
 pub fn transforms(recording: &Recording, sample: &Sample, links: &[IsometryMatrix3<f64>]) -> FrameTransforms {
-    let frame = |name: &str, place: Vector3, rotation: Quaternion| FrameTransform {
+    let frame = |name: &str, position: Vector3, rotation: Quaternion| FrameTransform {
         timestamp: Some(timestamp(sample)),
         parent_frame_id: BASE.to_owned(),
         child_frame_id: name.to_owned(),
-        translation: Some(place),
+        translation: Some(position),
         rotation: Some(rotation),
     };
     let link = |(name, link): (&String, &IsometryMatrix3<f64>)| {
@@ -82,7 +82,7 @@ pub fn transforms(recording: &Recording, sample: &Sample, links: &[IsometryMatri
     FrameTransforms { transforms: recording.joint_names.iter().zip(links).map(link).chain([tool]).collect() }
 }
 
-/// When a period begins.
+/// Returns the start time of a period.
 #[expect(clippy::cast_possible_truncation, reason = "below 10^9, and seconds of simulations")]
 pub fn timestamp(sample: &Sample) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
@@ -90,12 +90,12 @@ pub fn timestamp(sample: &Sample) -> Timestamp {
     Timestamp::new((time / SECOND) as u32, (time % SECOND) as u32)
 }
 
-/// m or N.
+/// Converts a vector.
 pub fn vector([x, y, z]: [f64; 3]) -> Vector3 {
     Vector3 { x, y, z }
 }
 
-/// A turn.
-pub fn quaternion(turn: &UnitQuaternion<f64>) -> Quaternion {
-    Quaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }
+/// Converts a rotation.
+pub fn quaternion(rotation: &UnitQuaternion<f64>) -> Quaternion {
+    Quaternion { x: rotation.i, y: rotation.j, z: rotation.k, w: rotation.w }
 }

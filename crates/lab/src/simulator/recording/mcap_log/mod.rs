@@ -1,13 +1,4 @@
-//! Recordings as MCAP: each period whole as JSON, and what viewers draw as Foxglove messages.
-//!
-//! | topic | schema | how often |
-//! |---|---|---|
-//! | `/sample` | `revprio.Sample`, JSON | each period |
-//! | `/wrench` | `revprio.Wrench`, JSON | each period |
-//! | `/joint_states` | `foxglove.JointStates`, protobuf | each period |
-//! | `/tool_pose` | `foxglove.PoseInFrame`, protobuf | each period |
-//! | `/tf` | `foxglove.FrameTransforms`, protobuf | 50 Hz |
-//! | `/scene` | `foxglove.SceneUpdate`, protobuf | 50 Hz |
+//! Recordings as MCAP: each period as JSON, and Foxglove messages for viewers. docs/recordings.md lists the topics.
 
 mod messages;
 mod scene;
@@ -23,31 +14,31 @@ use mcap::write::{NoSeek, WriteOptions};
 use mcap::{MessageStream, Summary};
 
 use self::messages::Wrench;
-use self::scene::Stage;
+use self::scene::SceneBuilder;
 use super::error::{ReadError, WriteError};
 use super::format::Writer;
 use super::json_lines::{read_object, write_object};
-use super::{Recording, head};
+use super::{Recording, description};
 
-/// Between two pictures of the arm, s.
-const PICTURE_PERIOD_S: f64 = 0.02;
+/// Period of the topics `/tf` and `/scene`, s.
+const SCENE_PERIOD_S: f64 = 0.02;
 
-/// Topic that a recording is read back from.
+/// Topic from which a recording is read.
 const SAMPLES: &str = "/sample";
 
 /// Key of the description of the run.
-const HEAD: &str = "recording";
+const DESCRIPTION: &str = "recording";
 
-/// A file that is being written.
-pub struct Log<W: Write + Send> {
+/// Writes an MCAP file.
+pub struct McapWriter<W: Write + Send> {
     timed: bool,
-    stage: Stage,
+    scene: SceneBuilder,
     out: mcap::Writer<NoSeek<W>>,
     channels: Channels,
     buffer: Vec<u8>,
 }
 
-/// Numbers of the channels.
+/// Identifiers of the channels.
 struct Channels {
     sample: u16,
     wrench: u16,
@@ -57,7 +48,7 @@ struct Channels {
     scene: u16,
 }
 
-impl<W: Write + Send> Log<W> {
+impl<W: Write + Send> McapWriter<W> {
     /// Begins the file.
     pub fn begin(recording: &Recording, timed: bool, out: W) -> Result<Self, WriteError> {
         let options = WriteOptions::new()
@@ -65,8 +56,8 @@ impl<W: Write + Send> Log<W> {
             .compression(None)
             .disable_seeking(true);
         let mut out = options.create(NoSeek::new(out))?;
-        let run = [(HEAD.to_owned(), head::to_json(recording, timed)?)];
-        out.write_metadata(&Metadata { name: head::KEY.to_owned(), metadata: run.into() })?;
+        let run = [(DESCRIPTION.to_owned(), description::to_json(recording, timed)?)];
+        out.write_metadata(&Metadata { name: description::KEY.to_owned(), metadata: run.into() })?;
         let channels = Channels {
             sample: json_channel(&mut out, SAMPLES, "revprio.Sample", &schema::of_sample(recording, timed)?)?,
             wrench: json_channel(&mut out, "/wrench", "revprio.Wrench", &schema::of(&Wrench::default())?)?,
@@ -75,49 +66,49 @@ impl<W: Write + Send> Log<W> {
             transforms: channel::<FrameTransforms, _>(&mut out, "/tf")?,
             scene: channel::<SceneUpdate, _>(&mut out, "/scene")?,
         };
-        Ok(Self { timed, stage: Stage::of(recording), out, channels, buffer: Vec::new() })
+        Ok(Self { timed, scene: SceneBuilder::new(recording), out, channels, buffer: Vec::new() })
     }
 
     fn write_row(&mut self, recording: &Recording, row: usize) -> Result<(), WriteError> {
         let sample = &recording.samples[row];
-        let moment = Moment { row, nanoseconds: nanoseconds(sample.time_s) };
+        let time = MessageTime { row, nanoseconds: nanoseconds(sample.time_s) };
         self.buffer.clear();
         write_object(recording, row, self.timed, &mut self.buffer)?;
-        self.send(self.channels.sample, moment)?;
+        self.send(self.channels.sample, time)?;
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, &messages::wrench(sample))?;
-        self.send(self.channels.wrench, moment)?;
-        self.encode(self.channels.joint_states, moment, &messages::joint_states(recording, sample))?;
-        self.encode(self.channels.tool_pose, moment, &messages::tool_pose(sample))?;
-        if row.is_multiple_of(every(PICTURE_PERIOD_S, recording.period_s)) {
-            let links = self.stage.links(sample);
-            self.encode(self.channels.transforms, moment, &messages::transforms(recording, sample, &links))?;
-            let scene = self.stage.scene(sample, &links);
-            self.encode(self.channels.scene, moment, &scene)?;
+        self.send(self.channels.wrench, time)?;
+        self.encode(self.channels.joint_states, time, &messages::joint_states(recording, sample))?;
+        self.encode(self.channels.tool_pose, time, &messages::tool_pose(sample))?;
+        if row.is_multiple_of(periods(SCENE_PERIOD_S, recording.period_s)) {
+            let links = self.scene.links(sample);
+            self.encode(self.channels.transforms, time, &messages::transforms(recording, sample, &links))?;
+            let scene = self.scene.scene(sample, &links);
+            self.encode(self.channels.scene, time, &scene)?;
         }
         Ok(())
     }
 
-    fn encode<M: Encode>(&mut self, channel: u16, moment: Moment, message: &M) -> Result<(), WriteError> {
+    fn encode<M: Encode>(&mut self, channel: u16, time: MessageTime, message: &M) -> Result<(), WriteError> {
         self.buffer.clear();
         message.encode(&mut self.buffer).map_err(|_| WriteError::Message)?;
-        self.send(channel, moment)
+        self.send(channel, time)
     }
 
-    fn send(&mut self, channel_id: u16, moment: Moment) -> Result<(), WriteError> {
+    fn send(&mut self, channel_id: u16, time: MessageTime) -> Result<(), WriteError> {
         let header = MessageHeader {
             channel_id,
-            sequence: u32::try_from(moment.row).unwrap_or(u32::MAX),
-            log_time: moment.nanoseconds,
-            publish_time: moment.nanoseconds,
+            sequence: u32::try_from(time.row).unwrap_or(u32::MAX),
+            log_time: time.nanoseconds,
+            publish_time: time.nanoseconds,
         };
         Ok(self.out.write_to_known_channel(&header, &self.buffer)?)
     }
 }
 
-/// When a message is from.
+/// The time of a message.
 #[derive(Clone, Copy)]
-struct Moment {
+struct MessageTime {
     row: usize,
     nanoseconds: u64,
 }
@@ -127,10 +118,10 @@ fn nanoseconds(time_s: f64) -> u64 {
     (time_s * 1e9).round() as u64
 }
 
-/// Every which period something is due that is due every `due` seconds.
+/// Returns the number of control periods in `interval` seconds, at least 1.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
-fn every(due: f64, period: f64) -> usize {
-    ((due / period).round() as usize).max(1)
+fn periods(interval: f64, period: f64) -> usize {
+    ((interval / period).round() as usize).max(1)
 }
 
 fn channel<M: Encode, W: Write>(out: &mut mcap::Writer<NoSeek<W>>, topic: &str) -> Result<u16, WriteError> {
@@ -149,24 +140,25 @@ fn json_channel<W: Write>(
     Ok(out.add_channel(schema, topic, "json", &[].into())?)
 }
 
-impl<W: Write + Send> Writer for Log<W> {
+impl<W: Write + Send> Writer for McapWriter<W> {
     fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
         rows.into_iter().try_for_each(|row| self.write_row(recording, row))
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
         self.out.finish()?;
-        // What the caller gave may have a buffer of its own.
+        // The writer of the caller may be buffered.
         Ok(self.out.into_inner().into_inner().flush()?)
     }
 }
 
-/// Reads a recording from the content of a file.
+/// Reads a recording from the content of an MCAP file.
 pub fn read(file: &[u8]) -> Result<Recording, ReadError> {
-    let summary = Summary::read(file)?.ok_or(ReadError::NoHead)?;
-    let place = summary.metadata_indexes.iter().find(|index| index.name == head::KEY).ok_or(ReadError::NoHead)?;
+    let summary = Summary::read(file)?.ok_or(ReadError::NoDescription)?;
+    let place =
+        summary.metadata_indexes.iter().find(|index| index.name == description::KEY).ok_or(ReadError::NoDescription)?;
     let run = mcap::read::metadata(file, place)?;
-    let mut recording = head::from_json(run.metadata.get(HEAD).ok_or(ReadError::NoHead)?)?;
+    let mut recording = description::from_json(run.metadata.get(DESCRIPTION).ok_or(ReadError::NoDescription)?)?;
     let mut line = 0;
     for message in MessageStream::new(file)? {
         let message = message?;

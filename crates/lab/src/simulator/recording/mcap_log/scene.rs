@@ -1,4 +1,4 @@
-//! What a viewer draws: the arm as a line, walls, and the contact force as an arrow.
+//! The scene for a viewer: the arm as a line, walls, and the contact force as an arrow.
 
 use std::sync::Arc;
 
@@ -21,17 +21,17 @@ const ARM: Color = Color { r: 0.3, g: 0.3, b: 0.35, a: 1.0 };
 const WALL: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 0.4 };
 const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 
-/// The arm, if it is one that ships with the program, and the surfaces.
-pub struct Stage {
+/// Draws the robot, if it ships with the program, and the surfaces.
+pub struct SceneBuilder {
     robot: Option<Arc<RobotModel>>,
     start: Direction<f64>,
-    /// Unit vector into each wall or plane, and the way to it from the start, m.
+    /// Unit vector into each wall or plane, and the distance to it from the start, m.
     surfaces: Vec<(Direction<f64>, f64)>,
 }
 
-impl Stage {
-    /// The stage of a run.
-    pub fn of(recording: &Recording) -> Self {
+impl SceneBuilder {
+    /// Returns the scene of a run.
+    pub fn new(recording: &Recording) -> Self {
         let first = recording.samples.first();
         let start = first.map_or([0.0; 3], |first| [0, 1, 2].map(|i| first.position[i] - first.position_error[i]));
         let setup = recording.setup.as_ref();
@@ -43,24 +43,22 @@ impl Stage {
         }
     }
 
-    /// The walls as plates. One that moves is where the sample says, if it is the only one.
+    /// Returns the walls as plates. If there is one wall, its position is that of the sample, so that it may move.
     fn walls(&self, sample: &Sample) -> Vec<CubePrimitive> {
-        let seen = |(inward, way): &(Direction<f64>, f64)| match (self.surfaces.len(), sample.wall_distance) {
-            (1, Some(distance)) => {
-                plate(self.start, *inward, inward.dot(&Direction::from(sample.position_error)) + distance)
-            }
-            _ => plate(self.start, *inward, *way),
+        let visible = |(inward, distance): &(Direction<f64>, f64)| match (self.surfaces.len(), sample.wall_distance) {
+            (1, Some(gap)) => plate(self.start, *inward, inward.dot(&Direction::from(sample.position_error)) + gap),
+            _ => plate(self.start, *inward, *distance),
         };
-        self.surfaces.iter().map(seen).collect()
+        self.surfaces.iter().map(visible).collect()
     }
 
-    /// Frames of the links, as far as the arm is known.
+    /// Returns the frames of the links; none if the robot is unknown.
     pub fn links(&self, sample: &Sample) -> Vec<IsometryMatrix3<f64>> {
         let links = self.robot.as_ref().and_then(|robot| link_frames(robot, &sample.joint_position).ok());
         links.unwrap_or_default()
     }
 
-    /// One picture.
+    /// Returns the scene of one period.
     pub fn scene(&self, sample: &Sample, links: &[IsometryMatrix3<f64>]) -> SceneUpdate {
         let entity = |id: &str| SceneEntity {
             timestamp: Some(timestamp(sample)),
@@ -94,7 +92,7 @@ fn arm(sample: &Sample, links: &[IsometryMatrix3<f64>]) -> Vec<LinePrimitive> {
     vec![line]
 }
 
-/// Direction into a wall or a plane and the way to it from the start; `None` of a spring.
+/// Returns the direction into a wall or a plane and the distance to it from the start; `None` for a spring.
 fn surface(contact: &Contact) -> Option<(Direction<f64>, f64)> {
     match (contact.kind, contact.axis, contact.normal) {
         (ContactKind::Wall, Some(axis), _) => {
@@ -108,10 +106,10 @@ fn surface(contact: &Contact) -> Option<(Direction<f64>, f64)> {
     }
 }
 
-/// A plate of 60 cm whose near side is the surface.
-fn plate(start: Direction<f64>, inward: Direction<f64>, way: f64) -> CubePrimitive {
+/// Returns a square plate of 60 cm whose front is the surface.
+fn plate(start: Direction<f64>, inward: Direction<f64>, distance: f64) -> CubePrimitive {
     const THICKNESS: f64 = 0.02;
-    let middle = start + inward * (way + 0.5 * THICKNESS);
+    let middle = start + inward * (distance + 0.5 * THICKNESS);
     CubePrimitive {
         pose: Some(Pose { position: Some(vector(middle.into())), orientation: Some(quaternion(&along(&inward))) }),
         size: Some(Vector3 { x: THICKNESS, y: 0.6, z: 0.6 }),
@@ -119,13 +117,13 @@ fn plate(start: Direction<f64>, inward: Direction<f64>, way: f64) -> CubePrimiti
     }
 }
 
-/// A turn of x into a direction.
+/// Returns the rotation of x into a direction.
 fn along(direction: &Direction<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&Direction::x(), direction)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Direction::z_axis(), std::f64::consts::PI))
 }
 
-/// The force of the tool on what it touches, from the tool point on.
+/// Returns the force of the tool on the environment as an arrow from the tool point.
 fn arrow(sample: &Sample) -> ArrowPrimitive {
     let force = Direction::from(sample.force);
     let length = ARROW_SCALE * force.norm();

@@ -1,4 +1,4 @@
-//! JSON schemas, read off examples.
+//! JSON schemas, derived from examples.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::super::Recording;
 use super::super::json_lines::write_object;
 
-/// The schema of a recording's samples.
+/// Returns the schema of the samples of a recording.
 pub fn of_sample(recording: &Recording, timed: bool) -> serde_json::Result<String> {
     let mut first = Vec::new();
     if recording.samples.is_empty() {
@@ -16,7 +16,7 @@ pub fn of_sample(recording: &Recording, timed: bool) -> serde_json::Result<Strin
     of(&serde_json::from_slice::<Value>(&first)?)
 }
 
-/// The schema of messages like this one; what is `null` here may be anything.
+/// Returns the schema of messages with the structure of `example`. A field that is `null` may have any type.
 pub fn of(example: &impl Serialize) -> serde_json::Result<String> {
     Ok(schema(&serde_json::to_value(example)?).to_string())
 }

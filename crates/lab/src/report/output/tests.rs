@@ -1,7 +1,8 @@
-//! What ends up in the directory.
+//! The files of a report.
 
-use super::figure::{Colour, Curve, Panel, Stroke};
 use super::*;
+use crate::report::figure::{self, Colour, Curve, Panel, Stroke};
+use crate::report::{Report, Section};
 
 fn report() -> Report {
     let curve = Curve {
@@ -37,14 +38,14 @@ fn directory(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("revprio-{name}-{}", std::process::id()))
 }
 
-/// Width and height in the header of a PNG (pixels).
+/// Returns width and height from the header of a PNG file (pixels).
 fn png_size(bytes: &[u8]) -> [u32; 2] {
     assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
     [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
 }
 
 #[test]
-fn a_figure_is_written_as_svg_as_png_three_times_its_size_and_into_the_page() {
+fn figure_is_written_as_svg_as_png_of_three_times_its_size_and_into_the_page() {
     let directory = directory("figures");
     let written = write(&directory, &report(), &ALL).unwrap();
     let names = ["figure5_nominal.svg", "figure5_nominal.png", "index.html"];
@@ -58,8 +59,8 @@ fn a_figure_is_written_as_svg_as_png_three_times_its_size_and_into_the_page() {
 }
 
 #[test]
-fn only_what_is_wanted_is_written() {
-    let directory = directory("wanted");
+fn only_requested_files_are_written() {
+    let directory = directory("requested");
     let written = write(&directory, &report(), &[Output::Svg]).unwrap();
     assert_eq!(written, [directory.join("figure5_nominal.svg")]);
     assert_eq!(fs::read_dir(&directory).unwrap().count(), 1);
@@ -67,13 +68,13 @@ fn only_what_is_wanted_is_written() {
 }
 
 #[test]
-fn the_same_report_is_the_same_picture() {
+fn same_report_gives_the_same_picture() {
     let figure = &report().sections[0].figures[0];
     assert_eq!(drawing::svg(figure).unwrap(), drawing::svg(figure).unwrap());
 }
 
 #[test]
-fn an_error_names_the_path_and_keeps_its_source() {
+fn error_names_the_path_and_keeps_its_source() {
     let file = directory("file");
     fs::write(&file, "").unwrap();
     let error = write(&file, &report(), &ALL).unwrap_err();
