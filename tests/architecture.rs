@@ -139,7 +139,8 @@ fn imports(code: &str, prefix: &str) -> BTreeSet<String> {
             Some(list) => top_level(list),
             None => vec![rest],
         };
-        let word = |branch: &str| branch.trim().split(|c: char| !(c.is_alphanumeric() || c == '_')).next().map(str::to_owned);
+        let word =
+            |branch: &str| branch.trim().split(|c: char| !(c.is_alphanumeric() || c == '_')).next().map(str::to_owned);
         found.extend(branches.into_iter().filter_map(word).filter(|word| !word.is_empty()));
     }
     found
@@ -176,7 +177,8 @@ fn module_of(folder: &Path, file: &Path) -> String {
 fn graph(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
     let folder = Path::new(folder);
     let inside = folder.to_str().unwrap().split("src").nth(1).unwrap_or_default().trim_start_matches('/');
-    let absolute = if inside.is_empty() { "crate::".to_owned() } else { format!("crate::{}::", inside.replace('/', "::")) };
+    let absolute =
+        if inside.is_empty() { "crate::".to_owned() } else { format!("crate::{}::", inside.replace('/', "::")) };
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for file in files(folder) {
         let module = module_of(folder, &file);

@@ -3,7 +3,9 @@
 use std::future::Future;
 use std::io::{self, IsTerminal, Write as _, stdout};
 
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::fmt::layer;
+use tracing_subscriber::prelude::*;
 
 use super::CliError;
 use super::settings::{EffectiveSettings, LogFormat, Options, SettingsError};
@@ -27,14 +29,15 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 
 /// Starts the log on standard error, which includes panics.
 fn start_log(settings: &EffectiveSettings) -> Result<(), SettingsError> {
-    let filter = settings.log_level().parse::<EnvFilter>();
+    let filter = settings.log_level().parse::<Targets>();
     let filter = filter
         .map_err(|_| settings.refused("log_level", "is not a log level; use for example `info` or `revprio=debug`"))?;
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
-    match settings.log_format() {
-        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
-        LogFormat::Json => log.json().init(),
-    }
+    let log = layer().with_writer(std::io::stderr);
+    let log = match settings.log_format() {
+        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).boxed(),
+        LogFormat::Json => log.json().boxed(),
+    };
+    tracing_subscriber::registry().with(log.with_filter(filter)).init();
     std::panic::set_hook(Box::new(|panic| tracing::error!("{panic}")));
     Ok(())
 }

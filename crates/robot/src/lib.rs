@@ -34,6 +34,7 @@
 
 mod description;
 mod file;
+mod joint_kind;
 pub mod kinematics;
 mod model;
 pub mod profile;
@@ -41,5 +42,6 @@ mod urdf;
 
 pub use description::{DenavitHartenberg, DescriptionError, from_json, from_toml};
 pub use file::{RobotFileError, built_in, from_file};
-pub use model::{Joint, JointKind, JointLimits, ModelError, RobotModel};
+pub use joint_kind::JointKind;
+pub use model::{Joint, JointLimits, ModelError, RobotModel};
 pub use urdf::{UrdfError, UrdfOptions};

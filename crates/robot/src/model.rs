@@ -1,19 +1,8 @@
 //! The model of an arm: a serial chain, independent of the format that described it.
 
 use nalgebra::IsometryMatrix3;
-use serde::Deserialize;
 
-use super::DenavitHartenberg;
-
-/// Kind of motion of a joint, about or along the z axis of its own frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum JointKind {
-    /// Rotation about z; position in rad.
-    Revolute,
-    /// Translation along z; position in m.
-    Prismatic,
-}
+use super::{DenavitHartenberg, JointKind};
 
 /// Position, velocity and acceleration limits of one joint; infinite where there is none.
 ///

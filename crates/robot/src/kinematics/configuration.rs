@@ -1,7 +1,7 @@
 //! The forward kinematics of an arm at a posture.
 #![allow(non_snake_case)]
 
-use nalgebra::{IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3xX, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
 
 use crate::{JointKind, RobotModel};
 
@@ -71,7 +71,7 @@ impl Configuration {
             frame *= joint.placement;
             axis.origin = frame.translation.vector;
             axis.direction = frame.rotation.matrix().column(2).into();
-            move_along(&mut frame, joint.kind, q);
+            joint.kind.move_along(&mut frame, q);
         }
         self.tool_pose = frame * robot.tool();
         let tool_point = self.tool_pose.translation.vector;
@@ -135,23 +135,6 @@ fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), Configuration
     }
 }
 
-/// Moves a joint's frame by its position, about or along its z axis. The third column of its rotation stays.
-fn move_along(frame: &mut IsometryMatrix3<f64>, kind: JointKind, q: f64) {
-    let R = frame.rotation.matrix();
-    match kind {
-        JointKind::Revolute => {
-            let (sine, cosine) = q.sin_cos();
-            let (x, y) = (R.column(0).into_owned(), R.column(1).into_owned());
-            let turned = Matrix3::from_columns(&[x * cosine + y * sine, y * cosine - x * sine, R.column(2).into()]);
-            frame.rotation = Rotation3::from_matrix_unchecked(turned);
-        }
-        JointKind::Prismatic => {
-            let z = R.column(2).into_owned();
-            frame.translation.vector += z * q;
-        }
-    }
-}
-
 impl JointAxis {
     fn along_base_z(kind: JointKind) -> Self {
         Self { kind, origin: Vector3::zeros(), direction: Vector3::z() }
@@ -160,10 +143,7 @@ impl JointAxis {
     /// Returns one column of the geometric Jacobian: the linear and angular velocity of a point of the tool (m, base
     /// frame) if the joint moves at unit speed.
     fn velocity_of(&self, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        match self.kind {
-            JointKind::Revolute => (self.direction.cross(&(point - self.origin)), self.direction),
-            JointKind::Prismatic => (self.direction, Vector3::zeros()),
-        }
+        self.kind.unit_velocity(self.direction, &(point - self.origin))
     }
 }
 
@@ -183,7 +163,7 @@ pub fn link_frames(
     Ok(joints
         .map(|(joint, &q)| {
             frame *= joint.placement;
-            move_along(&mut frame, joint.kind, q);
+            joint.kind.move_along(&mut frame, q);
             frame
         })
         .collect())

@@ -33,9 +33,7 @@ pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
         None => return Err(reader.missing("a type")),
         Some("fixed") => return Ok(Segment::Fixed(origin)),
         Some(_) if child(edge.element, "mimic").is_some() => return Err(reader.kind("mimic")),
-        Some("revolute" | "continuous") => JointKind::Revolute,
-        Some("prismatic") => JointKind::Prismatic,
-        Some(other) => return Err(reader.kind(other)),
+        Some(name) => JointKind::from_urdf(name).ok_or_else(|| reader.kind(name))?,
     };
     let to_axis = rotation_from_z(&reader.axis()?);
     let joint = Joint {

@@ -1,0 +1,53 @@
+//! Kinds of motion of a joint: everything that depends on the kind.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Vector3};
+use serde::Deserialize;
+
+/// Kind of motion of a joint, about or along the z axis of its own frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Rotation about z; position in rad.
+    Revolute,
+    /// Translation along z; position in m.
+    Prismatic,
+}
+
+impl JointKind {
+    /// Returns the kind of a URDF joint type, `None` for a type that has no single position.
+    pub(crate) fn from_urdf(joint_type: &str) -> Option<Self> {
+        match joint_type {
+            "revolute" | "continuous" => Some(Self::Revolute),
+            "prismatic" => Some(Self::Prismatic),
+            _ => None,
+        }
+    }
+
+    /// Moves a joint's frame by its position q (rad or m). The third column of its rotation stays.
+    pub(crate) fn move_along(self, frame: &mut IsometryMatrix3<f64>, q: f64) {
+        let R = frame.rotation.matrix();
+        match self {
+            Self::Revolute => {
+                let (sine, cosine) = q.sin_cos();
+                let (x, y) = (R.column(0).into_owned(), R.column(1).into_owned());
+                let turned = Matrix3::from_columns(&[x * cosine + y * sine, y * cosine - x * sine, R.column(2).into()]);
+                frame.rotation = Rotation3::from_matrix_unchecked(turned);
+            }
+            Self::Prismatic => {
+                let z = R.column(2).into_owned();
+                frame.translation.vector += z * q;
+            }
+        }
+    }
+
+    /// Returns the linear and angular velocity of a point whose position relative to the joint's origin is `lever` (m), if
+    /// the joint moves at unit speed along the unit vector `direction`.
+    pub(crate) fn unit_velocity(self, direction: Vector3<f64>, lever: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        match self {
+            Self::Revolute => (direction.cross(lever), direction),
+            Self::Prismatic => (direction, Vector3::zeros()),
+        }
+    }
+}
