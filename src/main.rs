@@ -1,4 +1,4 @@
-//! The `revprio` program; everything is in the library.
+//! The `revprio` program. All code is in the library.
 
 use std::process::ExitCode;
 

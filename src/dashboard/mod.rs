@@ -1,18 +1,19 @@
-//! The page at `/`: the arm, the wall and the hierarchy live.
+//! The page at `/`: a live view of the arm, the wall and the task hierarchy.
 //!
-//! It is a client like any other and holds no secret: files out of the binary, without any network beyond the service.
+//! The page is an ordinary client of the service. Its files are part of the binary. They contain no secret and load nothing
+//! from other servers.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::LazyLock;
 
-/// The folder of the files that the page loads.
+/// Path of the files that the page loads.
 const FOLDER: &str = "/dashboard/";
 
 macro_rules! files {
     ($($name:literal),+ $(,)?) => { [$(($name, include_str!(concat!("page/", $name)))),+] };
 }
 
-/// All files with their texts.
+/// All files, with their texts.
 const FILES: &[(&str, &str)] = &files![
     "index.html",
     "style.css",
@@ -42,7 +43,7 @@ const FILES: &[(&str, &str)] = &files![
     "watch.js",
 ];
 
-/// A version of the whole page in this build, as an HTTP entity tag.
+/// Version of the whole page in this build, as an HTTP entity tag.
 pub static VERSION: LazyLock<String> = LazyLock::new(|| {
     let mut hasher = DefaultHasher::new();
     FILES.hash(&mut hasher);

@@ -1,16 +1,17 @@
-//! What a client would like to get, by its `Accept` and `Accept-Encoding` headers (RFC 9110, section 12.5).
+//! The headers `Accept` and `Accept-Encoding` (RFC 9110, section 12.5).
 
 use axum::http::{HeaderMap, HeaderName, header};
 
-/// The offered media type that the client likes best, the earlier one of equals; `None` if it takes none of them.
+/// Returns the offered value whose media type has the highest weight, the first one of equals. Returns `None` if the
+/// client accepts none of them.
 pub fn preferred<T: Copy>(headers: &HeaderMap, offered: &[(&str, T)]) -> Option<T> {
-    let wanted = weighted(headers, &header::ACCEPT);
-    if wanted.is_empty() {
+    let entries = weighted(headers, &header::ACCEPT);
+    if entries.is_empty() {
         return offered.first().map(|(_, value)| *value);
     }
     let mut best: Option<(f64, T)> = None;
     for (media_type, value) in offered {
-        let weight = media_type_weight(&wanted, media_type);
+        let weight = media_type_weight(&entries, media_type);
         if weight > best.map_or(0.0, |(weight, _)| weight) {
             best = Some((weight, *value));
         }
@@ -18,22 +19,22 @@ pub fn preferred<T: Copy>(headers: &HeaderMap, offered: &[(&str, T)]) -> Option<
     best.map(|(_, value)| value)
 }
 
-/// Whether the client reads gzip.
+/// Returns whether the client accepts gzip.
 pub fn gzip(headers: &HeaderMap) -> bool {
-    let wanted = weighted(headers, &header::ACCEPT_ENCODING);
-    let of = |name: &str| wanted.iter().find(|(known, _)| known == name).map(|(_, weight)| *weight);
-    of("gzip").or_else(|| of("*")).is_some_and(|weight| weight > 0.0)
+    let entries = weighted(headers, &header::ACCEPT_ENCODING);
+    let weight = |name: &str| entries.iter().find(|(known, _)| known == name).map(|(_, weight)| *weight);
+    weight("gzip").or_else(|| weight("*")).is_some_and(|weight| weight > 0.0)
 }
 
-/// Of the entries that match, the most specific counts: `a/b`, then `a/*`, then `*/*`.
-fn media_type_weight(wanted: &[(String, f64)], media_type: &str) -> f64 {
+/// Returns the weight of the most specific matching entry: `a/b`, then `a/*`, then `*/*`.
+fn media_type_weight(entries: &[(String, f64)], media_type: &str) -> f64 {
     let family = media_type.split('/').next().unwrap_or_default();
     let patterns = [media_type.to_owned(), format!("{family}/*"), "*/*".to_owned()];
-    let matching = patterns.iter().find_map(|pattern| wanted.iter().find(|(name, _)| name == pattern));
+    let matching = patterns.iter().find_map(|pattern| entries.iter().find(|(name, _)| name == pattern));
     matching.map_or(0.0, |(_, weight)| *weight)
 }
 
-/// Entries with their weights, 1 where none is given; an unreadable weight counts as 0.
+/// Returns the entries of a header with their weights. The default weight is 1; an unreadable weight counts as 0.
 fn weighted(headers: &HeaderMap, name: &HeaderName) -> Vec<(String, f64)> {
     let lists = headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
     let entry = |text: &str| {
@@ -55,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn the_heaviest_type_wins_and_the_first_of_equals() {
+    fn the_highest_weight_wins_and_the_first_of_equals() {
         assert_eq!(preferred(&HeaderMap::new(), &[("text/csv", 'c'), ("application/json", 'j')]), Some('c'));
         for (accept, answer) in [
             ("*/*", Some('c')),
@@ -71,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn gzip_is_used_where_it_is_named_and_not_refused() {
+    fn gzip_needs_an_entry_with_a_positive_weight() {
         let gzip = |text: &str| gzip(&HeaderMap::from_iter([(header::ACCEPT_ENCODING, text.parse().unwrap())]));
         assert!(gzip("br, gzip") && gzip("gzip;q=0.1") && gzip("*"));
         assert!(!gzip("br") && !gzip("gzip;q=0, *") && !gzip("identity"));

@@ -1,49 +1,51 @@
-//! The line of requests that wait for the one thread, and who is sent away from it.
+//! Refuses requests early when too many wait for the one thread.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::Notify;
 
-/// Fewer requests than this are no line: if they took long, the machine paused or one of them was hard.
-const ALWAYS_SERVED: u32 = 8;
+/// This many requests are always admitted. If so few took long, the machine paused or one of them was hard.
+const ALWAYS_ADMITTED: u32 = 8;
 
-/// Measures how long the line is.
+/// Measures how long requests wait, and refuses those that would wait too long.
 ///
-/// The thread serves what is ready in order. The first request after a quiet moment sends a marker to the end of that
-/// line; until the marker comes back, every request stands behind those before it. One that begins later than `max_lag`
-/// after the first has waited for so long already, and is sent away with little work. So what is accepted waited for
-/// `max_lag` at most, however many come, and nothing is refused while the thread keeps up.
+/// The thread runs ready tasks in order. The first request after an idle moment puts a marker at the end of the run
+/// queue. Until the marker runs, every request is behind the earlier ones. A request that starts more than `max_lag`
+/// after the first one has already waited that long and is refused with little work.
+///
+/// An admitted request therefore waits at most `max_lag` under any load, and nothing is refused while the thread keeps
+/// up.
 #[derive(Debug, Default)]
 pub struct AdmissionQueue {
-    /// When the marker was sent, and how many requests were served since; `None` if it has come back.
+    /// The time when the marker was queued and the number of requests admitted since; `None` if the marker has run.
     marker: Mutex<Option<(Instant, u32)>>,
-    sent: Notify,
+    queued: Notify,
 }
 
 impl AdmissionQueue {
-    /// Whether a request that begins now is served.
+    /// Returns whether a request that starts at `now` is admitted.
     pub fn admits(&self, now: Instant, max_lag: Duration) -> bool {
         let mut marker = self.marker.lock().unwrap_or_else(PoisonError::into_inner);
         match &mut *marker {
             None => {
                 *marker = Some((now, 1));
-                self.sent.notify_one();
+                self.queued.notify_one();
                 true
             }
-            Some((sent, served)) => {
-                let admitted = *served < ALWAYS_SERVED || now.duration_since(*sent) <= max_lag;
-                *served += u32::from(admitted);
-                admitted
+            Some((queued, admitted)) => {
+                let is_admitted = *admitted < ALWAYS_ADMITTED || now.duration_since(*queued) <= max_lag;
+                *admitted += u32::from(is_admitted);
+                is_admitted
             }
         }
     }
 
-    /// Carries the marker; runs beside the connections, on their thread.
-    pub async fn carry_marker(&self) {
+    /// Runs the marker. This task must run on the thread of the connections.
+    pub async fn run_marker(&self) {
         loop {
-            // Woken by the first request, this task stands behind all that were ready then.
-            self.sent.notified().await;
+            // The first request wakes this task, which then runs after all tasks that were ready at that moment.
+            self.queued.notified().await;
             *self.marker.lock().unwrap_or_else(PoisonError::into_inner) = None;
         }
     }
@@ -56,21 +58,21 @@ mod tests {
     const LAG: Duration = Duration::from_millis(10);
 
     #[test]
-    fn a_long_line_loses_its_end_and_recovers_with_the_marker() {
-        let (line, start) = (AdmissionQueue::default(), Instant::now());
+    fn requests_beyond_the_lag_are_refused_until_the_marker_runs() {
+        let (queue, start) = (AdmissionQueue::default(), Instant::now());
         let at = |ms: u64| start + Duration::from_millis(ms);
-        assert!((0..1000).all(|_| line.admits(at(9), LAG)));
-        assert!(!line.admits(at(20), LAG));
-        *line.marker.lock().unwrap() = None;
-        assert!(line.admits(at(20), LAG));
+        assert!((0..1000).all(|_| queue.admits(at(9), LAG)));
+        assert!(!queue.admits(at(20), LAG));
+        *queue.marker.lock().unwrap() = None;
+        assert!(queue.admits(at(20), LAG));
     }
 
     #[test]
-    fn a_pause_of_the_machine_refuses_nobody() {
-        let (line, start) = (AdmissionQueue::default(), Instant::now());
-        assert!(line.admits(start, LAG));
+    fn the_first_requests_are_admitted_after_a_pause_of_the_machine() {
+        let (queue, start) = (AdmissionQueue::default(), Instant::now());
+        assert!(queue.admits(start, LAG));
         let later = start + Duration::from_secs(1);
-        assert!((1..ALWAYS_SERVED).all(|_| line.admits(later, LAG)));
-        assert!(!line.admits(later, LAG));
+        assert!((1..ALWAYS_ADMITTED).all(|_| queue.admits(later, LAG)));
+        assert!(!queue.admits(later, LAG));
     }
 }

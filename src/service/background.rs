@@ -1,4 +1,4 @@
-//! Long work in a thread of its own, so that the steps of others do not wait.
+//! Long work in other threads, so that steps do not wait.
 
 use std::num::NonZero;
 use std::sync::Arc;
@@ -9,18 +9,18 @@ use tokio::sync::Semaphore;
 
 use super::error::ApiError;
 
-/// Tells long work that nobody waits for it any more: the client is gone, or the service ends.
+/// Tells long work that nobody waits for it any more: the client is gone, or the service shuts down.
 #[derive(Debug, Clone, Default)]
 pub struct Abandoned(Arc<AtomicBool>);
 
 impl Abandoned {
-    /// Whether to stop.
+    /// Returns whether to stop.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Sets the flag when dropped: with the future that waits for the work.
+/// Sets the flag when it is dropped together with the future that waits for the work.
 struct AbandonOnDrop(Abandoned);
 
 impl Drop for AbandonOnDrop {
@@ -29,86 +29,88 @@ impl Drop for AbandonOnDrop {
     }
 }
 
-/// Quota for long work of one kind: one piece at work, some waiting, no more.
+/// A quota for long work of one kind: one job runs, a few wait, all others are refused.
 pub struct Quota {
-    places: Arc<Semaphore>,
-    turn: Arc<Semaphore>,
-    most: usize,
+    /// Name of the jobs in error texts, in the plural.
+    name: &'static str,
+    max: usize,
+    /// Permits to run or wait.
+    admitted: Arc<Semaphore>,
+    /// The one permit to run.
+    running: Arc<Semaphore>,
 }
 
 impl Quota {
-    /// Quota for `most` pieces at a time.
-    pub fn new(most: usize) -> Self {
-        Self { places: Arc::new(Semaphore::new(most)), turn: Arc::new(Semaphore::new(1)), most }
+    /// Creates a quota for `max` jobs at a time, running and waiting.
+    pub fn new(name: &'static str, max: usize) -> Self {
+        Self { name, max, admitted: Arc::new(Semaphore::new(max)), running: Arc::new(Semaphore::new(1)) }
     }
 
-    /// Runs `work` in another thread when its turn comes; without a place, refuses it at once.
-    ///
-    /// `what`: the pieces, in the plural.
+    /// Runs `work` in another thread after the jobs before it. Refuses it at once if the quota is used up.
     pub async fn run<T: Send + 'static>(
         &self,
-        what: &str,
         work: impl FnOnce(&Abandoned) -> T + Send + 'static,
     ) -> Result<T, ApiError> {
-        let busy = |_| ApiError::busy(format!("{} {what} are at work already; try again in a second", self.most));
-        let place = Arc::clone(&self.places).try_acquire_owned().map_err(busy)?;
-        let turn = Arc::clone(&self.turn).acquire_owned().await.map_err(|_| ApiError::internal())?;
+        let busy =
+            |_| ApiError::busy(format!("{} {} are running or waiting; try again in a second", self.max, self.name));
+        let admitted = Arc::clone(&self.admitted).try_acquire_owned().map_err(busy)?;
+        let running = Arc::clone(&self.running).acquire_owned().await.map_err(|_| ApiError::internal())?;
         background(move |abandoned| {
-            // Held by the work itself: when its client is gone, it still takes a while to end.
-            let _held = (place, turn);
+            // The work holds the permits, because it continues for a while after its client is gone.
+            let _permits = (admitted, running);
             work(abandoned)
         })
         .await
     }
 }
 
-/// Runs `work` in another thread and waits for it.
+/// Runs `work` in another thread, and waits for it.
 pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + Send + 'static) -> Result<T, ApiError> {
     let abandoned = Abandoned::default();
     let _guard = AbandonOnDrop(abandoned.clone());
     tokio::task::spawn_blocking(move || work(&abandoned)).await.map_err(|error| {
-        tracing::error!(%error, "work in the background failed");
+        tracing::error!(%error, "background work failed");
         ApiError::internal()
     })
 }
 
-/// Runs `work` in up to `most` threads at a time, as many as may be kept busy, and waits for them.
-pub fn on_all_cores(most: usize, work: impl Fn() + Sync) {
-    let threads = busy_threads().min(most);
+/// Runs `work` in at most `max` threads at a time, and waits for them. The number of cores also limits the threads.
+pub fn on_all_cores(max: usize, work: impl Fn() + Sync) {
+    let threads = available_threads().min(max);
     if threads <= 1 {
         return work();
     }
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
-                step_back();
+                lower_priority();
                 work();
             });
         }
     });
 }
 
-/// All cores, as the thread that serves steps goes first.
+/// All cores: the thread that serves steps has a higher priority.
 #[cfg(target_os = "linux")]
-fn busy_threads() -> usize {
+fn available_threads() -> usize {
     available_parallelism().map_or(1, NonZero::get)
 }
 
-/// All cores but the one that serves steps.
+/// All cores but one, which serves steps.
 #[cfg(not(target_os = "linux"))]
-fn busy_threads() -> usize {
+fn available_threads() -> usize {
     available_parallelism().map_or(1, NonZero::get).saturating_sub(1)
 }
 
-/// Lets all threads of ordinary priority go first. On Linux the number belongs to the calling thread alone, which cannot
-/// take it back: not for threads that do other work later.
+/// Gives the calling thread the lowest priority. On Linux the priority belongs to one thread, which cannot raise it again.
+/// Call this only in threads that do nothing else later.
 #[cfg(target_os = "linux")]
-fn step_back() {
-    const LAST: i32 = 19;
-    if let Err(error) = rustix::process::setpriority_process(None, LAST) {
-        tracing::warn!(%error, "long work competes with steps");
+fn lower_priority() {
+    const LOWEST: i32 = 19;
+    if let Err(error) = rustix::process::setpriority_process(None, LOWEST) {
+        tracing::warn!(%error, "cannot lower the priority of long work; it competes with steps");
     }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn step_back() {}
+fn lower_priority() {}

@@ -1,8 +1,8 @@
-//! Bodies in and out, in the format that the client chose, with problems instead of axum's rejections.
+//! Bodies of requests and answers, in the format that the client chose.
 //!
-//! Handlers take a [`Body`] and return an [`Answer`], values both; [`written`] makes bytes of answers. What
-//! takes longer than some control periods to read or write is a [`LargeBody`] or a [`LargeAnswer`] and handled in another
-//! thread, so that the steps of others do not wait.
+//! Handlers take a [`Body`] and return an [`Answer`]; both hold plain values. [`encode_answers`] turns answers into bytes.
+//! Bodies that take longer than a few control periods to decode or encode are [`LargeBody`] and [`LargeAnswer`]. Other
+//! threads handle them, so that steps do not wait.
 
 use std::future::poll_fn;
 use std::io::Write as _;
@@ -22,68 +22,53 @@ use serde::de::DeserializeOwned;
 use tokio::sync::SemaphorePermit;
 
 use super::accept;
-use super::app::AppState;
 use super::background::background;
 use super::error::ApiError;
-use super::format::Format;
+use super::format::{Format, RawBody};
+use super::state::AppState;
 
-/// Bodies up to this many bytes are read without asking for room.
-const SMALL: usize = 64 << 10;
+/// Bodies up to this size, bytes, need no permit.
+const MAX_SMALL: usize = 64 << 10;
 
-/// Larger ones take a place for every so many bytes.
-const PLACE: usize = 1 << 20;
+/// Larger bodies need one permit per this many bytes.
+const BYTES_PER_PERMIT: usize = 1 << 20;
 
-/// Most bytes beyond the limit that are read of a body that is too large: most clients listen only after they have sent
-/// all of it, and would see a broken connection instead of the refusal.
-const FORGOTTEN_LIMIT: usize = 15 << 20;
+/// Bytes beyond the limit that are read and discarded. Most clients read the answer only after they have sent the whole
+/// body. Without this, they would see a broken connection instead of the refusal.
+const MAX_DISCARDED: usize = 15 << 20;
 
-/// Large answers of fewer bytes are not worth compressing.
-const SMALLEST_COMPRESSED: usize = 4 << 10;
+/// Smaller answers are not compressed, bytes.
+const MIN_COMPRESSED: usize = 4 << 10;
 
-/// A body as it came.
-pub struct Unread {
-    /// How it is written.
-    pub format: Format,
-    /// All of it.
-    pub bytes: Vec<u8>,
-}
-
-impl Unread {
-    /// Reads it.
-    pub fn read<T: DeserializeOwned>(&self) -> Result<T, ApiError> {
-        self.format.read(&self.bytes)
-    }
-}
-
-impl FromRequest<Arc<AppState>> for Unread {
+impl FromRequest<Arc<AppState>> for RawBody {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
-        received(request, app, app.config.max_body_bytes).await
+        receive(request, app, app.config.max_body_bytes).await
     }
 }
 
-/// A body that has been read.
+/// A decoded body.
 pub struct Body<T>(pub T);
 
 impl<T: DeserializeOwned> FromRequest<Arc<AppState>> for Body<T> {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
-        Unread::from_request(request, app).await?.read().map(Self)
+        RawBody::from_request(request, app).await?.read().map(Self)
     }
 }
 
-/// A body that is still to be read, in another thread.
+/// A body that another thread decodes.
 pub struct LargeBody<T> {
-    unread: Unread,
+    raw: RawBody,
     value: PhantomData<fn() -> T>,
 }
 
 impl<T: DeserializeOwned> LargeBody<T> {
-    /// Reads it.
+    /// Decodes the body.
     pub fn read(self) -> Result<T, ApiError> {
-        self.unread.read()
+        self.raw.read()
     }
 }
 
@@ -91,53 +76,53 @@ impl<T> FromRequest<Arc<AppState>> for LargeBody<T> {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
-        let unread = received(request, app, app.config.max_batch_bytes).await?;
-        Ok(Self { unread, value: PhantomData })
+        let raw = receive(request, app, app.config.max_batch_bytes).await?;
+        Ok(Self { raw, value: PhantomData })
     }
 }
 
-async fn received(request: Request, app: &AppState, limit: usize) -> Result<Unread, ApiError> {
-    let format = Format::of_body(request.headers()).ok_or_else(ApiError::media_type)?;
-    let bytes = tokio::time::timeout(app.config.body_timeout, collected(request.into_body(), app, limit));
-    Ok(Unread { format, bytes: bytes.await.map_err(|_| ApiError::body_timeout())?? })
+async fn receive(request: Request, app: &AppState, limit: usize) -> Result<RawBody, ApiError> {
+    let format = Format::from_content_type(request.headers()).ok_or_else(ApiError::media_type)?;
+    let bytes = tokio::time::timeout(app.config.body_timeout, collect(request.into_body(), app, limit));
+    Ok(RawBody { format, bytes: bytes.await.map_err(|_| ApiError::body_timeout())?? })
 }
 
-/// Collects a body up to the limit; what is too much is read and forgotten.
+/// Collects a body up to the limit, and discards the rest.
 ///
-/// Only so many large ones at a time: together they could hold more memory than all connections.
-async fn collected(mut body: axum::body::Body, app: &AppState, limit: usize) -> Result<Vec<u8>, ApiError> {
+/// Permits limit the number of large bodies at a time: together they could use more memory than all connections.
+async fn collect(mut body: axum::body::Body, app: &AppState, limit: usize) -> Result<Vec<u8>, ApiError> {
     let (mut bytes, mut size) = (Vec::new(), 0);
-    let (mut room, mut refusal) = (None, None);
+    let (mut permit, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| ApiError::body_timeout())?;
         let data = frame.data_ref().map_or(&[][..], |data| data);
         size += data.len();
         if size > limit {
             refusal = Some(ApiError::too_large(limit));
-        } else if refusal.is_none() && !fits(size, &mut room, app) {
+        } else if refusal.is_none() && !acquire(size, &mut permit, app) {
             refusal = Some(ApiError::too_many_bodies());
         }
         if refusal.is_none() {
             bytes.extend_from_slice(data);
-        } else if size > limit + FORGOTTEN_LIMIT {
+        } else if size > limit + MAX_DISCARDED {
             break;
         }
     }
     refusal.map_or(Ok(bytes), Err)
 }
 
-/// Whether there is room for a body of that size, beside the `room` that it takes up already; one that is larger than
-/// all the room needs all of it.
-fn fits<'a>(size: usize, room: &mut Option<SemaphorePermit<'a>>, app: &'a AppState) -> bool {
-    let places = if size > SMALL { size.div_ceil(PLACE).min(app.config.max_large_bodies) } else { 0 };
-    let missing = places.saturating_sub(room.as_ref().map_or(0, SemaphorePermit::num_permits));
+/// Extends `permit` to a body of `size` bytes. Returns false if there are too few permits left. A body that is larger than
+/// all permits together needs all of them.
+fn acquire<'a>(size: usize, permit: &mut Option<SemaphorePermit<'a>>, app: &'a AppState) -> bool {
+    let needed = if size > MAX_SMALL { size.div_ceil(BYTES_PER_PERMIT).min(app.config.max_large_bodies) } else { 0 };
+    let missing = needed.saturating_sub(permit.as_ref().map_or(0, SemaphorePermit::num_permits));
     if missing == 0 {
         return true;
     }
     let Ok(more) = app.large_bodies.try_acquire_many(u32::try_from(missing).unwrap_or(u32::MAX)) else { return false };
-    match room {
-        Some(room) => room.merge(more),
-        None => *room = Some(more),
+    match permit {
+        Some(permit) => permit.merge(more),
+        None => *permit = Some(more),
     }
     true
 }
@@ -150,24 +135,24 @@ pub struct LargeAnswer<T>(pub T);
 
 impl<T: Serialize + Send + Sync + 'static> IntoResponse for Answer<T> {
     fn into_response(self) -> Response {
-        Unwritten { value: Arc::new(self.0), large: false }.into_response()
+        Unencoded { value: Arc::new(self.0), is_large: false }.into_response()
     }
 }
 
 impl<T: Serialize + Send + Sync + 'static> IntoResponse for LargeAnswer<T> {
     fn into_response(self) -> Response {
-        Unwritten { value: Arc::new(self.0), large: true }.into_response()
+        Unencoded { value: Arc::new(self.0), is_large: true }.into_response()
     }
 }
 
-/// An answer that waits in its response for the layer that knows the client's format.
+/// The value of an answer. It travels in the extensions of the response to [`encode_answers`], which knows the format.
 #[derive(Clone)]
-struct Unwritten {
-    value: Arc<dyn Writable>,
-    large: bool,
+struct Unencoded {
+    value: Arc<dyn Encode>,
+    is_large: bool,
 }
 
-impl Unwritten {
+impl Unencoded {
     fn into_response(self) -> Response {
         let mut response = Response::default();
         response.extensions_mut().insert(self);
@@ -175,50 +160,51 @@ impl Unwritten {
     }
 }
 
-trait Writable: Send + Sync {
-    fn write(&self, format: Format) -> Result<Vec<u8>, ApiError>;
+trait Encode: Send + Sync {
+    fn encode(&self, format: Format) -> Result<Vec<u8>, ApiError>;
 }
 
-impl<T: Serialize + Send + Sync> Writable for T {
-    fn write(&self, format: Format) -> Result<Vec<u8>, ApiError> {
+impl<T: Serialize + Send + Sync> Encode for T {
+    fn encode(&self, format: Format) -> Result<Vec<u8>, ApiError> {
         format.write(self)
     }
 }
 
-/// Lets the routes answer, and writes answers in the client's format; large ones in another thread, compressed if the client likes.
-pub async fn written(request: Request, next: Next) -> Response {
-    let format = Format::of_answer(request.headers());
+/// Runs the route and encodes its answer in the client's format. Large answers are encoded in another thread, and
+/// compressed if the client accepts gzip.
+pub async fn encode_answers(request: Request, next: Next) -> Response {
+    let format = Format::from_accept(request.headers());
     let gzip = accept::gzip(request.headers());
     let mut response = next.run(request).await;
-    let Some(Unwritten { value, large }) = response.extensions_mut().remove::<Unwritten>() else { return response };
-    let bytes = if large {
-        let large = background(move |_| value.write(format).map(|bytes| compressed(bytes, gzip))).await;
-        large.and_then(|large| large).map(|(bytes, encoding)| {
+    let Some(Unencoded { value, is_large }) = response.extensions_mut().remove() else { return response };
+    let encoded = if is_large {
+        let encoded = background(move |_| value.encode(format).map(|bytes| compress(bytes, gzip))).await;
+        encoded.and_then(|encoded| encoded).map(|(bytes, encoding)| {
             response.headers_mut().insert(header::VARY, HeaderValue::from_static("accept, accept-encoding"));
             encoding.map(|encoding| response.headers_mut().insert(header::CONTENT_ENCODING, encoding));
             bytes
         })
     } else {
-        value.write(format)
+        value.encode(format)
     };
-    match bytes {
+    match encoded {
         Ok(bytes) => {
-            response.headers_mut().insert(header::CONTENT_TYPE, format.media_type());
+            response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(format.media_type()));
             *response.body_mut() = bytes.into();
             response
         }
-        Err(problem) => problem.into_response(),
+        Err(error) => error.into_response(),
     }
 }
 
-/// The bytes, compressed where it pays, and how.
-fn compressed(bytes: Vec<u8>, gzip: bool) -> (Vec<u8>, Option<HeaderValue>) {
-    if !gzip || bytes.len() < SMALLEST_COMPRESSED {
+/// Compresses large answers. Returns the bytes and the value of `Content-Encoding`.
+fn compress(bytes: Vec<u8>, gzip: bool) -> (Vec<u8>, Option<HeaderValue>) {
+    if !gzip || bytes.len() < MIN_COMPRESSED {
         return (bytes, None);
     }
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
     match encoder.write_all(&bytes).and_then(|()| encoder.finish()) {
-        Ok(small) => (small, Some(HeaderValue::from_static("gzip"))),
+        Ok(compressed) => (compressed, Some(HeaderValue::from_static("gzip"))),
         Err(_) => (bytes, None),
     }
 }

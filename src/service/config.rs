@@ -1,48 +1,47 @@
-//! What an operator can tune.
+//! The settings of the service.
 
-use std::net::SocketAddr;
 use std::time::Duration;
 
-use super::access::Token;
-use super::server::ServeError;
 use super::tls::Tls;
+use super::token::Token;
 
-/// Limits, timeouts and secrets of the service; the default is right for a controller on this machine.
+/// Limits, timeouts and secrets of the service. The defaults suit a controller on the same machine.
 #[derive(Debug, Clone)]
 pub struct ServiceConfig {
-    /// What requests must show; needed on any address but a loopback one.
+    /// The token that requests must send. Required on every address that is not a loopback address.
     pub token: Option<Token>,
-    /// Certificate and key; without them the service speaks plain HTTP.
+    /// Certificate and key. Without them the service uses plain HTTP.
     pub tls: Option<Tls>,
-    /// Origins of web pages that may call, such as `https://panel.example`, besides the service's own.
+    /// Origins of web pages that may call, such as `https://panel.example`. The service's own pages always may.
     pub allowed_origins: Vec<String>,
-    /// Largest body in bytes; a state is about one thousandth of the default.
+    /// Maximum size of a body, bytes. A state has about one thousandth of the default.
     pub max_body_bytes: usize,
-    /// Largest body of a batch in bytes.
+    /// Maximum size of the body of a batch, bytes.
     pub max_batch_bytes: usize,
-    /// Bodies of more than 64 KiB that may be read at a time; one of several MiB counts as so many.
+    /// Maximum number of bodies above 64 KiB that are read at a time. A body of n MiB counts n times.
     pub max_large_bodies: usize,
-    /// Sessions at a time; each holds a few kilobytes.
+    /// Maximum number of open sessions. Each uses a few kilobytes.
     pub max_sessions: usize,
-    /// A session that gets no state for this long ends, and a registered robot that is not used; looking at a session
-    /// does not keep it.
+    /// A session ends when it gets no state for this long. Reading the session does not count. A registered robot ends
+    /// when it is not used for this long.
     pub session_idle: Duration,
-    /// Connections at a time; for one more, the one that got no answer for the longest time is closed.
+    /// Maximum number of connections. One more connection closes the connection without an answer for the longest time.
     pub max_connections: usize,
-    /// How long the line of waiting requests may take; those further back are refused at once.
+    /// Maximum waiting time of a request. Requests that would wait longer are refused at once.
     pub max_lag: Duration,
-    /// Time for a request's headers, and for an idle connection. Clients keep idle connections for some 15 s.
+    /// Timeout for the headers of a request and for an idle connection. Clients commonly close idle connections after
+    /// about 15 s.
     pub header_timeout: Duration,
-    /// Time in which a whole body must come in, so that a client cannot hold its connection by trickling.
+    /// Timeout for a whole body. A client therefore cannot hold a connection by sending slowly.
     pub body_timeout: Duration,
-    /// Time after which a client that takes no byte of its answer is dropped.
+    /// Timeout for a client that reads no byte of its answer.
     pub write_timeout: Duration,
-    /// Time for the TLS handshake.
+    /// Timeout for the TLS handshake.
     pub handshake_timeout: Duration,
-    /// Time between the signal to end and the end of listening, in which `/readyz` says no.
+    /// Time between the shutdown signal and the end of listening. During this time `/readyz` answers 503.
     pub drain_delay: Duration,
-    /// Time for requests in flight when the service ends. One that came in whole is answered within milliseconds; what
-    /// is open after this waits for a client that stopped in the middle.
+    /// Timeout for requests in flight after the end of listening. A request that has arrived completely is answered
+    /// within milliseconds. A request that is still open after this time waits for a stopped client.
     pub drain_timeout: Duration,
 }
 
@@ -54,11 +53,11 @@ impl Default for ServiceConfig {
             allowed_origins: Vec::new(),
             max_body_bytes: 1 << 20,
             max_batch_bytes: 16 << 20,
-            // As many of the largest batches as are taken in at a time.
+            // Enough for the maximum number of batches, each of maximum size.
             max_large_bodies: 64,
             max_sessions: 1024,
             session_idle: Duration::from_mins(15),
-            // Below the 1024 open files that systems commonly allow.
+            // Below the common limit of 1024 open files.
             max_connections: 1000,
             max_lag: Duration::from_millis(10),
             header_timeout: Duration::from_secs(30),
@@ -68,15 +67,5 @@ impl Default for ServiceConfig {
             drain_delay: Duration::ZERO,
             drain_timeout: Duration::from_secs(1),
         }
-    }
-}
-
-impl ServiceConfig {
-    /// Refuses an address that others reach, unless requests must show a token.
-    pub fn check(&self, address: SocketAddr) -> Result<(), ServeError> {
-        if address.ip().to_canonical().is_loopback() || self.token.is_some() {
-            return Ok(());
-        }
-        Err(ServeError::TokenNeeded { address })
     }
 }

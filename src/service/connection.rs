@@ -1,4 +1,4 @@
-//! Open connections: how many there may be, and how long a client may let an answer lie.
+//! Open connections: their maximum number, and the timeout for clients that do not read their answer.
 
 use std::collections::HashMap;
 use std::io;
@@ -17,19 +17,19 @@ use tokio::time::Sleep;
 #[derive(Debug)]
 pub struct Connections {
     limit: usize,
-    /// Counts answers; tells which of two was later.
+    /// Counts answers. Of two answers, the later one has the larger number.
     clock: AtomicU64,
     open: Mutex<HashMap<u64, Arc<Entry>>>,
 }
 
 #[derive(Debug)]
 struct Entry {
-    /// When it was opened or last answered, by the clock above.
+    /// Value of the clock when the connection was opened or last answered.
     answered: AtomicU64,
     task: OnceLock<AbortHandle>,
 }
 
-/// The place of one connection, given back when dropped.
+/// The place of one connection in the table. Dropping it removes the connection.
 #[derive(Debug)]
 pub struct Slot {
     id: u64,
@@ -38,16 +38,17 @@ pub struct Slot {
 }
 
 impl Connections {
-    /// None yet.
+    /// Creates an empty table for at most `limit` connections.
     pub fn new(limit: usize) -> Arc<Self> {
         Arc::new(Self { limit, clock: AtomicU64::new(0), open: Mutex::default() })
     }
 
-    /// A place for one more connection, and whether another was closed for it; `None` if none could be.
+    /// Adds a connection. Returns its slot, and whether another connection was closed for it. Returns `None` if no other
+    /// connection could be closed.
     ///
-    /// The one that got no answer for the longest time goes: a client that sends its request slowly, or an idle one,
-    /// never one in a control loop.
-    pub fn enter(self: &Arc<Self>) -> Option<(Slot, bool)> {
+    /// The connection without an answer for the longest time is closed: a client that sends its request slowly, or an idle
+    /// one, never a client in a control loop.
+    pub fn add(self: &Arc<Self>) -> Option<(Slot, bool)> {
         let full = self.count() >= self.limit;
         if full && !self.close_oldest() {
             return None;
@@ -58,7 +59,7 @@ impl Connections {
         Some((Slot { id, entry, all: Arc::clone(self) }, full))
     }
 
-    /// Closes the connection that got no answer for the longest time; false if there is none that can be closed.
+    /// Closes the connection without an answer for the longest time. Returns false if no connection can be closed.
     pub fn close_oldest(&self) -> bool {
         let mut open = self.open();
         let closable = |entry: &Entry| entry.task.get().is_some_and(|task| !task.is_finished());
@@ -69,7 +70,7 @@ impl Connections {
         true
     }
 
-    /// How many are open.
+    /// Number of open connections.
     pub fn count(&self) -> usize {
         self.open().len()
     }
@@ -84,8 +85,8 @@ impl Connections {
 }
 
 impl Slot {
-    /// How to tell which task serves the connection.
-    pub fn owner(&self) -> impl FnOnce(AbortHandle) + use<> {
+    /// Returns a function that sets the task which serves the connection.
+    pub fn set_task(&self) -> impl FnOnce(AbortHandle) + use<> {
         let entry = Arc::clone(&self.entry);
         move |task| drop(entry.task.set(task))
     }
@@ -97,23 +98,23 @@ impl Drop for Slot {
     }
 }
 
-/// A connection that ends if its client takes no byte of an answer for too long.
+/// A connection that ends when its client reads no byte of an answer for too long.
 #[derive(Debug)]
 pub struct Connection {
     stream: TcpStream,
     slot: Slot,
     write_timeout: Duration,
-    /// Runs while the client does not read.
+    /// The timer that runs while the client does not read.
     stalled: Option<Pin<Box<Sleep>>>,
 }
 
 impl Connection {
-    /// Takes over an accepted stream.
+    /// Wraps an accepted stream.
     pub fn new(stream: TcpStream, slot: Slot, write_timeout: Duration) -> Self {
         Self { stream, slot, write_timeout, stalled: None }
     }
 
-    fn written(&mut self, context: &mut Context, result: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
+    fn after_write(&mut self, context: &mut Context, result: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
         if result.is_ready() {
             self.stalled = None;
             self.slot.entry.answered.store(self.slot.all.tick(), Ordering::Relaxed);
@@ -135,7 +136,7 @@ impl AsyncRead for Connection {
 impl AsyncWrite for Connection {
     fn poll_write(mut self: Pin<&mut Self>, context: &mut Context, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let result = Pin::new(&mut self.stream).poll_write(context, bytes);
-        self.written(context, result)
+        self.after_write(context, result)
     }
 
     fn poll_write_vectored(
@@ -144,7 +145,7 @@ impl AsyncWrite for Connection {
         slices: &[io::IoSlice],
     ) -> Poll<io::Result<usize>> {
         let result = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
-        self.written(context, result)
+        self.after_write(context, result)
     }
 
     fn is_write_vectored(&self) -> bool {

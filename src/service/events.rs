@@ -1,4 +1,4 @@
-//! Server-sent events that show the latest value, never more often than a reader needs.
+//! Server-sent events that show the latest value at a limited rate.
 
 use std::time::Duration;
 
@@ -10,21 +10,21 @@ use tokio::sync::watch;
 
 use super::drain::Draining;
 
-/// Comments are sent after this time without an event, so that a reader that is gone is noticed.
+/// After this time without an event, a comment is sent. This detects readers that are gone.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
-/// What a reader gets of a value.
+/// The event for a value.
 pub enum Shown<V> {
-    /// Nothing.
+    /// No event.
     Nothing,
-    /// An event of that name.
+    /// An event with this name and data.
     Event(&'static str, V),
-    /// The same, and nothing after it.
+    /// The last event of the stream.
     Last(&'static str, V),
 }
 
-/// Sends the present value and later ones, `pause` apart at least; what passes meanwhile is left out. Ends with the
-/// source, when the service drains, or after the last one.
+/// Sends the current value and later values, at least `pause` apart. Values that change faster are skipped. The stream
+/// ends with the source, when the service shuts down, or after the last event.
 pub fn latest<T: Clone + Send + Sync + 'static, V: Serialize + Send + 'static>(
     mut source: watch::Receiver<T>,
     draining: Draining,
@@ -46,7 +46,7 @@ struct Reader<T, F> {
 }
 
 impl<T: Clone, F> Reader<T, F> {
-    /// The next event and, unless it is the last one, the reader of those after it.
+    /// Returns the next event and, unless it is the last one, the reader of the later events.
     async fn next<V: Serialize>(mut self) -> Option<(Result<Event, Error>, Option<Self>)>
     where
         F: FnMut(&T) -> Shown<V>,
@@ -59,7 +59,7 @@ impl<T: Clone, F> Reader<T, F> {
                 changed = self.source.changed() => changed.ok()?,
                 () = self.draining.begun() => return None,
             }
-            // Not shown while it is borrowed: that would hold up whoever changes it.
+            // Clones the value, because a long borrow would block the writer.
             let value = self.source.borrow_and_update().clone();
             let event = |name, value| Event::default().event(name).json_data(value);
             match (self.show)(&value) {

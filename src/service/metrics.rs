@@ -1,4 +1,4 @@
-//! What the service counts, for Prometheus.
+//! The counters of the service, for Prometheus.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,10 +13,10 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Metric, Registry};
 use revprio_api::wire;
 
-/// Upper ends of the classes of answer times, s: steps take tens of microseconds, hard problems milliseconds.
+/// Upper bounds of the histogram of answer times, s. Steps take tens of microseconds, hard problems milliseconds.
 const DURATIONS_S: [f64; 14] = [1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.05, 0.1, 1.0, 10.0];
 
-/// Instead of the template of a route: there is no such route.
+/// Replaces the template of the route for requests to unknown routes.
 const NO_ROUTE: &str = "none";
 
 const PATHS: [&str; 3] = ["closed_form", "active_set", "qp"];
@@ -46,7 +46,7 @@ struct SolverLabels {
     status: &'static str,
 }
 
-/// All counters of one service; labels take few values, whatever clients send.
+/// All counters of one service. Labels have few values, whatever clients send.
 pub struct Metrics {
     registry: Registry,
     requests: Family<RequestLabels, Counter>,
@@ -60,13 +60,13 @@ pub struct Metrics {
     clarabel_failures: Counter,
     /// Handlers that panicked.
     pub panics: Counter,
-    /// Steps of sessions that came more than half a period late.
+    /// Steps of sessions more than 1.5 periods after the previous step.
     pub missed_periods: Counter,
     sessions: Gauge,
     connections: Gauge,
 }
 
-/// The counters of one route, looked up once.
+/// The counters of one route.
 pub struct Route {
     template: String,
     duration: Histogram,
@@ -74,27 +74,28 @@ pub struct Route {
 }
 
 impl Metrics {
-    /// All at zero.
+    /// Creates all counters at zero.
     pub fn new() -> Self {
         let mut registry = Registry::with_prefix("revprio");
         let all = &mut registry;
-        let requests = added(all, "requests", "Answers by route and status", Family::default());
+        let requests = register(all, "requests", "Answers by route and status", Family::default());
         let durations: Durations = Family::new_with_constructor(|| Histogram::new(DURATIONS_S));
-        let help = "Time from a request's headers to its answer";
-        let durations = added(all, "request_duration_seconds", help, durations);
-        let problems = added(all, "problems", "Problems in answers, batches and streams, by type", Family::default());
-        let help = "Connections that ended otherwise than by an orderly close, by cause";
-        let connection_faults = added(all, "connection_faults", help, Family::default());
+        let help = "Time from the headers of a request to its answer";
+        let durations = register(all, "request_duration_seconds", help, durations);
+        let problems =
+            register(all, "problems", "Problems in answers, batches and streams, by type", Family::default());
+        let help = "Connections that did not end with an orderly close, by cause";
+        let connection_faults = register(all, "connection_faults", help, Family::default());
         let help = "Resolved problems by solver path and status";
-        let resolutions: Family<SolverLabels, Counter> = added(all, "resolutions", help, Family::default());
-        let clarabel_iterations = added(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
-        let help = "Levels that Clarabel failed to solve; an exact method stood in";
-        let clarabel_failures = added(all, "clarabel_failures", help, Counter::default());
-        let panics = added(all, "panics", "Handlers that panicked", Counter::default());
-        let help = "Steps of sessions more than 1.5 periods after the one before";
-        let missed_periods = added(all, "missed_periods", help, Counter::default());
-        let sessions = added(all, "sessions", "Sessions that have not ended", Gauge::default());
-        let connections = added(all, "connections", "Open connections", Gauge::default());
+        let resolutions: Family<SolverLabels, Counter> = register(all, "resolutions", help, Family::default());
+        let clarabel_iterations = register(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
+        let help = "Levels that Clarabel failed to solve and an exact method solved instead";
+        let clarabel_failures = register(all, "clarabel_failures", help, Counter::default());
+        let panics = register(all, "panics", "Handlers that panicked", Counter::default());
+        let help = "Steps of sessions more than 1.5 periods after the previous step";
+        let missed_periods = register(all, "missed_periods", help, Counter::default());
+        let sessions = register(all, "sessions", "Sessions that have not ended", Gauge::default());
+        let connections = register(all, "connections", "Open connections", Gauge::default());
         let resolutions =
             PATHS.map(|path| STATUSES.map(|status| resolutions.get_or_create_owned(&SolverLabels { path, status })));
         Self {
@@ -114,7 +115,7 @@ impl Metrics {
         }
     }
 
-    /// The counters of a route, by its template.
+    /// Returns the counters of a route, by its template.
     pub fn route(&self, template: Option<&str>) -> Arc<Route> {
         let template = template.unwrap_or(NO_ROUTE);
         let mut routes = self.routes.lock().unwrap_or_else(PoisonError::into_inner);
@@ -128,7 +129,7 @@ impl Metrics {
     }
 
     /// Counts an answer.
-    pub fn answered(&self, route: &Route, status: StatusCode, duration: Duration) {
+    pub fn count_answer(&self, route: &Route, status: StatusCode, duration: Duration) {
         route.duration.observe(duration.as_secs_f64());
         let mut by_status = route.by_status.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, counter)) = by_status.iter().find(|(known, _)| *known == status) {
@@ -142,17 +143,17 @@ impl Metrics {
     }
 
     /// Counts an answer, an item of a batch or a message of a stream that is a problem.
-    pub fn refused(&self, kind: &'static str) {
+    pub fn count_problem(&self, kind: &'static str) {
         self.problems.get_or_create(&TypeLabel { r#type: kind }).inc();
     }
 
-    /// Counts a connection that did not end well.
-    pub fn connection_fault(&self, cause: &'static str) {
+    /// Counts a connection that did not end with an orderly close.
+    pub fn count_connection_fault(&self, cause: &'static str) {
         self.connection_faults.get_or_create(&TypeLabel { r#type: cause }).inc();
     }
 
-    /// Counts a resolved problem, whichever way it came.
-    pub fn solved(&self, report: &wire::SolverReport) {
+    /// Counts a resolved problem of any route.
+    pub fn count_resolution(&self, report: &wire::SolverReport) {
         let path = match report.path {
             wire::Path::ClosedForm => 0,
             wire::Path::ActiveSet => 1,
@@ -168,20 +169,20 @@ impl Metrics {
         self.clarabel_failures.inc_by(u64::from(report.failures));
     }
 
-    /// All of it as text, in the OpenMetrics format, with what is open now.
+    /// Returns all metrics in the OpenMetrics text format. `sessions`, `connections`: those that are open now.
     pub fn text(&self, sessions: usize, connections: usize) -> String {
         for (gauge, count) in [(&self.sessions, sessions), (&self.connections, connections)] {
             gauge.set(i64::try_from(count).unwrap_or(i64::MAX));
         }
         let mut text = String::new();
-        // Writing into a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = prometheus_client::encoding::text::encode(&mut text, &self.registry);
         text
     }
 }
 
 /// Registers a metric.
-fn added<M: Metric + Clone>(registry: &mut Registry, name: &str, help: &str, metric: M) -> M {
+fn register<M: Metric + Clone>(registry: &mut Registry, name: &str, help: &str, metric: M) -> M {
     registry.register(name, help, metric.clone());
     metric
 }

@@ -1,83 +1,114 @@
 //! The HTTP service.
 //!
-//! | route | what |
+//! | route | purpose |
 //! |---|---|
-//! | `POST /v1/resolve`, `/v1/resolve/batch` | one stateless question, or up to 10 000 in one request |
-//! | `POST /v1/step` | one control period, the controller's memory travelling with the request |
-//! | `POST /v1/controllers` | opens a session; `GET` shows and `DELETE` ends `/v1/controllers/{id}` |
+//! | `POST /v1/resolve`, `/v1/resolve/batch` | resolves one stateless problem, or up to 10 000 in one request |
+//! | `POST /v1/step` | one control period; the controller's memory is part of the request |
+//! | `GET /v1/controllers` | lists the sessions |
+//! | `POST /v1/controllers` | opens a session |
+//! | `GET`, `DELETE /v1/controllers/{id}` | shows or ends a session |
 //! | `POST /v1/controllers/{id}/step` | one control period of a session |
-//! | `GET /v1/controllers/{id}/stream` | the same over WebSocket |
-//! | `GET /v1/controllers/{id}/watch` | states with their answers as server-sent events `step`, 30 a second at most |
-//! | `POST /v1/kinematics` | pose, Jacobian, singular values, link frames at a posture |
-//! | `POST /v1/stability` | how much lag, delay and how little damping one axis in contact bears |
-//! | `GET /v1/robots`, `/v1/robots/{name}` | the arms that requests can name |
-//! | `GET /v1/scenarios`, `/v1/scenarios/{name}` | the experiments that ship with the service |
-//! | `POST /v1/simulations` | runs a scenario; `GET` shows, `DELETE` cancels (an ended one: forgets) `/v1/simulations/{id}` |
-//! | `GET /v1/simulations/{id}/events`, `/trace` | server-sent events `progress` and `end`; CSV, JSON lines or JSON |
-//! | `GET /docs`, `/openapi.json`, `/asyncapi.json` | the interactive reference and the documents behind it |
-//! | `GET /healthz`, `/readyz`, `/metrics` | liveness; readiness, false while draining; Prometheus |
+//! | `GET /v1/controllers/{id}/stream` | control periods of a session over WebSocket |
+//! | `GET /v1/controllers/{id}/watch` | server-sent events `step` with states and answers, at most 30 a second |
+//! | `POST /v1/kinematics` | pose, Jacobian, singular values and link frames at a posture |
+//! | `POST /v1/stability` | stability margins of one axis in contact: maximum lag, maximum delay, minimum damping |
+//! | `GET`, `POST /v1/robots` | lists or registers the arms that requests can name |
+//! | `GET`, `DELETE /v1/robots/{name}` | shows an arm, or deletes a registered one |
+//! | `GET /v1/scenarios`, `/v1/scenarios/{name}` | the scenarios that ship with the service |
+//! | `POST /v1/simulations` | simulates a scenario |
+//! | `GET`, `DELETE /v1/simulations/{id}` | shows a simulation; cancels a running one, deletes an ended one |
+//! | `GET /v1/simulations/{id}/events` | server-sent events `progress` and `end` |
+//! | `GET /v1/simulations/{id}/trace` | the trace: CSV, JSON lines, JSON, Parquet or MCAP |
+//! | `POST /v1/simulations/{id}/control` | controls an interactive simulation |
+//! | `GET /v1/simulations/{id}/live`, `/cycle` | the live view and the last control period of an interactive simulation |
+//! | `GET /`, `/docs` | the page in the browser, the interactive reference |
+//! | `GET /openapi.json`, `/asyncapi.json` | the interface description |
+//! | `GET /healthz`, `/readyz`, `/metrics` | liveness; readiness (503 during shutdown); metrics for Prometheus |
 //!
 //! # Bodies
 //!
-//! JSON or MessagePack (`application/msgpack`, structs as maps with field names), request by `Content-Type`, answer by
-//! `Accept`, otherwise in the format of the request. MessagePack may hold only what JSON could: finite numbers, texts as
-//! keys. Problems are always `application/problem+json`. Batches, traces and the list of scenarios are compressed (gzip)
-//! for clients that say so; steps never.
+//! Bodies are JSON or MessagePack (`application/msgpack`, structs as maps with field names). `Content-Type` selects the
+//! format of the request, `Accept` the format of the answer. Without `Accept`, the answer has the format of the request.
 //!
-//! # Before an answer is too old: the client's watchdog
+//! MessagePack may contain only values of JSON: finite numbers, and strings as keys. Problems are always
+//! `application/problem+json`. Batches, traces and the list of scenarios are compressed with gzip if the client accepts
+//! it. Answers to steps are never compressed.
 //!
-//! The service cannot see whether its answer arrived, or whether the next state is on its way. Each answer to a state
-//! therefore carries `valid_for_ms`. The rule for whoever commands the arm: count from the moment at which the *state*
-//! was measured; when that time is over and no newer answer is there, whatever the reason (no connection, a problem
-//! instead of an answer, a slow network), ramp the last joint velocities to zero within the arm's acceleration limits
-//! and hold; begin again with a fresh state. Never go on with an old command, and never repeat it.
+//! # The watchdog of the client
+//!
+//! The service cannot see whether its answer arrived or whether the next state will come. Each answer to a state
+//! therefore contains `valid_for_ms`. The program that commands the arm must follow this rule:
+//!
+//! 1. Count `valid_for_ms` from the moment at which the *state* was measured.
+//! 2. If the time is over and there is no newer answer, for whatever reason (no connection, a problem instead of an
+//!    answer, a slow network), ramp the last joint velocities to zero within the acceleration limits of the arm. Then hold.
+//! 3. Resume with a newly measured state.
+//!
+//! Never continue with an expired command. Never repeat it.
 //!
 //! # Streams
 //!
-//! `/stream` takes one state per message and sends one answer per state, as JSON in text frames (no subprotocol or
-//! `revprio.json`) or as MessagePack in binary frames (`revprio.msgpack`). The rules of sequence numbers are those of
-//! requests, and several streams and requests may share a session. What is refused gets a problem object, which has a
-//! `status` where an answer has `joint_velocity`, and the stream goes on. A message has at most 64 KiB. The service
-//! pings every 10 s and closes with code
+//! `/stream` receives one state per message and sends one answer per state. Messages are JSON in text frames (no
+//! subprotocol or `revprio.json`) or MessagePack in binary frames (`revprio.msgpack`). Sequence numbers follow the same
+//! rules as in requests. Several streams and requests may share a session.
 //!
-//! | code | because |
+//! A refused state gets a problem object, and the stream continues. A problem has `status` and no `joint_velocity`. A
+//! message has at most 64 KiB. The service pings every 10 s. It closes a stream with one of these codes:
+//!
+//! | code | cause |
 //! |---|---|
 //! | 1001 | the service ends |
-//! | 1002 | a message is no WebSocket message, or larger than 128 KiB |
+//! | 1002 | a message is not a WebSocket message, or is larger than 128 KiB |
 //! | 1011 | the service has a defect |
 //! | 4404 | the controller has ended |
-//! | 4408 | nothing was heard of the client for 30 s, not even an answer to a ping |
+//! | 4408 | the client sent nothing for 30 s, not even an answer to a ping |
 //!
-//! A client that does not read for 5 s is disconnected.
+//! The service disconnects a client that does not read for 5 s.
 //!
 //! # Long work
 //!
-//! One thread serves all steps. Batches and simulations run in others, and end when nobody waits for them any more:
+//! One thread serves all steps. Other threads run the long work. Long work stops when its client is gone.
 //!
-//! - batches one after the other on all cores, at a lower priority than steps, up to 4 at a time, others get 503;
-//! - stability margins, which take seconds for long delays, one after the other, up to 8 at a time;
-//! - simulations two at a time, the others queued; up to 100 000 control periods each and 250 000 all together, which
-//!   bounds the memory of their traces to some 125 MB. Ended ones are forgotten after an hour, or, oldest first, when a
-//!   new one needs the room; where that does not help, 503.
+//! | work | at a time | others |
+//! |---|---|---|
+//! | batches | one, on all cores with a lower priority than steps | 3 wait, then 503 |
+//! | stability margins, which take seconds at long delays | one | 7 wait, then 503 |
+//! | simulations, at most 100 000 control periods each | two | wait |
+//! | interactive simulations | four | 503 |
 //!
-//! # What keeps it safe and steady
+//! The service keeps at most 64 simulations with 250 000 control periods together, so their traces use at most about
+//! 250 MB. An ended simulation is deleted after an hour, or earlier if a new one needs its place. If no ended simulation
+//! is left to delete, a new one gets 503.
 //!
-//! One thread answers all requests: a step takes microseconds, less than handing it to another thread. From the outside
-//! in:
+//! # Protection against overload and misuse
 //!
-//! - `server`: listening and ending. Told to end, the service first says so at `/readyz`, then stops listening, then
-//!   answers what is in flight and ends streams.
-//! - `connection`: at most [`ServiceConfig::max_connections`]; for one more, the connection without an answer for the
-//!   longest time is closed, which is never that of a control loop or of a WebSocket. Headers, handshakes and answers
-//!   that are not taken have their timeouts, after which a connection just ends. Bytes that are no HTTP, and headers
-//!   beyond 64 KiB, get a bare 400, 414 or 431 from hyper, without a body; every other error is a problem (RFC 9457).
-//! - `gate`: every request gets a name (`x-request-id`), is counted and logged. Those without the token get 401, those
-//!   of a foreign web page 403.
-//! - `line`: requests that stand too far back get 503 and Retry-After at once instead of a late answer. `/healthz`,
-//!   `/readyz` and `/metrics` need not stand in line.
-//! - `body`: size and time of bodies are bounded, and how many large ones are read at a time, so that memory is.
+//! One thread answers all requests: a step takes microseconds, less than passing it to another thread. A request passes
+//! these modules, from the outside in:
 //!
-//! On any but a loopback address [`serve`] wants a [`Token`].
+//! | module | protection |
+//! |---|---|
+//! | `server` | Orderly shutdown: `/readyz` answers 503, then the service stops listening, then it answers the requests in flight and ends the streams. |
+//! | `connection` | At most [`ServiceConfig::max_connections`]. One more connection closes the connection without an answer for the longest time. A connection in a control loop and a WebSocket are never closed this way. Headers, handshakes and unread answers have timeouts. |
+//! | `gate` | Gives each request an ID (`x-request-id`), counts and logs it. Requests without the token get 401, requests of other sites' pages 403. |
+//! | `admission_queue` | Requests that would wait too long get 503 and `Retry-After` at once. `/healthz`, `/readyz` and `/metrics` are always admitted. |
+//! | `body` | Limits the size and the time of bodies, and the number of large bodies at a time. |
+//!
+//! Bytes that are not HTTP, and headers above 64 KiB, get status 400, 414 or 431 without a body. Every other error is a
+//! problem (RFC 9457).
+//!
+//! On every address that is not a loopback address, [`serve`] requires a [`Token`].
+//!
+//! # Order of the modules
+//!
+//! A module imports only modules of its own line and of the lines above it, and there are no import circles:
+//!
+//! 1. `error`, `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`: one request, without state
+//! 2. `robots`, `convert`: the registry of arms; bodies to types of the library and back
+//! 3. `metrics`, `connection`, `admission_queue`, `drain`, `background`, `events`: the running server
+//! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `simulations`: the controllers
+//! 5. `state`: all of these together
+//! 6. `body`, `resolve`, `stream`, `gate`: modules that use the state
+//! 7. `handlers`, then `routes`, then `openapi`, then `app`, then `server`
 
 mod accept;
 mod access;
@@ -97,23 +128,27 @@ mod handlers;
 mod in_process;
 mod metrics;
 mod openapi;
-mod recent;
+mod request_id;
 mod resolve;
 mod robots;
-mod segment;
+mod routes;
 mod server;
 mod sessions;
 mod simulations;
+mod state;
 mod step;
+mod stepper_cache;
 mod stream;
 mod tls;
+mod token;
 
-pub use access::{Token, TokenError};
-pub use app::{AppState, Service, router};
+pub use app::{Service, router};
 pub use config::ServiceConfig;
 pub use convert::{controller, robot_answer};
 pub use error::ApiError;
 pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve};
+pub use state::AppState;
 pub use tls::{Tls, TlsError};
+pub use token::{Token, TokenError};

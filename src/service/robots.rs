@@ -1,32 +1,30 @@
-//! The arms that requests can name.
+//! The registry of the arms that requests can name.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use revprio_robot::{RobotModel, built_in};
 
-use super::config::ServiceConfig;
+/// Maximum number of registered robots. Each uses at most about 100 kilobytes, mostly names.
+const MAX_REGISTERED: usize = 64;
 
-/// Registered robots at a time; each holds at most some 100 kilobytes, mostly names.
-const MOST_REGISTERED: usize = 64;
+/// Maximum length of the name of a robot, bytes.
+pub const MAX_NAME: usize = 64;
 
-/// Longest name of a robot, bytes.
-pub const LONGEST_NAME: usize = 64;
-
-/// Why a robot cannot be added or removed.
+/// The reason why a robot cannot be found, added or removed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RobotsError {
-    /// Robots stand in addresses by their name.
+    /// The name cannot be a part of a URL.
     #[error(
-        "`{0:.80}` cannot name a robot; use letters, digits, `_`, `-` and `.`, at most {LONGEST_NAME}, a letter or digit \
-         first"
+        "`{0:.80}` cannot name a robot; use at most {MAX_NAME} letters, digits, `_`, `-` and `.`, and begin with a \
+         letter or digit"
     )]
     Name(String),
-    /// The name belongs to another robot.
+    /// Another robot has the name.
     #[error("the name `{0}` is taken; choose another")]
     Taken(String),
-    /// No room.
-    #[error("{MOST_REGISTERED} robots are registered already; delete one, or wait until an idle one ends")]
+    /// The maximum number of robots is registered.
+    #[error("{MAX_REGISTERED} robots are registered already; delete one, or wait until an unused one ends")]
     Full,
     /// The robot came with the program or with `--robot`.
     #[error("`{0}` belongs to the service; only registered robots can be deleted")]
@@ -36,14 +34,15 @@ pub enum RobotsError {
     Unknown {
         /// The name.
         name: String,
-        /// All names.
+        /// The names of all robots.
         known: String,
     },
 }
 
-/// Known robots by name: permanent ones, and those that clients registered, which end when they are not used for long.
+/// All known robots: permanent robots, and robots that clients registered.
 ///
-/// Whoever holds a robot, as sessions do, uses it: it does not end meanwhile, and deleting it only ends its name.
+/// A registered robot ends when it is not used for the idle timeout. Every `Arc` of a robot counts as use: while a session
+/// holds a robot, the robot does not end. Deleting a robot only frees its name.
 #[derive(Debug)]
 pub struct Robots {
     permanent: Vec<Arc<RobotModel>>,
@@ -54,7 +53,7 @@ pub struct Robots {
 #[derive(Debug)]
 struct Registered {
     robot: Arc<RobotModel>,
-    /// When it was first seen to be in nobody's hands; `None` while it is used.
+    /// Time of the first check that found no user; `None` while the robot is used.
     idle_since: Option<Instant>,
 }
 
@@ -69,37 +68,33 @@ impl Registered {
 }
 
 impl Robots {
-    /// Those that ship with the crate.
+    /// Creates a registry of the robots that ship with the program.
     pub fn built_in() -> Self {
         Self { permanent: built_in().to_vec(), ..Self::none() }
     }
 
-    /// No robot yet.
+    /// Creates an empty registry. Registered robots do not end before a service sets the idle timeout.
     pub fn none() -> Self {
-        Self {
-            permanent: Vec::new(),
-            registered: Mutex::default(),
-            idle_timeout: ServiceConfig::default().session_idle,
-        }
+        Self { permanent: Vec::new(), registered: Mutex::default(), idle_timeout: Duration::MAX }
     }
 
-    /// These and another permanent one.
+    /// Adds a permanent robot.
     pub fn with(mut self, robot: Arc<RobotModel>) -> Result<Self, RobotsError> {
         self.check_name(robot.name(), &[])?;
         self.permanent.push(robot);
         Ok(self)
     }
 
-    /// The same, but registered ones end when they are not used for that long.
-    pub(super) fn ending_after(self, idle_timeout: Duration) -> Self {
+    /// Sets the idle timeout of registered robots.
+    pub(super) fn with_idle_timeout(self, idle_timeout: Duration) -> Self {
         Self { idle_timeout, ..self }
     }
 
-    /// Adds a robot until it is deleted or not used for long.
+    /// Registers a robot until it is deleted or unused for the idle timeout.
     pub fn register(&self, robot: Arc<RobotModel>) -> Result<(), RobotsError> {
         let mut registered = self.registered();
         self.check_name(robot.name(), &registered)?;
-        if registered.len() >= MOST_REGISTERED {
+        if registered.len() >= MAX_REGISTERED {
             return Err(RobotsError::Full);
         }
         registered.push(Registered { robot, idle_since: None });
@@ -112,18 +107,18 @@ impl Robots {
             return Err(RobotsError::Permanent(name.to_owned()));
         }
         let mut registered = self.registered();
-        let place = registered.iter().position(|entry| entry.robot.name() == name);
-        let removed = place.map(|place| registered.remove(place));
+        let index = registered.iter().position(|entry| entry.robot.name() == name);
+        let removed = index.map(|index| registered.remove(index));
         drop(registered);
         removed.map(drop).ok_or_else(|| self.unknown(name))
     }
 
-    /// Whether the name belongs to a robot for good.
+    /// Returns whether the robot is permanent.
     pub fn is_permanent(&self, name: &str) -> bool {
         self.permanent.iter().any(|robot| robot.name() == name)
     }
 
-    /// The robot of that name.
+    /// Returns the robot with this name.
     pub fn get(&self, name: &str) -> Result<Arc<RobotModel>, RobotsError> {
         if let Some(robot) = self.permanent.iter().find(|robot| robot.name() == name) {
             return Ok(Arc::clone(robot));
@@ -135,7 +130,7 @@ impl Robots {
         found.ok_or_else(|| self.unknown(name))
     }
 
-    /// All, permanent ones first, then in the order of registration.
+    /// Returns all robots: permanent ones first, then the others in the order of registration.
     pub fn all(&self) -> Vec<Arc<RobotModel>> {
         let registered = self.registered();
         let registered = registered.iter().map(|entry| &entry.robot);
@@ -150,14 +145,14 @@ impl Robots {
     fn check_name(&self, name: &str, registered: &[Registered]) -> Result<(), RobotsError> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
         let starts_well = name.starts_with(|c: char| c.is_ascii_alphanumeric());
-        if !(starts_well && name.len() <= LONGEST_NAME && name.chars().all(is_word)) {
+        if !(starts_well && name.len() <= MAX_NAME && name.chars().all(is_word)) {
             return Err(RobotsError::Name(name.to_owned()));
         }
         let mut others = self.permanent.iter().chain(registered.iter().map(|entry| &entry.robot));
         if others.any(|other| other.name() == name) { Err(RobotsError::Taken(name.to_owned())) } else { Ok(()) }
     }
 
-    /// The registered robots that have not ended.
+    /// Removes the registered robots that have ended, and returns the others.
     fn registered(&self) -> MutexGuard<'_, Vec<Registered>> {
         let mut registered = self.registered.lock().unwrap_or_else(PoisonError::into_inner);
         registered.retain_mut(|entry| !entry.has_ended(self.idle_timeout));
@@ -174,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_registered_robot_ends_when_nobody_holds_or_asks_for_it() {
+    fn an_unused_registered_robot_ends() {
         let robots = Robots { idle_timeout: Duration::ZERO, ..Robots::built_in() };
         let held = named("held");
         robots.register(Arc::clone(&held)).unwrap();
@@ -186,19 +181,19 @@ mod tests {
     }
 
     #[test]
-    fn the_time_without_use_counts_from_the_end_of_a_use() {
+    fn the_idle_time_counts_from_the_end_of_the_last_use() {
         let robots = Robots { idle_timeout: Duration::from_millis(50), ..Robots::none() };
         robots.register(named("arm")).unwrap();
         let held = robots.get("arm").unwrap();
         std::thread::sleep(Duration::from_millis(60));
         drop(held);
-        assert_eq!(robots.all().len(), 1, "it was held until now");
+        assert_eq!(robots.all().len(), 1, "the robot was in use until now");
         std::thread::sleep(Duration::from_millis(60));
         assert_eq!(robots.all().len(), 0);
     }
 
     #[test]
-    fn names_are_words_and_belong_to_one_robot() {
+    fn names_are_words_and_unique() {
         let robots = Robots::built_in();
         let too_long = "a".repeat(65);
         for name in ["", "..", "a/b", "a b", "-a", "ä", "a\n", too_long.as_str()] {

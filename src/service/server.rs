@@ -1,4 +1,4 @@
-//! Listening, timeouts and an orderly end.
+//! Listening, timeouts and the orderly shutdown.
 
 use std::error::Error;
 use std::future::Future;
@@ -16,46 +16,56 @@ use tokio::net::TcpStream;
 use tokio::sync::oneshot;
 
 use super::app::Service;
+use super::config::ServiceConfig;
 use super::connection::Connection;
 use super::drain::Draining;
-use super::error::no_room;
+use super::error::connection_refusal;
 
-/// Most bytes of a connection that wait to be read or written; holds any headers in use.
-const BUFFER_LIMIT: usize = 64 << 10;
+/// Maximum number of bytes that wait to be read or written on a connection. Enough for all headers in use.
+const MAX_BUFFER: usize = 64 << 10;
 
-/// Why the service cannot run.
+/// The reason why the service cannot run.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// Others would reach it, and it would obey them.
+    /// Others could reach the service without a token, and move the arm.
     #[error(
-        "{address} can be reached by others, who could move the arm: give a secret with --token-file, or listen on \
-         127.0.0.1"
+        "others can reach {address} and could move the arm; give a secret with --token-file, or listen on 127.0.0.1"
     )]
     TokenNeeded {
         /// The address.
         address: SocketAddr,
     },
-    /// The address cannot be listened on.
+    /// The service cannot listen on the address.
     #[error("cannot listen on {address}: {source}; choose another address with --listen")]
     Listen {
         /// The address.
         address: SocketAddr,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The runtime or its thread cannot start.
+    /// The async runtime or its thread cannot start.
     #[error("cannot start the service: {0}")]
     Start(#[from] io::Error),
 }
 
-/// Listens on an address; port 0 takes a free one.
+impl ServiceConfig {
+    /// Refuses an address that others can reach, unless requests must send a token.
+    pub fn check(&self, address: SocketAddr) -> Result<(), ServeError> {
+        if address.ip().to_canonical().is_loopback() || self.token.is_some() {
+            return Ok(());
+        }
+        Err(ServeError::TokenNeeded { address })
+    }
+}
+
+/// Listens on an address. Port 0 selects a free port.
 pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
     TcpListener::bind(address).map_err(|source| ServeError::Listen { address, source })
 }
 
-/// Serves until `stop` is ready, then answers what is in flight and returns.
+/// Serves until `stop` is ready, then answers the requests in flight and returns.
 ///
-/// One thread serves all: a step takes microseconds, less than handing it to another thread.
+/// One thread serves all requests: a step takes microseconds, less than passing it to another thread.
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -64,11 +74,11 @@ pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output =
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let app = Arc::clone(&service.app);
-        tokio::spawn(async move { app.admission_queue.carry_marker().await });
+        tokio::spawn(async move { app.admission_queue.run_marker().await });
         accept(listener, service, stop).await;
         Ok(())
     });
-    // What runs in the background notices that it is abandoned.
+    // Background work notices that it is abandoned.
     runtime.shutdown_timeout(drain_timeout);
     served
 }
@@ -89,7 +99,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
             Ok((stream, _)) => admit(stream, &service),
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
-                // Most often there are too many open files.
+                // The usual cause is too many open files.
                 app.connections.close_oldest();
                 tokio::time::sleep(Duration::from_millis(50)).await;
             }
@@ -97,30 +107,30 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
     }
     drop(listener);
     let timeout = app.config.drain_timeout;
-    if tokio::time::timeout(timeout, app.drain.finished()).await.is_err() {
+    if tokio::time::timeout(timeout, app.drain.finish()).await.is_err() {
         tracing::warn!("connections still open after {timeout:?} were dropped");
     }
 }
 
-/// Serves a connection in a task of its own, if there is room.
+/// Starts a task that serves a connection, or refuses the connection if there are too many.
 fn admit(stream: TcpStream, service: &Service) {
     let (config, metrics) = (&service.app.config, &service.app.metrics);
-    let Some((slot, full)) = service.app.connections.enter() else {
-        metrics.connection_fault("refused");
-        // Fits into any send buffer. An encrypted connection is only closed.
+    let Some((slot, full)) = service.app.connections.add() else {
+        metrics.count_connection_fault("refused");
+        // The answer fits into any send buffer. An encrypted connection is only closed.
         if config.tls.is_none() {
-            let _ = stream.try_write(no_room().as_bytes());
+            let _ = stream.try_write(connection_refusal().as_bytes());
         }
         return;
     };
     if full {
-        metrics.connection_fault("closed_for_another");
+        metrics.count_connection_fault("closed_for_another");
     }
-    // Answers are small and awaited: never hold one back to fill a packet.
+    // Answers are small and the client waits for them: never delay one to fill a packet.
     let _ = stream.set_nodelay(true);
-    let own = slot.owner();
+    let set_task = slot.set_task();
     let connection = Connection::new(stream, slot, config.write_timeout);
-    let draining = service.app.drain.listener();
+    let draining = service.app.drain.subscribe();
     let task = match &config.tls {
         None => tokio::spawn(answer(connection, service.clone(), draining)),
         Some(tls) => {
@@ -129,15 +139,15 @@ fn admit(stream: TcpStream, service: &Service) {
             tokio::spawn(async move {
                 match handshake.await {
                     Ok(Ok(connection)) => answer(connection, service, draining).await,
-                    Ok(Err(_)) | Err(_) => service.app.metrics.connection_fault("handshake"),
+                    Ok(Err(_)) | Err(_) => service.app.metrics.count_connection_fault("handshake"),
                 }
             })
         }
     };
-    own(task.abort_handle());
+    set_task(task.abort_handle());
 }
 
-/// Answers the requests of one connection; at the end, only that which came already.
+/// Answers the requests of one connection. After the shutdown began, it answers only requests that have arrived.
 async fn answer<C>(connection: C, service: Service, mut draining: Draining)
 where
     C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
@@ -146,7 +156,7 @@ where
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(app.config.header_timeout)
-        .max_buf_size(BUFFER_LIMIT)
+        .max_buf_size(MAX_BUFFER)
         .serve_connection(TokioIo::new(connection), TowerToHyperService::new(service.router))
         .with_upgrades();
     let mut connection = std::pin::pin!(connection);
@@ -158,11 +168,11 @@ where
         }
     };
     if let Err(error) = result {
-        app.metrics.connection_fault(cause(&error));
+        app.metrics.count_connection_fault(cause(&error));
     }
 }
 
-/// Why a connection ended early; it concerns its client alone.
+/// Returns the cause of the early end of a connection, as a label of the metrics.
 fn cause(error: &hyper::Error) -> &'static str {
     let io = error.source().and_then(|source| source.downcast_ref::<io::Error>());
     match io.map(io::Error::kind) {
@@ -173,28 +183,28 @@ fn cause(error: &hyper::Error) -> &'static str {
     }
 }
 
-/// A service in a thread of its own, ended when dropped.
+/// A service that runs in its own thread and ends when it is dropped.
 pub struct RunningServer {
     address: SocketAddr,
     encrypted: bool,
     workers: Vec<Worker>,
 }
 
-/// A thread that serves until it is told to stop.
+/// A thread that serves until it is stopped.
 struct Worker {
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl RunningServer {
-    /// Starts on a free loopback port.
-    #[expect(clippy::needless_pass_by_value, reason = "a server takes what it runs")]
+    /// Starts the service on a free loopback port.
+    #[expect(clippy::needless_pass_by_value, reason = "the server owns the service")]
     pub fn start(service: Service) -> Result<Self, ServeError> {
         Self::start_on(1, &service)
     }
 
-    /// The same with so many threads, each with connections of its own: for measurements, as the line of waiting requests
-    /// is measured for one.
+    /// Starts the service with several threads, each with its own connections. Use this for measurements only: the limit of
+    /// waiting requests assumes one thread.
     pub fn start_on(threads: usize, service: &Service) -> Result<Self, ServeError> {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
@@ -202,7 +212,7 @@ impl RunningServer {
         Ok(Self { address, encrypted, workers: (0..threads).map(worker).collect::<io::Result<_>>()? })
     }
 
-    /// Base of all addresses, such as `http://127.0.0.1:40123`.
+    /// Returns the base of all URLs, such as `http://127.0.0.1:40123`.
     pub fn url(&self) -> String {
         let scheme = if self.encrypted { "https" } else { "http" };
         format!("{scheme}://{}", self.address)

@@ -1,4 +1,4 @@
-//! Controllers that keep their memory between calls.
+//! Sessions: controllers that keep their memory on the service between calls.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,94 +15,94 @@ use super::convert;
 use super::error::ApiError;
 use super::metrics::Metrics;
 
-/// A step that comes more than so many periods after the one before missed one.
+/// A step more than this many periods after the previous step counts as a missed period.
 const LATE_PERIODS: f64 = 1.5;
 
 /// One control period of a session.
 #[derive(Debug)]
 pub struct Step {
-    /// What was measured.
+    /// The measured state.
     pub state: wire::State,
-    /// What was answered.
+    /// The answer to the state.
     pub answer: wire::StepAnswer,
-    /// q̇ of the period before, n; `None` at the first or if nobody watched.
+    /// Joint velocities q̇ of the previous period, n; `None` at the first step or without a watcher.
     pub last_command: Option<Vector>,
 }
 
-/// What a session answered, shared with those who watch it and with a retry rather than copied.
+/// The answer of a session. Watchers and retries share it without a copy.
 #[derive(Debug)]
-pub struct Answered(Arc<Step>);
+pub struct SharedAnswer(Arc<Step>);
 
-impl Answered {
+impl SharedAnswer {
     /// The answer.
     pub fn answer(&self) -> &wire::StepAnswer {
         &self.0.answer
     }
 }
 
-impl Serialize for Answered {
+impl Serialize for SharedAnswer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.0.answer.serialize(serializer)
     }
 }
 
-/// One controller with its memory.
+/// A controller with its memory and counters.
 pub struct Session {
-    /// As it was asked for.
+    /// The controller of the request.
     pub request: wire::Controller,
     stepper: Stepper,
     memory: Option<Memory>,
-    last: watch::Sender<Option<Arc<Step>>>,
+    last_step: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
     retries: u64,
-    stepped: Option<Instant>,
+    last_step_time: Option<Instant>,
     missed_periods: u64,
-    /// When the last state came, or the session was opened.
-    called: Instant,
+    /// Time of the last state, or of the opening of the session.
+    last_call: Instant,
 }
 
 impl Session {
-    /// Answers a state that came at `now`: by a step, or, for the state of the last call, by the same answer again.
-    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<Answered, ApiError> {
+    /// Answers a state that arrived at `now`. A new state makes a step. The last state again gets the last answer again.
+    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<SharedAnswer, ApiError> {
         let controller = Arc::clone(self.stepper.controller());
         let measurement = convert::measurement(&state, &controller)?;
-        self.called = now;
-        if let Some(last) = &*self.last.borrow() {
+        self.last_call = now;
+        if let Some(last) = &*self.last_step.borrow() {
             if last.state == state {
                 self.retries += 1;
-                return Ok(Answered(Arc::clone(last)));
+                return Ok(SharedAnswer(Arc::clone(last)));
             }
-            grows(last.state.sequence, state.sequence)?;
+            convert::check_sequence(last.state.sequence, state.sequence)?;
         }
-        // Only watchers want it.
-        let last_command = self.memory.as_ref().filter(|_| self.last.receiver_count() > 0);
+        // Only watchers use the last command.
+        let last_command = self.memory.as_ref().filter(|_| self.last_step.receiver_count() > 0);
         let last_command = last_command.map(|memory| memory.last_command.clone());
         let command = self.stepper.step(&mut self.memory, &measurement);
-        let command = command.map_err(|error| convert::step_problem(&error, ""))?;
+        let command = command.map_err(|error| convert::step_error(&error, ""))?;
         let answer = convert::step_answer(&controller, state.sequence, command, now);
-        metrics.solved(&answer.solver);
+        metrics.count_resolution(&answer.solver);
         self.steps += 1;
-        let since = self.stepped.replace(now).map(|before| now.duration_since(before));
-        if since.is_some_and(|since| since.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
+        let elapsed = self.last_step_time.replace(now).map(|last| now.duration_since(last));
+        if elapsed.is_some_and(|elapsed| elapsed.as_secs_f64() > LATE_PERIODS * self.request.period_s) {
             self.missed_periods += 1;
             metrics.missed_periods.inc();
         }
         let step = Arc::new(Step { state, answer, last_command });
-        self.last.send_replace(Some(Arc::clone(&step)));
-        Ok(Answered(step))
+        self.last_step.send_replace(Some(Arc::clone(&step)));
+        Ok(SharedAnswer(step))
     }
 
-    /// The controller, ready to be shared.
+    /// Returns the controller.
     pub fn controller(&self) -> Arc<Controller> {
         Arc::clone(self.stepper.controller())
     }
 
-    /// Hears of every step, without holding it up.
+    /// Subscribes to the steps. A watcher never delays a step.
     pub fn watch(&self) -> watch::Receiver<Option<Arc<Step>>> {
-        self.last.subscribe()
+        self.last_step.subscribe()
     }
 
-    /// What the list shows.
+    /// Returns the entry for the list of sessions.
     fn entry(&self, id: Uuid) -> wire::SessionEntry {
         wire::SessionEntry {
             id: id.to_string(),
@@ -111,31 +111,21 @@ impl Session {
             solver: self.request.solver,
             period_s: self.request.period_s,
             steps: self.steps,
-            idle_s: self.called.elapsed().as_secs_f64(),
+            idle_s: self.last_call.elapsed().as_secs_f64(),
         }
     }
 
-    /// What `GET` shows.
+    /// Returns the answer to `GET`.
     pub fn status(&self, id: Uuid) -> wire::SessionStatus {
         wire::SessionStatus {
             id: id.to_string(),
             controller: self.request.clone(),
-            last_sequence: self.last.borrow().as_ref().map(|last| last.state.sequence),
+            last_sequence: self.last_step.borrow().as_ref().map(|last| last.state.sequence),
             steps: self.steps,
             retries: self.retries,
             missed_periods: self.missed_periods,
         }
     }
-}
-
-/// Refuses a sequence number that does not grow.
-pub fn grows(last: u64, now: u64) -> Result<(), ApiError> {
-    if now > last {
-        return Ok(());
-    }
-    Err(ApiError::sequence(format!(
-        "sequence {now} after {last}: count up with every new state; only an unchanged state may be sent again"
-    )))
 }
 
 /// All sessions.
@@ -147,101 +137,98 @@ pub struct Sessions {
 }
 
 impl Sessions {
-    /// None yet.
+    /// Creates an empty table for at most `limit` sessions.
     pub fn new(limit: usize, idle_timeout: Duration, metrics: Arc<Metrics>) -> Self {
         Self { limit, idle_timeout, metrics, open: Mutex::default() }
     }
 
-    /// Time after which a session ends that gets no state.
+    /// Time after which a session without a new state ends.
     pub fn idle_timeout(&self) -> Duration {
         self.idle_timeout
     }
 
-    /// How many have not ended.
+    /// Returns the number of open sessions.
     pub fn count(&self) -> usize {
-        self.end_idle().len()
+        self.lock_active().len()
     }
 
-    /// Those that have not ended, the one that was called last first.
+    /// Lists the open sessions, the last called one first.
     pub fn list(&self) -> wire::SessionList {
-        let open = self.end_idle();
+        let open = self.lock_active();
         let mut controllers: Vec<_> = open.iter().map(|(id, session)| lock(session).entry(*id)).collect();
         controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
         wire::SessionList { controllers }
     }
 
-    /// Opens a session and returns its name.
+    /// Opens a session and returns its ID.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, ApiError> {
-        let mut sessions = self.end_idle();
+        let mut sessions = self.lock_active();
         if sessions.len() >= self.limit {
             return Err(ApiError::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
-        let stepper = Stepper::new(controller).map_err(|error| convert::step_problem(&error, ""))?;
+        let stepper = Stepper::new(controller).map_err(|error| convert::step_error(&error, ""))?;
         let session = Session {
             request,
             stepper,
             memory: None,
-            last: watch::Sender::new(None),
+            last_step: watch::Sender::new(None),
             steps: 0,
             retries: 0,
-            stepped: None,
+            last_step_time: None,
             missed_periods: 0,
-            called: Instant::now(),
+            last_call: Instant::now(),
         };
         sessions.insert(id, Arc::new(Mutex::new(session)));
         Ok(id)
     }
 
-    /// Ends the sessions that got no state for long, and lets go of their robots.
-    pub fn let_go(&self) {
-        drop(self.end_idle());
+    /// Ends idle sessions. They no longer use their robots.
+    pub fn end_idle(&self) {
+        drop(self.lock_active());
     }
 
-    /// Ends the sessions that got no state for long; what is left.
-    fn end_idle(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+    /// Ends idle sessions and returns the others.
+    fn lock_active(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
         let mut open = lock(&self.open);
-        open.retain(|_, session| lock(session).called.elapsed() < self.idle_timeout);
+        open.retain(|_, session| lock(session).last_call.elapsed() < self.idle_timeout);
         open
     }
 
     /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: wire::State) -> Result<Answered, ApiError> {
+    pub fn step(&self, id: &str, state: wire::State) -> Result<SharedAnswer, ApiError> {
         let now = Instant::now();
         self.with(id, |_, session| session.answer(state, now, &self.metrics))
     }
 
-    /// Lets `act` work on a session; other sessions are not held up meanwhile.
+    /// Runs `act` on a session. Other sessions do not wait.
     pub fn with<T>(
         &self,
         id: &str,
         act: impl FnOnce(Uuid, &mut Session) -> Result<T, ApiError>,
     ) -> Result<T, ApiError> {
-        let id = parse(id)?;
-        let session = lock(&self.open).get(&id).cloned().ok_or_else(|| unknown(&id.to_string()))?;
+        let unknown = || ApiError::unknown_controller(id);
+        let uuid = parse(id)?;
+        let session = lock(&self.open).get(&uuid).cloned().ok_or_else(unknown)?;
         let mut session = lock(&session);
-        if session.called.elapsed() >= self.idle_timeout {
-            // Removed when the next one is created; taking both locks here, in the other order, could deadlock.
-            return Err(unknown(&id.to_string()));
+        if session.last_call.elapsed() >= self.idle_timeout {
+            // Not removed here: the locks in this order could deadlock. The next call of `lock_active` removes it.
+            return Err(unknown());
         }
-        act(id, &mut session)
+        act(uuid, &mut session)
     }
 
     /// Ends a session.
     pub fn delete(&self, id: &str) -> Result<(), ApiError> {
-        lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| unknown(id))
+        lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| ApiError::unknown_controller(id))
     }
 }
 
 fn parse(id: &str) -> Result<Uuid, ApiError> {
-    Uuid::try_parse(id).map_err(|_| unknown(id))
+    Uuid::try_parse(id).map_err(|_| ApiError::unknown_controller(id))
 }
 
-fn unknown(id: &str) -> ApiError {
-    ApiError::unknown_controller(id)
-}
-
-/// A panic while a lock was held is answered and counted elsewhere; the data, replaced whole, is still consistent.
+/// Ignores a panic of an earlier holder of the lock: values are replaced as a whole and stay consistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -266,20 +253,20 @@ mod tests {
         serde_json::from_str(include_str!("../../api/examples/state.json")).unwrap()
     }
 
-    /// Lets all sessions wait for the longest time they may.
-    fn let_time_pass(sessions: &Sessions) {
+    /// Makes all sessions idle for the idle timeout.
+    fn make_idle(sessions: &Sessions) {
         for session in lock(&sessions.open).values() {
             let mut session = lock(session);
-            session.called = session.called.checked_sub(sessions.idle_timeout).unwrap();
+            session.last_call = session.last_call.checked_sub(sessions.idle_timeout).unwrap();
         }
     }
 
     #[test]
-    fn an_idle_session_ends_and_makes_room() {
+    fn an_idle_session_ends_and_another_can_open() {
         let sessions = sessions();
         let (idle, busy) = (open(&sessions), open(&sessions));
-        let_time_pass(&sessions);
-        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).called = Instant::now();
+        make_idle(&sessions);
+        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).last_call = Instant::now();
         assert!(sessions.step(&idle, state()).unwrap_err().is_not_found());
         assert!(sessions.step(&busy, state()).is_ok());
         open(&sessions);
@@ -287,14 +274,14 @@ mod tests {
     }
 
     #[test]
-    fn states_keep_a_session_and_looking_at_it_does_not() {
+    fn states_keep_a_session_open_and_reads_do_not() {
         let sessions = sessions();
         let id = open(&sessions);
-        let called = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).called;
-        let first = called();
+        let last_call = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).last_call;
+        let first = last_call();
         sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
-        assert_eq!(called(), first);
+        assert_eq!(last_call(), first);
         sessions.step(&id, state()).unwrap();
-        assert!(called() > first);
+        assert!(last_call() > first);
     }
 }

@@ -1,4 +1,4 @@
-//! Sessions and stateless steps, for HTTP handlers and for runs within this process alike.
+//! The calls of a control loop, shared by the HTTP handlers and by runs in this process.
 
 use std::time::Instant;
 
@@ -23,7 +23,13 @@ pub fn open_session(
     Ok(wire::CreatedController { id, joints, idle_timeout_s: sessions.idle_timeout().as_secs(), warnings })
 }
 
-/// Computes a step whose memory travels with request and answer.
+/// Creates the stepper of a controller that stands at `/controller` of a stateless request.
+pub fn stateless_stepper(controller: &wire::Controller, robots: &Robots) -> Result<Stepper, ApiError> {
+    let controller = convert::controller(controller, robots).map_err(|error| error.inside("/controller"))?;
+    Stepper::new(controller).map_err(|error| convert::step_error(&error, "/state"))
+}
+
+/// Computes a stateless step: the memory comes with the request and returns with the answer.
 pub fn stateless_step(
     stepper: &mut Stepper,
     state: &wire::State,
@@ -31,10 +37,10 @@ pub fn stateless_step(
 ) -> Result<wire::StepAnswer, ApiError> {
     let start = Instant::now();
     let controller = stepper.controller().clone();
-    let measurement = convert::measurement(state, &controller).map_err(|problem| problem.inside("/state"))?;
+    let measurement = convert::measurement(state, &controller).map_err(|error| error.inside("/state"))?;
     let mut memory = convert::memory(memory, state.sequence, &controller)?;
     let command = stepper.step(&mut memory, &measurement);
-    let command = command.map_err(|error| convert::step_problem(&error, "/state"))?;
+    let command = command.map_err(|error| convert::step_error(&error, "/state"))?;
     let mut answer = convert::step_answer(&controller, state.sequence, command, start);
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, state.sequence, &memory));
     Ok(answer)

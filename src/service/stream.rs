@@ -1,8 +1,8 @@
-//! A session over WebSocket: one state message in, one answer out, for loops faster than requests allow.
+//! A session over WebSocket: one state in, one answer out. A stream is faster than requests.
 //!
-//! Without a subprotocol, or with `revprio.json`, messages are JSON in text frames; with `revprio.msgpack` they are
-//! MessagePack in binary frames. The next state is read when the answer to the last one is sent, so that a slow reader
-//! holds no memory. A state that is refused is answered by a problem object, which has a `status`, and the stream goes on.
+//! Messages are JSON in text frames (no subprotocol or `revprio.json`) or MessagePack in binary frames
+//! (`revprio.msgpack`). The next state is read after the answer to the last one is sent, so a slow reader uses no memory.
+//! A refused state is answered with a problem object, which has a `status`, and the stream continues.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,55 +12,56 @@ use axum::http::HeaderValue;
 use axum::response::Response;
 use tokio::time::{Instant, interval_at, timeout};
 
-use super::app::AppState;
 use super::drain::Draining;
 use super::error::ApiError;
 use super::format::Format;
-use super::sessions::Answered;
+use super::sessions::SharedAnswer;
+use super::state::AppState;
 
 /// Subprotocol of JSON.
 const JSON: &str = "revprio.json";
 /// Subprotocol of MessagePack.
 const MESSAGE_PACK: &str = "revprio.msgpack";
 
-/// Largest message in bytes; a state is about one sixtieth of it.
-const MESSAGE_LIMIT: usize = 64 << 10;
+/// Maximum size of a message, bytes. A state has about one sixtieth of it.
+const MAX_MESSAGE: usize = 64 << 10;
 
-/// Larger ones are not even read.
-const READ_LIMIT: usize = 2 * MESSAGE_LIMIT;
+/// Maximum size of a message that is read and refused, bytes. A larger one ends the stream.
+const MAX_READ: usize = 2 * MAX_MESSAGE;
 
-/// Buffers of a connection: some messages.
+/// Size of the read buffer, bytes: a few messages.
 const BUFFER: usize = 16 << 10;
 
-/// A ping is sent this often.
+/// Time between two pings.
 const PING_INTERVAL: Duration = Duration::from_secs(10);
 
-/// A client that is not heard of for this long, not even by an answer to a ping, is gone.
-const SILENCE_LIMIT: Duration = Duration::from_secs(30);
+/// A client that sends nothing for this long, not even an answer to a ping, is gone.
+const MAX_SILENCE: Duration = Duration::from_secs(30);
 
-/// Time for a client to read what is sent to it.
+/// Timeout for a client that does not read.
 const READ_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Time for a client to answer the closing of the stream.
+/// Timeout for the client's answer to the close frame.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Why a stream ends.
-struct Farewell(u16, &'static str);
+/// Code and reason of a close frame.
+struct CloseReason(u16, &'static str);
 
-const DRAINING: Farewell = Farewell(1001, "the service ends");
-const UNREADABLE: Farewell = Farewell(1002, "this is no WebSocket message, or a far too large one");
-const INTERNAL: Farewell = Farewell(1011, "a defect of the service; the log has the details");
-const NO_CONTROLLER: Farewell = Farewell(4404, "the controller has ended");
-const SILENT: Farewell = Farewell(4408, "nothing was heard of the client");
+const DRAINING: CloseReason = CloseReason(1001, "the service ends");
+const UNREADABLE: CloseReason = CloseReason(1002, "the message is not a WebSocket message, or is far too large");
+const INTERNAL: CloseReason = CloseReason(1011, "a defect of the service; the log has the details");
+const NO_CONTROLLER: CloseReason = CloseReason(4404, "the controller has ended");
+const SILENT: CloseReason = CloseReason(4408, "the client was silent for too long");
 
-/// Answers the upgrade and serves the session `id` until either side ends the stream.
-pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String, draining: Draining) -> Response {
+/// Upgrades the connection, and serves the session `id` until either side ends the stream.
+pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String) -> Response {
+    let draining = app.drain.subscribe();
     let upgrade = upgrade
         .protocols([JSON, MESSAGE_PACK])
         .read_buffer_size(BUFFER)
         .write_buffer_size(0)
-        .max_message_size(READ_LIMIT)
-        .max_frame_size(READ_LIMIT);
+        .max_message_size(MAX_READ)
+        .max_frame_size(MAX_READ);
     upgrade.on_upgrade(|socket| async move {
         let is_binary = socket.protocol().map(HeaderValue::as_bytes) == Some(MESSAGE_PACK.as_bytes());
         let format = if is_binary { Format::MessagePack } else { Format::Json };
@@ -77,23 +78,23 @@ struct Stream {
 
 impl Stream {
     async fn serve(mut self, mut draining: Draining) {
-        if let Err(Farewell(code, reason)) = self.answer_all(&mut draining).await {
+        if let Err(CloseReason(code, reason)) = self.answer_all(&mut draining).await {
             let close = CloseFrame { code, reason: Utf8Bytes::from_static(reason) };
             let _ = self.send(Message::Close(Some(close))).await;
-            // Closed too early, the connection would be reset and the reason lost.
+            // An early end would reset the connection, and the client would lose the reason.
             let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = self.socket.recv().await {} }).await;
         }
     }
 
-    /// Answers until the client is gone, or there is a reason to end.
-    async fn answer_all(&mut self, draining: &mut Draining) -> Result<(), Farewell> {
-        let mut heard = Instant::now();
-        let mut pings = interval_at(heard + PING_INTERVAL, PING_INTERVAL);
+    /// Answers until the client is gone or the service has a reason to end the stream.
+    async fn answer_all(&mut self, draining: &mut Draining) -> Result<(), CloseReason> {
+        let mut last_received = Instant::now();
+        let mut pings = interval_at(last_received + PING_INTERVAL, PING_INTERVAL);
         loop {
             let message = tokio::select! {
                 message = self.socket.recv() => message,
                 now = pings.tick() => {
-                    if now.duration_since(heard) >= SILENCE_LIMIT {
+                    if now.duration_since(last_received) >= MAX_SILENCE {
                         return Err(SILENT);
                     }
                     if self.send(Message::Ping("".into())).await.is_err() {
@@ -103,7 +104,7 @@ impl Stream {
                 }
                 () = draining.begun() => return Err(DRAINING),
             };
-            heard = Instant::now();
+            last_received = Instant::now();
             let bytes = match message {
                 Some(Ok(Message::Text(text))) => text.into(),
                 Some(Ok(Message::Binary(bytes))) => bytes,
@@ -111,29 +112,29 @@ impl Stream {
                 Some(Ok(Message::Close(_))) | None => return Ok(()),
                 Some(Err(_)) => return Err(UNREADABLE),
             };
-            let (answer, farewell) = self.answer(&bytes).map_err(|_| INTERNAL)?;
+            let (answer, close_reason) = self.answer(&bytes).map_err(|_| INTERNAL)?;
             if self.send(answer).await.is_err() {
                 return Ok(());
             }
-            farewell.map_or(Ok(()), Err)?;
+            close_reason.map_or(Ok(()), Err)?;
         }
     }
 
-    /// The answer to one state, and why it is the last one if it is.
-    fn answer(&self, bytes: &[u8]) -> Result<(Message, Option<Farewell>), ApiError> {
+    /// Returns the answer to one state, and a reason to close the stream after it.
+    fn answer(&self, bytes: &[u8]) -> Result<(Message, Option<CloseReason>), ApiError> {
         match self.step(bytes) {
             Ok(answer) => Ok((self.message(&answer)?, None)),
-            Err(problem) => {
-                self.app.metrics.refused(problem.kind());
-                let farewell = problem.is_not_found().then_some(NO_CONTROLLER);
-                Ok((self.message(&problem.into_wire())?, farewell))
+            Err(error) => {
+                self.app.metrics.count_problem(error.kind());
+                let close_reason = error.is_not_found().then_some(NO_CONTROLLER);
+                Ok((self.message(&error.into_wire())?, close_reason))
             }
         }
     }
 
-    fn step(&self, bytes: &[u8]) -> Result<Answered, ApiError> {
-        if bytes.len() > MESSAGE_LIMIT {
-            return Err(ApiError::too_large(MESSAGE_LIMIT));
+    fn step(&self, bytes: &[u8]) -> Result<SharedAnswer, ApiError> {
+        if bytes.len() > MAX_MESSAGE {
+            return Err(ApiError::too_large(MAX_MESSAGE));
         }
         self.app.sessions.step(&self.id, self.format.read(bytes)?)
     }
@@ -146,7 +147,7 @@ impl Stream {
         }
     }
 
-    /// Sends a message, or finds that the client does not read.
+    /// Sends a message. An error means that the client is gone or does not read.
     async fn send(&mut self, message: Message) -> Result<(), ()> {
         timeout(READ_TIMEOUT, self.socket.send(message)).await.map_err(drop)?.map_err(drop)
     }

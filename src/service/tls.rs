@@ -1,4 +1,4 @@
-//! Certificate and key for HTTPS.
+//! The certificate and key for HTTPS.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,44 +9,44 @@ use tokio_rustls::rustls::pki_types::pem::{self, PemObject};
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::rustls::{self, ServerConfig};
 
-/// What the service identifies itself with.
+/// The certificate and key of the service.
 #[derive(Clone)]
 pub struct Tls(pub(super) TlsAcceptor);
 
-/// Never shows the key.
+/// Hides the key.
 impl std::fmt::Debug for Tls {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
         formatter.write_str("Tls(…)")
     }
 }
 
-/// Why certificate or key are refused.
+/// The reason why certificate or key are refused.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
-    /// A file cannot be read, or is no PEM of that kind.
-    #[error("cannot read the {what} in {path}: {source}; it must be PEM")]
+    /// A file cannot be read, or is not PEM of that kind.
+    #[error("cannot read the {what} in {path}: {source}; give a PEM file")]
     Read {
-        /// Certificate or key.
+        /// `certificate` or `key`.
         what: &'static str,
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error of the PEM reader.
         source: pem::Error,
     },
-    /// The two do not fit, or the kind of key is unknown.
+    /// The key does not belong to the certificate, or the kind of key is unknown.
     #[error("certificate {cert} and key {key}: {source}")]
     Pair {
-        /// The certificate's file.
+        /// File of the certificate.
         cert: PathBuf,
-        /// The key's file.
+        /// File of the key.
         key: PathBuf,
-        /// What is wrong.
+        /// The error of rustls.
         source: rustls::Error,
     },
 }
 
 impl Tls {
-    /// Reads a chain of certificates, the service's own first, and its key.
+    /// Reads a certificate chain, with the service's own certificate first, and the key.
     pub fn read(cert: &Path, key: &Path) -> Result<Self, TlsError> {
         let unread = |what, path: &Path| {
             let path = path.to_owned();

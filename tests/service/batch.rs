@@ -1,4 +1,4 @@
-//! Many problems in one request.
+//! Batches: many problems in one request.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::harness::{Service, example, without};
 
-/// Problems that differ from each other, every tenth one wrong.
+/// Returns different problems, every tenth one wrong.
 fn items(count: usize) -> Vec<Value> {
     let item = |i: usize| {
         let mut item = example("resolve.json");
@@ -30,10 +30,10 @@ fn gunzipped(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_batch_is_answered_in_order_as_the_single_problems_are() {
+fn a_batch_is_answered_in_order_like_single_problems() {
     let service = Service::start();
     let items = items(60);
-    let answer = service.ask("/v1/resolve/batch", &json!({"items": items}));
+    let answer = service.call("/v1/resolve/batch", &json!({"items": items}));
     let answers = answer["items"].as_array().unwrap();
     assert_eq!(answers.len(), 60);
     for (i, (item, answer)) in items.iter().zip(answers).enumerate() {
@@ -51,16 +51,16 @@ fn a_batch_is_answered_in_order_as_the_single_problems_are() {
 
 #[test]
 fn the_example_is_resolved() {
-    let answer = Service::start().ask("/v1/resolve/batch", &example("batch.json"));
+    let answer = Service::start().call("/v1/resolve/batch", &example("batch.json"));
     assert_eq!(answer["items"][0]["tasks"][0]["name"], "push");
     assert_eq!(answer["items"][1]["solver"]["status"], "optimal");
     assert_eq!(answer["items"][1]["joint_velocity"].as_array().unwrap().len(), 3);
 }
 
 #[test]
-fn a_batch_may_be_empty_and_has_an_end() {
+fn a_batch_may_be_empty_and_has_a_maximum_size() {
     let service = Service::start();
-    assert_eq!(service.ask("/v1/resolve/batch", &json!({"items": []})), json!({"items": []}));
+    assert_eq!(service.call("/v1/resolve/batch", &json!({"items": []})), json!({"items": []}));
     let small = json!({"tasks": [{"jacobian": [[1]], "velocity": [1]}]});
     let many = |count: usize| service.post("/v1/resolve/batch", &json!({"items": vec![&small; count]}).to_string());
     assert_eq!(many(10_000).accepted()["items"].as_array().unwrap().len(), 10_000);
@@ -68,7 +68,7 @@ fn a_batch_may_be_empty_and_has_an_end() {
 }
 
 #[test]
-fn bodies_of_another_shape_are_refused_as_a_whole() {
+fn batches_of_the_wrong_shape_are_refused_as_a_whole() {
     let service = Service::start();
     let batch = |text: &str| service.post("/v1/resolve/batch", text);
     let mut broken = example("batch.json");
@@ -87,7 +87,7 @@ fn bodies_of_another_shape_are_refused_as_a_whole() {
 }
 
 #[test]
-fn large_answers_are_compressed_for_those_who_can_read_it_and_small_ones_never() {
+fn only_large_answers_are_compressed_and_only_if_accepted() {
     let service = Service::start();
     let post = |path: &str, body: &Value| {
         let headers = [("content-type", "application/json"), ("accept-encoding", "gzip, br")];
@@ -105,7 +105,7 @@ fn large_answers_are_compressed_for_those_who_can_read_it_and_small_ones_never()
     }
 }
 
-/// A batch that takes far longer than a test waits, of problems that take Clarabel some milliseconds each.
+/// Returns a batch that takes far longer than the test. Clarabel needs some milliseconds for each problem.
 fn long_batch() -> String {
     let row = |i: usize| (0..30).map(|j| (i * 7 + j * 3) % 10).collect::<Vec<_>>();
     let task = |k: usize| json!({"jacobian": (0..6).map(|i| row(6 * k + i)).collect::<Vec<_>>(), "velocity": [9, 8, 7, 6, 5, 4]});
@@ -114,7 +114,7 @@ fn long_batch() -> String {
     json!({"items": vec![json!({"tasks": tasks, "limits": limits, "solver": "qp"}); 4000]}).to_string()
 }
 
-/// Sends a batch and does not wait for its answer.
+/// Sends a batch without waiting for its answer.
 fn send(service: &Service, body: &str) -> TcpStream {
     let mut stream = service.connect();
     let head = "POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json";
@@ -123,21 +123,21 @@ fn send(service: &Service, body: &str) -> TcpStream {
 }
 
 #[test]
-fn steps_go_on_while_a_batch_is_resolved() {
+fn steps_continue_while_a_batch_is_resolved() {
     let service = Service::start();
     let mut batch = send(&service, &long_batch());
     let session = service.open(&example("controller.json"));
     for sequence in 0..200 {
         let mut state = example("state.json");
         state["sequence"] = json!(sequence);
-        service.ask(&format!("{session}/step"), &state);
+        service.call(&format!("{session}/step"), &state);
     }
     batch.set_nonblocking(true).unwrap();
     let answer = batch.read(&mut [0; 1]).map_err(|error| error.kind());
-    assert_eq!(answer, Err(ErrorKind::WouldBlock), "the batch was answered first");
+    assert_eq!(answer, Err(ErrorKind::WouldBlock), "the batch was answered before the steps");
 }
 
-/// The beginning of an answer; `None` if it does not come soon.
+/// Returns the beginning of an answer; `None` if there is none soon.
 fn answered(client: &mut TcpStream) -> Option<String> {
     client.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
     let mut begin = [0; 2048];
@@ -146,12 +146,12 @@ fn answered(client: &mut TcpStream) -> Option<String> {
 }
 
 #[test]
-fn too_many_batches_are_turned_away_and_abandoned_ones_make_room() {
+fn too_many_batches_are_refused_and_abandoned_ones_free_their_place() {
     let service = Service::start();
     let body = long_batch();
     let mut clients: Vec<TcpStream> = (0..4).map(|_| send(&service, &body)).collect();
-    // Until the service has read all four, a fifth may take a place: it waits behind the others, and gives up. On a busy
-    // machine one of the four may be sent away as overload: it comes again.
+    // Until the service has read all four batches, a fifth may be admitted. It then waits and times out. On a busy machine
+    // the service may refuse one of the four as overload. The loop sends it again.
     let refusal = loop {
         for client in &mut clients {
             if answered(client).is_some() {

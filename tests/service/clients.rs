@@ -1,4 +1,4 @@
-//! Clients that stop in the middle.
+//! Clients that stop in the middle of a request.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -10,11 +10,11 @@ const HALF_A_HEADER: &str = "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-ty"
 const HALF_A_BODY: &str =
     "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{\"robot\"";
 
-/// Far less than any time limit of the service: nobody waited for one of them.
+/// Far below every timeout of the service.
 const PROMPTLY: Duration = Duration::from_secs(5);
 
-/// Connections that send these bytes and then nothing.
-fn dead_clients(service: &Service, count: usize, bytes: &str) -> Vec<TcpStream> {
+/// Opens connections that send these bytes and then nothing.
+fn stopped_clients(service: &Service, count: usize, bytes: &str) -> Vec<TcpStream> {
     let connect = |_| {
         let mut stream = service.connect();
         stream.write_all(bytes.as_bytes()).unwrap();
@@ -24,42 +24,42 @@ fn dead_clients(service: &Service, count: usize, bytes: &str) -> Vec<TcpStream> 
 }
 
 #[test]
-fn dead_clients_do_not_delay_an_honest_one() {
+fn stopped_clients_do_not_delay_a_working_one() {
     let service = Service::start();
-    let dead = ["", HALF_A_HEADER, HALF_A_BODY].map(|bytes| dead_clients(&service, 50, bytes));
+    let stopped = ["", HALF_A_HEADER, HALF_A_BODY].map(|bytes| stopped_clients(&service, 50, bytes));
     let start = Instant::now();
     for _ in 0..50 {
-        service.ask("/v1/resolve", &example("resolve.json"));
+        service.call("/v1/resolve", &example("resolve.json"));
     }
     assert!(start.elapsed() < PROMPTLY, "{:?}", start.elapsed());
-    drop(dead);
+    drop(stopped);
     service.assert_alive();
 }
 
 #[test]
-fn the_service_ends_promptly_with_dead_clients() {
+fn the_service_ends_promptly_with_stopped_clients() {
     for bytes in ["", "GET /healthz HTTP/1.1\r\nhost: a\r\n\r\n", HALF_A_HEADER, HALF_A_BODY] {
         let service = Service::start();
-        let dead = dead_clients(&service, 20, bytes);
+        let stopped = stopped_clients(&service, 20, bytes);
         service.assert_alive();
         let start = Instant::now();
         drop(service);
         assert!(start.elapsed() < PROMPTLY, "{bytes:?}: {:?}", start.elapsed());
-        drop(dead);
+        drop(stopped);
     }
 }
 
 #[test]
-fn a_body_that_does_not_come_is_given_up() {
+fn a_missing_body_is_answered_with_408() {
     let service = Service::start();
-    let mut stream = dead_clients(&service, 1, HALF_A_BODY).remove(0);
+    let mut stream = stopped_clients(&service, 1, HALF_A_BODY).remove(0);
     let mut answer = [0; 12];
     stream.read_exact(&mut answer).unwrap();
     assert_eq!(&answer, b"HTTP/1.1 408");
 }
 
 #[test]
-fn requests_may_follow_each_other_without_waiting() {
+fn pipelined_requests_are_all_answered() {
     let service = Service::start();
     let one = "GET /healthz HTTP/1.1\r\nhost: a\r\n\r\n";
     let last = "GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n";

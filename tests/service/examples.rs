@@ -1,10 +1,10 @@
-//! Every route, with the bodies of `api/examples`.
+//! The main routes, with the bodies of `api/examples`.
 
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, numbers};
 
-/// Joint velocities of the arm of the examples, all finite and inside `limit`.
+/// Asserts that the joint velocities of the example arm are finite and inside `limit`.
 fn assert_command(answer: &Value, limit: f64) {
     let velocity = numbers(&answer["joint_velocity"]);
     assert_eq!(velocity.len(), 7);
@@ -15,7 +15,7 @@ fn assert_command(answer: &Value, limit: f64) {
 
 #[test]
 fn one_problem_is_resolved_and_explained() {
-    let answer = Service::start().ask("/v1/resolve", &example("resolve.json"));
+    let answer = Service::start().call("/v1/resolve", &example("resolve.json"));
     assert_command(&answer, 1.0);
     let push = &answer["tasks"][0];
     assert_eq!(push["name"], "push");
@@ -26,7 +26,7 @@ fn one_problem_is_resolved_and_explained() {
 
 #[test]
 fn one_period_is_stepped_without_a_session() {
-    let answer = Service::start().ask("/v1/step", &example("step.json"));
+    let answer = Service::start().call("/v1/step", &example("step.json"));
     assert_command(&answer, 10.0);
     assert_eq!(answer["sequence"], 17);
     assert_eq!(answer["memory"]["sequence"], 17);
@@ -48,7 +48,7 @@ fn a_session_is_opened_stepped_shown_and_ended() {
     assert_eq!(session, format!("/v1/controllers/{}", body["id"].as_str().unwrap()));
     assert_eq!(body["joints"], json!(["j1", "j2", "j3", "j4", "j5", "j6", "j7"]));
 
-    let answer = service.ask(&format!("{session}/step"), &example("state.json"));
+    let answer = service.call(&format!("{session}/step"), &example("state.json"));
     assert_command(&answer, 10.0);
     assert_eq!(answer.get("memory"), None);
 
@@ -73,19 +73,22 @@ fn a_shown_controller_can_be_created_again() {
 }
 
 #[test]
-fn a_contact_that_would_bounce_for_ever_is_told_what_would_help() {
+fn the_margins_of_an_unstable_contact_make_it_stable() {
     let service = Service::start();
-    let lagging = service.ask("/v1/stability", &example("stability.json"));
+    let lagging = service.call("/v1/stability", &example("stability.json"));
     assert_eq!(lagging["stable"], false);
     let (lag, damping) = (&lagging["largest_lag_s"], &lagging["smallest_damping"]);
-    let mended = |field: &str, value: f64| {
+    let is_stable_with = |field: &str, value: f64| {
         let mut request = example("stability.json");
         request[field] = json!(value);
-        service.ask("/v1/stability", &request)["stable"] == true
+        service.call("/v1/stability", &request)["stable"] == true
     };
-    assert!(mended("lag_s", 0.99 * lag.as_f64().unwrap()) && !mended("lag_s", 1.01 * lag.as_f64().unwrap()));
     assert!(
-        mended("damping", 1.01 * damping.as_f64().unwrap()) && !mended("damping", 0.99 * damping.as_f64().unwrap())
+        is_stable_with("lag_s", 0.99 * lag.as_f64().unwrap()) && !is_stable_with("lag_s", 1.01 * lag.as_f64().unwrap())
+    );
+    assert!(
+        is_stable_with("damping", 1.01 * damping.as_f64().unwrap())
+            && !is_stable_with("damping", 0.99 * damping.as_f64().unwrap())
     );
 }
 
@@ -105,6 +108,6 @@ fn robots_are_listed_and_shown_with_their_limits() {
 }
 
 #[test]
-fn the_service_says_that_it_lives() {
+fn the_liveness_probe_is_answered() {
     Service::start().assert_alive();
 }

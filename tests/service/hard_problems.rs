@@ -1,4 +1,4 @@
-//! Problems at the edge: whatever is asked, the answer is finite and inside the limits.
+//! Hard problems: every answer is finite and inside the limits.
 
 use serde_json::{Value, json};
 
@@ -13,19 +13,19 @@ const METHODS: [&str; 6] = [
     "strict_reverse_priority",
 ];
 
-/// Solvers that know limits.
+/// Solvers that respect limits.
 const SOLVERS: [&str; 2] = ["auto", "qp"];
 
-/// Rounding of the last operation on a limit.
+/// Rounding error of the last operation on a limit.
 const ROUNDING: f64 = 1e-12;
 
-/// Numbers in −1 … 1 without any order.
+/// Returns irregular numbers in −1 … 1.
 fn scattered(count: usize, seed: usize) -> Vec<f64> {
     (0..count).map(|i| ((i * i + 13 * i * seed + 7 * seed) as f64 * 12.9898).sin()).collect()
 }
 
-/// A problem of so many tasks with rows of their own, entries up to `scale`.
-fn own_rows(tasks: usize, rows: usize, joints: usize, scale: f64) -> Value {
+/// Returns a problem with explicit Jacobian rows, with entries up to `scale`.
+fn explicit_rows(tasks: usize, rows: usize, joints: usize, scale: f64) -> Value {
     let row = |seed: usize| scattered(joints, seed).iter().map(|entry| entry * scale).collect::<Vec<_>>();
     let task = |k: usize| {
         let jacobian: Vec<_> = (0..rows).map(|i| row(1 + k * rows + i)).collect();
@@ -34,23 +34,23 @@ fn own_rows(tasks: usize, rows: usize, joints: usize, scale: f64) -> Value {
     json!({"tasks": (0..tasks).map(task).collect::<Vec<_>>()})
 }
 
-/// Resolves with every method and solver, and holds that each answer is made of numbers and inside ±`limit`.
+/// Resolves with every method and solver. Asserts that each answer has finite numbers inside ±`limit`.
 fn assert_always_safe(service: &Service, problem: &Value, joints: usize, limit: f64) {
     for (method, solver) in METHODS.iter().flat_map(|method| SOLVERS.map(|solver| (method, solver))) {
         let mut problem = problem.clone();
         (problem["method"], problem["solver"]) = (json!(method), json!(solver));
         problem["limits"] = json!({"lower": vec![-limit; joints], "upper": vec![limit; joints]});
-        let answer = service.ask("/v1/resolve", &problem);
+        let answer = service.call("/v1/resolve", &problem);
         let context = format!("{method}, {solver}, {answer}");
         let velocity = numbers(&answer["joint_velocity"]);
         assert!(velocity.len() == joints && velocity.iter().all(|v| v.abs() <= limit + ROUNDING), "{context}");
         assert!(answer["violated_limits"].as_array().unwrap().is_empty(), "{context}");
-        assert_made_of_numbers(&answer, &context);
+        assert_finite(&answer, &context);
     }
 }
 
-/// JSON has no infinity and no NaN: they would be written as `null`.
-fn assert_made_of_numbers(answer: &Value, context: &str) {
+/// Asserts that all numbers are finite: JSON writes infinity and NaN as `null`.
+fn assert_finite(answer: &Value, context: &str) {
     let uncertain = answer["solver"]["status"] != "optimal";
     assert!(uncertain || !answer["solver"]["kkt_residual"].is_null(), "{context}");
     let rest = crate::harness::without(answer.clone(), &["solver"]).to_string();
@@ -58,14 +58,14 @@ fn assert_made_of_numbers(answer: &Value, context: &str) {
 }
 
 #[test]
-fn limits_that_are_shut_allow_standstill_only() {
+fn zero_limits_allow_only_zero_velocity() {
     let service = Service::start();
     assert_always_safe(&service, &example("resolve.json"), 7, 0.0);
-    assert_always_safe(&service, &own_rows(3, 2, 5, 1.0), 5, 0.0);
+    assert_always_safe(&service, &explicit_rows(3, 2, 5, 1.0), 5, 0.0);
 }
 
 #[test]
-fn singular_postures_are_no_exception() {
+fn singular_postures_are_resolved() {
     let service = Service::start();
     let singular = [0.521, 1.867, 0.793, -0.671, 0.707, -2.336, -0.273];
     for posture in [[0.0; 7], singular, [1e9; 7], [std::f64::consts::FRAC_PI_2; 7]] {
@@ -80,7 +80,7 @@ fn one_joint_and_thirty_joints_are_resolved() {
     let service = Service::start();
     for (tasks, rows, joints) in [(1, 1, 1), (3, 2, 1), (1, 40, 30), (5, 4, 30), (1, 1, 32)] {
         for limit in [0.01, 100.0] {
-            assert_always_safe(&service, &own_rows(tasks, rows, joints, 1.0), joints, limit);
+            assert_always_safe(&service, &explicit_rows(tasks, rows, joints, 1.0), joints, limit);
         }
     }
 }
@@ -88,22 +88,22 @@ fn one_joint_and_thirty_joints_are_resolved() {
 #[test]
 fn sixty_four_tasks_are_resolved() {
     let service = Service::start();
-    assert_always_safe(&service, &own_rows(64, 1, 7, 1.0), 7, 0.1);
-    assert_always_safe(&service, &own_rows(64, 1, 7, 1.0), 7, 0.0);
+    assert_always_safe(&service, &explicit_rows(64, 1, 7, 1.0), 7, 0.1);
+    assert_always_safe(&service, &explicit_rows(64, 1, 7, 1.0), 7, 0.0);
 }
 
 #[test]
-fn rows_of_any_size_give_numbers() {
+fn rows_of_any_magnitude_give_finite_answers() {
     let service = Service::start();
     for scale in [0.0, 5e-324, 1e-300, 1e-160, 1e-20, 1e9] {
-        assert_always_safe(&service, &own_rows(2, 2, 4, scale), 4, 1.0);
+        assert_always_safe(&service, &explicit_rows(2, 2, 4, scale), 4, 1.0);
     }
-    assert_always_safe(&service, &own_rows(1, 32, 32, 1e9), 32, 1.0);
-    assert_always_safe(&service, &own_rows(1, 32, 32, 1e-9), 32, 1.0);
+    assert_always_safe(&service, &explicit_rows(1, 32, 32, 1e9), 32, 1.0);
+    assert_always_safe(&service, &explicit_rows(1, 32, 32, 1e-9), 32, 1.0);
 }
 
 #[test]
-fn rows_that_repeat_or_contradict_each_other_are_resolved() {
+fn repeated_and_contradictory_rows_are_resolved() {
     let service = Service::start();
     let task = |row: [f64; 3], velocity: f64| json!({"jacobian": [row], "velocity": [velocity]});
     let row = [1.0, 2.0, -1.0];
@@ -115,22 +115,22 @@ fn rows_that_repeat_or_contradict_each_other_are_resolved() {
 }
 
 #[test]
-fn the_closed_form_gives_numbers_and_says_which_limits_it_breaks() {
+fn the_closed_form_is_finite_and_lists_violated_limits() {
     let service = Service::start();
     for scale in [0.0, 5e-324, 1e-300, 1e-160, 1e9] {
-        let mut problem = own_rows(2, 2, 4, scale);
+        let mut problem = explicit_rows(2, 2, 4, scale);
         problem["solver"] = json!("closed_form");
-        let answer = service.ask("/v1/resolve", &problem);
-        assert_made_of_numbers(&answer, &answer.to_string());
+        let answer = service.call("/v1/resolve", &problem);
+        assert_finite(&answer, &answer.to_string());
     }
     let mut problem = example("resolve.json");
     problem["solver"] = json!("closed_form");
     problem["limits"] = json!({"lower": vec![0; 7], "upper": vec![0; 7]});
-    assert!(!service.ask("/v1/resolve", &problem)["violated_limits"].as_array().unwrap().is_empty());
+    assert!(!service.call("/v1/resolve", &problem)["violated_limits"].as_array().unwrap().is_empty());
 }
 
 #[test]
-fn a_controller_stays_inside_its_limits_whatever_it_measures() {
+fn a_controller_stays_inside_its_limits_for_any_measurement() {
     let service = Service::start();
     let mut controller = example("controller.json");
     for limits in ["velocity", "position_velocity", "position_velocity_acceleration"] {
@@ -142,7 +142,7 @@ fn a_controller_stays_inside_its_limits_whatever_it_measures() {
             let force = [size, -size, 0.0];
             let state = json!({"sequence": sequence, "time_s": size, "joint_position": wild, "joint_velocity": wild,
                 "wrench": {"force": force, "torque": force}});
-            let velocity = numbers(&service.ask(&address, &state)["joint_velocity"]);
+            let velocity = numbers(&service.call(&address, &state)["joint_velocity"]);
             // The fastest joint of the arm may move at 4.545 rad/s.
             assert!(velocity.iter().all(|v| v.abs() <= 4.545 + ROUNDING), "{limits}, {state}: {velocity:?}");
         }

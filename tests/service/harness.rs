@@ -1,4 +1,4 @@
-//! A service on a port of its own and what a client does with it.
+//! A service on its own port, and a client for it.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -9,8 +9,8 @@ use serde_json::Value;
 use ureq::http::{HeaderMap, Request, Response};
 use ureq::{Agent, Body};
 
-/// Longer than any time limit of the service, so that a test ends even if the service says nothing.
-const PATIENCE: Duration = Duration::from_mins(1);
+/// Longer than every timeout of the service. A test therefore ends even if the service does not answer.
+const TIMEOUT: Duration = Duration::from_mins(1);
 
 /// A running service and a client that keeps its connection.
 pub struct Service {
@@ -18,7 +18,7 @@ pub struct Service {
     agent: Agent,
 }
 
-/// An answer with all that the tests look at.
+/// The parts of an answer that the tests check.
 pub struct Answer {
     pub status: u16,
     pub media_type: String,
@@ -34,14 +34,14 @@ impl Service {
     }
 
     pub fn with(config: ServiceConfig) -> Self {
-        let built = Agent::config_builder().http_status_as_error(false).timeout_global(Some(PATIENCE)).build();
+        let built = Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT)).build();
         Self {
             server: RunningServer::start(router(AppState::with_config(Robots::built_in(), config))).unwrap(),
             agent: built.into(),
         }
     }
 
-    /// Any method, with headers and a body that may be empty.
+    /// Sends a request with any method, headers and a body that may be empty.
     pub fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
         let mut request = Request::builder().method(method).uri(self.url() + path);
         for (name, value) in headers {
@@ -71,7 +71,7 @@ impl Service {
         Answer::of(request.send(body).unwrap())
     }
 
-    /// Any request; what comes back, byte for byte.
+    /// Sends a request and returns the answer byte for byte.
     pub fn exchange(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Response<Vec<u8>> {
         let mut request = ureq::http::Request::builder().method(method).uri(self.url() + path);
         for (name, value) in headers {
@@ -84,22 +84,22 @@ impl Service {
         answer.unwrap().map(|body| body.into_with_config().limit(100 << 20).read_to_vec().unwrap())
     }
 
-    /// Answer to a body that must be accepted.
-    pub fn ask(&self, path: &str, body: &Value) -> Value {
+    /// Posts a body that must be accepted, and returns the answer.
+    pub fn call(&self, path: &str, body: &Value) -> Value {
         self.post(path, &body.to_string()).accepted()
     }
 
-    /// Opens a session and returns its address.
+    /// Opens a session and returns its path.
     pub fn open(&self, controller: &Value) -> String {
         let answer = self.post("/v1/controllers", &controller.to_string());
         assert_eq!(answer.status, 201, "{}", answer.text);
         answer.location.unwrap()
     }
 
-    /// A bare connection.
+    /// Opens a TCP connection.
     pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.url().trim_start_matches("http://")).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream
     }
 
@@ -140,15 +140,15 @@ impl Answer {
         serde_json::from_str(&self.text).unwrap()
     }
 
-    /// The body of an answer that must be a success.
+    /// Returns the body of an answer that must be a success.
     pub fn accepted(&self) -> Value {
         assert!((200..300).contains(&self.status), "{}: {}", self.status, self.text);
         assert_eq!(self.media_type, "application/json");
         self.json()
     }
 
-    /// What is wrong with this answer as a refusal with that status and JSON pointer; nothing if it is right.
-    pub fn flaw(&self, status: u16, pointer: Option<&str>) -> Option<String> {
+    /// Returns how this answer differs from a problem with this status and JSON pointer; `None` if it does not.
+    pub fn refusal_difference(&self, status: u16, pointer: Option<&str>) -> Option<String> {
         if self.status != status || self.media_type != "application/problem+json" {
             return Some(format!("{} {}, not {status}: {}", self.status, self.media_type, self.text));
         }
@@ -159,19 +159,19 @@ impl Answer {
         (!(whole && right)).then(|| format!("not at {pointer:?}: {problem}"))
     }
 
-    /// Holds that this answer is such a refusal.
+    /// Asserts that this answer is a problem with this status and JSON pointer.
     pub fn assert_refused(&self, status: u16, pointer: Option<&str>) {
-        assert_eq!(self.flaw(status, pointer), None);
+        assert_eq!(self.refusal_difference(status, pointer), None);
     }
 }
 
-/// A file of `api/examples`.
+/// Reads a file of `api/examples`.
 pub fn example(name: &str) -> Value {
     let path = format!("{}/api/examples/{name}", env!("CARGO_MANIFEST_DIR"));
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// The value without the fields that differ from call to call.
+/// Removes fields from an object.
 pub fn without(mut answer: Value, fields: &[&str]) -> Value {
     for field in fields {
         answer.as_object_mut().unwrap().remove(*field);
@@ -179,7 +179,7 @@ pub fn without(mut answer: Value, fields: &[&str]) -> Value {
     answer
 }
 
-/// A list of numbers.
+/// Converts a JSON list to numbers.
 pub fn numbers(list: &Value) -> Vec<f64> {
     list.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }

@@ -1,4 +1,4 @@
-//! Inequalities beside the limits, and tasks that are slowed down, as clients meet them.
+//! Inequalities in addition to the limits, and tasks that are scaled down.
 
 use serde_json::{Value, json};
 
@@ -9,46 +9,49 @@ fn names(list: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_ceiling_slows_a_scaled_move_and_says_so() {
+fn an_active_ceiling_scales_a_task_and_is_reported() {
     let service = Service::start();
     let request = example("resolve_limits.json");
-    let answer = service.ask("/v1/resolve", &request);
+    let answer = service.call("/v1/resolve", &request);
     let scale = answer["tasks"][0]["scale"].as_f64().unwrap();
     let achieved = numbers(&answer["tasks"][0]["achieved"]);
     assert!(scale > 0.0 && scale < 1.0, "{answer}");
-    for (achieved, asked) in achieved.iter().zip([0.4, 0.2, 0.1]) {
-        assert!((achieved - scale * asked).abs() < 1e-12, "{answer}");
+    for (achieved, requested) in achieved.iter().zip([0.4, 0.2, 0.1]) {
+        assert!((achieved - scale * requested).abs() < 1e-12, "{answer}");
     }
     let active = &answer["active_inequalities"];
     assert!(!names(active).is_empty() && active[0]["multiplier"].as_f64().unwrap() > 0.0, "{answer}");
 
     let mut free = request.clone();
     free.as_object_mut().unwrap().remove("inequalities");
-    let free = service.ask("/v1/resolve", &free);
+    let free = service.call("/v1/resolve", &free);
     assert!(free["tasks"][0]["scale"].as_f64().unwrap() > scale && free.get("active_inequalities").is_none());
 
     let mut bent = request;
     bent["tasks"][0]["scale"] = json!(false);
-    let bent = service.ask("/v1/resolve", &bent);
+    let bent = service.call("/v1/resolve", &bent);
     assert!(bent["tasks"][0].get("scale").is_none());
     let height = numbers(&bent["tasks"][0]["achieved"])[2];
-    assert!((height - scale * 0.1).abs() < 1e-9 || height < scale * 0.1, "the ceiling bends the move: {bent}");
+    assert!(
+        (height - scale * 0.1).abs() < 1e-9 || height < scale * 0.1,
+        "without scaling, the ceiling changes the direction: {bent}"
+    );
 }
 
 #[test]
-fn the_closed_form_names_the_inequalities_that_it_breaks() {
+fn the_closed_form_lists_violated_inequalities() {
     let service = Service::start();
     let mut request = example("resolve_limits.json");
     request["solver"] = json!("closed_form");
     request["inequalities"][0]["offset_m"] = json!(-2);
-    let answer = service.ask("/v1/resolve", &request);
+    let answer = service.call("/v1/resolve", &request);
     assert!(names(&answer["violated_inequalities"]).contains(&"ceiling"), "{answer}");
     let broken = &answer["violated_inequalities"][0];
     assert!(broken["value"].as_f64().unwrap() > broken["bound"].as_f64().unwrap());
 }
 
 #[test]
-fn a_controllers_inequality_is_remembered_alike_in_both_modes() {
+fn an_active_inequality_is_remembered_in_sessions_and_stateless_steps() {
     let service = Service::start();
     let mut controller = example("controller.json");
     controller["inequalities"] = json!([
@@ -62,9 +65,9 @@ fn a_controllers_inequality_is_remembered_alike_in_both_modes() {
         let mut state = example("state.json");
         state["sequence"] = json!(sequence);
         state["time_s"] = json!(0.001 * f64::from(sequence));
-        let by_session = service.ask(&format!("{session}/step"), &state);
+        let by_session = service.call(&format!("{session}/step"), &state);
         let body = json!({"controller": controller, "state": state, "memory": memory});
-        let stateless = service.ask("/v1/step", &body);
+        let stateless = service.call("/v1/step", &body);
         memory = stateless["memory"].clone();
         remembered |= memory["active_set"].to_string().contains("inequality");
         let answer = |answer: Value| without(answer, &["elapsed_us", "memory"]).to_string();
@@ -74,7 +77,7 @@ fn a_controllers_inequality_is_remembered_alike_in_both_modes() {
 }
 
 #[test]
-fn wrong_inequalities_are_refused_at_the_field() {
+fn wrong_inequalities_are_refused_with_a_pointer() {
     let service = Service::start();
     let plane = json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.4});
     let joints = json!({"kind": "joints", "coefficients": [1, 0, 0, 0, 0, 0, 0], "upper": 0.1});

@@ -1,4 +1,4 @@
-//! Runs that are paced, pushed and changed while they go on.
+//! Interactive simulations: pausing, stepping, pushing, changing.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::harness::{Service, numbers};
 
-/// A run of that scenario, started as `change` wants it; its address.
+/// Starts an interactive run of a scenario after `change`. Returns its path.
 fn start(service: &Service, scenario: &str, change: impl FnOnce(&mut Value), paused: bool) -> String {
     let mut scenario = service.get(&format!("/v1/scenarios/{scenario}")).accepted();
     change(&mut scenario);
@@ -18,8 +18,8 @@ fn start(service: &Service, scenario: &str, change: impl FnOnce(&mut Value), pau
     answer.location.unwrap()
 }
 
-fn order(service: &Service, run: &str, order: &Value) -> Value {
-    service.ask(&format!("{run}/control"), order)
+fn control(service: &Service, run: &str, command: &Value) -> Value {
+    service.call(&format!("{run}/control"), command)
 }
 
 /// Reads the live view of a run.
@@ -32,7 +32,7 @@ impl Viewer {
         Self(BufReader::new(stream))
     }
 
-    /// Name and data of the next event; `None` at the end.
+    /// Returns name and data of the next event; `None` at the end.
     fn next(&mut self) -> Option<(String, Value)> {
         let (mut line, mut name) = (String::new(), String::new());
         while self.0.read_line(&mut line).unwrap() > 0 {
@@ -47,7 +47,7 @@ impl Viewer {
         None
     }
 
-    /// All frames up to the first that fits, with it.
+    /// Returns all frames up to the first that `fits`, including it.
     fn until(&mut self, fits: impl Fn(&Value) -> bool) -> Vec<Value> {
         let mut frames = Vec::new();
         while let Some((_, frame)) = self.next() {
@@ -65,7 +65,7 @@ fn samples(frames: &[Value]) -> Vec<Value> {
 }
 
 #[test]
-fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
+fn a_paused_run_advances_by_steps_and_shows_each_of_them() {
     let service = Service::start();
     let run = start(&service, "stiff_wall", |_| (), true);
     let mut viewer = Viewer::open(&service, &run);
@@ -76,7 +76,7 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
     assert_eq!(joints.len(), 7);
     assert!(joints.iter().all(|joint| joint["lower"].as_f64() < joint["upper"].as_f64()));
 
-    order(&service, &run, &json!({"step": 5}));
+    control(&service, &run, &json!({"step": 5}));
     let frames = viewer.until(|frame| frame["done"] == 5);
     let times: Vec<f64> = samples(&frames).iter().map(|sample| sample["time_s"].as_f64().unwrap()).collect();
     assert_eq!(times, [0.0, 0.001, 0.002, 0.003, 0.004]);
@@ -86,18 +86,18 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
     assert_eq!(last["paths"]["closed_form"], 5);
     assert_eq!(last["run"]["interactive"], json!({"speed": 1000.0, "paused": true}));
 
-    // The cycle that is shown is the one that was asked.
+    // The shown cycle gives the shown answer.
     let cycle = service.get(&format!("{run}/cycle")).accepted();
     assert_eq!((&cycle["state"]["sequence"], &cycle["memory"]["sequence"]), (&json!(4), &json!(3)));
-    let velocity = service.ask("/v1/step", &cycle)["joint_velocity"].clone();
+    let velocity = service.call("/v1/step", &cycle)["joint_velocity"].clone();
 
-    // Nothing more happens before the next order.
+    // Nothing more happens before the next command.
     std::thread::sleep(Duration::from_millis(100));
-    let status = order(&service, &run, &json!({"end": true}));
+    let status = control(&service, &run, &json!({"end": true}));
     assert_eq!(status["progress"], json!(0.001));
     let frames = viewer.until(|frame| frame["run"]["state"] == "finished");
     assert!(viewer.next().is_none());
-    // The period in which it learnt of the end.
+    // The run ends one period after the command.
     assert_eq!(frames.last().unwrap()["done"], 6);
     let trace = service.exchange("GET", &format!("{run}/trace"), &[("accept", "application/json")], &[]);
     let trace: Value = serde_json::from_slice(trace.body()).unwrap();
@@ -106,7 +106,7 @@ fn a_paused_run_goes_on_by_steps_and_shows_each_of_them() {
 }
 
 #[test]
-fn a_run_left_to_itself_is_the_run_of_any_client() {
+fn an_interactive_run_without_commands_equals_the_run_of_a_client() {
     let service = Service::start();
     let shorten = |scenario: &mut Value| scenario["duration_s"] = json!(0.3);
     let run = start(&service, "force_tracking_singular", shorten, false);
@@ -123,30 +123,30 @@ fn a_run_left_to_itself_is_the_run_of_any_client() {
 }
 
 #[test]
-fn time_passes_as_fast_as_it_is_told() {
+fn a_run_has_the_requested_speed() {
     let service = Service::start();
     let run = start(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.2), true);
     let begin = Instant::now();
-    order(&service, &run, &json!({"paused": false, "speed": 0.5}));
+    control(&service, &run, &json!({"paused": false, "speed": 0.5}));
     let frames = Viewer::open(&service, &run).until(|frame| frame["run"]["state"] == "finished");
     assert!(begin.elapsed() >= Duration::from_millis(390), "{:?}", begin.elapsed());
     assert!(frames.len() >= 3, "{}", frames.len());
 }
 
 #[test]
-fn a_method_takes_over_without_a_jump() {
+fn a_changed_method_takes_over_without_a_jump() {
     let service = Service::start();
     let run = start(&service, "force_tracking_singular", |_| (), true);
     let mut viewer = Viewer::open(&service, &run);
     let methods = ["damped_least_squares", "reverse_priority", "singularity_robust"];
     for (done, method) in (0..).step_by(500).zip(methods) {
-        order(&service, &run, &json!({"step": 300}));
+        control(&service, &run, &json!({"step": 300}));
         viewer.until(|frame| frame["done"] == done + 300);
-        let status = order(&service, &run, &json!({"method": method, "step": 200}));
+        let status = control(&service, &run, &json!({"method": method, "step": 200}));
         assert_eq!(status["method"], method);
         viewer.until(|frame| frame["done"] == done + 500);
     }
-    order(&service, &run, &json!({"end": true}));
+    control(&service, &run, &json!({"end": true}));
     viewer.until(|frame| frame["run"]["state"] == "finished");
     let trace = service.exchange("GET", &format!("{run}/trace"), &[("accept", "application/json")], &[]);
     let trace: Value = serde_json::from_slice(trace.body()).unwrap();
@@ -156,7 +156,7 @@ fn a_method_takes_over_without_a_jump() {
         let jump = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         velocity.windows(2).map(jump).fold(0.0, f64::max)
     };
-    // At once, the arm would jump by up to 0.045 rad/s here.
+    // Without the transition, the command would jump by up to 0.045 rad/s here.
     for switch in [300, 800, 1300] {
         let (before, after) = (largest(&velocity[switch - 50..switch]), largest(&velocity[switch - 1..switch + 150]));
         assert!(after < before + 1e-3, "{before} rad/s per period, then {after}");

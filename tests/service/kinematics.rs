@@ -9,15 +9,15 @@ fn jacobian(answer: &Value) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn the_jacobian_is_the_slope_of_the_pose() {
+fn the_jacobian_is_the_derivative_of_the_pose() {
     let service = Service::start();
     let step = 1e-6;
     let at = |joint: usize, change: f64| {
         let mut request = example("kinematics.json");
         request["joint_position"][joint] = json!(request["joint_position"][joint].as_f64().unwrap() + change);
-        numbers(&service.ask("/v1/kinematics", &request)["pose"]["position"])
+        numbers(&service.call("/v1/kinematics", &request)["pose"]["position"])
     };
-    let rows = jacobian(&service.ask("/v1/kinematics", &example("kinematics.json")));
+    let rows = jacobian(&service.call("/v1/kinematics", &example("kinematics.json")));
     assert_eq!(rows.len(), 6);
     for joint in 0..7 {
         let (before, after) = (at(joint, -step), at(joint, step));
@@ -29,11 +29,11 @@ fn the_jacobian_is_the_slope_of_the_pose() {
 
 #[test]
 fn singular_values_belong_to_the_jacobian() {
-    let answer = Service::start().ask("/v1/kinematics", &example("kinematics.json"));
+    let answer = Service::start().call("/v1/kinematics", &example("kinematics.json"));
     let values = numbers(&answer["singular_values"]);
     assert_eq!(values.len(), 6);
     assert!(values.is_sorted_by(|a, b| a >= b));
-    // Squares of the singular values sum up to the squares of the entries.
+    // The squares of the singular values and of the entries have the same sum.
     let (squares, entries): (f64, f64) = (
         values.iter().map(|value| value * value).sum(),
         jacobian(&answer).iter().flatten().map(|entry| entry * entry).sum(),
@@ -45,7 +45,7 @@ fn singular_values_belong_to_the_jacobian() {
 
 #[test]
 fn links_lead_from_the_base_to_the_tool() {
-    let answer = Service::start().ask("/v1/kinematics", &example("kinematics.json"));
+    let answer = Service::start().call("/v1/kinematics", &example("kinematics.json"));
     let links = answer["links"].as_array().unwrap();
     let names: Vec<&str> = links.iter().map(|link| link["joint"].as_str().unwrap()).collect();
     assert_eq!(names, ["j1", "j2", "j3", "j4", "j5", "j6", "j7"]);
@@ -58,11 +58,11 @@ fn links_lead_from_the_base_to_the_tool() {
 }
 
 #[test]
-fn joints_may_be_named_and_wrong_ones_are_pointed_at() {
+fn joints_may_be_named_and_wrong_names_are_refused_with_a_pointer() {
     let service = Service::start();
-    let by_place = service.ask("/v1/kinematics", &example("kinematics.json"));
+    let by_place = service.call("/v1/kinematics", &example("kinematics.json"));
     let named = json!({"j7": 0.2, "j1": 2.9, "j2": -0.4, "j3": 3.0, "j4": 2.1, "j5": 3.0, "j6": -0.6});
-    assert_eq!(service.ask("/v1/kinematics", &json!({"robot": "sawyer_dh", "joint_position": named})), by_place);
+    assert_eq!(service.call("/v1/kinematics", &json!({"robot": "sawyer_dh", "joint_position": named})), by_place);
     for (body, pointer) in [
         (json!({"robot": "puma", "joint_position": [0]}), "/robot"),
         (json!({"robot": "sawyer_dh", "joint_position": [0]}), "/joint_position"),

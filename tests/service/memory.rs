@@ -1,4 +1,4 @@
-//! Where the controller's memory is kept makes no difference, to the last bit.
+//! Sessions and stateless steps give the same answers to the last bit.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use crate::harness::{Service, example, numbers, without};
 
 const PERIODS: u64 = 200;
 
-/// A closed loop of an ideal arm pushing against something that gives way, with `step` as its service.
+/// Runs a closed loop of an ideal arm under a varying wrench, with `step` as the service.
 fn closed_loop(mut step: impl FnMut(Value) -> Value) -> Vec<String> {
     let mut position = numbers(&example("state.json")["joint_position"]);
     let period = |sequence: u64| {
@@ -27,21 +27,21 @@ fn closed_loop(mut step: impl FnMut(Value) -> Value) -> Vec<String> {
 
 fn by_session(service: &Service, controller: &Value) -> Vec<String> {
     let address = format!("{}/step", service.open(controller));
-    closed_loop(|state| service.ask(&address, &state))
+    closed_loop(|state| service.call(&address, &state))
 }
 
-/// The memory goes through JSON text twice per period: the service's own and that of this client.
+/// Sends the memory with each request. It passes through JSON twice per period: in the service and in this client.
 fn by_memory(service: &Service, controller: &Value) -> Vec<String> {
     let mut memory = Value::Null;
     closed_loop(|state| {
-        let answer = service.ask("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+        let answer = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
         memory = answer["memory"].clone();
         without(answer, &["memory"])
     })
 }
 
 #[test]
-fn session_and_travelling_memory_give_the_same_bytes() {
+fn sessions_and_stateless_steps_give_the_same_bytes() {
     let service = Service::start();
     let narrow = json!({"lower": vec![-0.005; 7], "upper": vec![0.005; 7]});
     for (solver, limits) in [("auto", json!("position_velocity")), ("auto", narrow.clone()), ("qp", narrow)] {
@@ -53,8 +53,8 @@ fn session_and_travelling_memory_give_the_same_bytes() {
     }
 }
 
-/// A controller with everything that a period can depend on: moving targets, other frames, joints, null space.
-fn manifold() -> Value {
+/// Returns a controller with everything a period can depend on: moving targets, frames, joints, null space.
+fn general_controller() -> Value {
     let path = json!({"kind": "waypoints", "points": [{"time_s": 0.0, "value": 0.0},
         {"time_s": 0.1, "value": [0.01, -0.02]}, {"time_s": 0.2, "value": 0.005}]});
     json!({"robot": "sawyer_dh", "period_s": 0.001, "wrench_frame": "tool",
@@ -69,16 +69,16 @@ fn manifold() -> Value {
 }
 
 #[test]
-fn moving_targets_frames_and_postures_need_no_more_memory() {
+fn moving_targets_frames_and_postures_give_the_same_bytes_without_a_session() {
     let service = Service::start();
-    let (session, memory) = (by_session(&service, &manifold()), by_memory(&service, &manifold()));
+    let (session, memory) = (by_session(&service, &general_controller()), by_memory(&service, &general_controller()));
     assert_eq!(session.iter().zip(&memory).find(|(a, b)| a != b), None);
-    let shown = service.get(&service.open(&manifold())).accepted()["controller"].clone();
-    assert_eq!(by_session(&service, &shown), session, "the shown controller is another one");
+    let shown = service.get(&service.open(&general_controller())).accepted()["controller"].clone();
+    assert_eq!(by_session(&service, &shown), session, "the shown controller differs");
 }
 
 #[test]
-fn the_simulated_arm_moves_the_same_way_in_both_modes() {
+fn simulations_with_and_without_a_session_are_equal() {
     let service = Service::start();
     let mut scenario = Scenario::find("stiff_wall").unwrap();
     scenario.duration_s = 0.45;
@@ -93,17 +93,17 @@ fn two_sessions_do_not_share_their_memory() {
     let alone = by_session(&service, &example("controller.json"));
     let sessions = [(); 2].map(|()| format!("{}/step", service.open(&example("controller.json"))));
     let together = closed_loop(|state| {
-        service.ask(&sessions[0], &state);
-        service.ask(&sessions[1], &state)
+        service.call(&sessions[0], &state);
+        service.call(&sessions[1], &state)
     });
     assert_eq!(alone, together);
 }
 
 #[test]
-fn a_memory_that_was_tampered_with_is_refused_or_harmless() {
+fn a_modified_memory_is_refused_or_harmless() {
     let service = Service::start();
     let mut request = example("step.json");
-    let memory = service.ask("/v1/step", &request)["memory"].clone();
+    let memory = service.call("/v1/step", &request)["memory"].clone();
     request["state"]["sequence"] = json!(18);
     let mut send = |pointer: &str, value: Value| {
         request["memory"] = memory.clone();

@@ -1,4 +1,4 @@
-//! MessagePack says the same as JSON.
+//! MessagePack bodies give the same answers as JSON bodies.
 
 use serde_json::{Value, json};
 
@@ -10,7 +10,7 @@ fn packed(value: &Value) -> Vec<u8> {
     rmp_serde::to_vec_named(value).unwrap()
 }
 
-/// Status, media type and value of the answer to a body.
+/// Posts a body. Returns status, media type and value of the answer.
 fn post(service: &Service, path: &str, headers: &[(&str, &str)], body: &[u8]) -> (u16, String, Value) {
     let answer = service.exchange("POST", path, headers, body);
     let media_type = answer.headers()["content-type"].to_str().unwrap().to_owned();
@@ -32,7 +32,7 @@ fn answers_in_both_formats_are_equal_to_the_last_bit() {
         ("/v1/kinematics", "kinematics.json"),
     ] {
         let body = example(file);
-        let json = service.ask(path, &body);
+        let json = service.call(path, &body);
         let (status, media_type, value) = post(&service, path, &[("content-type", MESSAGE_PACK)], &packed(&body));
         assert_eq!((status, media_type.as_str()), (200, MESSAGE_PACK));
         let elapsed =
@@ -42,7 +42,7 @@ fn answers_in_both_formats_are_equal_to_the_last_bit() {
 }
 
 #[test]
-fn the_memory_of_a_controller_travels_in_message_pack() {
+fn message_pack_keeps_the_memory_of_a_controller() {
     let service = Service::start();
     let step = |request: &Value| post(&service, "/v1/step", &[("content-type", MESSAGE_PACK)], &packed(request)).2;
     let mut request = example("step.json");
@@ -50,7 +50,7 @@ fn the_memory_of_a_controller_travels_in_message_pack() {
     request["state"]["sequence"] = json!(18);
     let second = step(&request);
     assert_eq!(second["memory"]["sequence"], 18);
-    assert_eq!(without(second, &["elapsed_us"]), without(service.ask("/v1/step", &request), &["elapsed_us"]));
+    assert_eq!(without(second, &["elapsed_us"]), without(service.call("/v1/step", &request), &["elapsed_us"]));
 }
 
 #[test]
@@ -61,14 +61,14 @@ fn a_session_may_be_used_in_both_formats() {
         post(&service, "/v1/controllers", &[("content-type", MESSAGE_PACK)], &controller);
     assert_eq!((status, media_type.as_str()), (201, MESSAGE_PACK));
     let path = format!("/v1/controllers/{}/step", created["id"].as_str().unwrap());
-    let in_json = service.ask(&path, &example("state.json"));
-    // The same state in the other notation is a retry.
+    let in_json = service.call(&path, &example("state.json"));
+    // The same state in the other format is a retry.
     let again = post(&service, &path, &[("content-type", MESSAGE_PACK)], &packed(&example("state.json"))).2;
     assert_eq!(again, in_json);
 }
 
 #[test]
-fn the_answer_comes_in_the_format_that_is_accepted() {
+fn the_answer_has_the_accepted_format() {
     let service = Service::start();
     let (json, binary) = (example("resolve.json").to_string().into_bytes(), packed(&example("resolve.json")));
     for (sent, body, accept, got) in [
@@ -87,7 +87,7 @@ fn the_answer_comes_in_the_format_that_is_accepted() {
     assert_eq!(robots, service.get("/v1/robots").accepted());
 }
 
-/// The example with a number that JSON cannot write in the place of 0.05, the only 0.05 in it.
+/// Returns the example with another number in the place of 0.05, which occurs once.
 fn with_number(value: f64) -> Vec<u8> {
     let mut bytes = packed(&example("resolve.json"));
     let at = bytes.windows(8).position(|window| window == 0.05_f64.to_be_bytes()).unwrap();
@@ -96,7 +96,7 @@ fn with_number(value: f64) -> Vec<u8> {
 }
 
 #[test]
-fn numbers_that_are_not_finite_are_refused_where_they_stand() {
+fn numbers_that_are_not_finite_are_refused_with_a_pointer() {
     let service = Service::start();
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let (status, media_type, problem) =
@@ -109,7 +109,7 @@ fn numbers_that_are_not_finite_are_refused_where_they_stand() {
 }
 
 #[test]
-fn what_is_refused_in_json_is_refused_in_message_pack() {
+fn message_pack_is_refused_like_json() {
     let service = Service::start();
     let good = example("resolve.json");
     let changed = |pointer: &str, value: Value| {
@@ -138,7 +138,7 @@ fn what_is_refused_in_json_is_refused_in_message_pack() {
 }
 
 #[test]
-fn bytes_that_are_cut_off_or_go_on_are_refused() {
+fn truncated_and_extended_bytes_are_refused() {
     let service = Service::start();
     let good = packed(&example("resolve.json"));
     let status = |bytes: &[u8]| post(&service, "/v1/resolve", &[("content-type", MESSAGE_PACK)], bytes).0;
@@ -147,7 +147,7 @@ fn bytes_that_are_cut_off_or_go_on_are_refused() {
         assert_eq!(status(&good[..end]), 400, "{end}");
     }
     assert_eq!(status(&[good, vec![0xc0]].concat()), 400);
-    // A field by its number instead of its name.
+    // A field by its index instead of its name.
     assert_eq!(status(&[0x81, 0x00, 0xa1, b'a']), 400);
     service.assert_alive();
 }

@@ -1,4 +1,4 @@
-//! What an operator sees.
+//! Metrics, logs and probes for operators.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::harness::{Service, example};
 
-/// The value of a metric by its name with labels.
+/// Returns the value of a metric by its name with labels.
 fn metric(service: &Service, name: &str) -> f64 {
     let text = service.get("/metrics").text;
     let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok());
@@ -18,7 +18,7 @@ fn metric(service: &Service, name: &str) -> f64 {
 fn requests_are_counted_by_route_and_status_not_by_what_clients_send() {
     let service = Service::start();
     let address = service.open(&example("controller.json"));
-    service.ask(&format!("{address}/step"), &example("state.json"));
+    service.call(&format!("{address}/step"), &example("state.json"));
     for path in ["/v1/robots/a", "/v1/robots/b"] {
         service.get(path).assert_refused(404, None);
     }
@@ -47,9 +47,9 @@ fn requests_are_counted_by_route_and_status_not_by_what_clients_send() {
 fn solver_paths_statuses_and_iterations_are_counted() {
     let service = Service::start();
     let mut problem = example("resolve.json");
-    service.ask("/v1/resolve", &problem);
+    service.call("/v1/resolve", &problem);
     problem["solver"] = json!("qp");
-    let iterations = service.ask("/v1/resolve", &problem)["solver"]["iterations"].as_f64().unwrap();
+    let iterations = service.call("/v1/resolve", &problem)["solver"]["iterations"].as_f64().unwrap();
     assert!(iterations > 0.0);
     let solved = |path: &str| format!(r#"revprio_resolutions_total{{path="{path}",status="optimal"}}"#);
     assert_eq!(metric(&service, &solved("closed_form")), 1.0);
@@ -64,20 +64,20 @@ fn items_of_batches_and_messages_of_streams_count_like_requests() {
     let item = example("resolve.json");
     let mut wrong = item.clone();
     wrong["joint_position"] = json!([0]);
-    service.ask("/v1/resolve/batch", &json!({"items": [item, item, wrong]}));
+    service.call("/v1/resolve/batch", &json!({"items": [item, item, wrong]}));
     let session = service.open(&example("controller.json"));
     let request = service.url().replace("http", "ws") + &session + "/stream";
     let (mut stream, _) = tungstenite::client(request, service.connect()).unwrap();
-    let mut ask = |text: String| {
+    let mut call = |text: String| {
         stream.send(tungstenite::Message::text(text)).unwrap();
         stream.read().unwrap().into_text().unwrap()
     };
-    let answer: Value = serde_json::from_str(&ask(example("state.json").to_string())).unwrap();
-    // The same again is a retry, no step.
-    ask(example("state.json").to_string());
-    assert!(ask("{".to_owned()).contains("/problems/malformed"));
+    let answer: Value = serde_json::from_str(&call(example("state.json").to_string())).unwrap();
+    // The same state again is a retry, not a step.
+    call(example("state.json").to_string());
+    assert!(call("{".to_owned()).contains("/problems/malformed"));
     let path = |answer: &Value| answer["solver"]["path"].as_str().unwrap().to_owned();
-    let (of_item, of_step) = (path(&service.ask("/v1/resolve", &item)), path(&answer));
+    let (of_item, of_step) = (path(&service.call("/v1/resolve", &item)), path(&answer));
     let solved =
         |path: &str| metric(&service, &format!(r#"revprio_resolutions_total{{path="{path}",status="optimal"}}"#));
     if of_item == of_step {
@@ -90,7 +90,7 @@ fn items_of_batches_and_messages_of_streams_count_like_requests() {
         (r#"revprio_problems_total{type="invalid"}"#.to_owned(), 1.0),
         (r#"revprio_problems_total{type="malformed"}"#.to_owned(), 1.0),
         ("revprio_clarabel_failures_total".to_owned(), 0.0),
-        // The stream is still open: it counted when it was let in.
+        // The stream is still open. It was counted at its start.
         (format!(r#"revprio_requests_total{{route="{route}",status="101"}}"#), 1.0),
         (format!(r#"revprio_request_duration_seconds_count{{route="{route}"}}"#), 1.0),
     ] {
@@ -100,30 +100,30 @@ fn items_of_batches_and_messages_of_streams_count_like_requests() {
 }
 
 #[test]
-fn a_step_that_comes_late_is_counted_in_its_session_and_in_all() {
+fn a_late_step_is_counted_in_its_session_and_in_the_metrics() {
     let service = Service::start();
     let mut controller = example("controller.json");
-    // Long enough that only a sleep is late.
+    // The period is so long that only a sleep makes a step late.
     controller["period_s"] = json!(1.0);
     let address = service.open(&controller);
     let step = |sequence: u64| {
         let mut state = example("state.json");
         state["sequence"] = json!(sequence);
-        service.ask(&format!("{address}/step"), &state)
+        service.call(&format!("{address}/step"), &state)
     };
     let missed = || service.get(&address).accepted()["missed_periods"].clone();
     step(1);
     std::thread::sleep(Duration::from_millis(1600));
     step(2);
     step(3);
-    // A retry is no step.
+    // A retry is not a step.
     step(3);
     assert_eq!(missed(), 1);
     assert_eq!(metric(&service, "revprio_missed_periods_total"), 1.0);
 }
 
 #[test]
-fn every_answer_names_its_request() {
+fn every_answer_has_a_request_id() {
     let service = Service::start();
     let named = |id: &str| service.send("GET", "/v1/nothing", &[("x-request-id", id)], "");
     let answer = named("line-4:robot_2.a");
@@ -141,21 +141,21 @@ fn every_answer_names_its_request() {
     }
     made.sort();
     made.dedup();
-    assert_eq!(made.len(), 5, "names differ: {made:?}");
+    assert_eq!(made.len(), 5, "the IDs are not unique: {made:?}");
     let answer = service.get("/healthz");
     assert!(answer.header("x-request-id").is_some());
     assert_eq!(answer.header("x-content-type-options"), Some("nosniff"));
 }
 
 #[test]
-fn the_service_says_that_it_is_ready() {
+fn the_readiness_probe_is_answered() {
     let service = Service::start();
     let answer = service.get("/readyz");
     assert_eq!((answer.status, answer.text.as_str()), (200, "ready"));
 }
 
 #[test]
-fn a_controller_that_is_unknown_is_to_be_created_again() {
+fn an_unknown_controller_is_refused_with_the_remedy() {
     let service = Service::start();
     let path = "/v1/controllers/00000000-0000-4000-8000-000000000000/step";
     let answer = service.post(path, &example("state.json").to_string());
@@ -166,7 +166,7 @@ fn a_controller_that_is_unknown_is_to_be_created_again() {
 }
 
 #[test]
-fn a_session_that_is_not_called_ends() {
+fn an_idle_session_ends() {
     let session_idle = Duration::from_millis(300);
     let service = Service::with(ServiceConfig { session_idle, max_sessions: 1, ..ServiceConfig::default() });
     let address = service.open(&example("controller.json"));

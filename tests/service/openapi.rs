@@ -1,4 +1,4 @@
-//! The interface description: it is the committed one, says something of everything, and its examples happen.
+//! The interface description: it equals the committed file, describes every field, and its examples are real answers.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -17,24 +17,24 @@ fn committed(name: &str) -> PathBuf {
 }
 
 #[test]
-fn the_committed_documents_are_those_of_the_program() {
+fn the_committed_documents_equal_those_of_the_program() {
     for (name, command, text) in
         [("openapi.json", "openapi", openapi_document()), ("asyncapi.json", "asyncapi", asyncapi_document())]
     {
         let is_equal = std::fs::read_to_string(committed(name)).unwrap() == text;
-        assert!(is_equal, "api/{name} is old; write it anew: cargo run -- {command} > api/{name}");
+        assert!(is_equal, "api/{name} is out of date; write it again: cargo run -- {command} > api/{name}");
     }
 }
 
 #[test]
-fn the_service_hands_out_its_description() {
+fn the_service_serves_its_description() {
     let service = Service::start();
     assert_eq!(service.get("/openapi.json").text, openapi_document());
     assert_eq!(service.get("/asyncapi.json").text, asyncapi_document());
 }
 
 #[test]
-fn the_reference_is_a_page_that_loads_nothing_from_elsewhere() {
+fn the_reference_loads_nothing_from_other_servers() {
     let service = Service::start();
     for file in ["", "index.css", "swagger-ui.css", "swagger-ui-bundle.js", "swagger-initializer.js"] {
         let answer = service.get(&format!("/docs/{file}"));
@@ -42,13 +42,13 @@ fn the_reference_is_a_page_that_loads_nothing_from_elsewhere() {
         assert!(!answer.text.contains("src=\"http") && !answer.text.contains("href=\"http"), "{file}");
     }
     assert!(service.get("/docs/swagger-initializer.js").text.contains("/openapi.json"));
-    assert_eq!(service.get("/docs").status, 200, "it leads to the page");
+    assert_eq!(service.get("/docs").status, 200, "it redirects to the page");
     for none in ["/docs/none.js", "/docs/..%2fCargo.toml", "/docs/%00"] {
         service.get(none).assert_refused(404, None);
     }
 }
 
-/// Calls `act` with every schema of the components and its place.
+/// Calls `act` with the pointer and the value of every schema of the components.
 fn each_schema(act: &mut impl FnMut(&str, &Value)) {
     fn visit(place: &str, schema: &Value, act: &mut impl FnMut(&str, &Value)) {
         act(place, schema);
@@ -71,26 +71,26 @@ fn each_schema(act: &mut impl FnMut(&str, &Value)) {
 
 #[test]
 fn every_schema_and_field_is_described_and_every_field_of_a_body_has_an_example() {
-    let mut flaws = Vec::new();
+    let mut errors = Vec::new();
     each_schema(&mut |place, schema| {
         if !place.contains('/') && schema["description"].as_str().is_none_or(str::is_empty) {
-            flaws.push(format!("{place} has no description"));
+            errors.push(format!("{place} has no description"));
         }
         for (name, field) in schema["properties"].as_object().into_iter().flatten() {
             if field["description"].as_str().is_none_or(str::is_empty) {
-                flaws.push(format!("{place}/{name} has no description"));
+                errors.push(format!("{place}/{name} has no description"));
             }
             if field.get("examples").is_none() {
-                flaws.push(format!("{place}/{name} has no example"));
+                errors.push(format!("{place}/{name} has no example"));
             }
         }
     });
-    assert!(flaws.is_empty(), "{} flaws\n{}", flaws.len(), flaws.join("\n"));
+    assert!(errors.is_empty(), "{} errors\n{}", errors.len(), errors.join("\n"));
 }
 
 #[test]
-fn every_number_that_is_sent_and_every_whole_number_is_bounded() {
-    let mut flaws = Vec::new();
+fn every_number_of_a_request_and_every_whole_number_is_bounded() {
+    let mut errors = Vec::new();
     let mut bounded = 0;
     each_schema(&mut |place, schema| {
         let is =
@@ -99,16 +99,16 @@ fn every_number_that_is_sent_and_every_whole_number_is_bounded() {
             && !(schema["minimum"].is_number()
                 && schema["maximum"].as_f64().is_some_and(|most| most <= 9_007_199_254_740_991.0))
         {
-            flaws.push(place.to_owned());
+            errors.push(place.to_owned());
         }
         bounded += usize::from(is("number") && schema["maximum"].is_number());
     });
-    assert!(flaws.is_empty(), "{}", flaws.join("\n"));
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
     assert!(bounded > 50, "{bounded}");
 }
 
 #[test]
-fn every_operation_says_what_it_does_and_what_it_answers() {
+fn every_operation_and_every_answer_is_described() {
     let mut names = BTreeSet::new();
     for (path, item) in document()["paths"].as_object().unwrap() {
         for (method, operation) in item.as_object().unwrap().iter().filter(|(key, _)| *key != "parameters") {
@@ -129,7 +129,7 @@ fn every_operation_says_what_it_does_and_what_it_answers() {
     assert!(names.len() >= 23, "{names:?}");
 }
 
-/// What differs from call to call.
+/// Fields that differ from call to call.
 const VOLATILE: [&str; 6] = ["elapsed_us", "id", "idle_s", "request_id", "calls_per_second", "progress"];
 
 fn stable(value: Value) -> Value {
@@ -146,7 +146,7 @@ fn stable(value: Value) -> Value {
     }
 }
 
-/// The first place where two values differ by more than rounding.
+/// Returns the first place where two values differ by more than rounding.
 fn difference(place: &str, a: &Value, b: &Value) -> Option<String> {
     let differs = || Some(format!("{place}: {a:.200} is not {b:.200}"));
     match (a, b) {
@@ -168,7 +168,7 @@ fn difference(place: &str, a: &Value, b: &Value) -> Option<String> {
     }
 }
 
-/// Holds that an answer is the committed one; `REVPRIO_WRITE_ANSWERS=1` writes it instead.
+/// Asserts that an answer equals the committed file. With `REVPRIO_WRITE_ANSWERS=1`, writes the file instead.
 fn assert_committed(name: &str, answer: &Value) {
     let path = committed("examples").join("answers").join(format!("{name}.json"));
     if std::env::var_os("REVPRIO_WRITE_ANSWERS").is_some() {
@@ -181,43 +181,43 @@ fn assert_committed(name: &str, answer: &Value) {
     assert_eq!(difference, None, "{name}: {advice}");
 }
 
-/// Every file of `api/examples` is sent; the answers are those of `api/examples/answers`.
+/// Sends every file of `api/examples`, and compares the answers with `api/examples/answers`.
 #[test]
-fn the_examples_of_the_document_are_answered_as_it_says() {
+fn the_examples_of_the_document_get_their_committed_answers() {
     let service = Service::start();
     let mut sent = BTreeSet::new();
-    let mut ask = |path: &str, name: &str| {
+    let mut call = |path: &str, name: &str| {
         sent.insert(name.to_owned());
-        let answer = service.ask(path, &example(&format!("{name}.json")));
+        let answer = service.call(path, &example(&format!("{name}.json")));
         assert_committed(name, &answer);
         answer
     };
     for name in ["resolve", "resolve_closed_form", "resolve_everything", "resolve_limits"] {
-        ask("/v1/resolve", name);
+        call("/v1/resolve", name);
     }
-    ask("/v1/resolve/batch", "batch");
-    ask("/v1/kinematics", "kinematics");
-    ask("/v1/stability", "stability");
-    ask("/v1/stability", "stability_impedance");
-    ask("/v1/step", "step");
-    ask("/v1/step", "step_inequality");
-    ask("/v1/step", "step_again");
-    ask("/v1/controllers", "controller_laws");
-    let session = ask("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
-    ask(&format!("/v1/controllers/{session}/step"), "state");
-    ask("/v1/simulations", "simulation");
-    let live = ask("/v1/simulations", "simulation_interactive")["id"].as_str().unwrap().to_owned();
+    call("/v1/resolve/batch", "batch");
+    call("/v1/kinematics", "kinematics");
+    call("/v1/stability", "stability");
+    call("/v1/stability", "stability_impedance");
+    call("/v1/step", "step");
+    call("/v1/step", "step_inequality");
+    call("/v1/step", "step_again");
+    call("/v1/controllers", "controller_laws");
+    let session = call("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
+    call(&format!("/v1/controllers/{session}/step"), "state");
+    call("/v1/simulations", "simulation");
+    let live = call("/v1/simulations", "simulation_interactive")["id"].as_str().unwrap().to_owned();
     while service.get(&format!("/v1/simulations/{live}")).accepted()["state"] == "queued" {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    ask(&format!("/v1/simulations/{live}/control"), "control");
-    ask(&format!("/v1/simulations/{live}/control"), "control_end");
-    ask("/v1/simulations", "simulation_world");
-    let run = ask("/v1/simulations", "simulation_own")["id"].as_str().unwrap().to_owned();
+    call(&format!("/v1/simulations/{live}/control"), "control");
+    call(&format!("/v1/simulations/{live}/control"), "control_end");
+    call("/v1/simulations", "simulation_world");
+    let run = call("/v1/simulations", "simulation_own")["id"].as_str().unwrap().to_owned();
     let shown = |path: &str, name: &str| assert_committed(name, &service.get(path).accepted());
     shown("/v1/robots", "robots");
     shown("/v1/robots/sawyer_dh", "robot_shown");
-    ask("/v1/robots", "robot");
+    call("/v1/robots", "robot");
     shown("/v1/scenarios", "scenarios");
     shown("/v1/scenarios/stiff_wall", "scenario");
     shown(&format!("/v1/controllers/{session}"), "session");
@@ -240,7 +240,7 @@ fn the_examples_of_the_document_are_answered_as_it_says() {
 }
 
 #[test]
-fn the_examples_of_the_document_are_the_files() {
+fn the_examples_of_the_document_equal_the_files() {
     let document = document();
     let body = |path: &str, name: &str| {
         document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["examples"][name]["value"].clone()

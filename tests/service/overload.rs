@@ -1,4 +1,4 @@
-//! More requests, connections and bytes than there is room for.
+//! Overload: too many requests, connections and bytes.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -13,9 +13,9 @@ const CLOSE: &str = "GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r
 const ROBOTS: &str = "GET /v1/robots/sawyer_dh HTTP/1.1\r\nhost: a\r\n\r\n";
 
 #[test]
-fn the_end_of_a_long_line_is_refused_at_once_and_probes_are_not() {
+fn requests_above_the_lag_are_refused_at_once_and_probes_are_not() {
     let service = Service::with(ServiceConfig { max_lag: Duration::ZERO, ..ServiceConfig::default() });
-    // All on one connection: the service goes from one to the next without looking elsewhere.
+    // All on one connection: the service answers one after the other without serving other connections.
     let answers = service.raw((ROBOTS.repeat(30) + &PROBE.repeat(5) + CLOSE).as_bytes());
     let (refused, served) = (answers.matches("HTTP/1.1 503 ").count(), answers.matches("HTTP/1.1 200 ").count());
     assert_eq!(refused + served, 36, "{answers}");
@@ -30,7 +30,7 @@ fn the_end_of_a_long_line_is_refused_at_once_and_probes_are_not() {
 }
 
 #[test]
-fn large_bodies_share_the_room_and_small_ones_do_not_need_it() {
+fn large_bodies_share_a_quota_and_small_ones_do_not_need_it() {
     let service = Service::with(ServiceConfig { max_large_bodies: 2, ..ServiceConfig::default() });
     let head =
         "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
@@ -45,7 +45,7 @@ fn large_bodies_share_the_room_and_small_ones_do_not_need_it() {
     let large = body.clone() + &" ".repeat(100_000);
     let refused = (0..200).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
-        service.post("/v1/resolve", &large).flaw(503, None).is_none()
+        service.post("/v1/resolve", &large).refusal_difference(503, None).is_none()
     });
     assert!(refused);
     service.post("/v1/resolve", &body).accepted();
@@ -54,16 +54,16 @@ fn large_bodies_share_the_room_and_small_ones_do_not_need_it() {
         std::thread::sleep(Duration::from_millis(10));
         service.post("/v1/resolve", &large).status == 200
     });
-    assert!(accepted, "the room is given back");
+    assert!(accepted, "the quota is not freed");
 }
 
 #[test]
-fn a_batch_takes_the_room_of_as_many_bodies_as_it_has_mebibytes() {
+fn a_batch_counts_as_one_large_body_per_mebibyte() {
     let service = Service::with(ServiceConfig { max_large_bodies: 4, ..ServiceConfig::default() });
     let body = example("resolve.json").to_string();
     let large = body.clone() + &" ".repeat(100_000);
     let batch = |spaces: usize| format!(r#"{{"items": [{body}]}}"#) + &" ".repeat(spaces);
-    // More than all the room is all of it.
+    // A body above the whole quota uses all of it.
     service.post("/v1/resolve/batch", &batch(6 << 20)).accepted();
     let mut open = service.connect();
     open.write_all(
@@ -73,7 +73,7 @@ fn a_batch_takes_the_room_of_as_many_bodies_as_it_has_mebibytes() {
     open.write_all(&vec![b' '; 3_500_000]).unwrap();
     let refused = (0..200).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
-        service.post("/v1/resolve", &large).flaw(503, None).is_none()
+        service.post("/v1/resolve", &large).refusal_difference(503, None).is_none()
     });
     assert!(refused);
     service.post("/v1/resolve/batch", &batch(0)).accepted();
@@ -81,10 +81,10 @@ fn a_batch_takes_the_room_of_as_many_bodies_as_it_has_mebibytes() {
 }
 
 #[test]
-fn for_one_connection_too_many_the_one_least_answered_is_closed() {
+fn one_connection_too_many_closes_the_longest_unanswered_one() {
     let service = Service::with(ServiceConfig { max_connections: 10, ..ServiceConfig::default() });
     let mut busy = service.connect();
-    let mut ask = || {
+    let mut call = || {
         busy.write_all(PROBE.as_bytes()).unwrap();
         let mut answer = [0; 15];
         busy.read_exact(&mut answer).unwrap();
@@ -92,30 +92,30 @@ fn for_one_connection_too_many_the_one_least_answered_is_closed() {
         let mut rest = [0; 4096];
         let _ = busy.read(&mut rest).unwrap();
     };
-    ask();
+    call();
     let mut silent: Vec<TcpStream> = Vec::new();
     for _ in 0..40 {
         silent.push(service.connect());
-        ask();
+        call();
     }
     let closed = |stream: &mut TcpStream| {
         stream.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
         matches!(stream.read(&mut [0]), Ok(0))
     };
-    assert!(silent[..30].iter_mut().all(closed), "the oldest are closed");
-    assert!(!silent[32..].iter_mut().any(closed), "the newest are not");
-    ask();
+    assert!(silent[..30].iter_mut().all(closed), "an old connection is still open");
+    assert!(!silent[32..].iter_mut().any(closed), "a new connection is closed");
+    call();
 }
 
 #[test]
 fn a_client_that_does_not_read_is_dropped() {
     let timeout = Duration::from_millis(300);
     let service = Service::with(ServiceConfig { write_timeout: timeout, ..ServiceConfig::default() });
-    let mut deaf = service.connect();
-    deaf.set_write_timeout(Some(Duration::from_secs(10))).unwrap();
-    // Some 100 MB of answers fit into no buffer.
+    let mut client = service.connect();
+    client.set_write_timeout(Some(Duration::from_secs(10))).unwrap();
+    // No buffer can hold about 100 MB of answers.
     let requests = ROBOTS.repeat(1000);
-    let dropped = (0..200).any(|_| deaf.write_all(requests.as_bytes()).is_err());
+    let dropped = (0..200).any(|_| client.write_all(requests.as_bytes()).is_err());
     assert!(dropped);
     let counted = (0..100).any(|_| {
         std::thread::sleep(Duration::from_millis(20));
@@ -125,7 +125,7 @@ fn a_client_that_does_not_read_is_dropped() {
 }
 
 #[test]
-fn a_header_that_does_not_come_ends_the_connection() {
+fn a_missing_header_ends_the_connection() {
     let timeout = Duration::from_millis(300);
     let service = Service::with(ServiceConfig { header_timeout: timeout, ..ServiceConfig::default() });
     let mut slow = service.connect();
@@ -135,19 +135,19 @@ fn a_header_that_does_not_come_ends_the_connection() {
     service.assert_alive();
 }
 
-/// As many as the connections that are allowed by default, so that the honest client needs the place of one of them.
+/// The default maximum number of connections: the working client can connect only if another connection is closed.
 #[test]
 #[ignore = "opens more than a thousand files"]
-fn a_thousand_slow_clients_do_not_keep_an_honest_one_out() {
-    slow_clients_do_not_keep_an_honest_one_out(1000);
+fn a_thousand_slow_clients_do_not_block_a_working_one() {
+    slow_clients_do_not_block_a_working_one(1000);
 }
 
 #[test]
-fn two_hundred_slow_clients_do_not_keep_an_honest_one_out() {
-    slow_clients_do_not_keep_an_honest_one_out(200);
+fn two_hundred_slow_clients_do_not_block_a_working_one() {
+    slow_clients_do_not_block_a_working_one(200);
 }
 
-fn slow_clients_do_not_keep_an_honest_one_out(count: usize) {
+fn slow_clients_do_not_block_a_working_one(count: usize) {
     let service = Service::with(ServiceConfig { max_connections: count, ..ServiceConfig::default() });
     let slow = |i: usize| {
         let mut stream = service.connect();
@@ -158,7 +158,7 @@ fn slow_clients_do_not_keep_an_honest_one_out(count: usize) {
     };
     let slow: Vec<TcpStream> = (0..count).map(slow).collect();
     for _ in 0..20 {
-        service.ask("/v1/resolve", &example("resolve.json"));
+        service.call("/v1/resolve", &example("resolve.json"));
     }
     drop(slow);
 }

@@ -1,10 +1,10 @@
-//! Robots of one's own, from registration to deletion.
+//! Registered robots, from registration to deletion.
 
 use serde_json::{Value, json};
 
 use crate::harness::{Service, numbers, without};
 
-/// One joint about z with a tool 2 m away.
+/// A URDF with one joint about z and a tool at a distance of 2 m.
 pub const CRANK: &str = r#"<robot name="unused">
   <link name="base"/><link name="arm"/><link name="tool"/>
   <joint name="crank" type="revolute">
@@ -19,7 +19,7 @@ pub fn registration(name: &str, urdf: &str) -> Value {
     json!({"name": name, "urdf": urdf})
 }
 
-/// Velocity along y asked of a robot with one joint.
+/// Returns a problem: a velocity along y, for a robot with one joint.
 fn pull(robot: &str) -> Value {
     json!({
         "robot": robot, "joint_position": [0.0], "period_s": 0.001,
@@ -46,8 +46,8 @@ fn a_robot_is_registered_used_and_deleted() {
     assert_eq!((&joint["velocity_limit"], &joint["acceleration_limit"]), (&json!(1.5), &json!(4.0)));
     assert!(service.get("/v1/robots").accepted()["robots"].as_array().unwrap().contains(&shown));
 
-    // 0.5 m/s at 2 m are 0.25 rad/s.
-    let answer = service.ask("/v1/resolve", &pull("crank"));
+    // 0.5 m/s at a distance of 2 m is 0.25 rad/s.
+    let answer = service.call("/v1/resolve", &pull("crank"));
     assert!((numbers(&answer["joint_velocity"])[0] - 0.25).abs() < 1e-12, "{answer}");
 
     assert_eq!(service.delete("/v1/robots/crank").status, 204);
@@ -58,7 +58,7 @@ fn a_robot_is_registered_used_and_deleted() {
 }
 
 #[test]
-fn a_session_keeps_its_robot_when_the_name_goes_to_another() {
+fn a_session_keeps_its_robot_when_another_robot_gets_the_name() {
     let service = Service::start();
     service.post("/v1/robots", &registration("crank", CRANK).to_string()).accepted();
     let session = service.open(&controller("crank"));
@@ -67,14 +67,14 @@ fn a_session_keeps_its_robot_when_the_name_goes_to_another() {
     service.post("/v1/robots", &registration("crank", &shorter).to_string()).accepted();
     let step = |session: &str| {
         let state = json!({"sequence": 1, "time_s": 0.0, "joint_position": {"crank": 0.0}});
-        numbers(&service.ask(&format!("{session}/step"), &state)["joint_velocity"])[0]
+        numbers(&service.call(&format!("{session}/step"), &state)["joint_velocity"])[0]
     };
     assert!((step(&session) - 0.25).abs() < 1e-12);
     assert!((step(&service.open(&controller("crank"))) - 0.5).abs() < 1e-12);
 }
 
 #[test]
-fn joints_without_acceleration_limit_are_only_as_fast_as_their_other_limits() {
+fn joints_without_acceleration_limit_obey_their_other_limits() {
     let service = Service::start();
     let free = CRANK.replace(r#"acceleration="4""#, "");
     service.post("/v1/robots", &registration("free", &free).to_string()).accepted();
@@ -84,13 +84,13 @@ fn joints_without_acceleration_limit_are_only_as_fast_as_their_other_limits() {
         question["limits"] = json!("position_velocity_acceleration");
         question["joint_velocity"] = json!([0.0]);
         question["tasks"][0]["velocity"] = json!([100.0]);
-        numbers(&service.ask("/v1/resolve", &question)["joint_velocity"])[0]
+        numbers(&service.call("/v1/resolve", &question)["joint_velocity"])[0]
     };
     assert!((speed("crank") - 0.004).abs() < 1e-12 && (speed("free") - 1.5).abs() < 1e-12);
 }
 
 #[test]
-fn the_named_chain_is_taken() {
+fn base_and_tip_select_the_chain() {
     let service = Service::start();
     let mut body = registration("short", CRANK);
     (body["base"], body["tip"]) = (json!("base"), json!("arm"));
@@ -98,12 +98,12 @@ fn the_named_chain_is_taken() {
     assert!(short["description"].as_str().unwrap().contains("to link `arm`"));
     let full = service.post("/v1/robots", &registration("full", CRANK).to_string()).accepted();
     assert_eq!(without(short, &["name", "description"]), without(full, &["name", "description"]));
-    let reached = service.ask("/v1/resolve", &pull("short"))["tasks"][0]["achieved"][0].as_f64().unwrap();
-    assert_eq!(reached, 0.0, "the tool stands on the axis");
+    let reached = service.call("/v1/resolve", &pull("short"))["tasks"][0]["achieved"][0].as_f64().unwrap();
+    assert_eq!(reached, 0.0, "the tool is not on the axis");
 }
 
 #[test]
-fn every_arm_that_ships_with_the_program_says_where_it_comes_from_and_moves() {
+fn every_built_in_arm_has_a_source_and_moves() {
     let service = Service::start();
     for (name, source, joints) in [
         ("sawyer_dh", "denavit_hartenberg", 7),
@@ -116,7 +116,7 @@ fn every_arm_that_ships_with_the_program_says_where_it_comes_from_and_moves() {
         assert_eq!((robot["source"].as_str(), robot["joints"].as_array().unwrap().len()), (Some(source), joints));
         let middle = |joint: &Value| numbers(&joint["position_limit"]).iter().sum::<f64>() / 2.0 + 0.3;
         let posture: Vec<f64> = robot["joints"].as_array().unwrap().iter().map(middle).collect();
-        let answer = service.ask(
+        let answer = service.call(
             "/v1/resolve",
             &json!({"robot": name, "joint_position": posture, "period_s": 0.001,
                 "tasks": [{"axes": ["x", "y"], "velocity": [0.01, -0.02]}]}),

@@ -1,4 +1,4 @@
-//! Who may call.
+//! Access: tokens, origins and certificates.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -14,7 +14,7 @@ use tungstenite::client::IntoClientRequest;
 
 use crate::harness::{Service, example};
 
-/// A file for one test.
+/// Writes a file for one test.
 fn file(name: &str, text: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, text).unwrap();
@@ -41,7 +41,7 @@ fn without_the_token_only_probes_are_answered() {
         assert_eq!(answer.header("www-authenticate"), Some("Bearer"), "{wrong}");
         assert!(!answer.text.contains("s3cret"), "{}", answer.text);
     }
-    // The page holds no secret, and a browser that opens it cannot show the token; what it asks for later needs one.
+    // The page is public, because a browser that opens it cannot send the token. Its later requests need the token.
     assert_eq!(service.get("/").status, 200);
     for path in ["/docs/", "/dashboard", "/v1/robots", "/v1/nothing", "/metrics", "/v1/resolve"] {
         service.get(path).assert_refused(401, None);
@@ -52,7 +52,7 @@ fn without_the_token_only_probes_are_answered() {
 }
 
 #[test]
-fn streams_pass_the_same_gate_as_requests() {
+fn streams_need_the_token_and_an_allowed_origin() {
     let service = Service::with(ServiceConfig { token: Some(token("stream_token")), ..ServiceConfig::default() });
     let bearer = ("authorization", "Bearer s3cret-word");
     let json = ("content-type", "application/json");
@@ -76,7 +76,7 @@ fn streams_pass_the_same_gate_as_requests() {
 }
 
 #[test]
-fn a_token_is_one_word_and_never_shown() {
+fn a_token_is_one_word_and_never_printed() {
     let refusal = |name: &str, text: &str| Token::read(&file(name, text)).unwrap_err().to_string();
     assert!(refusal("empty_token", " \n").contains("is empty"));
     assert!(refusal("two_words", "one two").contains("more than one word"));
@@ -85,7 +85,7 @@ fn a_token_is_one_word_and_never_shown() {
 }
 
 #[test]
-fn an_address_that_others_reach_needs_a_token() {
+fn an_address_that_others_can_reach_needs_a_token() {
     let listen = || TcpListener::bind("0.0.0.0:0").unwrap();
     let open = router(AppState::new(Robots::built_in()));
     let refused = serve(listen(), open, std::future::ready(())).unwrap_err().to_string();
@@ -96,7 +96,7 @@ fn an_address_that_others_reach_needs_a_token() {
     assert!(ServiceConfig::default().check(mapped).is_ok());
 }
 
-/// The status of a request from a page of that origin, sent to that host name.
+/// Returns the status of a request from a page of this origin to this host name.
 fn status_from_page(service: &Service, origin: &str, host: &str) -> u16 {
     service.send("GET", "/v1/robots", &[("origin", origin), ("host", host)], "").status
 }
@@ -111,7 +111,7 @@ fn a_foreign_web_page_cannot_call() {
     for foreign in ["https://evil.example", "http://127.0.0.1", "http://127.0.0.1:1", "null", ""] {
         assert_eq!(status_from_page(&service, foreign, authority), 403, "{foreign}");
     }
-    // A name of the page's owner that resolves to this machine.
+    // A foreign host name that resolves to this machine.
     assert_eq!(status_from_page(&service, "http://evil.example:8080", "evil.example:8080"), 403);
     let answer = service.send("GET", "/v1/robots", &[("origin", "https://evil.example")], "");
     answer.assert_refused(403, None);
@@ -119,12 +119,12 @@ fn a_foreign_web_page_cannot_call() {
 }
 
 #[test]
-fn an_allowed_page_calls_and_reads() {
+fn an_allowed_page_can_call_and_read_answers() {
     let page = "https://panel.example";
     let config = ServiceConfig { allowed_origins: vec![page.to_owned()], ..ServiceConfig::default() };
     let service = Service::with(config);
-    let asks = [("origin", page), ("access-control-request-method", "POST")];
-    let preflight = service.send("OPTIONS", "/v1/step", &asks, "");
+    let headers = [("origin", page), ("access-control-request-method", "POST")];
+    let preflight = service.send("OPTIONS", "/v1/step", &headers, "");
     assert_eq!((preflight.status, preflight.header("access-control-allow-origin")), (200, Some(page)));
     assert!(preflight.header("access-control-allow-headers").unwrap().contains("authorization"));
     let answer = service.send("GET", "/v1/robots", &[("origin", page)], "");
@@ -134,12 +134,12 @@ fn an_allowed_page_calls_and_reads() {
 }
 
 #[test]
-fn with_certificate_and_key_the_service_speaks_https() {
+fn with_certificate_and_key_the_service_uses_https() {
     let pair = rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
     let cert = file("cert.pem", &pair.cert.pem());
     let tls = Tls::read(&cert, &file("key.pem", &pair.signing_key.serialize_pem())).unwrap();
-    let patience = Duration::from_millis(300);
-    let config = ServiceConfig { tls: Some(tls), handshake_timeout: patience, ..ServiceConfig::default() };
+    let timeout = Duration::from_millis(300);
+    let config = ServiceConfig { tls: Some(tls), handshake_timeout: timeout, ..ServiceConfig::default() };
     let service = Service::with(config);
     assert!(service.url().starts_with("https://"));
     let connect = || TcpStream::connect(service.url().trim_start_matches("https://")).unwrap();
@@ -152,7 +152,7 @@ fn with_certificate_and_key_the_service_speaks_https() {
     assert!(answer.starts_with("HTTP/1.1 200 OK\r\n") && answer.ends_with("\r\n\r\nok"), "{answer}");
 
     let mut nothing = Vec::new();
-    assert_eq!(silent.read_to_end(&mut nothing).unwrap_or(0), 0, "a client that does not shake hands is dropped");
+    assert_eq!(silent.read_to_end(&mut nothing).unwrap_or(0), 0, "a client without a handshake is still connected");
 }
 
 fn encrypted(stream: TcpStream, certificate: &CertificateDer<'static>) -> StreamOwned<ClientConnection, TcpStream> {
@@ -164,7 +164,7 @@ fn encrypted(stream: TcpStream, certificate: &CertificateDer<'static>) -> Stream
 }
 
 #[test]
-fn certificates_that_are_none_are_named() {
+fn errors_of_certificates_and_keys_name_the_file() {
     let pair = || rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
     let (one, other) = (pair(), pair());
     let cert = file("one_cert.pem", &one.cert.pem());
@@ -174,5 +174,5 @@ fn certificates_that_are_none_are_named() {
     assert!(refusal(&nothing, &key).contains("nothing.pem"));
     assert!(refusal(&cert, &nothing).contains("nothing.pem"));
     assert!(refusal(&cert, &PathBuf::from("no_such.pem")).contains("no_such.pem"));
-    assert!(refusal(&cert, &key).contains("other_key.pem"), "key of another certificate");
+    assert!(refusal(&cert, &key).contains("other_key.pem"), "a key of another certificate is accepted");
 }

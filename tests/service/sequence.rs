@@ -1,10 +1,10 @@
-//! Sequence numbers: a retry is safe, everything else must count up.
+//! Sequence numbers: a retry is safe, every new state needs a greater number.
 
 use serde_json::{Value, json};
 
 use crate::harness::{Answer, Service, example};
 
-/// The state of the examples with another sequence number and another position of the first joint.
+/// Returns the example state with another sequence number and another position of the first joint.
 fn state(sequence: u64, first_joint: f64) -> Value {
     let mut state = example("state.json");
     state["sequence"] = json!(sequence);
@@ -29,7 +29,7 @@ impl Session {
         self.service.post(&format!("{}/step", self.address), &state(sequence, first_joint).to_string())
     }
 
-    /// Steps, retries and last sequence number.
+    /// Returns steps, retries and the last sequence number.
     fn counters(&self) -> [Value; 3] {
         let shown = self.service.get(&self.address).accepted();
         ["steps", "retries", "last_sequence"].map(|field| shown[field].clone())
@@ -46,7 +46,7 @@ fn a_retry_gets_the_same_answer_and_does_not_step_again() {
 }
 
 #[test]
-fn what_does_not_count_up_is_a_conflict_and_changes_nothing() {
+fn a_sequence_number_that_does_not_increase_is_a_conflict_and_changes_nothing() {
     let session = Session::open();
     session.step(5, 2.9).accepted();
     session.step(5, 2.91).assert_refused(409, Some("/sequence"));
@@ -57,7 +57,7 @@ fn what_does_not_count_up_is_a_conflict_and_changes_nothing() {
 }
 
 #[test]
-fn numbers_may_start_at_zero_and_leave_gaps() {
+fn sequence_numbers_may_start_at_zero_and_have_gaps() {
     let session = Session::open();
     for sequence in [0, 1, 100, (1 << 53) - 1] {
         assert_eq!(session.step(sequence, 2.9).accepted()["sequence"], sequence);
@@ -65,11 +65,11 @@ fn numbers_may_start_at_zero_and_leave_gaps() {
 }
 
 #[test]
-fn without_a_session_the_memory_counts() {
+fn without_a_session_the_memory_holds_the_last_sequence_number() {
     let service = Service::start();
     let mut request = example("step.json");
-    request["memory"] = service.ask("/v1/step", &request)["memory"].clone();
+    request["memory"] = service.call("/v1/step", &request)["memory"].clone();
     service.post("/v1/step", &request.to_string()).assert_refused(409, Some("/state/sequence"));
     request["state"]["sequence"] = json!(18);
-    assert_eq!(service.ask("/v1/step", &request)["sequence"], 18);
+    assert_eq!(service.call("/v1/step", &request)["sequence"], 18);
 }

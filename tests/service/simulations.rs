@@ -1,4 +1,4 @@
-//! Runs of the built-in simulator, and the scenarios that it knows.
+//! Simulations and scenarios.
 
 use std::io::Read;
 use std::ops::ControlFlow;
@@ -13,10 +13,10 @@ use serde_json::{Value, json};
 
 use crate::harness::{Service, example};
 
-/// Far more than what is waited for.
-const PATIENCE: Duration = Duration::from_mins(1);
+/// Far more than every wait needs.
+const TIMEOUT: Duration = Duration::from_mins(1);
 
-/// Media types of traces that are also files.
+/// Media types of traces that are also file formats.
 const FILES: [(&str, Format); 4] = [
     ("text/csv", Format::Csv),
     ("application/x-ndjson", Format::JsonLines),
@@ -24,12 +24,12 @@ const FILES: [(&str, Format); 4] = [
     ("application/vnd.mcap", Format::Mcap),
 ];
 
-/// A path for files of a test.
+/// Returns the path of a file for one test.
 fn tempfile(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// A scenario of a fifth of a second.
+/// Returns a scenario of 0.2 s.
 fn short(service: &Service) -> Value {
     let mut scenario = service.get("/v1/scenarios/force_tracking").accepted();
     scenario["duration_s"] = json!(0.2);
@@ -44,7 +44,7 @@ fn start(service: &Service, request: &Value) -> String {
     address
 }
 
-/// Waits until the run is as it should be.
+/// Waits until the status of the run satisfies the condition.
 fn until(service: &Service, address: &str, condition: impl Fn(&Value) -> bool) -> Value {
     let start = Instant::now();
     loop {
@@ -52,7 +52,7 @@ fn until(service: &Service, address: &str, condition: impl Fn(&Value) -> bool) -
         if condition(&status) {
             return status;
         }
-        assert!(start.elapsed() < PATIENCE, "{status}");
+        assert!(start.elapsed() < TIMEOUT, "{status}");
         sleep(Duration::from_millis(5));
     }
 }
@@ -66,7 +66,7 @@ fn is_running(status: &Value) -> bool {
 }
 
 #[test]
-fn a_run_here_is_the_run_of_any_client() {
+fn a_run_of_the_service_equals_the_run_of_a_client() {
     let service = Service::start();
     let scenario = short(&service);
     let address = start(&service, &json!({"scenario": scenario, "solver": "qp"}));
@@ -92,7 +92,7 @@ fn a_run_here_is_the_run_of_any_client() {
 }
 
 #[test]
-fn a_trace_comes_in_the_format_that_is_accepted() {
+fn a_trace_has_the_accepted_format() {
     let service = Service::start();
     let mut scenario = short(&service);
     // More than one piece.
@@ -133,7 +133,7 @@ fn a_trace_comes_in_the_format_that_is_accepted() {
 }
 
 #[test]
-fn events_tell_the_progress_to_the_end() {
+fn events_show_the_progress_until_the_end() {
     let service = Service::start();
     let mut scenario = short(&service);
     scenario["duration_s"] = json!(2.0);
@@ -155,7 +155,7 @@ fn events_tell_the_progress_to_the_end() {
 }
 
 #[test]
-fn a_run_is_cancelled_at_once_and_then_forgotten() {
+fn delete_cancels_a_running_simulation_and_then_deletes_it() {
     let service = Service::start();
     let address = start(&service, &json!({"scenario": "force_tracking"}));
     until(&service, &address, is_running);
@@ -173,7 +173,7 @@ fn a_run_is_cancelled_at_once_and_then_forgotten() {
 }
 
 #[test]
-fn runs_wait_for_their_turn_and_are_turned_away_when_there_is_no_room() {
+fn simulations_wait_and_are_refused_above_the_quota() {
     let service = Service::start();
     let runs: Vec<String> = (0..12).map(|_| start(&service, &json!({"scenario": "force_tracking"}))).collect();
     let refusal = service.exchange(
@@ -184,10 +184,10 @@ fn runs_wait_for_their_turn_and_are_turned_away_when_there_is_no_room() {
     );
     assert_eq!((refusal.status().as_u16(), &refusal.headers()["retry-after"]), (503, &"1".parse().unwrap()));
     assert_eq!(service.get(&runs[11]).accepted()["state"], "queued");
-    // The last one need not wait for the others once they are cancelled.
+    // The last run starts when the others are cancelled.
     runs[..11].iter().for_each(|run| assert_eq!(service.delete(run).status, 204));
     until(&service, &runs[11], is_running);
-    // Cancelled ones make room, the oldest first.
+    // New runs replace cancelled ones, the oldest first.
     start(&service, &json!({"scenario": short(&service)}));
     start(&service, &json!({"scenario": "force_tracking"}));
     service.get(&runs[0]).assert_refused(404, None);
@@ -195,10 +195,10 @@ fn runs_wait_for_their_turn_and_are_turned_away_when_there_is_no_room() {
 }
 
 #[test]
-fn a_run_that_cannot_go_on_fails_and_says_why() {
+fn a_run_that_diverges_fails_with_the_time_of_the_failure() {
     let service = Service::start();
     let mut scenario = short(&service);
-    // Far beyond stability, and nothing that limits the swing: soon no force is a sensible number.
+    // An unstable loop without limits: soon the force is out of range.
     scenario["contacts"][0]["stiffness"] = json!(1e9);
     scenario["controller"]["limits"] = json!("none");
     let address = start(&service, &json!({"scenario": scenario}));
@@ -208,7 +208,7 @@ fn a_run_that_cannot_go_on_fails_and_says_why() {
 }
 
 #[test]
-fn a_service_with_runs_ends_promptly() {
+fn a_service_with_running_simulations_ends_promptly() {
     let service = Service::start();
     let address = start(&service, &json!({"scenario": "force_tracking"}));
     until(&service, &address, is_running);
@@ -218,7 +218,7 @@ fn a_service_with_runs_ends_promptly() {
 }
 
 #[test]
-fn a_scenario_may_travel_in_message_pack() {
+fn a_scenario_may_be_sent_as_message_pack() {
     let service = Service::start();
     let format = "application/msgpack";
     let scenario = service.exchange("GET", "/v1/scenarios/stiff_wall", &[("accept", format)], &[]);
@@ -238,7 +238,7 @@ fn the_example_is_started() {
 }
 
 #[test]
-fn what_cannot_be_run_is_refused_before_it_starts() {
+fn wrong_simulations_are_refused_before_they_start() {
     let service = Service::start();
     let refused = |change: &dyn Fn(&mut Value), pointer: &str| {
         let mut request = json!({"scenario": short(&service)});
@@ -266,7 +266,7 @@ fn what_cannot_be_run_is_refused_before_it_starts() {
 }
 
 #[test]
-fn scenarios_are_listed_and_shown_whole() {
+fn scenarios_are_listed_and_shown_completely() {
     let service = Service::start();
     let list = service.get("/v1/scenarios").accepted();
     let list = list["scenarios"].as_array().unwrap();
@@ -277,7 +277,7 @@ fn scenarios_are_listed_and_shown_whole() {
         assert_eq!(entry["scenario"]["name"], name);
         assert_eq!(entry["robot"], entry["scenario"]["controller"]["robot"]);
         assert_eq!(entry["description"], entry["scenario"]["description"]);
-        // What is shown can be sent back.
+        // A shown scenario can be sent back.
         let address = start(&service, &json!({"scenario": entry["scenario"]}));
         service.delete(&address);
     }

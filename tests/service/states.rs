@@ -1,17 +1,17 @@
-//! The ways in which one state can be written.
+//! The forms of a state: named joints, wrench conventions, omitted fields.
 
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, without};
 
-/// The body with its list at `field` turned into an object with the names in reversed order.
+/// Replaces the list at `field` by an object with the joint names in reverse order.
 fn by_name_reversed(body: &Value, field: &str) -> String {
     let values = body[field].as_array().unwrap().iter().enumerate();
     let pairs: Vec<_> = values.rev().map(|(i, value)| format!(r#""j{}": {value}"#, i + 1)).collect();
     replaced(body, field, &format!("{{{}}}", pairs.join(", ")))
 }
 
-/// The body with other text at `field`.
+/// Replaces the value at `field` by another text.
 fn replaced(body: &Value, field: &str, text: &str) -> String {
     let mut body = body.clone();
     body[field] = json!("@");
@@ -24,12 +24,12 @@ fn joints_may_be_named_in_any_order() {
     let ordered = example("resolve.json");
     let named = service.post("/v1/resolve", &by_name_reversed(&ordered, "joint_position")).accepted();
     let answer = |answer: Value| without(answer, &["elapsed_us"]).to_string();
-    assert_eq!(answer(named), answer(service.ask("/v1/resolve", &ordered)));
+    assert_eq!(answer(named), answer(service.call("/v1/resolve", &ordered)));
 
     let session = || format!("{}/step", service.open(&example("controller.json")));
     let state = example("state.json");
     let named = service.post(&session(), &by_name_reversed(&state, "joint_position")).accepted();
-    assert_eq!(answer(named), answer(service.ask(&session(), &state)));
+    assert_eq!(answer(named), answer(service.call(&session(), &state)));
 }
 
 #[test]
@@ -56,18 +56,18 @@ fn a_wrench_on_the_tool_is_the_negative_of_one_on_the_environment() {
         let mut request = example("step.json");
         request["controller"]["wrench_convention"] = json!(convention);
         request["state"]["wrench"] = json!({"force": [sign * 12.5, sign * 3.0, 0.0], "torque": [sign * 0.5, 0.0, 0.0]});
-        without(service.ask("/v1/step", &request), &["elapsed_us"]).to_string()
+        without(service.call("/v1/step", &request), &["elapsed_us"]).to_string()
     };
     assert_eq!(answer("on_environment", 1.0), answer("on_tool", -1.0));
     assert_ne!(answer("on_environment", 1.0), answer("on_environment", -1.0));
 }
 
 #[test]
-fn a_velocity_that_is_left_out_is_zero_at_first() {
+fn an_omitted_velocity_is_zero_at_the_first_step() {
     let service = Service::start();
     let mut request = example("step.json");
-    let measured = service.ask("/v1/step", &request);
+    let measured = service.call("/v1/step", &request);
     request["state"].as_object_mut().unwrap().remove("joint_velocity");
-    let assumed = service.ask("/v1/step", &request);
+    let assumed = service.call("/v1/step", &request);
     assert_eq!(measured["joint_velocity"], assumed["joint_velocity"]);
 }

@@ -27,8 +27,8 @@ impl Client {
         Self { socket, protocol }
     }
 
-    /// The answer to a text.
-    fn ask(&mut self, text: &str) -> Value {
+    /// Sends a text message and returns the answer.
+    fn call(&mut self, text: &str) -> Value {
         self.socket.send(Message::text(text)).unwrap();
         self.read()
     }
@@ -44,8 +44,8 @@ impl Client {
         }
     }
 
-    /// Why the service closes the stream.
-    fn farewell(&mut self) -> CloseFrame {
+    /// Returns the close frame of the service.
+    fn close_frame(&mut self) -> CloseFrame {
         loop {
             if let Message::Close(frame) = self.socket.read().unwrap() {
                 return frame.unwrap();
@@ -66,7 +66,7 @@ fn state(sequence: u64) -> Value {
 fn a_stream_answers_as_requests_do_to_the_last_bit_in_every_protocol() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
-    let step = |sequence| without(service.ask(&format!("{session}/step"), &state(sequence)), &["elapsed_us"]);
+    let step = |sequence| without(service.call(&format!("{session}/step"), &state(sequence)), &["elapsed_us"]);
     let expected: Vec<Value> = (0..50).map(step).collect();
     for protocol in [None, Some("revprio.json"), Some("revprio.msgpack")] {
         let session = service.open(&example("controller.json"));
@@ -77,7 +77,7 @@ fn a_stream_answers_as_requests_do_to_the_last_bit_in_every_protocol() {
                 client.socket.send(Message::binary(rmp_serde::to_vec_named(&state(sequence)).unwrap())).unwrap();
                 client.read()
             } else {
-                client.ask(&state(sequence).to_string())
+                client.call(&state(sequence).to_string())
             };
             assert_eq!(without(answer, &["elapsed_us"]), expected[usize::try_from(sequence).unwrap()]);
         }
@@ -87,7 +87,7 @@ fn a_stream_answers_as_requests_do_to_the_last_bit_in_every_protocol() {
 }
 
 #[test]
-fn the_first_protocol_that_both_know_is_spoken() {
+fn the_first_known_subprotocol_is_used() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let client = Client::open(&service, &session, Some("v12.other, revprio.msgpack"));
@@ -95,13 +95,13 @@ fn the_first_protocol_that_both_know_is_spoken() {
 }
 
 #[test]
-fn refused_states_are_answered_by_problems_and_the_stream_goes_on() {
+fn refused_states_get_problems_and_the_stream_continues() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
-    let first = client.ask(&state(5).to_string());
+    let first = client.call(&state(5).to_string());
     assert_eq!(first["sequence"], 5);
-    assert_eq!(client.ask(&state(5).to_string()), first);
+    assert_eq!(client.call(&state(5).to_string()), first);
     let mut changed = state(5);
     changed["joint_position"][0] = json!(2.0);
     let mut short = state(6);
@@ -114,11 +114,11 @@ fn refused_states_are_answered_by_problems_and_the_stream_goes_on() {
         ("hello".to_owned(), 400, Value::Null),
         (state(6).to_string() + &" ".repeat(70_000), 413, Value::Null),
     ] {
-        let problem = client.ask(&text);
+        let problem = client.call(&text);
         assert_eq!((&problem["status"], &problem["pointer"]), (&json!(status), &pointer), "{problem}");
         assert!(problem["type"].as_str().unwrap().starts_with("/problems/"));
     }
-    assert_eq!(client.ask(&state(6).to_string())["sequence"], 6);
+    assert_eq!(client.call(&state(6).to_string())["sequence"], 6);
 }
 
 #[test]
@@ -127,42 +127,42 @@ fn several_streams_share_one_session() {
     let session = service.open(&example("controller.json"));
     let mut clients = [None, Some("revprio.json")].map(|protocol| Client::open(&service, &session, protocol));
     for sequence in 0..10 {
-        let answer = clients[usize::from(sequence % 2 == 1)].ask(&state(sequence).to_string());
+        let answer = clients[usize::from(sequence % 2 == 1)].call(&state(sequence).to_string());
         assert_eq!(answer["sequence"], sequence);
     }
-    assert_eq!(clients[0].ask(&state(3).to_string())["status"], 409);
+    assert_eq!(clients[0].call(&state(3).to_string())["status"], 409);
 }
 
 #[test]
-fn a_stream_ends_with_its_controller_and_says_so() {
+fn the_end_of_the_controller_closes_the_stream_with_a_code() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
-    client.ask(&state(1).to_string());
+    client.call(&state(1).to_string());
     service.delete(&session);
-    assert_eq!(client.ask(&state(2).to_string())["status"], 404);
-    assert_eq!(u16::from(client.farewell().code), 4404);
+    assert_eq!(client.call(&state(2).to_string())["status"], 404);
+    assert_eq!(u16::from(client.close_frame().code), 4404);
 }
 
 #[test]
-fn a_service_that_ends_says_farewell_promptly() {
+fn the_shutdown_closes_streams_promptly_with_a_code() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
-    client.ask(&state(1).to_string());
+    client.call(&state(1).to_string());
     let start = Instant::now();
     let end = std::thread::spawn(move || drop(service));
-    assert_eq!(u16::from(client.farewell().code), 1001);
+    assert_eq!(u16::from(client.close_frame().code), 1001);
     end.join().unwrap();
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
 #[test]
-fn a_message_beyond_measure_ends_the_stream_and_nothing_else() {
+fn a_far_too_large_message_ends_only_its_own_stream() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
-    // The service may have closed before all is sent.
+    // The service may close the stream before the whole message is sent.
     let _ = client.socket.send(Message::text(" ".repeat(3 << 20)));
     let ended = (0..10).any(|_| !matches!(client.socket.read(), Ok(Message::Text(_) | Message::Binary(_))));
     assert!(ended);
@@ -171,19 +171,19 @@ fn a_message_beyond_measure_ends_the_stream_and_nothing_else() {
 }
 
 #[test]
-fn a_reader_who_does_not_read_holds_up_nobody() {
+fn a_client_that_does_not_read_delays_nobody() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
     client.socket.get_ref().set_write_timeout(Some(Duration::from_millis(200))).unwrap();
-    // Until no buffer takes any more; each answer is larger than its state.
+    // Fills all buffers: each answer is larger than its state.
     let sent = (0..100_000).take_while(|i| client.socket.send(Message::text(state(*i).to_string())).is_ok()).count();
     assert!(sent < 100_000);
     service.assert_alive();
     let steps = service.get(&session).accepted()["steps"].as_u64().unwrap();
     assert!(steps <= sent as u64);
     let other = service.open(&example("controller.json"));
-    service.ask(&format!("{other}/step"), &state(1));
+    service.call(&format!("{other}/step"), &state(1));
 }
 
 #[test]

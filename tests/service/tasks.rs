@@ -1,4 +1,4 @@
-//! What a task can say beyond its axes: gains, frames, tools, null-space motion.
+//! Options of tasks: gains, frames, tool offsets, null-space motion.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use crate::harness::{Service, example, numbers, without};
 fn resolved(service: &Service, change: impl Fn(&mut Value)) -> Value {
     let mut request = example("resolve.json");
     change(&mut request);
-    without(service.ask("/v1/resolve", &request), &["elapsed_us"])
+    without(service.call("/v1/resolve", &request), &["elapsed_us"])
 }
 
 fn largest_difference(a: &Value, b: &Value) -> f64 {
@@ -29,16 +29,16 @@ fn one_gain_for_all_axes_gives_the_same_bytes_as_one_per_axis() {
         tasks[1]["law"]["inertia"] = inertia;
         tasks[1]["law"]["stiffness"] = stiffness;
         tasks[0]["law"]["target_force"]["value"] = target;
-        without(service.ask("/v1/step", &step), &["elapsed_us"]).to_string()
+        without(service.call("/v1/step", &step), &["elapsed_us"]).to_string()
     };
     let each = answer(json!([15, 15, 15, 15, 15]), json!([700, 700, 700, 700, 700]), json!([30]));
     assert_eq!(answer(json!(15), json!(700.0), json!(30)), each);
 }
 
 #[test]
-fn rows_along_a_turned_frame_are_the_turned_request() {
+fn a_task_in_a_rotated_frame_equals_the_rotated_task() {
     let service = Service::start();
-    // A quarter turn about z: the frame's x is the base's y.
+    // A rotation by 90° about z: x of the frame is y of the base.
     let half = 0.5_f64.sqrt();
     let frame = json!({"position": [9, 9, 9], "orientation": {"w": half, "x": 0, "y": 0, "z": half}});
     let along = resolved(&service, |request| {
@@ -73,7 +73,7 @@ fn a_tool_offset_moves_the_tool_point_as_a_reference_point_does() {
 }
 
 #[test]
-fn a_violent_target_leads_to_a_command_inside_the_limits() {
+fn an_extreme_target_gives_a_command_inside_the_limits() {
     let service = Service::start();
     let jump = json!({"kind": "waypoints", "points": [{"time_s": 0, "value": -1e9}, {"time_s": 1e-6, "value": 1e9},
         {"time_s": 2e-6, "value": -1e9}]});
@@ -90,7 +90,7 @@ fn a_violent_target_leads_to_a_command_inside_the_limits() {
             task["law"]["target_displacement"] = displacement.clone();
             for sequence in [17, 18] {
                 step["state"]["sequence"] = json!(sequence);
-                let answer = service.ask("/v1/step", &step);
+                let answer = service.call("/v1/step", &step);
                 let velocity = numbers(&answer["joint_velocity"]);
                 assert!(velocity.iter().all(|speed| speed.abs() < 5.0), "{velocity:?}");
                 step["memory"] = answer["memory"].clone();
@@ -100,7 +100,7 @@ fn a_violent_target_leads_to_a_command_inside_the_limits() {
 }
 
 #[test]
-fn null_space_motions_are_the_velocities_that_they_stand_for() {
+fn null_space_motions_equal_their_explicit_velocities() {
     let service = Service::start();
     let with = |motion: Value| {
         resolved(&service, |request| {
@@ -127,20 +127,20 @@ fn null_space_motions_are_the_velocities_that_they_stand_for() {
 }
 
 #[test]
-fn answers_tell_the_joint_limit_index_where_there_is_one() {
+fn answers_contain_the_joint_limit_index_if_the_posture_is_known() {
     let service = Service::start();
     let robot = service.get("/v1/robots/sawyer_dh").accepted();
     let upper: Vec<f64> = (0..7).map(|i| numbers(&robot["joints"][i]["position_limit"])[1]).collect();
     let at_the_ends = resolved(&service, |request| request["joint_position"] = json!(upper));
     assert!((at_the_ends["joint_limit_index"].as_f64().unwrap() - 0.5).abs() < 1e-15);
-    let step = service.ask("/v1/step", &example("step.json"));
+    let step = service.call("/v1/step", &example("step.json"));
     assert!((0.0..0.5).contains(&step["joint_limit_index"].as_f64().unwrap()));
-    let own = service.ask("/v1/resolve", &json!({"tasks": [{"jacobian": [[1, 0]], "velocity": [1]}]}));
+    let own = service.call("/v1/resolve", &json!({"tasks": [{"jacobian": [[1, 0]], "velocity": [1]}]}));
     assert_eq!(own.get("joint_limit_index"), None);
 }
 
 #[test]
-fn laws_that_read_no_wrench_need_none() {
+fn laws_without_force_feedback_need_no_wrench() {
     let service = Service::start();
     let law = json!({"kind": "pose", "gain": 2});
     let posture = json!({"kind": "posture", "gain": 1, "joints": ["j3", "j1"], "target_position":
@@ -149,7 +149,7 @@ fn laws_that_read_no_wrench_need_none() {
         [{"name": "hold", "axes": ["x"], "law": law}, {"name": "elbow", "law": posture}]});
     let mut state = example("state.json");
     state.as_object_mut().unwrap().remove("wrench");
-    let answer = service.ask("/v1/step", &json!({"controller": controller, "state": state}));
+    let answer = service.call("/v1/step", &json!({"controller": controller, "state": state}));
     let elbow = numbers(&answer["tasks"][1]["requested"]);
     assert!((elbow[0] + 0.1).abs() < 1e-14 && (elbow[1] - 0.1).abs() < 1e-14, "{elbow:?}");
 }
@@ -167,7 +167,7 @@ fn a_profile_has_at_most_a_thousand_points() {
     with(1001).assert_refused(422, Some("/tasks/0/law/target_force/points"));
 }
 
-/// `stiff_wall` through the impact, as a sensor of that kind measures it.
+/// Runs `stiff_wall` through the impact, with a sensor of this convention and frame.
 fn pushed(service: &Service, convention: WrenchConvention, frame: WrenchFrame) -> Vec<Vec<f64>> {
     let mut scenario = Scenario::find("stiff_wall").unwrap();
     scenario.duration_s = 0.45;
@@ -179,7 +179,7 @@ fn pushed(service: &Service, convention: WrenchConvention, frame: WrenchFrame) -
 }
 
 #[test]
-fn a_simulated_sensor_measures_as_its_controller_expects() {
+fn a_simulated_sensor_follows_the_convention_of_its_controller() {
     let service = Service::start();
     let plain = pushed(&service, WrenchConvention::OnEnvironment, WrenchFrame::Base);
     assert_eq!(plain, pushed(&service, WrenchConvention::OnTool, WrenchFrame::Base));
@@ -228,7 +228,7 @@ points = [
 "#;
 
 #[test]
-fn a_scenario_file_says_all_that_a_request_can() {
+fn a_scenario_file_and_a_request_have_the_same_fields() {
     let service = Service::start();
     let scenario = Scenario::parse(WIPING, "wiping.toml").unwrap();
     let recording =

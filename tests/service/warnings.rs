@@ -1,10 +1,10 @@
-//! Warnings about loops that the stated environment makes unstable.
+//! Warnings about control loops that are unstable in the stated environment.
 
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, without};
 
-/// The example's controller at a wall of 10⁵ N/m along x, behind a lag.
+/// Returns the example controller at a wall of 10⁵ N/m along x, with a lag.
 fn at_the_wall(lag_s: f64) -> Value {
     let mut controller = example("controller.json");
     controller["environment"] = json!({"x": {"stiffness": 1e5}, "lag_s": lag_s});
@@ -12,16 +12,16 @@ fn at_the_wall(lag_s: f64) -> Value {
 }
 
 fn warnings(service: &Service, controller: &Value) -> Vec<String> {
-    let created = service.ask("/v1/controllers", controller);
+    let created = service.call("/v1/controllers", controller);
     created["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap().to_owned()).collect()
 }
 
 #[test]
-fn an_unstable_axis_is_named_with_what_would_help() {
+fn a_warning_names_the_unstable_axis_and_the_margins() {
     let service = Service::start();
     let warnings = warnings(&service, &at_the_wall(0.005));
     assert_eq!(warnings.len(), 1, "{warnings:?}");
-    let margin = service.ask("/v1/stability", &example("stability.json"));
+    let margin = service.call("/v1/stability", &example("stability.json"));
     let radius = format!("{:.6}", margin["spectral_radius"].as_f64().unwrap());
     for part in ["task `push`, axis x: ", "unstable", &radius, "lag 1.498 ms", "at least 500.5 N·s/m"] {
         assert!(warnings[0].contains(part), "`{part}` is not in {}", warnings[0]);
@@ -29,7 +29,7 @@ fn an_unstable_axis_is_named_with_what_would_help() {
 }
 
 #[test]
-fn a_stable_controller_or_one_without_environment_has_no_warning() {
+fn a_controller_that_is_stable_or_without_environment_has_no_warning() {
     let service = Service::start();
     assert_eq!(warnings(&service, &at_the_wall(0.001)), [""; 0]);
     assert_eq!(warnings(&service, &example("controller.json")), [""; 0]);
@@ -48,17 +48,17 @@ fn the_first_task_on_an_axis_counts() {
 }
 
 #[test]
-fn an_environment_is_shown_and_changes_no_command() {
+fn the_environment_is_shown_and_does_not_change_commands() {
     let service = Service::start();
     let controller = at_the_wall(0.005);
     let session = service.open(&controller);
     let shown = service.get(&session).accepted();
     assert_eq!(shown["controller"]["environment"]["x"]["stiffness"], json!(1e5));
     let plain = service.open(&example("controller.json"));
-    let step = |session: &str| service.ask(&format!("{session}/step"), &example("state.json"));
+    let step = |session: &str| service.call(&format!("{session}/step"), &example("state.json"));
     assert_eq!(without(step(&session), &["elapsed_us"]), without(step(&plain), &["elapsed_us"]));
     let mut stateless = example("step.json");
-    let answer = |request: &Value| without(service.ask("/v1/step", request), &["elapsed_us"]);
+    let answer = |request: &Value| without(service.call("/v1/step", request), &["elapsed_us"]);
     let before = answer(&stateless);
     stateless["controller"]["environment"] = controller["environment"].clone();
     assert_eq!(answer(&stateless), before);

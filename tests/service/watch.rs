@@ -1,4 +1,4 @@
-//! Looking at a session without holding it up.
+//! Watching a session without delaying it.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -25,7 +25,7 @@ impl Watcher {
         Self(BufReader::new(stream))
     }
 
-    /// The next event; `None` at the end.
+    /// Returns the next event; `None` at the end.
     fn next(&mut self) -> Option<Value> {
         let mut line = String::new();
         while self.0.read_line(&mut line).unwrap() > 0 {
@@ -39,11 +39,11 @@ impl Watcher {
 }
 
 #[test]
-fn a_watcher_sees_states_with_their_answers_and_the_last_one_at_once() {
+fn a_watcher_gets_the_last_step_at_once_and_then_new_ones() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut early = Watcher::open(&service, &session);
-    let answer = service.ask(&format!("{session}/step"), &state(7));
+    let answer = service.call(&format!("{session}/step"), &state(7));
     let mut late = Watcher::open(&service, &session);
     for watcher in [&mut early, &mut late] {
         let seen: wire::WatchedStep = serde_json::from_value(watcher.next().unwrap()).unwrap();
@@ -54,13 +54,13 @@ fn a_watcher_sees_states_with_their_answers_and_the_last_one_at_once() {
 }
 
 #[test]
-fn a_watcher_gets_no_more_than_the_eye_needs_and_ends_with_the_controller() {
+fn a_watcher_gets_events_at_a_limited_rate_until_the_controller_ends() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut watcher = Watcher::open(&service, &session);
     let start = Instant::now();
     for sequence in 0..500 {
-        service.ask(&format!("{session}/step"), &state(sequence));
+        service.call(&format!("{session}/step"), &state(sequence));
     }
     std::thread::sleep(Duration::from_millis(100));
     let time = start.elapsed();
@@ -76,7 +76,7 @@ fn a_service_with_watchers_ends_promptly() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
     let mut watcher = Watcher::open(&service, &session);
-    service.ask(&format!("{session}/step"), &state(1));
+    service.call(&format!("{session}/step"), &state(1));
     watcher.next().unwrap();
     let start = Instant::now();
     drop(service);

@@ -1,4 +1,4 @@
-//! An arm as it is drawn.
+//! The view of an arm for display.
 
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
@@ -6,9 +6,10 @@ use revprio_robot::kinematics::link_frames;
 
 use super::pose::pose_answer;
 
-/// The arm at a posture, with the velocities that its limits allow there; `None` where there is no such posture.
+/// Returns the view of an arm at a posture, with the joint velocities that its limits allow. Returns `None` if the robot
+/// has no such posture.
 ///
-/// `position`, `last_velocity`: n, as measured and as commanded one period earlier.
+/// `position`: measured, n; `last_velocity`: command of the previous period, n.
 pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f64]) -> Option<wire::ArmView> {
     let robot = &config.robot;
     let frames = link_frames(robot, position).ok()?;
@@ -17,8 +18,8 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
     let joint = |(i, frame): (usize, &nalgebra::IsometryMatrix3<f64>)| {
         let (origin, axis) = (frame.translation.vector, frame.rotation * nalgebra::Vector3::z());
         wire::JointView {
-            origin: single([origin.x, origin.y, origin.z]),
-            axis: single([axis.x, axis.y, axis.z]),
+            origin: [origin.x, origin.y, origin.z].map(single),
+            axis: [axis.x, axis.y, axis.z].map(single),
             lower: finite(allowed.lower()[i]),
             upper: finite(allowed.upper()[i]),
         }
@@ -26,14 +27,14 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
     Some(wire::ArmView { joints: frames.iter().enumerate().map(joint).collect(), tool: pose_answer(&tool) })
 }
 
-/// To single precision, for display.
-#[expect(clippy::cast_possible_truncation, reason = "more digits than a screen shows")]
-pub fn single<const N: usize>(values: [f64; N]) -> [f32; N] {
-    values.map(|value| value as f32)
+/// Rounds to single precision, for display.
+#[expect(clippy::cast_possible_truncation, reason = "a screen shows fewer digits")]
+pub fn single(value: f64) -> f32 {
+    value as f32
 }
 
-/// To single precision, `None` where the number has no place in JSON.
+/// Rounds to single precision. Returns `None` for numbers that JSON cannot express.
 pub fn finite(value: f64) -> Option<f32> {
-    let [value] = single([value]);
+    let value = single(value);
     value.is_finite().then_some(value)
 }

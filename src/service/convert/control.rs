@@ -1,92 +1,93 @@
 //! `POST /v1/simulations/{id}/control`.
 
 use revprio_api::wire;
-use revprio_core::controller::Controller;
 use serde_json::Value;
 
 use super::controller::controller;
 use super::numbers::check_numbers;
-use crate::service::error::{ApiError, escaped};
+use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::Robots;
 
-/// Slowest and fastest pace, simulated seconds per second.
-pub const SLOWEST: f64 = 0.001;
-/// See [`SLOWEST`].
-pub const FASTEST: f64 = 1000.0;
+/// Minimum speed of an interactive run, simulated seconds per second.
+pub const MIN_SPEED: f64 = 0.001;
+/// Maximum speed of an interactive run, simulated seconds per second.
+pub const MAX_SPEED: f64 = 1000.0;
 
-/// Most periods of one step.
-pub const MOST_STEPS: usize = 100_000;
+/// Maximum number of control periods in one step of an interactive run.
+pub const MAX_STEPS: usize = 100_000;
 
-/// Checks a pace; `pointer` is that of its speed.
-fn speed(speed: f64, pointer: &str) -> Result<(), ApiError> {
-    if (SLOWEST..=FASTEST).contains(&speed) {
+/// Checks a speed.
+fn check_speed(speed: f64, pointer: &str) -> Result<(), ApiError> {
+    if (MIN_SPEED..=MAX_SPEED).contains(&speed) {
         return Ok(());
     }
-    Err(ApiError::invalid(pointer, format!("{speed} is out of range; speeds lie between {SLOWEST} and {FASTEST}")))
+    Err(ApiError::invalid(pointer, format!("{speed} is out of range; give a speed from {MIN_SPEED} to {MAX_SPEED}")))
 }
 
-/// Checks how a run is to be paced.
-pub fn interactive(interactive: Option<&wire::Interactive>) -> Result<(), ApiError> {
-    interactive.map_or(Ok(()), |interactive| speed(interactive.speed, "/interactive/speed"))
+/// Checks the speed of an interactive run.
+pub fn check_interactive(interactive: Option<&wire::Interactive>) -> Result<(), ApiError> {
+    interactive.map_or(Ok(()), |interactive| check_speed(interactive.speed, "/interactive/speed"))
 }
 
-/// Checks all numbers of an order.
-pub fn control(order: &wire::SimulationControl) -> Result<(), ApiError> {
-    order.speed.map_or(Ok(()), |asked| speed(asked, "/speed"))?;
-    if order.step.is_some_and(|step| !(1..=MOST_STEPS as u64).contains(&step)) {
-        return Err(ApiError::invalid("/step", format!("give 1 to {MOST_STEPS} control periods")));
+/// Checks the fields of a command.
+pub fn check_control(command: &wire::SimulationControl) -> Result<(), ApiError> {
+    command.speed.map_or(Ok(()), |speed| check_speed(speed, "/speed"))?;
+    if command.step.is_some_and(|step| !(1..=MAX_STEPS as u64).contains(&step)) {
+        return Err(ApiError::invalid("/step", format!("give 1 to {MAX_STEPS} control periods")));
     }
-    if order.step.is_some() && order.paused == Some(false) {
-        return Err(ApiError::invalid("/step", "a run pauses after a step; leave `paused` out"));
+    if command.step.is_some() && command.paused == Some(false) {
+        return Err(ApiError::invalid("/step", "a run pauses after a step; omit `paused`"));
     }
-    order.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
+    command.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }
 
-/// The controller that the order asks for, `None` if it asks for none; it continues from the memory of `now`.
+/// Returns the controller that a command selects; `None` if the command changes none. The new controller continues from
+/// the memory of the `current` one.
 pub fn changed_controller(
-    order: &wire::SimulationControl,
-    now: &wire::Controller,
+    command: &wire::SimulationControl,
+    current: &wire::Controller,
     robots: &Robots,
-) -> Result<Option<(wire::Controller, Controller)>, ApiError> {
-    if order.controller.is_none() && order.method.is_none() && order.solver.is_none() {
+) -> Result<Option<wire::Controller>, ApiError> {
+    if command.controller.is_none() && command.method.is_none() && command.solver.is_none() {
         return Ok(None);
     }
-    let mut asked = order.controller.clone().unwrap_or_else(|| now.clone());
-    asked.method = order.method.unwrap_or(asked.method);
-    asked.solver = order.solver.unwrap_or(asked.solver);
-    let checked = controller(&asked, robots).map_err(|problem| problem.inside("/controller"))?;
-    match difference(&as_value(&continued(now, &asked))?, &as_value(&asked)?) {
-        None => Ok(Some((asked, checked))),
+    let mut new = command.controller.clone().unwrap_or_else(|| current.clone());
+    new.method = command.method.unwrap_or(new.method);
+    new.solver = command.solver.unwrap_or(new.solver);
+    controller(&new, robots).map_err(|error| error.inside("/controller"))?;
+    match difference(&as_value(&with_allowed_changes(current, &new))?, &as_value(&new)?) {
+        None => Ok(Some(new)),
         Some(pointer) => Err(ApiError::invalid(
             format!("/controller{pointer}"),
-            "cannot change while the run goes on: it would jump; start another run",
+            "cannot change during the run, because the command would jump; start another run",
         )),
     }
 }
 
-/// The controller of now with what may change as it is asked for.
-fn continued(now: &wire::Controller, asked: &wire::Controller) -> wire::Controller {
-    let mut continued = wire::Controller { method: asked.method, solver: asked.solver, ..now.clone() };
-    for (task, asked) in continued.tasks.iter_mut().zip(&asked.tasks) {
-        let same_kind = std::mem::discriminant(&task.law) == std::mem::discriminant(&asked.law);
+/// Returns the current controller with the allowed changes of the new one: method, solver, and parameters of laws that
+/// integrate.
+fn with_allowed_changes(current: &wire::Controller, new: &wire::Controller) -> wire::Controller {
+    let mut changed = wire::Controller { method: new.method, solver: new.solver, ..current.clone() };
+    for (task, new) in changed.tasks.iter_mut().zip(&new.tasks) {
+        let same_kind = std::mem::discriminant(&task.law) == std::mem::discriminant(&new.law);
         if same_kind && task.law.integrates() {
-            task.law = asked.law.clone();
+            task.law = new.law.clone();
         }
     }
-    continued
+    changed
 }
 
 fn as_value(controller: &wire::Controller) -> Result<Value, ApiError> {
     serde_json::to_value(controller).map_err(|_| ApiError::internal())
 }
 
-/// JSON pointer to the first place where two values differ.
+/// Returns the JSON pointer to the first difference of two values.
 fn difference(a: &Value, b: &Value) -> Option<String> {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
             let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
             keys.map(|key| (key, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null)))
-                .find_map(|(key, a, b)| Some(format!("/{}{}", escaped(key), difference(a, b)?)))
+                .find_map(|(key, a, b)| Some(format!("/{}{}", escape_pointer(key), difference(a, b)?)))
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             a.iter().zip(b).enumerate().find_map(|(i, (a, b))| Some(format!("/{i}{}", difference(a, b)?)))
@@ -102,7 +103,7 @@ mod tests {
     use super::difference;
 
     #[test]
-    fn the_first_difference_is_named() {
+    fn difference_points_to_the_first_different_value() {
         let a = json!({"a": [1, {"b/c": 2}], "d": 3});
         assert_eq!(difference(&a, &a), None);
         assert_eq!(difference(&a, &json!({"a": [1, {"b/c": 4}], "d": 3})).as_deref(), Some("/a/1/b~1c"));

@@ -14,17 +14,17 @@ use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
-/// Most tasks of a controller.
-pub const MOST_TASKS: usize = 64;
+/// Maximum number of tasks of a controller.
+pub const MAX_TASKS: usize = 64;
 
 /// Reads a controller.
 pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, ApiError> {
     let robot = with_tool_offset(&known_robot(&request.robot, robots)?, request.tool_offset.as_ref())?;
-    if request.tasks.len() > MOST_TASKS {
-        return Err(ApiError::invalid("/tasks", format!("at most {MOST_TASKS} tasks")));
+    if request.tasks.len() > MAX_TASKS {
+        return Err(ApiError::invalid("/tasks", format!("give at most {MAX_TASKS} tasks")));
     }
     let task = |(k, task): (usize, &wire::ControllerTask)| {
-        task_config(task, &robot).map_err(|problem| problem.inside(&format!("/tasks/{k}")))
+        task_config(task, &robot).map_err(|error| error.inside(&format!("/tasks/{k}")))
     };
     let motion = request.null_space_velocity.as_ref();
     let config = ControllerConfig {

@@ -1,4 +1,4 @@
-//! Warnings about loops that the stated environment makes unstable.
+//! Warnings about control loops that are unstable in contact with the stated environment.
 
 use revprio_api::wire::{self, Axis, EnvironmentAxis, Law};
 use revprio_core::controller::{ContactLoop, Margin};
@@ -7,22 +7,23 @@ use revprio_core::linalg::EigenvalueError;
 use super::numbers::not_negative;
 use crate::service::error::ApiError;
 
-/// Longest delay that a controller may state: the cost of a warning grows with its cube, and others wait meanwhile.
-pub const LONGEST_STATED_DELAY: usize = 8;
+/// Maximum delay in the environment of a controller, control periods. The cost of a warning grows with the cube of the
+/// delay, and other requests wait for it.
+pub const MAX_ENVIRONMENT_DELAY: usize = 8;
 
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
-/// Refuses an environment whose numbers make no sense.
+/// Checks the numbers of an environment.
 pub fn check(request: &wire::Controller) -> Result<(), ApiError> {
     let Some(environment) = &request.environment else { return Ok(()) };
     for axis in AXES {
         if let Some(contact) = along(environment, axis) {
-            check_contact(&contact).map_err(|problem| problem.inside(&format!("/environment/{axis}")))?;
+            check_contact(&contact).map_err(|error| error.inside(&format!("/environment/{axis}")))?;
         }
     }
     not_negative(environment.lag_s, "/environment/lag_s")?;
-    if environment.delay_periods > LONGEST_STATED_DELAY {
-        let detail = format!("at most {LONGEST_STATED_DELAY} periods; for longer delays ask POST /v1/stability");
+    if environment.delay_periods > MAX_ENVIRONMENT_DELAY {
+        let detail = format!("give at most {MAX_ENVIRONMENT_DELAY} periods; for longer delays, use POST /v1/stability");
         return Err(ApiError::invalid("/environment/delay_periods", detail));
     }
     Ok(())
@@ -46,22 +47,23 @@ fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis>
     }
 }
 
-/// What is said of loops of which not even the eigenvalues are numbers.
-pub const UNJUDGED: &str = "the stability of this loop is beyond the numbers; use quantities that are less far apart";
+/// Error text for a loop whose eigenvalues cannot be computed.
+pub const NOT_COMPUTABLE: &str =
+    "the stability of this loop cannot be computed; use quantities with a smaller ratio of largest to smallest";
 
-/// One warning for each axis of a checked controller whose loop is unstable.
+/// Returns a warning for each axis with an unstable loop. The controller must be checked before.
 ///
-/// Only the first task on an axis counts: it moves the axis, and the work stays bounded.
+/// Only the first task on an axis counts. It moves the axis, and the cost stays bounded.
 pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, ApiError> {
-    unstable_axes(request).map_err(|_| ApiError::invalid("/environment", UNJUDGED))
+    unstable_axes(request).map_err(|_| ApiError::invalid("/environment", NOT_COMPUTABLE))
 }
 
 fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
     let mut warnings = Vec::new();
     for axis in AXES {
-        let place = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
-        let first = request.tasks.iter().find_map(|task| place(task).map(|row| (task, row)));
-        // The environment is stated along the axes of the base.
+        let row = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
+        let first = request.tasks.iter().find_map(|task| row(task).map(|row| (task, row)));
+        // The environment is stated along the axes of the base frame.
         let first = first.filter(|(task, _)| task.frame == wire::Frame::Base);
         let contact = first.and_then(|(task, row)| Some((task, contact_loop(request, axis, &task.law, row)?)));
         if let Some((task, contact)) = contact
@@ -73,7 +75,8 @@ fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueEr
     Ok(warnings)
 }
 
-/// The loop of one row of a law with the stated environment; `None` where nothing is stated or the law feels no force.
+/// Returns the loop of one row of a law in contact with the environment. Returns `None` without an environment on this
+/// axis, and for laws without force feedback.
 fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -> Option<ContactLoop> {
     let environment = request.environment.as_ref()?;
     let contact = along(environment, axis)?;
@@ -100,7 +103,7 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
     })
 }
 
-/// What is wrong with an unstable loop, and what would help.
+/// Describes an unstable loop and the changes that make it stable.
 fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, EigenvalueError> {
     let Margin { spectral_radius, largest_lag_s, largest_delay_periods, smallest_damping } = contact.margin()?;
     let unit = if matches!(axis, Axis::X | Axis::Y | Axis::Z) { "N·s/m" } else { "N·m·s/rad" };
@@ -122,7 +125,7 @@ fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, EigenvalueError> 
     ))
 }
 
-/// The number to four digits: a thousandth inside a margin it stays inside.
+/// Rounds to four significant digits. A number 0.1 % inside a margin stays inside.
 fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

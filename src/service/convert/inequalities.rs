@@ -1,4 +1,4 @@
-//! Linear inequalities beside the joint limits.
+//! Linear inequalities in addition to the joint limits.
 
 use revprio_api::wire;
 use revprio_core::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
@@ -7,30 +7,31 @@ use revprio_robot::RobotModel;
 use super::numbers::{check_numbers, joint_list, number};
 use crate::service::error::ApiError;
 
-/// Most inequalities of a request.
-pub const MOST_INEQUALITIES: usize = 64;
+/// Maximum number of inequalities of a request.
+pub const MAX_INEQUALITIES: usize = 64;
 
-/// What inequalities are about.
+/// Reads inequalities.
 pub struct InequalityReader<'a> {
-    /// The robot, for planes.
+    /// The robot, which planes need.
     pub robot: Option<&'a RobotModel>,
     /// Number of joints.
     pub joints: usize,
-    /// T, s, where it is known.
+    /// Control period T, s, if known.
     pub period_s: Option<f64>,
 }
 
 impl InequalityReader<'_> {
-    /// Reads a list at the JSON pointer `/inequalities`.
+    /// Reads the list at the JSON pointer `/inequalities`.
     pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, ApiError> {
-        if list.len() > MOST_INEQUALITIES {
-            return Err(ApiError::invalid("/inequalities", format!("at most {MOST_INEQUALITIES} inequalities")));
+        if list.len() > MAX_INEQUALITIES {
+            let detail = format!("give at most {MAX_INEQUALITIES} inequalities");
+            return Err(ApiError::invalid("/inequalities", detail));
         }
         let barriers = list
             .iter()
             .enumerate()
             .map(|(i, inequality)| {
-                self.barrier(i, inequality).map_err(|problem| problem.inside(&format!("/inequalities/{i}")))
+                self.barrier(i, inequality).map_err(|error| error.inside(&format!("/inequalities/{i}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
         for (i, barrier) in barriers.iter().enumerate() {
@@ -43,12 +44,13 @@ impl InequalityReader<'_> {
     }
 
     fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, ApiError> {
-        let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
+        let name_or_default =
+            |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
             wire::Inequality::Joints { name, coefficients, upper } => {
                 let coefficients = joint_list(coefficients, self.joints, "/coefficients")?;
                 let upper = number(*upper, "/upper")?;
-                Inequality::new(named(name), coefficients, upper)
+                Inequality::new(name_or_default(name), coefficients, upper)
                     .map(Barrier::Fixed)
                     .map_err(|error| ApiError::invalid("/coefficients", error))
             }
@@ -57,7 +59,7 @@ impl InequalityReader<'_> {
                 let offset = number(*offset_m, "/offset_m")?;
                 let point = self.point(point, "/point")?;
                 let rate = self.rate(*rate_per_s, "/rate_per_s")?;
-                VirtualPlane::new(named(name), *normal, offset, point, rate)
+                VirtualPlane::new(name_or_default(name), *normal, offset, point, rate)
                     .map(Barrier::Plane)
                     .map_err(|error| ApiError::invalid("/normal", error))
             }
@@ -80,13 +82,13 @@ impl InequalityReader<'_> {
     }
 
     fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64, ApiError> {
-        let most = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
+        let max = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
         match rate {
-            None => Ok(APPROACH_RATE.min(most)),
-            Some(rate) if rate > 0.0 && rate <= most => number(rate, pointer),
+            None => Ok(APPROACH_RATE.min(max)),
+            Some(rate) if rate > 0.0 && rate <= max => number(rate, pointer),
             Some(rate) => Err(ApiError::invalid(
                 pointer,
-                format!("{rate} is out of range; it must be positive and at most one over the period"),
+                format!("{rate} is out of range; give a positive rate of at most 1 / `period_s`"),
             )),
         }
     }

@@ -11,7 +11,7 @@ use super::resolve::known_robot;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
-/// Answers a request.
+/// Computes the answer.
 pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, ApiError> {
     let pointer = "/joint_position";
     let robot = &*known_robot(&request.robot, robots)?;

@@ -1,4 +1,4 @@
-//! Memory that travels with the request.
+//! The memory of stateless steps, in requests and answers.
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
@@ -7,14 +7,14 @@ use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
 
 use super::numbers::{check_numbers, joint_list, numbers};
+use super::step::check_sequence;
 use super::terms;
 use crate::service::error::ApiError;
-use crate::service::sessions::grows;
 
-/// How far RᵀR may be from the identity; the service's own matrices are at 1e-15.
-const ROTATION: f64 = 1e-9;
+/// Maximum deviation of RᵀR from the identity. The matrices of the service deviate by 1e-15.
+const MAX_ROTATION_ERROR: f64 = 1e-9;
 
-/// Reads the memory of a stateless step that has this number; `None` at the first. Pointers count from the top of the
+/// Reads the memory of a stateless step with this sequence number; `None` at the first step. Pointers begin at the whole
 /// request.
 pub fn memory(
     memory: Option<&wire::Memory>,
@@ -22,13 +22,13 @@ pub fn memory(
     controller: &Controller,
 ) -> Result<Option<Memory>, ApiError> {
     let Some(memory) = memory else { return Ok(None) };
-    grows(memory.sequence, sequence).map_err(|problem| problem.inside("/state"))?;
-    read(memory, controller.config()).map(Some).map_err(|problem| problem.inside("/memory"))
+    check_sequence(memory.sequence, sequence).map_err(|error| error.inside("/state"))?;
+    read(memory, controller.config()).map(Some).map_err(|error| error.inside("/memory"))
 }
 
 fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiError> {
     let velocity = |(k, values): (usize, &Vec<f64>)| {
-        let values = numbers(values, "").map_err(|problem| problem.inside(&format!("/task_velocities/{k}")));
+        let values = numbers(values, "").map_err(|error| error.inside(&format!("/task_velocities/{k}")));
         values.map(Vector::from_vec)
     };
     Ok(Memory {
@@ -44,33 +44,39 @@ fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
     check_numbers(&pose.position, "/initial_pose/position")?;
     let [x, y, z] = pose.position;
     let matrix = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
-    if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= ROTATION && matrix.determinant() > 0.0) {
-        return Err(ApiError::invalid("/initial_pose/rotation", "not a rotation matrix; send the memory as it came"));
+    if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= MAX_ROTATION_ERROR && matrix.determinant() > 0.0)
+    {
+        return Err(ApiError::invalid(
+            "/initial_pose/rotation",
+            "not a rotation matrix; send the memory of the last answer unchanged",
+        ));
     }
     Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix)))
 }
 
 fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, ApiError> {
     let joints = config.robot.joints();
-    let place = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
+    let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
         (Some(name), None) => joints.iter().position(|joint| joint.name == *name),
         (None, Some(name)) => {
-            config.barriers.iter().position(|barrier| barrier.name() == name).map(|place| joints.len() + place)
+            config.barriers.iter().position(|barrier| barrier.name() == name).map(|index| joints.len() + index)
         }
         _ => None,
     };
-    let unknown = || ApiError::invalid("/active_set", "names no limit of this controller; send the memory as it came");
-    let limit = |limit: &wire::ActiveLimitName| Ok((place(limit).ok_or_else(unknown)?, terms::side(limit.side)));
+    let unknown = || {
+        ApiError::invalid("/active_set", "not a limit of this controller; send the memory of the last answer unchanged")
+    };
+    let limit = |limit: &wire::ActiveLimitName| Ok((index(limit).ok_or_else(unknown)?, terms::side(limit.side)));
     names.iter().map(limit).collect()
 }
 
-/// The memory as a part of an answer.
+/// Returns the memory as a part of an answer.
 pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
     let joints = controller.config().robot.joints();
     let barriers = &controller.config().barriers;
     let name = |&(row, side): &(usize, Side)| wire::ActiveLimitName {
         joint: joints.get(row).map(|joint| joint.name.clone()),
-        inequality: row.checked_sub(joints.len()).map(|place| barriers[place].name().to_owned()),
+        inequality: row.checked_sub(joints.len()).map(|index| barriers[index].name().to_owned()),
         side: terms::side_answer(side),
     };
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());

@@ -1,7 +1,8 @@
-//! Bodies to the library's types and back; wrong fields are named by JSON pointer.
+//! Conversion of bodies to the types of the library and back. An error names the wrong field by its JSON pointer.
 //!
-//! What reads a part names the field inside that part; who called it says where the part stands, by `ApiError::inside`. So
-//! pointers are put together for refusals only: made beforehand, they were half of the cost of reading a controller.
+//! A function that reads a part of a body names the field inside that part. Its caller adds the place of the part with
+//! `ApiError::inside`. Pointers are therefore built only for errors. Building them in advance took half of the time of
+//! reading a controller.
 
 mod arm;
 mod control;
@@ -24,18 +25,18 @@ mod task;
 mod terms;
 
 pub use arm::{arm_view, finite, single};
-pub use control::{FASTEST, MOST_STEPS, SLOWEST, changed_controller, control, interactive};
-pub use controller::{MOST_TASKS, controller};
-pub use environment::{LONGEST_STATED_DELAY, warnings};
-pub use inequalities::MOST_INEQUALITIES;
+pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
+pub use controller::{MAX_TASKS, controller};
+pub use environment::{MAX_ENVIRONMENT_DELAY, warnings};
+pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{memory, memory_answer};
-pub use numbers::LARGEST;
-pub use profile::MOST_POINTS;
+pub use numbers::MAX_MAGNITUDE;
+pub use profile::MAX_POINTS;
 pub use resolve::{
-    LONGEST_PERIOD_S, MOST_JOINTS, MOST_ROWS, SHORTEST_PERIOD_S, question, resolution_problem, resolve_answer,
+    MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, resolution_error, resolve_answer, resolve_problem,
 };
-pub use robot::{robot, robot_answer, robots_problem};
+pub use robot::{robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
-pub use step::{LARGEST_SEQUENCE, measurement, step_answer, step_problem, watched_step};
+pub use step::{MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, watched_step};

@@ -7,7 +7,8 @@ use revprio_robot::RobotModel;
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
 use crate::service::error::ApiError;
 
-/// What makes the ζ̇ at `/null_space_velocity` for `joints` joints; what depends on the posture needs a robot.
+/// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints. One that depends on the posture needs a
+/// robot.
 pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,

@@ -5,21 +5,21 @@ use revprio_core::limits::{VelocityBox, VelocityBoxError};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_robot::RobotModel;
 
-use crate::service::error::{ApiError, escaped};
+use crate::service::error::{ApiError, escape_pointer};
 
-/// Largest number that a request may hold: far above any quantity of an arm, far below what overflows when squared.
-pub const LARGEST: f64 = 1e9;
+/// Maximum magnitude of a number in a request. It is far above any quantity of an arm, and its square does not overflow.
+pub const MAX_MAGNITUDE: f64 = 1e9;
 
-/// A number of sensible size.
+/// Checks a number.
 pub fn number(value: f64, pointer: &str) -> Result<f64, ApiError> {
-    if value.abs() <= LARGEST {
+    if value.abs() <= MAX_MAGNITUDE {
         Ok(value)
     } else {
-        Err(ApiError::invalid(pointer, format!("{value:e} is out of range; numbers lie between -1e9 and 1e9")))
+        Err(ApiError::invalid(pointer, format!("{value:e} is out of range; give a number from -1e9 to 1e9")))
     }
 }
 
-/// A number of sensible size that is not negative.
+/// Checks a number that must not be negative.
 pub fn not_negative(value: f64, pointer: &str) -> Result<f64, ApiError> {
     if value < 0.0 {
         return Err(ApiError::invalid(pointer, format!("{value} is out of range; it must not be negative")));
@@ -27,20 +27,20 @@ pub fn not_negative(value: f64, pointer: &str) -> Result<f64, ApiError> {
     number(value, pointer)
 }
 
-/// A list of numbers of sensible size.
+/// Checks a list of numbers.
 pub fn numbers(values: &[f64], pointer: &str) -> Result<Vec<f64>, ApiError> {
     check_numbers(values, pointer).map(|()| values.to_vec())
 }
 
-/// Refuses a list with a number that is not of sensible size.
+/// Checks a list of numbers without copying it.
 pub fn check_numbers(values: &[f64], pointer: &str) -> Result<(), ApiError> {
-    match values.iter().position(|value| !(value.abs() <= LARGEST)) {
+    match values.iter().position(|value| !(value.abs() <= MAX_MAGNITUDE)) {
         Some(i) => number(values[i], &format!("{pointer}/{i}")).map(drop),
         None => Ok(()),
     }
 }
 
-/// A list of as many numbers as there are joints.
+/// Checks a list with one number per joint.
 pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f64>, ApiError> {
     if values.len() != joints {
         return Err(ApiError::invalid(
@@ -51,7 +51,7 @@ pub fn joint_list(values: &[f64], joints: usize, pointer: &str) -> Result<Vec<f6
     numbers(values, pointer)
 }
 
-/// One number per joint of the robot, in its order.
+/// Reads one number per joint of the robot, in its joint order.
 pub fn joint_vector(vector: &JointVector, robot: &RobotModel, pointer: &str) -> Result<Vec<f64>, ApiError> {
     match vector {
         JointVector::Ordered(values) => joint_list(values, robot.joint_count(), pointer),
@@ -63,15 +63,15 @@ fn by_name(values: &[(String, f64)], robot: &RobotModel, pointer: &str) -> Resul
     let joints = robot.joints();
     if let Some((name, _)) = values.iter().find(|(name, _)| joints.iter().all(|joint| joint.name != *name)) {
         return Err(ApiError::invalid(
-            format!("{pointer}/{}", escaped(name)),
+            format!("{pointer}/{}", escape_pointer(name)),
             format!("`{}` has no joint `{name}`; its joints are {}", robot.name(), joint_names(robot)),
         ));
     }
     let value_of = |joint: &revprio_robot::Joint| match values.iter().find(|(name, _)| *name == joint.name) {
         Some((name, value)) => {
-            number(*value, "").map_err(|problem| problem.inside(&format!("{pointer}/{}", escaped(name))))
+            number(*value, "").map_err(|error| error.inside(&format!("{pointer}/{}", escape_pointer(name))))
         }
-        None => Err(ApiError::invalid(pointer, format!("joint `{}` is missing", joint.name))),
+        None => Err(ApiError::invalid(pointer, format!("joint `{}` is missing; give all joints", joint.name))),
     };
     joints.iter().map(value_of).collect()
 }
@@ -80,7 +80,7 @@ fn joint_names(robot: &RobotModel) -> String {
     robot.joints().iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// A vector of one number per joint, by place alone where no robot is named.
+/// Reads one number per joint. Without a robot, the vector must be a list.
 pub fn joint_vector_of(
     vector: &JointVector,
     robot: Option<&RobotModel>,
@@ -96,7 +96,7 @@ pub fn joint_vector_of(
     }
 }
 
-/// The damping law at `/damping`.
+/// Reads the damping law at `/damping`.
 pub fn damping(damping: Option<wire::Damping>) -> Result<Option<Damping>, ApiError> {
     let Some(wire::Damping { threshold, max_factor }) = damping else { return Ok(None) };
     number(threshold, "/damping/threshold")?;
@@ -109,7 +109,7 @@ pub fn damping(damping: Option<wire::Damping>) -> Result<Option<Damping>, ApiErr
     }
 }
 
-/// The box of joint velocities at `/limits`.
+/// Reads the box of joint velocities at `/limits`.
 pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize) -> Result<VelocityBox, ApiError> {
     let lower = joint_list(lower, joints, "/limits/lower")?;
     let upper = joint_list(upper, joints, "/limits/upper")?;

@@ -1,13 +1,13 @@
-//! The parts that every answer with joint velocities has.
+//! The common parts of all answers with joint velocities.
 
 use revprio_api::wire;
 use revprio_core::resolution::Resolution;
 
 use super::terms;
 
-/// A resolution in the words of the interface.
+/// Converts a resolution to the parts of an answer.
 pub struct Outcome<'a> {
-    /// The answer.
+    /// The resolution.
     pub resolution: &'a Resolution,
     /// Names of the joints, in order.
     pub joints: Vec<&'a str>,
@@ -19,7 +19,7 @@ impl Outcome<'_> {
         self.resolution.joint_velocity.as_slice().to_vec()
     }
 
-    /// What became of the tasks; `describe`: name, requested velocity and target force of each.
+    /// Outcomes of the tasks. `describe` returns name, requested velocity and target force of a task.
     pub fn tasks(
         &self,
         describe: impl Fn(usize) -> (String, Vec<f64>, Option<Vec<Option<f64>>>),
@@ -40,7 +40,7 @@ impl Outcome<'_> {
         self.resolution.tasks.iter().enumerate().map(outcome).collect()
     }
 
-    /// Limits that hold the answer back.
+    /// Active joint limits.
     pub fn active_limits(&self) -> Vec<wire::ActiveLimit> {
         let limit = |limit: &revprio_core::resolution::ActiveLimit| wire::ActiveLimit {
             joint: self.joints[limit.joint].to_owned(),
@@ -51,7 +51,7 @@ impl Outcome<'_> {
         self.resolution.active_limits.iter().map(limit).collect()
     }
 
-    /// Limits that the answer breaks.
+    /// Violated joint limits.
     pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
         let violation = |violation: &revprio_core::resolution::LimitViolation| wire::ViolatedLimit {
             joint: self.joints[violation.joint].to_owned(),
@@ -62,7 +62,7 @@ impl Outcome<'_> {
         self.resolution.violated_limits.iter().map(violation).collect()
     }
 
-    /// Inequalities that hold the answer back.
+    /// Active inequalities.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
         let active = |active: &revprio_core::resolution::ActiveInequality| wire::ActiveInequality {
             name: active.name.clone(),
@@ -72,7 +72,7 @@ impl Outcome<'_> {
         self.resolution.active_inequalities.iter().map(active).collect()
     }
 
-    /// Inequalities that the answer breaks.
+    /// Violated inequalities.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
         let violation = |violation: &revprio_core::resolution::InequalityViolation| wire::ViolatedInequality {
             name: violation.name.clone(),
@@ -87,7 +87,7 @@ impl Outcome<'_> {
         joints.iter().map(|&joint| self.joints[joint].to_owned()).collect()
     }
 
-    /// How the answer was found.
+    /// Report of the solver.
     pub fn solver(&self) -> wire::SolverReport {
         let report = &self.resolution.solver;
         wire::SolverReport {
@@ -99,7 +99,7 @@ impl Outcome<'_> {
         }
     }
 
-    /// How near the tasks are to singularities.
+    /// Measures of the distance to singularities.
     pub fn singularity(&self) -> wire::Singularity {
         let singularity = &self.resolution.singularity;
         wire::Singularity {

@@ -6,18 +6,18 @@ use revprio_core::law::{Point, Profile, ProfileError};
 use super::numbers::{check_numbers, number};
 use crate::service::error::ApiError;
 
-/// Most points of a profile: what is far beyond any path of one task would only hold up others.
-pub const MOST_POINTS: usize = 1000;
+/// Maximum number of points of a profile. It is far above any path of one task, and bounds the time of a request.
+pub const MAX_POINTS: usize = 1000;
 
-/// Reads lists with one value per row; fields are named by JSON pointer.
+/// Reads lists with one value per row of a task. `field` is the JSON pointer of the list.
 #[derive(Debug, Clone, Copy)]
 pub struct PerRow {
-    /// m.
+    /// Number of rows m.
     pub rows: usize,
 }
 
 impl PerRow {
-    /// One value per row.
+    /// Reads one value per row.
     pub fn each<T: Clone>(self, values: &PerAxis<T>, field: &str) -> Result<Vec<T>, ApiError> {
         match values {
             PerAxis::All(value) => Ok(vec![value.clone(); self.rows]),
@@ -30,7 +30,7 @@ impl PerRow {
         }
     }
 
-    /// One number of sensible size per row.
+    /// Reads one number per row.
     pub fn numbers(self, values: &PerAxis<f64>, field: &str) -> Result<Vec<f64>, ApiError> {
         let each = self.each(values, field)?;
         match values {
@@ -40,7 +40,7 @@ impl PerRow {
         Ok(each)
     }
 
-    /// A profile.
+    /// Reads a profile.
     pub fn profile(self, profile: &wire::Profile) -> Result<Profile, ApiError> {
         let profile = match profile {
             wire::Profile::Constant { value } => Profile::constant(self.numbers(value, "/value")?),
@@ -59,16 +59,15 @@ impl PerRow {
             wire::Profile::Steps { points } => Profile::steps(self.points(points)?),
             wire::Profile::Waypoints { points } => Profile::waypoints(&self.points(points)?),
         };
-        profile.map_err(|error| ApiError::invalid(flaw(error), error))
+        profile.map_err(|error| ApiError::invalid(error_pointer(error), error))
     }
 
     fn points(self, points: &[wire::ProfilePoint]) -> Result<Vec<Point>, ApiError> {
-        if points.len() > MOST_POINTS {
-            return Err(ApiError::invalid("/points", format!("at most {MOST_POINTS} points")));
+        if points.len() > MAX_POINTS {
+            return Err(ApiError::invalid("/points", format!("give at most {MAX_POINTS} points")));
         }
-        let at_place =
-            |(i, point)| self.point(point).map_err(|problem: ApiError| problem.inside(&format!("/points/{i}")));
-        points.iter().enumerate().map(at_place).collect()
+        let read = |(i, point)| self.point(point).map_err(|error: ApiError| error.inside(&format!("/points/{i}")));
+        points.iter().enumerate().map(read).collect()
     }
 
     fn point(self, point: &wire::ProfilePoint) -> Result<Point, ApiError> {
@@ -77,7 +76,7 @@ impl PerRow {
     }
 }
 
-/// JSON pointer of a row's value.
+/// Returns the JSON pointer of the value of a row.
 pub fn at_row(values: &PerAxis<f64>, field: &str, row: usize) -> String {
     match values {
         PerAxis::All(_) => field.to_owned(),
@@ -85,8 +84,8 @@ pub fn at_row(values: &PerAxis<f64>, field: &str, row: usize) -> String {
     }
 }
 
-/// JSON pointer of what the library refuses.
-fn flaw(error: ProfileError) -> String {
+/// Returns the JSON pointer of the field that the library refuses.
+fn error_pointer(error: ProfileError) -> String {
     match error {
         ProfileError::Times { point } => format!("/points/{point}/time_s"),
         ProfileError::NoPoints => "/points".to_owned(),

@@ -21,28 +21,30 @@ use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
-/// Most rows of all tasks together and most joints: what is far beyond any arm would only hold up others.
-pub const MOST_ROWS: usize = 64;
-pub const MOST_JOINTS: usize = 32;
+/// Maximum number of rows of all tasks together. It is far above any arm, and bounds the time of a request.
+pub const MAX_ROWS: usize = 64;
+/// Maximum number of joints.
+pub const MAX_JOINTS: usize = 32;
 
-/// Shortest and longest control period, s.
-pub const SHORTEST_PERIOD_S: f64 = 1e-6;
-pub const LONGEST_PERIOD_S: f64 = 10.0;
+/// Minimum control period, s.
+pub const MIN_PERIOD_S: f64 = 1e-6;
+/// Maximum control period, s.
+pub const MAX_PERIOD_S: f64 = 10.0;
 
-/// A request as a problem to resolve, with the names that its answer needs.
+/// A problem to resolve, with the names for its answer.
 pub struct ResolveProblem {
     /// The problem.
     pub problem: Problem,
     /// Names of the joints.
     joints: Vec<String>,
-    /// Joints whose acceleration limit was overruled.
+    /// Joints whose acceleration limit was dropped because it contradicts another limit.
     conflicts: Vec<usize>,
-    /// H, where robot and posture are known.
+    /// Joint limit index H, if robot and posture are known.
     joint_limit_index: Option<f64>,
 }
 
 /// Reads a request.
-pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem, ApiError> {
+pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem, ApiError> {
     let robot = robot(request, robots)?;
     let robot = robot.as_ref();
     let configuration = configuration(request, robot)?;
@@ -70,7 +72,7 @@ pub fn question(request: &wire::ResolveRequest, robots: &Robots) -> Result<Resol
     })
 }
 
-/// The robot of the request, with its tool.
+/// Returns the robot of the request, with its tool offset.
 fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<RobotModel>>, ApiError> {
     match (&request.robot, &request.tool_offset) {
         (Some(name), offset) => with_tool_offset(&known_robot(name, robots)?, offset.as_ref()).map(Some),
@@ -79,7 +81,7 @@ fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<R
     }
 }
 
-/// ζ̇, where one is asked for.
+/// Reads the null-space velocity ζ̇, if the request has one.
 fn null_space_velocity(
     request: &wire::ResolveRequest,
     robot: Option<&Arc<RobotModel>>,
@@ -96,7 +98,7 @@ fn null_space_velocity(
     Ok(Some(motion.velocity(robot, configuration.joint_position())))
 }
 
-/// A robot by name.
+/// Returns the robot with the name at `/robot`.
 pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, ApiError> {
     robots.get(name).map_err(|error| ApiError::invalid("/robot", error))
 }
@@ -124,11 +126,12 @@ fn configuration(
 }
 
 fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack, ApiError> {
-    let at_place =
-        |(k, asked)| task(k, asked, configuration).map_err(|problem: ApiError| problem.inside(&format!("/tasks/{k}")));
-    let tasks: Vec<Task> = request.tasks.iter().enumerate().map(at_place).collect::<Result<_, _>>()?;
-    if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MOST_ROWS {
-        return Err(ApiError::invalid("/tasks", format!("at most {MOST_ROWS} rows in all tasks together")));
+    let read = |(k, request): (usize, &wire::ResolveTask)| {
+        task(k, request, configuration).map_err(|error| error.inside(&format!("/tasks/{k}")))
+    };
+    let tasks: Vec<Task> = request.tasks.iter().enumerate().map(read).collect::<Result<_, _>>()?;
+    if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MAX_ROWS {
+        return Err(ApiError::invalid("/tasks", format!("give at most {MAX_ROWS} rows in all tasks together")));
     }
     TaskStack::new(tasks).map_err(|error| ApiError::invalid(task_pointer(&error), error))
 }
@@ -157,7 +160,7 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
             let detail = "`jacobian` rows have no point; it needs `axes`";
             return Err(ApiError::invalid("/reference_point", detail));
         }
-        (None, Some(rows)) => matrix(rows).map_err(|problem| problem.inside("/jacobian"))?,
+        (None, Some(rows)) => matrix(rows).map_err(|error| error.inside("/jacobian"))?,
         _ => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
     };
     Ok(Task {
@@ -168,7 +171,7 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
     })
 }
 
-/// Axes of a task.
+/// Reads the axes of a task.
 pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelection, ApiError> {
     let axes: Vec<_> = axes.iter().copied().map(terms::axis).collect();
     AxisSelection::new(&axes).map_err(|error| ApiError::invalid(pointer, error))
@@ -176,15 +179,15 @@ pub fn axis_selection(axes: &[wire::Axis], pointer: &str) -> Result<AxisSelectio
 
 fn matrix(rows: &[Vec<f64>]) -> Result<Matrix, ApiError> {
     let columns = rows.first().map_or(0, Vec::len);
-    if columns == 0 || columns > MOST_JOINTS {
-        return Err(ApiError::invalid("", format!("give rows of 1 to {MOST_JOINTS} numbers, one per joint")));
+    if columns == 0 || columns > MAX_JOINTS {
+        return Err(ApiError::invalid("", format!("give rows of 1 to {MAX_JOINTS} numbers, one per joint")));
     }
     for (i, row) in rows.iter().enumerate() {
         if row.len() != columns {
-            let detail = format!("{} numbers where the first row has {columns}", row.len());
+            let detail = format!("{} numbers, but the first row has {columns}; give rows of equal length", row.len());
             return Err(ApiError::invalid(format!("/{i}"), detail));
         }
-        check_numbers(row, "").map_err(|problem| problem.inside(&format!("/{i}")))?;
+        check_numbers(row, "").map_err(|error| error.inside(&format!("/{i}")))?;
     }
     Ok(Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
 }
@@ -236,7 +239,7 @@ fn limits(
     }
 }
 
-/// What the limits of a robot depend on, as far as it was given.
+/// The state that the limits of a robot depend on, as far as the request has it.
 struct RobotState<'a> {
     configuration: Option<&'a Configuration>,
     last: Option<&'a Vector>,
@@ -264,16 +267,16 @@ impl RobotState<'_> {
     }
 }
 
-/// T > 0.
+/// Checks a control period.
 pub fn positive_period(period: f64, pointer: &str) -> Result<f64, ApiError> {
-    if (SHORTEST_PERIOD_S..=LONGEST_PERIOD_S).contains(&period) {
+    if (MIN_PERIOD_S..=MAX_PERIOD_S).contains(&period) {
         return number(period, pointer);
     }
-    Err(ApiError::invalid(pointer, format!("{period} is out of range; a control period lies between 1e-6 and 10 s")))
+    Err(ApiError::invalid(pointer, format!("{period} is out of range; give a control period from 1e-6 to 10 s")))
 }
 
-/// The library's refusal of a problem whose parts were checked one by one.
-pub fn resolution_problem(error: ProblemError) -> ApiError {
+/// Converts the error of a problem whose parts were checked one by one.
+pub fn resolution_error(error: ProblemError) -> ApiError {
     let pointer = match error {
         ProblemError::Limits { .. } => "/limits",
         ProblemError::Inequality { .. } => "/inequalities",
@@ -282,10 +285,10 @@ pub fn resolution_problem(error: ProblemError) -> ApiError {
     ApiError::invalid(pointer, error)
 }
 
-/// The answer's body.
-pub fn resolve_answer(question: &ResolveProblem, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
-    let outcome = Outcome { resolution, joints: question.joints.iter().map(String::as_str).collect() };
-    let tasks = question.problem.tasks.tasks();
+/// Returns the body of the answer.
+pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
+    let outcome = Outcome { resolution, joints: problem.joints.iter().map(String::as_str).collect() };
+    let tasks = problem.problem.tasks.tasks();
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),
         tasks: outcome.tasks(|k| (tasks[k].name.clone(), tasks[k].velocity.as_slice().to_vec(), None)),
@@ -293,10 +296,10 @@ pub fn resolve_answer(question: &ResolveProblem, resolution: &Resolution, start:
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
-        limit_conflict: outcome.names(&question.conflicts),
+        limit_conflict: outcome.names(&problem.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
-        joint_limit_index: question.joint_limit_index,
+        joint_limit_index: problem.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
 }

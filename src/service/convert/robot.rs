@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use revprio_robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
 
-use super::resolve::MOST_JOINTS;
+use super::resolve::MAX_JOINTS;
 use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::RobotsError;
@@ -25,13 +25,16 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> 
         ApiError::invalid(pointer, error)
     })?;
     match robot.joint_count() {
-        0..=MOST_JOINTS => Ok(robot),
-        joints => Err(ApiError::invalid("/urdf", format!("{joints} joints in the chain; at most {MOST_JOINTS}"))),
+        0..=MAX_JOINTS => Ok(robot),
+        joints => {
+            let detail = format!("{joints} joints in the chain; a robot has at most {MAX_JOINTS}");
+            Err(ApiError::invalid("/urdf", detail))
+        }
     }
 }
 
-/// Why a robot cannot be had, added or removed.
-pub fn robots_problem(error: &RobotsError) -> ApiError {
+/// Converts the error of the registry of robots.
+pub fn robots_error(error: &RobotsError) -> ApiError {
     match error {
         RobotsError::Name(_) => ApiError::invalid("/name", error),
         RobotsError::Taken(_) => ApiError::name_taken(error.to_string()),
@@ -41,7 +44,7 @@ pub fn robots_problem(error: &RobotsError) -> ApiError {
     }
 }
 
-/// What the interface says of a robot.
+/// Returns the body of an answer about a robot.
 pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
     wire::Robot {
         name: robot.name().to_owned(),

@@ -13,11 +13,11 @@ use super::resolve::known_robot;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
-/// Reads a request: a scenario that the service can run, and the arm that it is about.
+/// Reads a request. Returns the checked scenario and its robot.
 pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), ApiError> {
     let mut scenario = match request.scenario {
         NamedScenario::BuiltIn(name) => built_in(&name)?,
-        NamedScenario::Own(scenario) => own(*scenario, robots).map_err(|problem| problem.inside("/scenario"))?,
+        NamedScenario::Own(scenario) => own(*scenario, robots).map_err(|error| error.inside("/scenario"))?,
     };
     scenario.controller.method = request.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = request.solver.unwrap_or(scenario.controller.solver);
@@ -28,22 +28,25 @@ pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario
 fn built_in(name: &str) -> Result<Scenario, ApiError> {
     let unknown = || {
         let known = Scenario::names();
-        ApiError::invalid("/scenario", format!("there is no scenario `{name}`; known: {known}; or give a whole one"))
+        ApiError::invalid(
+            "/scenario",
+            format!("there is no scenario `{name}`; known: {known}; or give a whole scenario"),
+        )
     };
     Scenario::built_in(name).ok_or_else(unknown)?.map_err(|_| ApiError::internal())
 }
 
 fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, ApiError> {
-    if let Err(flaw) = scenario.check() {
-        return Err(ApiError::invalid(flaw.pointer, flaw.problem));
+    if let Err(error) = scenario.check() {
+        return Err(ApiError::invalid(error.pointer, error.problem));
     }
-    let controller = controller(&scenario.controller, robots).map_err(|problem| problem.inside("/controller"))?;
+    let controller = controller(&scenario.controller, robots).map_err(|error| error.inside("/controller"))?;
     let joints = controller.config().robot.joint_count();
     joint_list(&scenario.start_joint_position, joints, "/start_joint_position")?;
     Ok(scenario)
 }
 
-/// Measures of a run.
+/// Returns the measures of a run.
 pub fn metrics_answer(metrics: &Metrics) -> wire::SimulationMetrics {
     let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
     wire::SimulationMetrics {

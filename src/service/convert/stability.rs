@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use revprio_core::controller::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 
-use super::environment::UNJUDGED;
+use super::environment::NOT_COMPUTABLE;
 use super::numbers::{not_negative, number};
 use super::resolve::positive_period;
 use crate::service::error::ApiError;
@@ -12,7 +12,7 @@ use crate::service::error::ApiError;
 pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, ApiError> {
     let wire::StabilityRequest { environment, .. } = request;
     if request.delay_periods > MAX_DELAY_PERIODS {
-        return Err(ApiError::invalid("/delay_periods", format!("at most {MAX_DELAY_PERIODS} periods")));
+        return Err(ApiError::invalid("/delay_periods", format!("give at most {MAX_DELAY_PERIODS} periods")));
     }
     if request.inertia <= 0.0 {
         return Err(ApiError::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));
@@ -31,13 +31,13 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Api
     })
 }
 
-/// How stable the loop is.
+/// Computes the stability margins of the loop.
 pub fn margin(contact: &ContactLoop) -> Result<Margin, ApiError> {
     let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
-    margin.ok_or_else(|| ApiError::invalid("", UNJUDGED))
+    margin.ok_or_else(|| ApiError::invalid("", NOT_COMPUTABLE))
 }
 
-/// The answer's body.
+/// Returns the body of the answer.
 pub fn margin_answer(margin: &Margin) -> wire::StabilityAnswer {
     wire::StabilityAnswer {
         stable: margin.is_stable(),

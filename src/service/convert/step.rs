@@ -1,28 +1,38 @@
-//! States and their answers.
+//! The states of control periods and their answers.
 
 use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, StepError};
+use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
 
 use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
 use crate::service::error::ApiError;
-use crate::service::sessions::Step;
 
-/// Without a newer answer, clients ramp to zero after this time: some periods of a slow loop.
+/// Time after which a client without a newer answer ramps to zero, ms. It covers a few periods of a slow loop.
 const VALID_FOR_MS: u64 = 100;
 
-/// Largest sequence number: beyond it, clients whose numbers are doubles could no longer count.
-pub const LARGEST_SEQUENCE: u64 = (1 << 53) - 1;
+/// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
+pub const MAX_SEQUENCE: u64 = (1 << 53) - 1;
+
+/// Refuses a sequence number that is not greater than the last one.
+pub fn check_sequence(last: u64, new: u64) -> Result<(), ApiError> {
+    if new > last {
+        return Ok(());
+    }
+    Err(ApiError::sequence(format!(
+        "sequence {new} after {last}; increase it with every new state, and repeat it only with an unchanged state"
+    )))
+}
 
 /// Reads a state.
 pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, ApiError> {
     let robot = &controller.config().robot;
-    if state.sequence > LARGEST_SEQUENCE {
-        return Err(ApiError::invalid("/sequence", format!("at most {LARGEST_SEQUENCE}")));
+    if state.sequence > MAX_SEQUENCE {
+        return Err(ApiError::invalid("/sequence", format!("give at most {MAX_SEQUENCE}")));
     }
     Ok(Measurement {
         time_s: number(state.time_s, "/time_s")?,
@@ -46,8 +56,8 @@ fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64
     Ok([force[0], force[1], force[2], torque[0], torque[1], torque[2]])
 }
 
-/// The library's refusal of a state that stands at the JSON pointer `state` of the body.
-pub fn step_problem(error: &StepError, state: &str) -> ApiError {
+/// Converts the error of a step. `state`: JSON pointer of the state in the body.
+pub fn step_error(error: &StepError, state: &str) -> ApiError {
     let field = match error {
         StepError::Configuration(ConfigurationError::Size { .. } | ConfigurationError::NotFinite { .. }) => {
             "/joint_position"
@@ -60,7 +70,7 @@ pub fn step_problem(error: &StepError, state: &str) -> ApiError {
     ApiError::invalid(format!("{state}{field}"), error)
 }
 
-/// The answer's body, without memory.
+/// Returns the body of the answer, without memory.
 pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
     let config = controller.config();
     let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
@@ -87,13 +97,18 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
     }
 }
 
-/// A period of a session as its watchers see it.
-pub fn watched_step(controller: &Controller, step: &Step) -> wire::WatchedStep {
+/// Returns a period of a session for watchers. `last_command`: joint velocities of the previous period, n, if known.
+pub fn watched_step(
+    controller: &Controller,
+    state: &wire::State,
+    answer: &wire::StepAnswer,
+    last_command: Option<&Vector>,
+) -> wire::WatchedStep {
     let config = controller.config();
-    let position = joint_vector(&step.state.joint_position, &config.robot, "").ok();
-    let measured = step.state.joint_velocity.as_ref().and_then(|v| joint_vector(v, &config.robot, "").ok());
-    let last = step.last_command.as_ref().map(|last| last.as_slice().to_vec()).or(measured);
+    let position = joint_vector(&state.joint_position, &config.robot, "").ok();
+    let measured = state.joint_velocity.as_ref().and_then(|v| joint_vector(v, &config.robot, "").ok());
+    let last = last_command.map(|last| last.as_slice().to_vec()).or(measured);
     let last = last.unwrap_or_else(|| vec![0.0; config.robot.joint_count()]);
     let arm = position.and_then(|position| arm_view(config, &position, &last));
-    wire::WatchedStep { state: step.state.clone(), answer: step.answer.clone(), arm }
+    wire::WatchedStep { state: state.clone(), answer: answer.clone(), arm }
 }

@@ -15,8 +15,8 @@ use crate::service::error::ApiError;
 pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, ApiError> {
     let (rows, law) = match &task.law {
         wire::Law::Posture { joints, gain, target_position } => {
-            not_for_postures(task)?;
-            posture(joints.as_deref(), gain, target_position, robot).map_err(|problem| problem.inside("/law"))?
+            check_posture_fields(task)?;
+            posture(joints.as_deref(), gain, target_position, robot).map_err(|error| error.inside("/law"))?
         }
         law => tool_task(task, law)?,
     };
@@ -24,12 +24,12 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
 }
 
 fn tool_task(task: &wire::ControllerTask, law: &wire::Law) -> Result<(TaskRows, Law), ApiError> {
-    let missing = || ApiError::invalid("/axes", "this law needs `axes`, the rows of the tool");
+    let missing = || ApiError::invalid("/axes", "this law needs `axes`, the controlled axes of the tool");
     let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, "/axes")?;
     let reader = LawReader(PerRow { rows: axes.len() });
     let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
     let read = || Ok((TaskRows::Tool(reader.with_target(rows, law)?), reader.law(law)?));
-    read().map_err(|problem: ApiError| problem.inside("/law"))
+    read().map_err(|error: ApiError| error.inside("/law"))
 }
 
 fn posture(
@@ -47,7 +47,8 @@ fn posture(
     Ok((TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?))
 }
 
-fn not_for_postures(task: &wire::ControllerTask) -> Result<(), ApiError> {
+/// Refuses the fields that a posture does not have.
+fn check_posture_fields(task: &wire::ControllerTask) -> Result<(), ApiError> {
     let given = [
         ("axes", task.axes.is_some()),
         ("frame", task.frame != wire::Frame::Base),
@@ -55,15 +56,14 @@ fn not_for_postures(task: &wire::ControllerTask) -> Result<(), ApiError> {
     ];
     match given.iter().find(|(_, given)| *given) {
         Some((field, _)) => {
-            let detail =
-                format!("the law `posture` is about joints and takes no `{field}`; choose among them by `joints`");
+            let detail = format!("the law `posture` controls joints and has no `{field}`; select joints with `joints`");
             Err(ApiError::invalid(format!("/{field}"), detail))
         }
         None => Ok(()),
     }
 }
 
-/// The joints of a posture; by default all, towards the middle of their ranges all that have one.
+/// Returns the indices of the joints of a posture. The default is all joints; for `mid_range`, all joints with a range.
 fn joint_indices(
     names: Option<&[String]>,
     target: &wire::PostureTarget,
@@ -75,7 +75,7 @@ fn joint_indices(
     let Some(names) = names else { return Ok((0..robot.joint_count()).filter(counts).collect()) };
     let index = |(i, name): (usize, &String)| {
         let known = robot.joints().iter().position(|joint| joint.name == *name);
-        let detail = || format!("`{}` has no joint `{name}`", robot.name());
+        let detail = || format!("`{}` has no joint `{name}`; see GET /v1/robots/{}", robot.name(), robot.name());
         known.ok_or_else(|| ApiError::invalid(format!("/joints/{i}"), detail()))
     };
     names.iter().enumerate().map(index).collect()
@@ -85,7 +85,7 @@ fn joint_indices(
 struct LawReader(PerRow);
 
 impl LawReader {
-    /// Laws of the tool's rows.
+    /// Reads a law for axes of the tool.
     fn law(&self, law: &wire::Law) -> Result<Law, ApiError> {
         Ok(match law {
             wire::Law::Velocity { target_velocity } => {
@@ -109,7 +109,7 @@ impl LawReader {
         })
     }
 
-    /// The rows with the target that the law states.
+    /// Adds the target of the law to the rows.
     fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows, ApiError> {
         let (wire::Law::Pose { target_pose, target_displacement, .. }
         | wire::Law::Impedance { target_pose, target_displacement, .. }
@@ -120,7 +120,7 @@ impl LawReader {
         let target_pose = match target_pose {
             wire::TargetPose::Initial => TargetPose::Initial,
             wire::TargetPose::Fixed(fixed) => {
-                TargetPose::Fixed(pose(fixed).map_err(|problem| problem.inside("/target_pose"))?)
+                TargetPose::Fixed(pose(fixed).map_err(|error| error.inside("/target_pose"))?)
             }
         };
         let displacement = target_displacement.as_ref();
@@ -156,11 +156,11 @@ impl LawReader {
     }
 
     fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, ApiError> {
-        self.0.profile(profile).map_err(|problem| problem.inside(field))
+        self.0.profile(profile).map_err(|error| error.inside(field))
     }
 
-    /// Sizes are checked field by field; this is what is left to say if the law refuses all the same.
+    /// Returns the error for a law that is refused although the size of each field was checked.
     fn mismatch(&self) -> ApiError {
-        ApiError::invalid("", format!("the lists of a law have one value for each of {} rows", self.0.rows))
+        ApiError::invalid("", format!("give one value for each of {} rows in all lists of the law", self.0.rows))
     }
 }

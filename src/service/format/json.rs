@@ -8,27 +8,27 @@ use serde_json::error::Category;
 use super::pointer;
 use crate::service::error::ApiError;
 
-/// Quota for an answer to a step: growing towards it in small steps took a third of the instructions of writing it.
-const USUAL_LENGTH: usize = 2048;
+/// Initial capacity, bytes: enough for the answer to a step. Growing from zero took a third of the instructions.
+const INITIAL_CAPACITY: usize = 2048;
 
 /// Writes a value.
 pub fn write<T: Serialize + ?Sized>(value: &T) -> serde_json::Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(USUAL_LENGTH);
+    let mut bytes = Vec::with_capacity(INITIAL_CAPACITY);
     serde_json::to_writer(&mut bytes, value)?;
     Ok(bytes)
 }
 
 /// Reads an object.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
-    glance(bytes).map_or_else(|| explain(bytes), Ok)
+    read_borrowed(bytes).map_or_else(|| explain(bytes), Ok)
 }
 
-/// Reads an object, without a word if that fails.
-pub fn glance<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
+/// Reads an object that may borrow from the bytes. Returns `None` on any error.
+pub fn read_borrowed<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
     serde_json::from_slice(bytes).ok().map(|Object(value)| value)
 }
 
-/// Reads once more, keeping track of where: what a good body need not pay for.
+/// Reads a wrong body again and tracks the place of the error. A correct body does not pay for the tracking.
 fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
@@ -43,7 +43,7 @@ fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     Ok(value)
 }
 
-/// Whether it is JSON of finite numbers: a value of another type than the expected one can look like wrong syntax.
+/// Returns whether the bytes are JSON with finite numbers. A value of a wrong type can look like a syntax error.
 fn is_well_formed(bytes: &[u8]) -> bool {
     serde_json::from_slice::<serde_json::Value>(bytes).is_ok()
 }

@@ -1,7 +1,7 @@
-//! Bodies in MessagePack, as far as JSON could say the same.
+//! Bodies in MessagePack, restricted to the values of JSON.
 //!
-//! MessagePack has values that JSON has not: numbers that are not finite, keys that are no texts (from which serde would
-//! take the place of a field), binary data. They are refused before a field is looked at.
+//! MessagePack has values that JSON does not have: numbers that are not finite, binary data, and keys that are not
+//! strings, which serde would use as the index of a field. The service refuses them before it reads a field.
 
 use std::fmt;
 use std::io::Cursor;
@@ -14,15 +14,15 @@ use serde::{Deserialize, Serialize};
 use super::pointer;
 use crate::service::error::ApiError;
 
-/// Depth of nesting that is read, as in JSON.
-const DEEPEST: usize = 128;
+/// Maximum depth of nesting, as in JSON.
+const MAX_DEPTH: usize = 128;
 
 /// Reads an object.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     check(bytes)?;
     match rmp_serde::from_slice(bytes) {
         Ok(Object(value)) => Ok(value),
-        // Once more, keeping track of where: what a good body need not pay for.
+        // Reads again and tracks the place of the error. A correct body does not pay for the tracking.
         Err(_) => match serde_path_to_error::deserialize(&mut Deserializer::from_read_ref(bytes)) {
             Ok(Object(value)) => Ok(value),
             Err(error) => Err(ApiError::invalid(pointer(error.path()), error.into_inner())),
@@ -30,27 +30,31 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     }
 }
 
-/// Writes a value, structs as maps with the names of their fields.
+/// Writes a value. Structs are maps with the names of their fields.
 pub fn write<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, rmp_serde::encode::Error> {
     rmp_serde::to_vec_named(value)
 }
 
-/// Refuses bytes that are not one value of those that JSON has.
+/// Refuses bytes that are not exactly one value that JSON can express.
 fn check(bytes: &[u8]) -> Result<(), ApiError> {
     let mut deserializer = Deserializer::new(Cursor::new(bytes));
-    deserializer.set_max_depth(DEEPEST);
+    deserializer.set_max_depth(MAX_DEPTH);
     serde_path_to_error::deserialize::<_, JsonValue>(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         match cause {
             Error::Syntax(detail) => ApiError::malformed(detail).at(place),
-            cause => ApiError::malformed(format!("no MessagePack: {cause}")),
+            cause => ApiError::malformed(format!("the body is not MessagePack: {cause}")),
         }
     })?;
     let rest = bytes.len() as u64 - deserializer.position();
-    if rest == 0 { Ok(()) } else { Err(ApiError::malformed(format!("{rest} bytes follow the value"))) }
+    if rest == 0 {
+        Ok(())
+    } else {
+        Err(ApiError::malformed(format!("{rest} bytes follow the value; send one value only")))
+    }
 }
 
-/// Any value that JSON has, forgotten.
+/// Accepts and discards any value that JSON can express.
 struct JsonValue;
 
 impl<'de> Deserialize<'de> for JsonValue {
@@ -63,7 +67,7 @@ impl<'de> Visitor<'de> for JsonValue {
     type Value = Self;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("a value that JSON has")
+        formatter.write_str("a value that JSON can express")
     }
 
     fn visit_bool<E>(self, _: bool) -> Result<Self, E> {
@@ -101,7 +105,7 @@ impl<'de> Visitor<'de> for JsonValue {
     }
 }
 
-/// A text as the key of an entry, forgotten.
+/// Accepts and discards a string as the key of an entry.
 struct Key;
 
 impl<'de> Deserialize<'de> for Key {
@@ -114,7 +118,7 @@ impl Visitor<'_> for Key {
     type Value = Self;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("a text as the name of a field")
+        formatter.write_str("a string as the name of a field")
     }
 
     fn visit_str<E>(self, _: &str) -> Result<Self, E> {
@@ -127,7 +131,7 @@ mod tests {
     use super::*;
     use revprio_api::wire::State;
 
-    /// The map {"a": …} around some bytes.
+    /// Returns the map {"a": …} around some bytes.
     fn inside(bytes: &[u8]) -> Vec<u8> {
         [&[0x81, 0xa1, b'a'], bytes].concat()
     }
@@ -137,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_json_cannot_say_is_refused_with_its_place() {
+    fn values_that_json_lacks_are_refused_with_a_pointer() {
         let nan = [[0xcb].as_slice(), &f64::NAN.to_be_bytes()].concat();
         let infinity = [[0xca].as_slice(), &f32::INFINITY.to_be_bytes()].concat();
         let (number_as_key, binary, extension) = ([0x81, 0x01, 0x01], [0xc4, 1, 0], [0xd4, 1, 0]);
@@ -149,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_single_value_are_refused() {
+    fn bytes_that_are_not_one_value_are_refused() {
         let deep = [vec![0x91; 100_000], vec![0xc0]].concat();
         for bytes in [&[][..], &[0xc1], &[0x81], &[0x80, 0x80], &[0xdd, 255, 255, 255, 255], &[0xa1, 0xff], &deep] {
             assert_eq!(refusal(bytes).status, 400, "{:?}", &bytes[..bytes.len().min(8)]);

@@ -1,57 +1,53 @@
-//! JSON and MessagePack: the same values in two notations.
+//! The two formats of bodies, JSON and MessagePack. Both carry the same values.
 
 mod json;
 mod message_pack;
 
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_path_to_error::Segment;
 
 use super::accept;
-use super::error::{ApiError, escaped};
+use super::error::{ApiError, escape_pointer};
 
-/// How a body is written.
+/// The format of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Text.
+    /// JSON.
     Json,
-    /// Binary, with the names of all fields.
+    /// MessagePack; structs are maps with the names of their fields.
     MessagePack,
 }
 
 impl Format {
     /// Media type.
-    pub fn media_type(self) -> HeaderValue {
-        HeaderValue::from_static(self.name())
-    }
-
-    fn name(self) -> &'static str {
+    pub fn media_type(self) -> &'static str {
         match self {
             Self::Json => "application/json",
             Self::MessagePack => "application/msgpack",
         }
     }
 
-    /// The format of the body that comes with these headers, if it is one that can be read.
-    pub fn of_body(headers: &HeaderMap) -> Option<Self> {
+    /// Returns the format of the body with these headers, if the service can read it.
+    pub fn from_content_type(headers: &HeaderMap) -> Option<Self> {
         let media_type = headers.get(header::CONTENT_TYPE)?.to_str().ok()?.split(';').next()?.trim();
-        [Self::Json, Self::MessagePack].into_iter().find(|format| media_type.eq_ignore_ascii_case(format.name()))
+        [Self::Json, Self::MessagePack].into_iter().find(|format| media_type.eq_ignore_ascii_case(format.media_type()))
     }
 
-    /// The format to answer in: what the client accepts, otherwise the one it wrote in.
-    pub fn of_answer(headers: &HeaderMap) -> Self {
-        let formats = match Self::of_body(headers) {
+    /// Returns the format of the answer: the accepted format, otherwise the format of the request.
+    pub fn from_accept(headers: &HeaderMap) -> Self {
+        let formats = match Self::from_content_type(headers) {
             Some(Self::MessagePack) => [Self::MessagePack, Self::Json],
             Some(Self::Json) | None => [Self::Json, Self::MessagePack],
         };
         if !headers.contains_key(header::ACCEPT) {
             return formats[0];
         }
-        accept::preferred(headers, &formats.map(|format| (format.name(), format))).unwrap_or(formats[0])
+        accept::preferred(headers, &formats.map(|format| (format.media_type(), format))).unwrap_or(formats[0])
     }
 
-    /// Reads an object; what is wrong is named by JSON pointer.
+    /// Reads an object. An error names the wrong field by its JSON pointer.
     pub fn read<T: DeserializeOwned>(self, bytes: &[u8]) -> Result<T, ApiError> {
         match self {
             Self::Json => json::read(bytes),
@@ -59,10 +55,11 @@ impl Format {
         }
     }
 
-    /// Reads an object that may leave parts of the bytes unread, which JSON alone can; `None` if that fails.
-    pub fn glance<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Option<T> {
+    /// Reads an object that may borrow from the bytes. Returns `None` on any error, and always for MessagePack, which
+    /// has no raw values to borrow.
+    pub fn read_borrowed<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Option<T> {
         match self {
-            Self::Json => json::glance(bytes),
+            Self::Json => json::read_borrowed(bytes),
             Self::MessagePack => None,
         }
     }
@@ -74,17 +71,32 @@ impl Format {
             Self::MessagePack => message_pack::write(value).map_err(|error| error.to_string()),
         };
         written.map_err(|error| {
-            tracing::error!(error, "an answer cannot be written");
+            tracing::error!(error, "cannot encode an answer");
             ApiError::internal()
         })
     }
 }
 
-/// JSON pointer (RFC 6901) of a path.
+/// A body whose bytes have arrived but are not decoded yet.
+pub struct RawBody {
+    /// The format of the bytes.
+    pub format: Format,
+    /// The whole body.
+    pub bytes: Vec<u8>,
+}
+
+impl RawBody {
+    /// Decodes the body.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, ApiError> {
+        self.format.read(&self.bytes)
+    }
+}
+
+/// Returns the JSON pointer (RFC 6901) of a path.
 fn pointer(path: &serde_path_to_error::Path) -> String {
     let part = |segment: &Segment| match segment {
         Segment::Seq { index } => format!("/{index}"),
-        Segment::Map { key } => format!("/{}", escaped(key)),
+        Segment::Map { key } => format!("/{}", escape_pointer(key)),
         Segment::Enum { .. } | Segment::Unknown => String::new(),
     };
     path.iter().map(part).collect()

@@ -1,4 +1,4 @@
-//! Kinematics and stability.
+//! Kinematics of an arm and stability of a contact.
 
 use axum::extract::State;
 use revprio_api::wire;
@@ -8,16 +8,16 @@ use crate::service::body::{Answer, Body};
 use crate::service::convert;
 use crate::service::error::ApiError;
 
-/// Tells how stable a contact is.
+/// Computes the stability margins of one axis in contact.
 ///
-/// How much lag, delay and how little damping one axis in contact bears.
+/// Maximum lag, maximum delay and minimum damping.
 #[utoipa::path(
     post,
     path = "/v1/stability",
     tag = "analysis",
     request_body = wire::StabilityRequest,
     responses(
-        (status = 200, body = wire::StabilityAnswer, description = "How stable the loop is, and how far it could go.")
+        (status = 200, body = wire::StabilityAnswer, description = "Spectral radius and margins of the loop.")
     )
 )]
 pub async fn stability(
@@ -25,11 +25,11 @@ pub async fn stability(
     Body(request): Body<wire::StabilityRequest>,
 ) -> Result<Answer<wire::StabilityAnswer>, ApiError> {
     let contact = convert::contact_loop(&request)?;
-    let margin = app.margins.run("stability margins", move |_| convert::margin(&contact)).await??;
+    let margin = app.margins.run(move |_| convert::margin(&contact)).await??;
     Ok(Answer(convert::margin_answer(&margin)))
 }
 
-/// Tells where an arm is.
+/// Computes the kinematics of an arm.
 ///
 /// Tool pose, Jacobian, singular values and link frames at a posture.
 #[utoipa::path(

@@ -1,4 +1,4 @@
-//! Control periods, with the memory in the request or in a session.
+//! Control periods, stateless and in sessions.
 
 use std::time::Duration;
 
@@ -9,23 +9,22 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 
-use super::Shared;
-use crate::service::body::{Answer, Body, Unread};
-use crate::service::drain::Draining;
+use super::{Segment, Shared};
+use crate::service::body::{Answer, Body};
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
-use crate::service::recent::StepCall;
-use crate::service::segment::Segment;
-use crate::service::sessions::Answered;
+use crate::service::format::RawBody;
+use crate::service::sessions::SharedAnswer;
 use crate::service::step::{open_session, stateless_step};
+use crate::service::stepper_cache::StepCall;
 use crate::service::{convert, stream};
 
-/// Between two periods that are shown to a watcher: 30 a second, as often as an eye needs.
+/// Time between two events for a watcher: 30 events a second are enough for display.
 const WATCH_PAUSE: Duration = Duration::from_millis(33);
 
 /// Steps a controller without a session.
 ///
-/// One control period; the memory travels with the request, so that any replica answers any call.
+/// One control period. The memory comes with the request, so any instance of the service can answer any call.
 #[utoipa::path(
     post,
     path = "/v1/step",
@@ -37,20 +36,20 @@ const WATCH_PAUSE: Duration = Duration::from_millis(33);
             body = wire::StepAnswer,
             description = "Joint velocities for one period, and the memory for the next request."
         ),
-        (status = 409, description = "The sequence number does not grow: `sequence`.")
+        (status = 409, description = "The sequence number is not greater than the last one: `sequence`.")
     )
 )]
-pub async fn step(State(app): Shared, body: Unread) -> Result<Answer<wire::StepAnswer>, ApiError> {
-    let StepCall { mut kept, state, memory } = app.recent.read(&body, &app.robots)?;
-    let answer = stateless_step(&mut kept.stepper, &state, memory.as_ref())?;
-    app.metrics.solved(&answer.solver);
-    app.recent.keep(kept);
+pub async fn step(State(app): Shared, body: RawBody) -> Result<Answer<wire::StepAnswer>, ApiError> {
+    let StepCall { mut cached, state, memory } = app.stepper_cache.read(&body, &app.robots)?;
+    let answer = stateless_step(&mut cached.stepper, &state, memory.as_ref())?;
+    app.metrics.count_resolution(&answer.solver);
+    app.stepper_cache.put(cached);
     Ok(Answer(answer))
 }
 
 /// Lists the sessions.
 ///
-/// Those that are open, the one that stepped last first.
+/// The open sessions, the last called one first.
 #[utoipa::path(
     get,
     path = "/v1/controllers",
@@ -63,7 +62,7 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
 
 /// Opens a session.
 ///
-/// A controller that keeps its memory on the service until it is deleted or idle for too long.
+/// A session is a controller whose memory stays on the service until the session is deleted or idle for too long.
 #[utoipa::path(
     post,
     path = "/v1/controllers",
@@ -74,7 +73,7 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
             status = 201,
             body = wire::CreatedController,
             description = "The session is open.",
-            headers(("Location" = String, description = "Address of what was made."))
+            headers(("Location" = String, description = "Path of the new session."))
         )
     )
 )]
@@ -89,7 +88,7 @@ pub async fn create_controller(
 
 /// Steps a session.
 ///
-/// One control period. The same state sent again is answered again, without another step.
+/// One control period. The same state sent again gets the same answer again, without another step.
 #[utoipa::path(
     post,
     path = "/v1/controllers/{id}/step",
@@ -97,43 +96,42 @@ pub async fn create_controller(
     request_body = wire::State,
     responses(
         (status = 200, body = wire::StepAnswer, description = "Joint velocities for one period."),
-        (status = 409, description = "The sequence number does not grow: `sequence`.")
+        (status = 409, description = "The sequence number is not greater than the last one: `sequence`.")
     )
 )]
 pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
     Body(state): Body<wire::State>,
-) -> Result<Answer<Answered>, ApiError> {
+) -> Result<Answer<SharedAnswer>, ApiError> {
     app.sessions.step(&id, state).map(Answer)
 }
 
 /// Streams a session.
 ///
-/// Upgrades to WebSocket: one state per message in, one answer per state out. The AsyncAPI document describes it.
+/// Upgrades to WebSocket: one state per message in, one answer per state out. The AsyncAPI document describes the messages.
 #[utoipa::path(
     get,
     path = "/v1/controllers/{id}/stream",
     tag = "control",
     responses(
-        (status = 101, description = "The connection speaks WebSocket from here on."),
-        (status = 426, description = "The request asks for no WebSocket: `upgrade-required`.")
+        (status = 101, description = "The connection is a WebSocket from now on."),
+        (status = 426, description = "The request is not a WebSocket handshake: `upgrade-required`.")
     )
 )]
 pub async fn stream_controller(
     State(app): Shared,
     Segment(id): Segment,
-    draining: Draining,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, ApiError> {
     app.sessions.with(&id, |_, _| Ok(()))?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
-    Ok(stream::accept(upgrade, app, id, draining))
+    Ok(stream::accept(upgrade, app, id))
 }
 
 /// Watches a session.
 ///
-/// States with their answers as server-sent events `step`, 30 a second at most; the data of each is a `WatchedStep`.
+/// Server-sent events `step`, at most 30 a second, with states and their answers. The data of each is a `WatchedStep`.
 #[utoipa::path(
     get,
     path = "/v1/controllers/{id}/watch",
@@ -147,21 +145,20 @@ pub async fn stream_controller(
         )
     )
 )]
-pub async fn watch_controller(
-    State(app): Shared,
-    Segment(id): Segment,
-    draining: Draining,
-) -> Result<impl IntoResponse, ApiError> {
+pub async fn watch_controller(State(app): Shared, Segment(id): Segment) -> Result<impl IntoResponse, ApiError> {
     let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller())))?;
-    Ok(latest(steps, draining, WATCH_PAUSE, move |step| match step {
-        Some(step) => Shown::Event("step", convert::watched_step(&controller, step)),
+    Ok(latest(steps, app.drain.subscribe(), WATCH_PAUSE, move |step| match step {
+        Some(step) => {
+            let watched = convert::watched_step(&controller, &step.state, &step.answer, step.last_command.as_ref());
+            Shown::Event("step", watched)
+        }
         None => Shown::Nothing,
     }))
 }
 
 /// Shows a session.
 ///
-/// Configuration, last sequence number, counters.
+/// Controller, last sequence number and counters.
 #[utoipa::path(
     get,
     path = "/v1/controllers/{id}",
@@ -177,7 +174,7 @@ pub async fn show_controller(
 
 /// Ends a session.
 ///
-/// Its memory is forgotten and its streams are closed.
+/// Deletes its memory and closes its streams.
 #[utoipa::path(
     delete,
     path = "/v1/controllers/{id}",

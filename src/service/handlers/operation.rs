@@ -1,4 +1,4 @@
-//! What operators ask.
+//! Routes for operators: probes and metrics.
 
 use axum::extract::State;
 use axum::http::header;
@@ -7,9 +7,9 @@ use axum::response::IntoResponse;
 use super::Shared;
 use crate::service::error::ApiError;
 
-/// Says that the service lives.
+/// Returns whether the service is alive.
 ///
-/// For supervisors that start it again when it does not; always answered, without a token.
+/// For supervisors that restart the service. Answered under any load and without a token.
 #[utoipa::path(
     get,
     path = "/healthz",
@@ -20,9 +20,9 @@ pub async fn alive() -> &'static str {
     "ok"
 }
 
-/// Says that the service takes requests.
+/// Returns whether the service is ready for requests.
 ///
-/// For load balancers; always answered, without a token. Not ready once the service is about to end.
+/// For load balancers. Answered under any load and without a token. Not ready while the service shuts down.
 #[utoipa::path(
     get,
     path = "/readyz",
@@ -33,9 +33,9 @@ pub async fn ready(State(app): Shared) -> Result<&'static str, ApiError> {
     if app.drain.is_announced() { Err(ApiError::draining()) } else { Ok("ready") }
 }
 
-/// Shows the metrics.
+/// Returns the metrics.
 ///
-/// For Prometheus: requests, refusals, solver paths, sessions, connections.
+/// For Prometheus: requests, problems, solver paths, sessions and connections.
 #[utoipa::path(
     get,
     path = "/metrics",

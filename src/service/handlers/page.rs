@@ -3,11 +3,11 @@
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
+use super::Segment;
 use crate::dashboard;
 use crate::service::error::ApiError;
-use crate::service::segment::Segment;
 
-/// Allows only files of the service itself. Pictures that the page makes of itself are `blob:`.
+/// Allows only files of the service itself. `blob:` is for pictures that the page exports.
 const ONLY_SELF: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
                          connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -30,7 +30,7 @@ fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
         (header::CONTENT_TYPE, HeaderValue::from_static(media_type)),
         (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(ONLY_SELF)),
         (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
-        // Browsers ask each time. The file is sent only after an update.
+        // Browsers check the version each time. The service sends the file only after an update.
         (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
         (header::ETAG, version),
     ];

@@ -1,4 +1,4 @@
-//! One problem, or many.
+//! Stateless resolution of one problem or a batch.
 
 use axum::extract::State;
 use revprio_api::wire;
@@ -10,14 +10,14 @@ use crate::service::resolve;
 
 /// Resolves one problem.
 ///
-/// Joint velocities for prioritised tasks at one posture, without any memory.
+/// Joint velocities for prioritised tasks at one posture, without memory.
 #[utoipa::path(
     post,
     path = "/v1/resolve",
     tag = "resolve",
     request_body = wire::ResolveRequest,
     responses(
-        (status = 200, body = wire::ResolveAnswer, description = "Joint velocities and why they are what they are.")
+        (status = 200, body = wire::ResolveAnswer, description = "Joint velocities, with tasks, limits and solver report.")
     )
 )]
 pub async fn resolve(
@@ -27,9 +27,9 @@ pub async fn resolve(
     resolve::one(&request, &app).map(Answer)
 }
 
-/// Resolves many problems.
+/// Resolves a batch of problems.
 ///
-/// Up to 10 000 problems that have nothing to do with each other; each is answered or refused for itself, in order.
+/// Up to 10 000 independent problems. Each item is answered or refused on its own, in order.
 #[utoipa::path(
     post,
     path = "/v1/resolve/batch",

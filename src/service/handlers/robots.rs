@@ -1,4 +1,4 @@
-//! The arms that requests can name.
+//! The registry of the arms that requests can name.
 
 use std::sync::Arc;
 
@@ -7,15 +7,14 @@ use axum::http::{StatusCode, header};
 use axum::response::IntoResponse;
 use revprio_api::wire;
 
-use super::Shared;
+use super::{Segment, Shared};
 use crate::service::body::{Answer, Body};
 use crate::service::convert;
 use crate::service::error::ApiError;
-use crate::service::segment::Segment;
 
 /// Lists the robots.
 ///
-/// Those that ship with the service, those given at its start and those registered.
+/// The robots that ship with the service, those given at its start, and registered ones.
 #[utoipa::path(
     get,
     path = "/v1/robots",
@@ -28,7 +27,7 @@ pub async fn robots(State(app): Shared) -> Answer<wire::RobotList> {
 
 /// Shows a robot.
 ///
-/// Joints in order, their limits with units, and how the robot was described.
+/// The joints in order, their limits with units, and the source of the description.
 #[utoipa::path(
     get,
     path = "/v1/robots/{name}",
@@ -36,13 +35,13 @@ pub async fn robots(State(app): Shared) -> Answer<wire::RobotList> {
     responses((status = 200, body = wire::Robot, description = "The robot."))
 )]
 pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<wire::Robot>, ApiError> {
-    let robot = app.robots.get(&name).map_err(|error| convert::robots_problem(&error))?;
+    let robot = app.robots.get(&name).map_err(|error| convert::robots_error(&error))?;
     Ok(Answer(convert::robot_answer(&robot)))
 }
 
 /// Registers a robot.
 ///
-/// The chain of a URDF text from one link to another; kept until it is deleted or not used for long.
+/// The chain of a URDF text from one link to another. The robot stays until it is deleted or unused for too long.
 #[utoipa::path(
     post,
     path = "/v1/robots",
@@ -52,10 +51,10 @@ pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<
         (
             status = 201,
             body = wire::Robot,
-            description = "The robot is known.",
-            headers(("Location" = String, description = "Address of what was made."))
+            description = "The robot is registered.",
+            headers(("Location" = String, description = "Path of the new robot."))
         ),
-        (status = 409, description = "The name belongs to another robot: `name-taken`.")
+        (status = 409, description = "Another robot has the name: `name-taken`.")
     )
 )]
 pub async fn register_robot(
@@ -65,14 +64,15 @@ pub async fn register_robot(
     let robot = Arc::new(convert::robot(&request)?);
     let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
     let answer = convert::robot_answer(&robot);
-    app.sessions.let_go();
-    app.robots.register(robot).map_err(|error| convert::robots_problem(&error))?;
+    // Ended sessions no longer use their robots, which can then end too.
+    app.sessions.end_idle();
+    app.robots.register(robot).map_err(|error| convert::robots_error(&error))?;
     Ok((StatusCode::CREATED, location, Answer(answer)))
 }
 
 /// Deletes a registered robot.
 ///
-/// Sessions that use it go on.
+/// Sessions that use the robot continue.
 #[utoipa::path(
     delete,
     path = "/v1/robots/{name}",
@@ -83,6 +83,6 @@ pub async fn register_robot(
     )
 )]
 pub async fn delete_robot(State(app): Shared, Segment(name): Segment) -> Result<StatusCode, ApiError> {
-    app.robots.remove(&name).map_err(|error| convert::robots_problem(&error))?;
+    app.robots.remove(&name).map_err(|error| convert::robots_error(&error))?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -1,4 +1,4 @@
-//! Scenarios and their runs.
+//! Scenarios and simulations.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,19 +9,17 @@ use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 use revprio_lab::simulator::{Scenario, ScenarioList, SimulationRequest};
 
-use super::Shared;
+use super::{Segment, Shared};
 use crate::service::body::{Answer, Body, LargeAnswer};
-use crate::service::drain::Draining;
+use crate::service::convert;
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
-use crate::service::segment::Segment;
-use crate::service::simulations::RunControl;
-use crate::service::{convert, simulations};
+use crate::service::simulations::{RunControl, trace_answer};
 
-/// Between two events of a simulation's progress.
+/// Time between two events with the progress of a simulation.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(100);
 
-/// Between two frames of an interactive run.
+/// Time between two frames of an interactive run.
 const LIVE_PAUSE: Duration = Duration::from_millis(50);
 
 /// Lists the scenarios.
@@ -39,7 +37,7 @@ pub async fn scenarios() -> Result<LargeAnswer<ScenarioList>, ApiError> {
 
 /// Shows a scenario.
 ///
-/// All of it, ready to be changed and simulated.
+/// The whole scenario, ready to be changed and simulated.
 #[utoipa::path(
     get,
     path = "/v1/scenarios/{name}",
@@ -55,7 +53,7 @@ pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, ApiErr
 
 /// Starts a simulation.
 ///
-/// Runs a scenario with the built-in simulator against this service, when its turn comes.
+/// Runs a scenario with the built-in simulator and this service as the controller, after the earlier simulations.
 #[utoipa::path(
     post,
     path = "/v1/simulations",
@@ -65,8 +63,8 @@ pub async fn scenario(Segment(name): Segment) -> Result<Answer<Scenario>, ApiErr
         (
             status = 202,
             body = wire::Simulation,
-            description = "The run is taken in.",
-            headers(("Location" = String, description = "Address of what was made."))
+            description = "The simulation is accepted.",
+            headers(("Location" = String, description = "Path of the new simulation."))
         )
     )
 )]
@@ -75,7 +73,7 @@ pub async fn create_simulation(
     Body(request): Body<SimulationRequest>,
 ) -> Result<impl IntoResponse, ApiError> {
     let interactive = request.interactive;
-    convert::interactive(interactive.as_ref())?;
+    convert::check_interactive(interactive.as_ref())?;
     let (scenario, robot) = convert::scenario(request, &app.robots)?;
     let run_control = interactive.map(|pace| {
         let request = scenario.controller.clone();
@@ -89,7 +87,7 @@ pub async fn create_simulation(
 
 /// Shows a simulation.
 ///
-/// How far it is, and its measures once it is finished.
+/// Its progress, and its measures once it is finished.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}",
@@ -102,7 +100,7 @@ pub async fn show_simulation(State(app): Shared, Segment(id): Segment) -> Result
 
 /// Follows a simulation.
 ///
-/// Server-sent events `progress`, ten a second at most, and `end` as the last one; the data of each is a `Simulation`.
+/// Server-sent events `progress`, at most ten a second, and `end` as the last one. The data of each is a `Simulation`.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/events",
@@ -111,14 +109,10 @@ pub async fn show_simulation(State(app): Shared, Segment(id): Segment) -> Result
         (status = 200, body = String, content_type = "text/event-stream", description = "Events until the run ends.")
     )
 )]
-pub async fn simulation_events(
-    State(app): Shared,
-    Segment(id): Segment,
-    draining: Draining,
-) -> Result<impl IntoResponse, ApiError> {
+pub async fn simulation_events(State(app): Shared, Segment(id): Segment) -> Result<impl IntoResponse, ApiError> {
     let job = app.simulations.get(&id)?;
     let progress = job.watch();
-    Ok(latest(progress, draining, PROGRESS_PAUSE, move |progress| {
+    Ok(latest(progress, app.drain.subscribe(), PROGRESS_PAUSE, move |progress| {
         let status = job.status_at(progress);
         if progress.has_ended() { Shown::Last("end", status) } else { Shown::Event("progress", status) }
     }))
@@ -126,32 +120,33 @@ pub async fn simulation_events(
 
 /// Controls a simulation.
 ///
-/// Pauses, steps, paces, pushes, changes or ends an interactive run; what is left out stays. Nothing jumps: a changed law
-/// goes on from the present velocity, and a changed method or solver takes over within a tenth of a simulated second.
+/// Pauses, steps, paces, pushes, changes or ends an interactive run. Omitted fields stay as they are. The joint velocities
+/// do not jump: a changed law continues from the current velocity, and a changed method or solver takes over within 0.1
+/// simulated seconds.
 #[utoipa::path(
     post,
     path = "/v1/simulations/{id}/control",
     tag = "simulation",
     request_body = wire::SimulationControl,
     responses(
-        (status = 200, body = wire::Simulation, description = "The run as it goes on."),
+        (status = 200, body = wire::Simulation, description = "The run after the command."),
         (status = 409, description = "The run is not interactive or has ended: `not-live`.")
     )
 )]
 pub async fn control_simulation(
     State(app): Shared,
     Segment(id): Segment,
-    Body(order): Body<wire::SimulationControl>,
+    Body(command): Body<wire::SimulationControl>,
 ) -> Result<Answer<wire::Simulation>, ApiError> {
     let job = app.simulations.get(&id)?;
-    simulations::live_run_control(&job)?.order(&order, &app.robots)?;
+    job.live_run_control()?.apply(&command, &app.robots)?;
     Ok(Answer(job.status()))
 }
 
-/// Looks at a simulation.
+/// Watches an interactive simulation.
 ///
-/// An interactive run as server-sent events `frame`, 20 a second at most, and `end` as the last one; the data of each is a
-/// `LiveFrame`. The first one brings the latest seconds with it.
+/// Server-sent events `frame`, at most 20 a second, and `end` as the last one. The data of each is a `LiveFrame`. The first
+/// frame includes the samples of the last seconds.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/live",
@@ -161,26 +156,22 @@ pub async fn control_simulation(
         (status = 409, description = "The run is not interactive or has ended: `not-live`.")
     )
 )]
-pub async fn simulation_live(
-    State(app): Shared,
-    Segment(id): Segment,
-    draining: Draining,
-) -> Result<impl IntoResponse, ApiError> {
+pub async fn simulation_live(State(app): Shared, Segment(id): Segment) -> Result<impl IntoResponse, ApiError> {
     let job = app.simulations.get(&id)?;
-    let run_control = Arc::clone(simulations::live_run_control(&job)?);
+    let run_control = Arc::clone(job.live_run_control()?);
     let pictures = run_control.watch();
     let mut seen = 0;
-    Ok(latest(pictures, draining, LIVE_PAUSE, move |picture| {
+    Ok(latest(pictures, app.drain.subscribe(), LIVE_PAUSE, move |picture| {
         let has_ended = job.has_ended();
         let frame = run_control.frame(picture, job.status(), &mut seen);
         if has_ended { Shown::Last("end", frame) } else { Shown::Event("frame", frame) }
     }))
 }
 
-/// Gets the latest cycle of a simulation.
+/// Returns the last control period of an interactive simulation.
 ///
-/// The latest control period of an interactive run as `POST /v1/step` takes it, to be asked again elsewhere. While a changed
-/// method takes over, the arm obeys a mixture of this command and that of the method before.
+/// The body is a request for `POST /v1/step`, to compute the same period elsewhere. While a changed method takes over, the
+/// arm follows a mixture of this command and the command of the previous method.
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/cycle",
@@ -191,13 +182,13 @@ pub async fn simulation_live(
     )
 )]
 pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Result<Answer<wire::StepRequest>, ApiError> {
-    simulations::run_control(&*app.simulations.get(&id)?)?.cycle().map(Answer)
+    app.simulations.get(&id)?.run_control()?.cycle().map(Answer)
 }
 
-/// Gets the trace of a simulation.
+/// Returns the trace of a simulation.
 ///
-/// Every control period of a finished run: a table (CSV, Parquet), one object per line, one object, or a log for Foxglove,
-/// Rerun and PlotJuggler (MCAP). `Accept` chooses.
+/// Every control period of a finished run. `Accept` selects the format: a table (CSV, Parquet), one object per line, one
+/// object, or a log for Foxglove, Rerun and PlotJuggler (MCAP).
 #[utoipa::path(
     get,
     path = "/v1/simulations/{id}/trace",
@@ -214,7 +205,7 @@ pub async fn simulation_cycle(State(app): Shared, Segment(id): Segment) -> Resul
             ),
             description = "The trace."
         ),
-        (status = 406, description = "The trace cannot be had in any type that `Accept` names: `not-acceptable`."),
+        (status = 406, description = "The trace is not available in any media type that `Accept` lists: `not-acceptable`."),
         (status = 409, description = "The run is not finished: `no-trace`.")
     )
 )]
@@ -223,17 +214,17 @@ pub async fn simulation_trace(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    simulations::trace(&app.simulations.get(&id)?.recording()?, &headers)
+    trace_answer(&app.simulations.get(&id)?.recording()?, &headers)
 }
 
-/// Cancels or forgets a simulation.
+/// Cancels or deletes a simulation.
 ///
-/// A run that has not ended is cancelled, one that has is forgotten.
+/// A run that has not ended is cancelled. An ended run is deleted.
 #[utoipa::path(
     delete,
     path = "/v1/simulations/{id}",
     tag = "simulation",
-    responses((status = 204, description = "The run is cancelled or forgotten."))
+    responses((status = 204, description = "The run is cancelled or deleted."))
 )]
 pub async fn delete_simulation(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, ApiError> {
     app.simulations.delete(&id).map(|()| StatusCode::NO_CONTENT)

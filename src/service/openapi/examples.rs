@@ -1,8 +1,11 @@
 //! The files of `api/examples` in the document.
 
+use revprio_api::wire;
 use serde_json::{Value, json};
 
-/// One request of an operation with its answer; `None` where an operation has no body.
+use super::schemas::reference;
+
+/// A request of an operation and its answer. The request is `None` if the operation has no body.
 struct Example {
     path: &'static str,
     method: &'static str,
@@ -56,17 +59,17 @@ const EXAMPLES: [Example; 28] = examples! {
     get "/v1/simulations/{id}" => "simulation_finished";
 };
 
-/// What a refusal looks like.
+/// Example of a problem.
 const PROBLEM: &str = include_str!("../../../api/examples/answers/problem.json");
 
-/// What passes through the session of the examples.
+/// A state of the session in the examples, and its answer.
 const STATE: &str = include_str!("../../../api/examples/state.json");
 const STATE_ANSWER: &str = include_str!("../../../api/examples/answers/state.json");
 
-/// What an interactive run shows.
+/// Example of a frame of an interactive simulation.
 const LIVE_FRAME: &str = include_str!("../../../api/examples/answers/live_frame.json");
 
-/// Adds the examples to their operations, and to each field the first value that it has in one of them.
+/// Adds the examples to their operations. Adds to each field its first value in an example.
 pub fn complete(document: &mut Value) {
     for Example { path, method, name, request, answer } in EXAMPLES {
         let operation = &document["paths"][path][method];
@@ -84,17 +87,17 @@ pub fn complete(document: &mut Value) {
             format!("/paths/{}/{method}/responses/{status}/content/application~1json", path.replace('/', "~1"));
         add(document, &pointer, name, &parsed(answer));
     }
-    let refusal = "/paths/~1v1~1resolve/post/responses/422/content/application~1problem+json";
-    add(document, refusal, "problem", &parsed(PROBLEM));
+    let pointer = "/paths/~1v1~1resolve/post/responses/422/content/application~1problem+json";
+    add(document, pointer, "problem", &parsed(PROBLEM));
     let watched = json!({"state": parsed(STATE), "answer": parsed(STATE_ANSWER)});
     let schemas = &mut document["components"]["schemas"];
-    illustrate(schemas, &json!({"$ref": "#/components/schemas/WatchedStep"}), "", &watched);
-    illustrate(schemas, &json!({"$ref": "#/components/schemas/LiveFrame"}), "", &parsed(LIVE_FRAME));
-    borrow(schemas);
+    add_values(schemas, &reference::<wire::WatchedStep>(), "", &watched);
+    add_values(schemas, &reference::<wire::LiveFrame>(), "", &parsed(LIVE_FRAME));
+    copy_values(schemas);
 }
 
-/// Gives fields that no example has the value of the same field elsewhere.
-fn borrow(schemas: &mut Value) {
+/// Gives fields without an example the value of a field with the same name and type in another schema.
+fn copy_values(schemas: &mut Value) {
     let known = schemas.clone();
     let fields = || known.as_object().into_iter().flatten().filter_map(|(_, schema)| schema["properties"].as_object());
     let same = |name: &str, field: &Value| {
@@ -120,20 +123,20 @@ fn add(document: &mut Value, pointer: &str, name: &str, value: &Value) {
     content["examples"][name] = json!({"summary": name.replace('_', " "), "value": value});
     let schema = content["schema"].clone();
     let schemas = &mut document["components"]["schemas"];
-    illustrate(schemas, &schema, "", value);
+    add_values(schemas, &schema, "", value);
 }
 
-/// Gives the fields of the schema the values of the example. `place` is a JSON pointer into the component that holds the
-/// schema, empty for a reference.
-fn illustrate(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
+/// Adds the values of an example to the fields of a schema. `place`: JSON pointer to the schema among the components, empty
+/// for a reference.
+fn add_values(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
     if let Some(name) = schema["$ref"].as_str().and_then(|link| link.rsplit('/').next()) {
         let schema = schemas[name].clone();
-        return illustrate(schemas, &schema, &format!("/{name}"), value);
+        return add_values(schemas, &schema, &format!("/{name}"), value);
     }
     for key in ["oneOf", "allOf"] {
         for (i, option) in schema[key].as_array().into_iter().flatten().enumerate() {
             if fits(schemas, option, value) {
-                illustrate(schemas, &option.clone(), &format!("{place}/{key}/{i}"), value);
+                add_values(schemas, &option.clone(), &format!("{place}/{key}/{i}"), value);
             }
         }
     }
@@ -145,14 +148,14 @@ fn illustrate(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
         {
             known["examples"] = json!([value]);
         }
-        illustrate(schemas, part, &place, value);
+        add_values(schemas, part, &place, value);
     }
     for value in value.as_array().into_iter().flatten() {
-        illustrate(schemas, &schema["items"], &format!("{place}/items"), value);
+        add_values(schemas, &schema["items"], &format!("{place}/items"), value);
     }
 }
 
-/// Whether the value can be meant by this alternative.
+/// Returns whether a variant of a schema can describe the value.
 fn fits(schemas: &Value, option: &Value, value: &Value) -> bool {
     if let Some(name) = option["$ref"].as_str().and_then(|link| link.rsplit('/').next()) {
         return fits(schemas, &schemas[name], value);

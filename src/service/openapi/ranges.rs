@@ -1,279 +1,280 @@
-//! The ranges that the service enforces, from the constants with which it does.
+//! The ranges of fields in the schemas, from the constants that the service checks.
 
 use std::collections::BTreeSet;
 
+use revprio_api::wire;
 use revprio_core::controller::MAX_DELAY_PERIODS;
+use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
-use super::schemas::{variants, visit};
+use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
-    FASTEST, LARGEST, LARGEST_SEQUENCE, LONGEST_PERIOD_S, LONGEST_STATED_DELAY, MOST_INEQUALITIES, MOST_JOINTS,
-    MOST_POINTS, MOST_ROWS, MOST_STEPS, MOST_TASKS, SHORTEST_PERIOD_S, SLOWEST,
+    MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
+    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MIN_PERIOD_S, MIN_SPEED,
 };
-use crate::service::resolve::MOST_ITEMS;
-use crate::service::robots::LONGEST_NAME;
+use crate::service::resolve::MAX_ITEMS;
+use crate::service::robots::MAX_NAME;
 
-/// What a field may hold.
+/// The range of a field.
 enum Range {
     /// Numbers above zero.
     Positive,
-    /// Numbers from zero on.
+    /// Numbers from zero.
     NotNegative,
-    /// Numbers.
+    /// Numbers from the first to the second bound.
     Between(f64, f64),
-    /// Whole numbers from zero on.
+    /// Whole numbers from zero to the bound.
     UpTo(usize),
-    /// As many items.
+    /// Minimum and maximum number of items.
     Items(usize, usize),
-    /// As many items, each once.
+    /// Minimum and maximum number of items, without repetitions.
     UniqueItems(usize, usize),
-    /// Lists of so many items, each of so many.
+    /// Allowed number of rows, and allowed number of columns.
     Rows([usize; 2], [usize; 2]),
+    /// Texts that match the regular expression.
+    Pattern(String),
 }
 
-use Range::{Between, Items, NotNegative, Positive, Rows, UniqueItems, UpTo};
+use Range::{Between, Items, NotNegative, Pattern, Positive, Rows, UniqueItems, UpTo};
 
-/// As far as a component of a unit quaternion may be from zero.
+/// The range of one field of a schema.
+struct FieldRange {
+    /// Name of the schema.
+    schema: String,
+    /// Name of the field, in the schema itself or in some of its variants.
+    field: &'static str,
+    range: Range,
+}
+
+/// Defines the list of ranges.
+///
+/// `Type { field: range, … }` is about the fields of a struct. `Type as Type::Variant { field: range, … }` is about the
+/// fields of these names in all variants of an enum; the variant is any one that has them. The expansion matches each field
+/// by a pattern, so a misspelt type, variant or field does not compile.
+macro_rules! field_ranges {
+    (@check $type:ty { $($field:ident)+ }) => {
+        let _ = |value: &$type| { $(let _ = &value.$field;)+ };
+    };
+    (@check $type:ty, $variant:path { $($field:ident)+ }) => {
+        let _ = |value: &$type| matches!(value, $variant { $($field: _,)+ .. });
+    };
+    ($($type:ty $(as $variant:path)? { $($field:ident: $range:expr),+ $(,)? })+) => {{
+        $(field_ranges!(@check $type $(, $variant)? { $($field)+ });)+
+        vec![$($(
+            FieldRange { schema: schema_name::<$type>(), field: stringify!($field), range: $range },
+        )+)+]
+    }};
+}
+
+/// Maximum magnitude of a component of a unit quaternion.
 const UNIT: f64 = 1.0 + revprio_robot::kinematics::UNIT_LENGTH_TOLERANCE;
 
-/// Schemas with their fields, whether in the schema itself or in one of its alternatives.
-const RANGES: &[(&str, &[(&str, Range)])] = &[
-    ("BatchRequest", &[("items", Items(0, MOST_ITEMS))]),
-    ("BatchAnswer", &[("items", Items(0, MOST_ITEMS))]),
-    (
-        "Controller",
-        &[
-            ("period_s", Between(SHORTEST_PERIOD_S, LONGEST_PERIOD_S)),
-            ("tasks", Items(1, MOST_TASKS)),
-            ("inequalities", Items(0, MOST_INEQUALITIES)),
-        ],
-    ),
-    ("ControllerTask", &[("axes", UniqueItems(1, 6)), ("reference_point", Items(3, 3))]),
-    ("Pose", &[("position", Items(3, 3))]),
-    ("FramePose", &[("position", Items(3, 3)), ("rotation", Rows([3, 3], [3, 3]))]),
-    ("Wrench", &[("force", Items(3, 3)), ("torque", Items(3, 3))]),
-    (
-        "ResolveRequest",
-        &[
-            ("period_s", Between(SHORTEST_PERIOD_S, LONGEST_PERIOD_S)),
-            ("tasks", Items(1, MOST_ROWS)),
-            ("inequalities", Items(0, MOST_INEQUALITIES)),
-        ],
-    ),
-    (
-        "ResolveTask",
-        &[
-            ("axes", UniqueItems(1, 6)),
-            ("reference_point", Items(3, 3)),
-            ("jacobian", Rows([1, MOST_ROWS], [1, MOST_JOINTS])),
-            ("velocity", Items(1, MOST_ROWS)),
-        ],
-    ),
-    ("Limits", &[("lower", Items(1, MOST_JOINTS)), ("upper", Items(1, MOST_JOINTS))]),
-    (
-        "Law",
-        &[
-            ("inertia", Positive),
-            ("damping", NotNegative),
-            ("stiffness", NotNegative),
-            ("gain", NotNegative),
-            ("joints", UniqueItems(1, MOST_JOINTS)),
-        ],
-    ),
-    ("Profile", &[("duration_s", Between(1e-6, LARGEST)), ("points", Items(1, MOST_POINTS))]),
-    ("Inequality", &[("coefficients", Items(1, MOST_JOINTS)), ("normal", Items(3, 3)), ("rate_per_s", Positive)]),
-    ("Damping", &[("threshold", Positive), ("max_factor", NotNegative)]),
-    ("NullSpaceMotion", &[("gain", NotNegative)]),
-    (
-        "Orientation",
-        &[
-            ("w", Between(-UNIT, UNIT)),
-            ("x", Between(-UNIT, UNIT)),
-            ("y", Between(-UNIT, UNIT)),
-            ("z", Between(-UNIT, UNIT)),
-        ],
-    ),
-    ("Environment", &[("lag_s", NotNegative), ("delay_periods", UpTo(LONGEST_STATED_DELAY))]),
-    ("EnvironmentAxis", &[("stiffness", NotNegative), ("damping", NotNegative), ("inertia", NotNegative)]),
-    (
-        "StabilityRequest",
-        &[
-            ("inertia", Positive),
-            ("damping", NotNegative),
-            ("stiffness", NotNegative),
-            ("period_s", Between(SHORTEST_PERIOD_S, LONGEST_PERIOD_S)),
-            ("lag_s", NotNegative),
-            ("delay_periods", UpTo(MAX_DELAY_PERIODS)),
-        ],
-    ),
-    (
-        "Memory",
-        &[
-            ("task_velocities", Items(0, MOST_TASKS)),
-            ("last_command", Items(1, MOST_JOINTS)),
-            ("active_set", Items(0, MOST_TASKS)),
-        ],
-    ),
-    (
-        "Scenario",
-        &[
-            ("duration_s", Positive),
-            ("start_joint_position", Items(1, MOST_JOINTS)),
-            ("contacts", Items(0, 100)),
-            ("substeps", Between(1.0, 1000.0)),
-        ],
-    ),
-    ("VelocityLoop", &[("lag_s", NotNegative), ("delay_periods", UpTo(10_000))]),
-    (
-        "Contact",
-        &[("normal", Items(3, 3)), ("stiffness", NotNegative), ("damping", NotNegative), ("inertia", NotNegative)],
-    ),
-    ("Friction", &[("coulomb", NotNegative), ("viscous", NotNegative), ("sticking_speed_m_s", Positive)]),
-    ("Sensors", &[("wrench_filter_s", NotNegative)]),
-    ("Sensor", &[("noise", NotNegative), ("quantum", NotNegative)]),
-    (
-        "Faults",
-        &[
-            ("dropped", Between(0.0, 1.0)),
-            ("late", Between(0.0, 1.0)),
-            ("late_periods", UpTo(10_000)),
-            ("repeated", Between(0.0, 1.0)),
-            ("reordered", Between(0.0, 1.0)),
-            ("outages", Items(0, 100)),
-        ],
-    ),
-    ("Outage", &[("start_s", Positive), ("duration_s", NotNegative)]),
-    ("TaskOutcome", &[("residual_norm", NotNegative), ("rank", UpTo(MOST_ROWS)), ("scale", Between(0.0, 1.0))]),
-    ("SolverReport", &[("kkt_residual", NotNegative)]),
-    ("Singularity", &[("smallest_singular_value", NotNegative), ("manipulability", NotNegative)]),
-    ("ResolveAnswer", &[("elapsed_us", NotNegative), ("joint_limit_index", NotNegative)]),
-    ("StepAnswer", &[("elapsed_us", NotNegative), ("joint_limit_index", NotNegative)]),
-    (
-        "StabilityAnswer",
-        &[("spectral_radius", NotNegative), ("largest_lag_s", NotNegative), ("smallest_damping", NotNegative)],
-    ),
-    (
-        "KinematicsAnswer",
-        &[
-            ("jacobian", Rows([6, 6], [1, MOST_JOINTS])),
-            ("singular_values", NotNegative),
-            ("manipulability", NotNegative),
-        ],
-    ),
-    (
-        "RobotJoint",
-        &[
-            ("velocity_limit", NotNegative),
-            ("acceleration_limit", NotNegative),
-            ("position_limit", Items(2, 2)),
-            ("published_range", Items(2, 2)),
-        ],
-    ),
-    ("Simulation", &[("progress", Between(0.0, 1.0))]),
-    ("Interactive", &[("speed", Between(SLOWEST, FASTEST))]),
-    (
-        "SimulationControl",
-        &[
-            ("step", Between(1.0, MOST_STEPS as f64)),
-            ("speed", Between(SLOWEST, FASTEST)),
-            ("external_force", Items(3, 3)),
-        ],
-    ),
-    ("Problem", &[("status", Between(400.0, 599.0))]),
-];
+/// Returns the ranges of fields of requests.
+fn request_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::BatchRequest { items: Items(0, MAX_ITEMS) }
+        wire::Controller {
+            period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
+            tasks: Items(1, MAX_TASKS),
+            inequalities: Items(0, MAX_INEQUALITIES),
+        }
+        wire::ControllerTask { axes: UniqueItems(1, 6), reference_point: Items(3, 3) }
+        wire::Pose { position: Items(3, 3) }
+        wire::FramePose { position: Items(3, 3), rotation: Rows([3, 3], [3, 3]) }
+        wire::Wrench { force: Items(3, 3), torque: Items(3, 3) }
+        wire::ResolveRequest {
+            period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
+            tasks: Items(1, MAX_ROWS),
+            inequalities: Items(0, MAX_INEQUALITIES),
+        }
+        wire::ResolveTask {
+            axes: UniqueItems(1, 6),
+            reference_point: Items(3, 3),
+            jacobian: Rows([1, MAX_ROWS], [1, MAX_JOINTS]),
+            velocity: Items(1, MAX_ROWS),
+        }
+        wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
+        wire::Law as wire::Law::Hybrid { inertia: Positive, damping: NotNegative, stiffness: NotNegative }
+        wire::Law as wire::Law::Posture { gain: NotNegative, joints: UniqueItems(1, MAX_JOINTS) }
+        wire::Profile as wire::Profile::Ramp { duration_s: Between(1e-6, MAX_MAGNITUDE) }
+        wire::Profile as wire::Profile::Steps { points: Items(1, MAX_POINTS) }
+        wire::Inequality as wire::Inequality::Joints { coefficients: Items(1, MAX_JOINTS) }
+        wire::Inequality as wire::Inequality::Plane { normal: Items(3, 3), rate_per_s: Positive }
+        wire::Damping { threshold: Positive, max_factor: NotNegative }
+        wire::NullSpaceMotion as wire::NullSpaceMotion::Posture { gain: NotNegative }
+        wire::Orientation {
+            w: Between(-UNIT, UNIT),
+            x: Between(-UNIT, UNIT),
+            y: Between(-UNIT, UNIT),
+            z: Between(-UNIT, UNIT),
+        }
+        wire::Environment { lag_s: NotNegative, delay_periods: UpTo(MAX_ENVIRONMENT_DELAY) }
+        wire::EnvironmentAxis { stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
+        wire::StabilityRequest {
+            inertia: Positive,
+            damping: NotNegative,
+            stiffness: NotNegative,
+            period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
+            lag_s: NotNegative,
+            delay_periods: UpTo(MAX_DELAY_PERIODS),
+        }
+        wire::Memory {
+            task_velocities: Items(0, MAX_TASKS),
+            last_command: Items(1, MAX_JOINTS),
+            active_set: Items(0, MAX_TASKS),
+        }
+        Scenario {
+            duration_s: Positive,
+            start_joint_position: Items(1, MAX_JOINTS),
+            contacts: Items(0, 100),
+            substeps: Between(1.0, 1000.0),
+        }
+        VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
+        Contact { normal: Items(3, 3), stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
+        Friction { coulomb: NotNegative, viscous: NotNegative, sticking_speed_m_s: Positive }
+        Sensors { wrench_filter_s: NotNegative }
+        Sensor { noise: NotNegative, quantum: NotNegative }
+        Faults {
+            dropped: Between(0.0, 1.0),
+            late: Between(0.0, 1.0),
+            late_periods: UpTo(10_000),
+            repeated: Between(0.0, 1.0),
+            reordered: Between(0.0, 1.0),
+            outages: Items(0, 100),
+        }
+        Outage { start_s: Positive, duration_s: NotNegative }
+        wire::RobotRegistration { name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
+        wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
+        wire::SimulationControl {
+            step: Between(1.0, MAX_STEPS as f64),
+            speed: Between(MIN_SPEED, MAX_SPEED),
+            external_force: Items(3, 3),
+        }
+    }
+}
+
+/// Returns the ranges of fields of answers.
+fn answer_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::BatchAnswer { items: Items(0, MAX_ITEMS) }
+        wire::TaskOutcome { residual_norm: NotNegative, rank: UpTo(MAX_ROWS), scale: Between(0.0, 1.0) }
+        wire::SolverReport { kkt_residual: NotNegative }
+        wire::Singularity { smallest_singular_value: NotNegative, manipulability: NotNegative }
+        wire::ResolveAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
+        wire::StepAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
+        wire::StabilityAnswer {
+            spectral_radius: NotNegative,
+            largest_lag_s: NotNegative,
+            smallest_damping: NotNegative,
+        }
+        wire::KinematicsAnswer {
+            jacobian: Rows([6, 6], [1, MAX_JOINTS]),
+            singular_values: NotNegative,
+            manipulability: NotNegative,
+        }
+        wire::RobotJoint {
+            velocity_limit: NotNegative,
+            acceleration_limit: NotNegative,
+            position_limit: Items(2, 2),
+            published_range: Items(2, 2),
+        }
+        wire::Simulation { progress: Between(0.0, 1.0) }
+        wire::Problem { status: Between(400.0, 599.0) }
+    }
+}
 
 /// Adds all ranges.
 pub fn complete(document: &mut Value) {
-    let asked = asked(document);
+    let request_schemas = request_schemas(document);
     let Some(schemas) = document["components"]["schemas"].as_object_mut() else { return };
     for (name, schema) in schemas.iter_mut() {
-        visit(schema, &mut whole_numbers);
-        if asked.contains(name) {
-            visit(schema, &mut sensible_numbers);
+        visit(schema, &mut bound_whole_numbers);
+        if request_schemas.contains(name) {
+            visit(schema, &mut bound_numbers);
         }
-        if name.starts_with("PerAxis") {
-            variants(schema).for_each(|variant| items(variant, 1, MOST_JOINTS));
-        }
-    }
-    for (name, fields) in RANGES {
-        let Some(schema) = schemas.get_mut(*name) else { continue };
-        for (field, range) in *fields {
-            apply(&mut schema["properties"][*field], range);
-            variants(schema).for_each(|variant| apply(&mut variant["properties"][*field], range));
+        if name.starts_with(PER_AXIS) {
+            variants(schema).for_each(|variant| bound_items(variant, 1, MAX_JOINTS));
         }
     }
-    tidy(schemas);
-    let joints = &mut schemas["JointVector"]["oneOf"];
-    items(&mut joints[0], 1, MOST_JOINTS);
+    for FieldRange { schema, field, range } in request_ranges().into_iter().chain(answer_ranges()) {
+        let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
+        let mut count = 0;
+        for_each_field(schema, field, &mut |field| {
+            apply(field, &range);
+            count += 1;
+        });
+        assert!(count > 0, "the schema has no field {field}");
+    }
+    let joints = &mut schemas[&schema_name::<wire::JointVector>()]["oneOf"];
+    bound_items(&mut joints[0], 1, MAX_JOINTS);
     joints[1]["minProperties"] = json!(1);
-    joints[1]["maxProperties"] = json!(MOST_JOINTS);
-    let name = &mut schemas["RobotRegistration"]["properties"]["name"];
-    name["pattern"] = json!(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", LONGEST_NAME - 1));
+    joints[1]["maxProperties"] = json!(MAX_JOINTS);
 }
 
-/// Names of the schemas that bodies of requests are made of.
-fn asked(document: &Value) -> BTreeSet<String> {
+/// Start of the names of the schemas of `wire::PerAxis`.
+const PER_AXIS: &str = "PerAxis";
+
+/// Calls `act` with the schema of a field, in the schema itself and in each variant that has the field.
+fn for_each_field(schema: &mut Value, field: &str, act: &mut impl FnMut(&mut Value)) {
+    let pointer = format!("/properties/{field}");
+    schema.pointer_mut(&pointer).map(&mut *act);
+    variants(schema).filter_map(|variant| variant.pointer_mut(&pointer)).for_each(act);
+}
+
+/// Returns the names of all schemas in the bodies of requests.
+fn request_schemas(document: &Value) -> BTreeSet<String> {
     let operations = document["paths"].as_object().into_iter().flatten().filter_map(|(_, item)| item.as_object());
-    let bodies = operations.flatten().map(|(_, operation)| operation["requestBody"].to_string());
-    let mut waiting: Vec<String> = bodies.collect();
-    let mut found = BTreeSet::new();
-    while let Some(text) = waiting.pop() {
-        for link in text.split("#/components/schemas/").skip(1) {
-            let name = link.split('"').next().unwrap_or_default();
-            if found.insert(name.to_owned()) {
-                waiting.push(document["components"]["schemas"][name].to_string());
-            }
-        }
+    let mut names = BTreeSet::new();
+    for (_, operation) in operations.flatten() {
+        references(&document["components"]["schemas"], &operation["requestBody"], &mut names);
     }
-    found
+    names
 }
 
-/// Whole numbers are counts, exact in the doubles of every client.
-fn whole_numbers(schema: &mut Value) {
-    if is(schema, "integer") {
+/// Bounds whole numbers: they are counts, and exact in the double-precision numbers of every client.
+fn bound_whole_numbers(schema: &mut Value) {
+    if has_type(schema, "integer") {
         schema["minimum"] = json!(0);
-        let most = if schema["format"] == "int32" { i32::MAX.unsigned_abs().into() } else { LARGEST_SEQUENCE };
-        schema["maximum"] = json!(most);
+        let max = if schema["format"] == "int32" { i32::MAX.unsigned_abs().into() } else { MAX_SEQUENCE };
+        schema["maximum"] = json!(max);
     }
 }
 
-/// Numbers of requests are below what overflows when squared.
-fn sensible_numbers(schema: &mut Value) {
-    if is(schema, "number") {
-        schema["minimum"] = json!(-LARGEST);
-        schema["maximum"] = json!(LARGEST);
+/// Bounds the numbers of requests.
+fn bound_numbers(schema: &mut Value) {
+    if has_type(schema, "number") {
+        schema["minimum"] = json!(-MAX_MAGNITUDE);
+        schema["maximum"] = json!(MAX_MAGNITUDE);
     }
 }
 
-fn is(schema: &Value, kind: &str) -> bool {
-    schema["type"] == kind || schema["type"].as_array().is_some_and(|kinds| kinds.iter().any(|known| known == kind))
+fn has_type(schema: &Value, name: &str) -> bool {
+    schema["type"] == name || schema["type"].as_array().is_some_and(|types| types.iter().any(|known| known == name))
 }
 
 fn apply(schema: &mut Value, range: &Range) {
-    if schema.is_null() {
-        return;
-    }
     match range {
-        Positive => numbers(schema, &[("exclusiveMinimum", json!(0))]),
-        NotNegative => numbers(schema, &[("minimum", json!(0))]),
-        Between(least, most) => numbers(schema, &[("minimum", json!(least)), ("maximum", json!(most))]),
-        UpTo(most) => numbers(schema, &[("minimum", json!(0)), ("maximum", json!(most))]),
-        Items(least, most) => items(schema, *least, *most),
-        UniqueItems(least, most) => {
-            items(schema, *least, *most);
+        Positive => set_bounds(schema, &[("exclusiveMinimum", json!(0))]),
+        NotNegative => set_bounds(schema, &[("minimum", json!(0))]),
+        Between(min, max) => set_bounds(schema, &[("minimum", json!(min)), ("maximum", json!(max))]),
+        UpTo(max) => set_bounds(schema, &[("minimum", json!(0)), ("maximum", json!(max))]),
+        Items(min, max) => bound_items(schema, *min, *max),
+        UniqueItems(min, max) => {
+            bound_items(schema, *min, *max);
             schema["uniqueItems"] = json!(true);
         }
         Rows(rows, columns) => {
-            items(schema, rows[0], rows[1]);
-            items(&mut schema["items"], columns[0], columns[1]);
+            bound_items(schema, rows[0], rows[1]);
+            bound_items(&mut schema["items"], columns[0], columns[1]);
         }
+        Pattern(pattern) => schema["pattern"] = json!(pattern),
     }
 }
 
-/// Bounds the numbers of a schema, of its items where it is a list, of both where it may be either.
-fn numbers(schema: &mut Value, bounds: &[(&str, Value)]) {
-    let either = schema["$ref"].as_str().is_some_and(|link| link.contains("/PerAxis"));
-    if either || is(schema, "number") || is(schema, "integer") {
+/// Bounds a number, the items of a list, or both for a value per axis.
+fn set_bounds(schema: &mut Value, bounds: &[(&str, Value)]) {
+    let is_per_axis = schema["$ref"].as_str().is_some_and(|link| link.contains(PER_AXIS));
+    if is_per_axis || has_type(schema, "number") || has_type(schema, "integer") {
         for (key, bound) in bounds {
             if *key == "exclusiveMinimum" {
                 schema.as_object_mut().map(|fields| fields.remove("minimum"));
@@ -281,30 +282,16 @@ fn numbers(schema: &mut Value, bounds: &[(&str, Value)]) {
             schema[*key] = bound.clone();
         }
     }
-    if either {
+    if is_per_axis {
         schema["items"] = bounds.iter().map(|(key, bound)| ((*key).to_owned(), bound.clone())).collect();
-    } else if is(schema, "array") {
-        numbers(&mut schema["items"], bounds);
+    } else if has_type(schema, "array") {
+        set_bounds(&mut schema["items"], bounds);
     }
 }
 
-fn items(schema: &mut Value, least: usize, most: usize) {
-    if is(schema, "array") {
-        schema["minItems"] = json!(least);
-        schema["maxItems"] = json!(most);
-    }
-}
-
-/// Looking for fields that a schema does not have leaves `null` behind.
-fn tidy(schemas: &mut serde_json::Map<String, Value>) {
-    for (_, schema) in schemas {
-        visit(schema, &mut |schema| {
-            if let Some(properties) = schema["properties"].as_object_mut() {
-                properties.retain(|_, property| !property.is_null());
-            }
-            if let Some(fields) = schema.as_object_mut() {
-                fields.retain(|key, value| !(value.is_null() || key == "properties" && value == &json!({})));
-            }
-        });
+fn bound_items(schema: &mut Value, min: usize, max: usize) {
+    if has_type(schema, "array") {
+        schema["minItems"] = json!(min);
+        schema["maxItems"] = json!(max);
     }
 }

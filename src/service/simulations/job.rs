@@ -1,10 +1,10 @@
-//! One run.
+//! One run of a scenario, from the queue to its result.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use revprio_api::wire::{Simulation, SimulationMetrics, SimulationState};
+use revprio_api::wire::{Simulation, SimulationState};
 use revprio_lab::report::metrics::Metrics;
 use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, run_operated, run_robot};
@@ -12,6 +12,8 @@ use revprio_robot::RobotModel;
 use tokio::sync::{Semaphore, watch};
 use uuid::Uuid;
 
+use super::operator::ControlledOperator;
+use super::progress::{Finished, Progress, ProgressPublisher};
 use super::run_control::RunControl;
 use crate::service::background::{Abandoned, background};
 use crate::service::convert;
@@ -19,94 +21,76 @@ use crate::service::error::ApiError;
 use crate::service::in_process::InProcess;
 use crate::service::robots::Robots;
 
-/// Steps in which watchers see the run go on.
-const VISIBLE_STEPS: u64 = 500;
-
 /// One run of a scenario.
 pub struct Job {
     id: String,
     scenario: Scenario,
-    progress: watch::Sender<Progress>,
+    progress: ProgressPublisher,
     run_control: Option<Arc<RunControl>>,
 }
 
-/// How far a run is.
-#[derive(Clone)]
-pub struct Progress {
-    state: SimulationState,
-    done: u64,
-    error: Option<String>,
-    result: Option<Finished>,
-    ended: Option<Instant>,
-}
-
-/// What a run leaves behind.
-#[derive(Clone)]
-struct Finished {
-    recording: Arc<Recording>,
-    metrics: SimulationMetrics,
-}
-
-impl Progress {
-    /// Whether nothing more will happen.
-    pub fn has_ended(&self) -> bool {
-        self.ended.is_some()
-    }
-
-    fn end(&mut self, state: SimulationState) {
-        self.state = state;
-        self.ended = Some(Instant::now());
-    }
-}
-
 impl Job {
-    /// A run that waits for its turn; one with a run_control is interactive.
+    /// Creates a run that waits to begin. A run with a `run_control` is interactive.
     pub fn new(scenario: Scenario, run_control: Option<RunControl>) -> Self {
-        let waiting = Progress { state: SimulationState::Queued, done: 0, error: None, result: None, ended: None };
         Self {
             id: Uuid::new_v4().to_string(),
+            progress: ProgressPublisher::new(scenario.cycles()),
             scenario,
-            progress: watch::channel(waiting).0,
             run_control: run_control.map(Arc::new),
         }
     }
 
-    /// Name of the run.
+    /// ID of the run.
     pub fn id(&self) -> &str {
         &self.id
     }
 
     /// Control periods of the whole run.
     pub fn periods(&self) -> u64 {
-        self.scenario.cycles()
+        self.progress.periods()
     }
 
-    /// Time since the end; `None` before it.
+    /// Returns the time since the end; `None` before the end.
     pub fn ended_for(&self) -> Option<Duration> {
-        self.progress.borrow().ended.map(|ended| ended.elapsed())
+        self.progress.ended_for()
     }
 
-    /// Whether nothing more will happen.
+    /// Returns whether the run has ended.
     pub fn has_ended(&self) -> bool {
-        self.progress.borrow().has_ended()
+        self.progress.has_ended()
     }
 
-    /// Where it takes orders, if it is interactive.
-    pub fn run_control(&self) -> Option<&Arc<RunControl>> {
-        self.run_control.as_ref()
+    /// Returns whether the run is interactive.
+    pub fn is_interactive(&self) -> bool {
+        self.run_control.is_some()
     }
 
-    /// Hears of every visible step.
+    /// Returns the control of an interactive run.
+    pub fn run_control(&self) -> Result<&Arc<RunControl>, ApiError> {
+        let not_live = || ApiError::not_live("the simulation was not started as `interactive`");
+        self.run_control.as_ref().ok_or_else(not_live)
+    }
+
+    /// Returns the control of an interactive run that has not ended.
+    pub fn live_run_control(&self) -> Result<&Arc<RunControl>, ApiError> {
+        let run_control = self.run_control()?;
+        if self.has_ended() {
+            return Err(ApiError::not_live("the simulation has ended; start another one"));
+        }
+        Ok(run_control)
+    }
+
+    /// Subscribes to the progress.
     pub fn watch(&self) -> watch::Receiver<Progress> {
-        self.progress.subscribe()
+        self.progress.watch()
     }
 
-    /// What `GET` shows now.
+    /// Returns the answer to `GET` now.
     pub fn status(&self) -> Simulation {
         self.status_at(&self.progress.borrow())
     }
 
-    /// What `GET` shows at that point of the run.
+    /// Returns the answer to `GET` for this progress.
     pub fn status_at(&self, progress: &Progress) -> Simulation {
         let stated = (self.scenario.controller.method, self.scenario.controller.solver);
         let (method, solver) = self.run_control.as_ref().map_or(stated, |run_control| run_control.method_and_solver());
@@ -124,53 +108,46 @@ impl Job {
         }
     }
 
-    /// The trace of a finished run.
+    /// Returns the trace of a finished run.
     pub fn recording(&self) -> Result<Arc<Recording>, ApiError> {
         let progress = self.progress.borrow();
-        let finished = progress.result.as_ref().map(|result| Arc::clone(&result.recording));
-        finished.ok_or_else(|| {
-            let what = match progress.state {
+        let recording = progress.result.as_ref().map(|result| Arc::clone(&result.recording));
+        recording.ok_or_else(|| {
+            let state = match progress.state {
                 SimulationState::Queued | SimulationState::Running => "has not finished yet",
                 SimulationState::Failed => "failed",
                 SimulationState::Cancelled | SimulationState::Finished => "was cancelled",
             };
-            ApiError::no_trace(format!("the simulation {what}; only a finished one has a trace"))
+            ApiError::no_trace(format!("the simulation {state}; only a finished one has a trace"))
         })
     }
 
-    /// Ends the run at the next period; false if it had ended already.
+    /// Ends the run at the next period. Returns false if the run has ended already.
     pub fn cancel(&self) -> bool {
         self.change(|progress| progress.end(SimulationState::Cancelled))
     }
 
-    /// Changes a run that has not ended; false if it has.
+    /// Changes the progress of a run. Returns false if the run has ended already.
     fn change(&self, change: impl FnOnce(&mut Progress)) -> bool {
-        let changed = self.progress.send_if_modified(|progress| {
-            let goes_on = !progress.has_ended();
-            if goes_on {
-                change(progress);
-            }
-            goes_on
-        });
+        let is_changed = self.progress.change(change);
         if let Some(run_control) = &self.run_control {
             run_control.wake();
         }
-        changed
+        is_changed
     }
 
-    /// Waits for its turn, unless it is interactive, and runs to the end.
-    pub async fn run(self: Arc<Self>, robot: Arc<RobotModel>, turns: Arc<Semaphore>) {
+    /// Waits for a permit, unless the run is interactive, and simulates the run to its end.
+    pub async fn run(self: Arc<Self>, robot: Arc<RobotModel>, permits: Arc<Semaphore>) {
         let mut progress = self.watch();
-        let _turn = tokio::select! {
-            turn = turns.acquire(), if self.run_control.is_none() => Some(turn),
-            () = std::future::ready(()), if self.run_control.is_some() => None,
+        let _permit = tokio::select! {
+            permit = permits.acquire(), if !self.is_interactive() => Some(permit),
+            () = std::future::ready(()), if self.is_interactive() => None,
             _ = progress.wait_for(Progress::has_ended) => return,
         };
         let job = Arc::clone(&self);
         let outcome = background(move |abandoned| job.simulate(&robot, abandoned)).await;
-        if let Err(error) =
-            outcome.unwrap_or_else(|_| Err("a defect of the service; the log has the details".to_owned()))
-        {
+        let outcome = outcome.unwrap_or_else(|_| Err("a defect of the service; the log has the details".to_owned()));
+        if let Err(error) = outcome {
             self.change(|progress| {
                 progress.error = Some(error);
                 progress.end(SimulationState::Failed);
@@ -184,13 +161,17 @@ impl Job {
         }
         let robots = Robots::none().with(Arc::clone(robot)).map_err(|error| error.to_string())?;
         let service = InProcess::new(robots);
-        let step = |done| {
-            if !abandoned.is_set() && self.advance(done) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        };
         let recording = match &self.run_control {
-            None => run_robot(robot, &self.scenario, &service, CallMode::Session, step),
+            None => {
+                let step = |done| {
+                    let continues = !abandoned.is_set() && self.progress.advance(done);
+                    if continues { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+                };
+                run_robot(robot, &self.scenario, &service, CallMode::Session, step)
+            }
             Some(run_control) => {
-                run_operated(robot, &self.scenario, &service, &mut run_control.operator(self, abandoned))
+                let mut operator = ControlledOperator::new(run_control, &self.progress, abandoned);
+                run_operated(robot, &self.scenario, &service, &mut operator)
             }
         };
         let recording = recording.map_err(|error| error.to_string())?;
@@ -200,16 +181,5 @@ impl Job {
             progress.end(SimulationState::Finished);
         });
         Ok(())
-    }
-
-    /// Notes a period that is done; false if the run is to end.
-    pub fn advance(&self, done: u64) -> bool {
-        let mut goes_on = true;
-        self.progress.send_if_modified(|progress| {
-            goes_on = !progress.has_ended();
-            progress.done = if goes_on { done } else { progress.done };
-            goes_on && done.is_multiple_of((self.periods() / VISIBLE_STEPS).max(1))
-        });
-        goes_on
     }
 }

@@ -1,4 +1,4 @@
-//! What a run shows while it goes on: a picture some twenty times a second, and samples for the curves.
+//! The live view of a run: a picture about 20 times a second, and samples for the plots.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,25 +11,25 @@ use tokio::sync::watch;
 
 use crate::service::convert::{arm_view, finite, single};
 
-/// Between two pictures.
+/// Time between two pictures.
 const FRAME_TIME: Duration = Duration::from_millis(50);
 
-/// Samples per picture, about.
+/// Approximate number of samples per picture.
 const SAMPLES_PER_FRAME: u64 = 12;
 
-/// Samples that are kept for readers that come late or read slowly: some five seconds.
-const SAMPLES_KEPT: usize = 1200;
+/// Number of samples that are kept for late or slow watchers: about five seconds.
+const MAX_SAMPLES: usize = 1200;
 
-/// Bins of a time histogram: ten for each decade from 1 µs to 0.1 s, and those beyond.
+/// Number of bins of a time histogram: ten per decade from 1 µs to 0.1 s, one below and one above.
 const BINS: usize = 52;
 
 /// The latest picture and the latest samples of one run.
-pub struct Live {
+pub struct LiveView {
     picture: watch::Sender<Arc<Picture>>,
-    recent: Mutex<Recent>,
+    recent: Mutex<RecentSamples>,
 }
 
-/// What is seen at one moment, without the samples that led to it.
+/// The state of a run at one moment, without samples.
 #[derive(Clone)]
 pub struct Picture {
     time_s: f64,
@@ -44,16 +44,16 @@ pub struct Picture {
 }
 
 #[derive(Default)]
-struct Recent {
+struct RecentSamples {
     samples: VecDeque<Arc<wire::LiveSample>>,
-    /// All that ever came.
+    /// Number of all samples since the start.
     count: usize,
 }
 
-impl Live {
-    /// Nothing has happened to the arm yet.
+impl LiveView {
+    /// Creates the view of an arm before the first period.
     pub fn new(arm: wire::ArmView) -> Self {
-        let nothing = || wire::TimeHistogram { counts: vec![0; BINS], worst_us: 0.0 };
+        let empty = || wire::TimeHistogram { counts: vec![0; BINS], worst_us: 0.0 };
         let picture = Picture {
             time_s: 0.0,
             done: 0,
@@ -61,34 +61,34 @@ impl Live {
             external_force: [0.0; 3],
             arm,
             paths: wire::PathCounts::default(),
-            solve_time: nothing(),
-            round_trip: nothing(),
+            solve_time: empty(),
+            round_trip: empty(),
             cycle: None,
         };
         Self { picture: watch::Sender::new(Arc::new(picture)), recent: Mutex::default() }
     }
 
-    /// Hears of every picture.
+    /// Subscribes to the pictures.
     pub fn watch(&self) -> watch::Receiver<Arc<Picture>> {
         self.picture.subscribe()
     }
 
-    /// The last period that was shown, as a request.
+    /// Returns the last shown period as a request.
     pub fn cycle(&self) -> Option<wire::StepRequest> {
         self.picture.borrow().cycle.as_deref().cloned()
     }
 
-    /// How many look.
-    pub fn readers(&self) -> usize {
+    /// Number of watchers.
+    pub fn watchers(&self) -> usize {
         self.picture.receiver_count()
     }
 
-    /// Has the readers look again.
-    pub fn touch(&self) {
+    /// Sends the current picture again.
+    pub fn notify_watchers(&self) {
         self.picture.send_modify(|_| ());
     }
 
-    /// The picture with the samples that a reader has not seen, of which it has seen `seen`; counts those up.
+    /// Returns a picture with the samples after the first `seen` samples, and updates `seen`.
     pub fn frame(&self, picture: &Picture, run: wire::Simulation, seen: &mut usize) -> wire::LiveFrame {
         let recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         let fresh = recent.count.saturating_sub(*seen).min(recent.samples.len());
@@ -109,9 +109,9 @@ impl Live {
         }
     }
 
-    fn keep(&self, sample: wire::LiveSample) {
+    fn push(&self, sample: wire::LiveSample) {
         let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
-        if recent.samples.len() == SAMPLES_KEPT {
+        if recent.samples.len() == MAX_SAMPLES {
             recent.samples.pop_front();
         }
         recent.samples.push_back(Arc::new(sample));
@@ -119,25 +119,28 @@ impl Live {
     }
 }
 
-/// Follows a run period by period and shows some of it.
+/// Records a run period by period, and publishes pictures and samples of it.
 pub struct Camera<'a> {
-    live: &'a Live,
+    live: &'a LiveView,
     config: &'a ControllerConfig,
     now: Picture,
     position: Vec<f64>,
-    /// q̇ of the last command and of the one before it.
+    /// Joint velocities q̇ of the previous command and of the last command.
     velocity: [Vec<f64>; 2],
-    waiting: Option<wire::LiveSample>,
-    grouped: u64,
-    group: u64,
-    shown: Instant,
-    shown_time_s: f64,
-    shown_done: u64,
+    /// The sample of the current group of periods.
+    pending: Option<wire::LiveSample>,
+    /// Number of periods in the pending sample.
+    pending_periods: u64,
+    /// Number of periods per sample.
+    periods_per_sample: u64,
+    published: Instant,
+    published_time_s: f64,
+    published_done: u64,
 }
 
 impl<'a> Camera<'a> {
-    /// A run about to begin.
-    pub fn new(live: &'a Live, config: &'a ControllerConfig) -> Self {
+    /// Creates the camera of a run that is about to begin.
+    pub fn new(live: &'a LiveView, config: &'a ControllerConfig) -> Self {
         let now = (**live.picture.borrow()).clone();
         Self {
             live,
@@ -145,17 +148,17 @@ impl<'a> Camera<'a> {
             now,
             position: Vec::new(),
             velocity: [const { Vec::new() }; 2],
-            waiting: None,
-            grouped: 0,
-            group: 1,
-            shown: Instant::now(),
-            shown_time_s: 0.0,
-            shown_done: 0,
+            pending: None,
+            pending_periods: 0,
+            periods_per_sample: 1,
+            published: Instant::now(),
+            published_time_s: 0.0,
+            published_done: 0,
         }
     }
 
-    /// Takes in a period, in which `external_force` (N) pushed.
-    pub fn see(&mut self, done: u64, period: &Observed, external_force: [f64; 3]) {
+    /// Records a period with this external force on the tool, N.
+    pub fn record(&mut self, done: u64, period: &Observed, external_force: [f64; 3]) {
         let Observed { sample, answer, round_trip, cycle } = period;
         self.now.cycle = cycle.map(|cycle| Arc::new(cycle.request()));
         count_path(&mut self.now.paths, sample.path);
@@ -166,34 +169,34 @@ impl<'a> Camera<'a> {
         self.position.clone_from(&sample.joint_position);
         self.velocity.swap(0, 1);
         self.velocity[1].clone_from(&sample.joint_velocity);
-        let before = self.waiting.take();
-        self.waiting = Some(live_sample(period, self.config, before.as_ref()));
-        self.grouped += 1;
-        if self.grouped >= self.group {
-            self.keep();
+        let earlier = self.pending.take();
+        self.pending = Some(live_sample(period, self.config, earlier.as_ref()));
+        self.pending_periods += 1;
+        if self.pending_periods >= self.periods_per_sample {
+            self.push_sample();
         }
-        if self.shown.elapsed() >= FRAME_TIME {
-            self.show();
+        if self.published.elapsed() >= FRAME_TIME {
+            self.publish();
         }
     }
 
-    fn keep(&mut self) {
-        if let Some(sample) = self.waiting.take() {
-            self.live.keep(sample);
+    fn push_sample(&mut self) {
+        if let Some(sample) = self.pending.take() {
+            self.live.push(sample);
         }
-        self.grouped = 0;
+        self.pending_periods = 0;
     }
 
-    /// Shows what is not shown yet.
-    pub fn show(&mut self) {
-        if self.now.done == self.shown_done {
+    /// Publishes the periods since the last picture.
+    pub fn publish(&mut self) {
+        if self.now.done == self.published_done {
             return;
         }
-        self.keep();
-        let seconds = self.shown.elapsed().as_secs_f64();
-        self.now.reached_speed = (self.now.time_s - self.shown_time_s) / seconds.max(1e-9);
-        self.group = ((self.now.done - self.shown_done) / SAMPLES_PER_FRAME).max(1);
-        (self.shown, self.shown_time_s, self.shown_done) = (Instant::now(), self.now.time_s, self.now.done);
+        self.push_sample();
+        let seconds = self.published.elapsed().as_secs_f64();
+        self.now.reached_speed = (self.now.time_s - self.published_time_s) / seconds.max(1e-9);
+        self.periods_per_sample = ((self.now.done - self.published_done) / SAMPLES_PER_FRAME).max(1);
+        (self.published, self.published_time_s, self.published_done) = (Instant::now(), self.now.time_s, self.now.done);
         let last = if self.velocity[0].is_empty() { &self.velocity[1] } else { &self.velocity[0] };
         if let Some(arm) = arm_view(self.config, &self.position, last) {
             self.now.arm = arm;
@@ -217,16 +220,16 @@ fn count_time(histogram: &mut wire::TimeHistogram, micros: f64) {
     histogram.worst_us = histogram.worst_us.max(micros);
 }
 
-/// A period for display; limits that were active since the sample before it count too.
-fn live_sample(period: &Observed, config: &ControllerConfig, before: Option<&wire::LiveSample>) -> wire::LiveSample {
+/// Returns the sample of a period. It includes the active limits of the `earlier` periods of the same sample.
+fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wire::LiveSample>) -> wire::LiveSample {
     let Observed { sample, answer, round_trip, .. } = period;
-    let list = |values: &[f64]| values.iter().map(|&value| single([value])[0]).collect();
+    let list = |values: &[f64]| values.iter().map(|&value| single(value)).collect();
     let at = |side: wire::Side, earlier: Option<&Vec<usize>>| {
-        let place = |name: &String| config.robot.joints().iter().position(|joint| joint.name == *name);
+        let index = |name: &String| config.robot.joints().iter().position(|joint| joint.name == *name);
         let active = answer.active_limits.iter().filter(|limit| limit.side == side);
         let violated = answer.violated_limits.iter().filter(|limit| limit.side == side);
         let names = active.map(|limit| &limit.joint).chain(violated.map(|limit| &limit.joint));
-        let mut joints: Vec<usize> = names.filter_map(place).chain(earlier.into_iter().flatten().copied()).collect();
+        let mut joints: Vec<usize> = names.filter_map(index).chain(earlier.into_iter().flatten().copied()).collect();
         joints.sort_unstable();
         joints.dedup();
         joints
@@ -235,19 +238,19 @@ fn live_sample(period: &Observed, config: &ControllerConfig, before: Option<&wir
         time_s: sample.time_s,
         joint_position: list(&sample.joint_position),
         joint_velocity: list(&sample.joint_velocity),
-        position: single(sample.position),
-        force: single(sample.force),
+        position: sample.position.map(single),
+        force: sample.force.map(single),
         target_force: sample.target_force.map(|force| force.and_then(finite)),
         wall_distance_m: sample.wall_distance.and_then(finite),
         residual_norms: list(&sample.residual_norms),
-        smallest_singular_value: single([sample.smallest_singular_value])[0],
-        at_lower: at(wire::Side::Lower, before.map(|sample| &sample.at_lower)),
-        at_upper: at(wire::Side::Upper, before.map(|sample| &sample.at_upper)),
+        smallest_singular_value: single(sample.smallest_singular_value),
+        at_lower: at(wire::Side::Lower, earlier.map(|sample| &sample.at_lower)),
+        at_upper: at(wire::Side::Upper, earlier.map(|sample| &sample.at_upper)),
         path: sample.path,
         status: sample.status,
         kkt_residual: sample.kkt_residual.and_then(finite),
-        solve_us: single([answer.elapsed_us])[0],
-        round_trip_us: single([round_trip.as_secs_f64() * 1e6])[0],
+        solve_us: single(answer.elapsed_us),
+        round_trip_us: single(round_trip.as_secs_f64() * 1e6),
         answered: sample.answered,
     }
 }
@@ -257,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_counted_in_bins_of_a_tenth_of_a_decade() {
+    fn a_time_histogram_has_ten_bins_per_decade() {
         let bin = |micros: f64| {
             let mut histogram = wire::TimeHistogram { counts: vec![0; BINS], worst_us: 0.0 };
             count_time(&mut histogram, micros);

@@ -1,62 +1,65 @@
-//! Runs of the built-in simulator, a few at a time, kept for a while.
+//! Runs of the built-in simulator: a queue, and the results of ended runs.
 //!
-//! Each run calls a service of its own over HTTP on a free loopback port: what it shows is what any client would get, and
-//! neither its calls nor a flood of clients here disturb the other.
+//! Each run calls the controller through [`InProcess`](super::in_process::InProcess) in its own thread. Its joint
+//! velocities equal those over HTTP to the last bit, and it does not compete with the requests of clients.
 
 mod job;
 mod live;
+mod operator;
+mod progress;
 mod run_control;
 mod trace;
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use revprio_lab::simulator::Scenario;
+use revprio_robot::RobotModel;
 use tokio::sync::Semaphore;
 
 pub use job::Job;
-pub use run_control::{RunControl, live_run_control, run_control};
-pub use trace::trace;
+pub use run_control::RunControl;
+pub use trace::trace_answer;
 
 use super::error::ApiError;
-use revprio_lab::simulator::Scenario;
-use revprio_robot::RobotModel;
 
-/// Runs at work at a time; each keeps about one core busy.
-const MOST_RUNNING: usize = 2;
+/// Maximum number of simulations that run at a time. Each uses about one core.
+const MAX_RUNNING: usize = 2;
 
-/// Interactive runs at a time, beside those: each waits for the clock most of the time.
-const MOST_INTERACTIVE: usize = 4;
+/// Maximum number of interactive simulations at a time, in addition. Each waits for the clock most of the time.
+const MAX_INTERACTIVE: usize = 4;
 
-/// Runs that are known at a time: waiting, at work and ended.
-const MOST_KEPT: usize = 64;
+/// Maximum number of known simulations: waiting, running and ended.
+const MAX_KEPT: usize = 64;
 
-/// Longest run in control periods.
-const MOST_PERIODS: u64 = 100_000;
+/// Maximum number of control periods of a simulation.
+const MAX_PERIODS: u64 = 100_000;
 
-/// Most steps of arm and contacts in a run, substeps counted.
-const MOST_STEPS: u64 = 1_000_000;
+/// Maximum number of integration steps of a simulation: control periods times substeps.
+const MAX_STEPS: u64 = 1_000_000;
 
-/// Control periods of all known runs together; a trace takes some 0.7 kilobytes per period, with sensors that err one, so
-/// all take at most some 250 MB.
-const MOST_PERIODS_KEPT: u64 = 250_000;
+/// Maximum number of control periods of all known simulations together. A trace uses about 0.7 kilobytes per period, or
+/// 1 kilobyte with noisy sensors, so all traces use at most about 250 MB.
+const MAX_PERIODS_KEPT: u64 = 250_000;
 
-/// An ended run is forgotten after this time.
-const KEPT_FOR: Duration = Duration::from_hours(1);
+/// An ended simulation is deleted after this time.
+const KEEP_TIME: Duration = Duration::from_hours(1);
 
-/// All runs that are known, oldest first.
+/// All known simulations, the oldest first.
 pub struct Simulations {
     jobs: Mutex<Vec<Arc<Job>>>,
-    turns: Arc<Semaphore>,
+    /// Permits to run.
+    permits: Arc<Semaphore>,
 }
 
 impl Default for Simulations {
     fn default() -> Self {
-        Self { jobs: Mutex::default(), turns: Arc::new(Semaphore::new(MOST_RUNNING)) }
+        Self { jobs: Mutex::default(), permits: Arc::new(Semaphore::new(MAX_RUNNING)) }
     }
 }
 
 impl Simulations {
-    /// Takes in a run, which begins when its turn comes; one with a run_control at once.
+    /// Adds a simulation. It runs after the earlier ones. A simulation with a `run_control` is interactive and runs at once.
     pub fn create(
         &self,
         scenario: Scenario,
@@ -64,38 +67,38 @@ impl Simulations {
         run_control: Option<RunControl>,
     ) -> Result<Arc<Job>, ApiError> {
         let periods = scenario.cycles();
-        if periods > MOST_PERIODS {
-            let detail = format!("{periods} control periods; a simulation here has at most {MOST_PERIODS}");
+        if periods > MAX_PERIODS {
+            let detail = format!("{periods} control periods; a simulation has at most {MAX_PERIODS}");
             return Err(ApiError::invalid("/scenario/duration_s", detail));
         }
-        if periods * scenario.substeps as u64 > MOST_STEPS {
+        let steps = periods * scenario.substeps as u64;
+        if steps > MAX_STEPS {
             let detail =
-                format!("{periods} periods of so many steps; a simulation here has at most {MOST_STEPS} steps");
+                format!("{steps} steps (control periods times substeps); a simulation has at most {MAX_STEPS}");
             return Err(ApiError::invalid("/scenario/substeps", detail));
         }
         let job = Arc::new(Job::new(scenario, run_control));
         self.keep(&job)?;
-        tokio::spawn(Arc::clone(&job).run(robot, Arc::clone(&self.turns)));
+        tokio::spawn(Arc::clone(&job).run(robot, Arc::clone(&self.permits)));
         Ok(job)
     }
 
-    /// Makes room, forgetting the oldest ended runs as far as needed, and takes the run in.
+    /// Adds a simulation. Deletes the oldest ended ones if there are too many.
     fn keep(&self, job: &Arc<Job>) -> Result<(), ApiError> {
         let mut jobs = self.lock();
-        jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEPT_FOR));
-        let interactive = jobs.iter().filter(|job| job.run_control().is_some() && !job.has_ended()).count();
-        if job.run_control().is_some() && interactive >= MOST_INTERACTIVE {
-            let detail =
-                format!("{MOST_INTERACTIVE} interactive simulations are going on; end one, or try again later");
+        jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEEP_TIME));
+        let interactive = jobs.iter().filter(|job| job.is_interactive() && !job.has_ended()).count();
+        if job.is_interactive() && interactive >= MAX_INTERACTIVE {
+            let detail = format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
             return Err(ApiError::busy(detail));
         }
         let is_full = |jobs: &[Arc<Job>]| {
             let periods: u64 = jobs.iter().map(|job| job.periods()).sum();
-            jobs.len() >= MOST_KEPT || periods + job.periods() > MOST_PERIODS_KEPT
+            jobs.len() >= MAX_KEPT || periods + job.periods() > MAX_PERIODS_KEPT
         };
         while is_full(&jobs) {
             let Some(oldest) = jobs.iter().position(|job| job.ended_for().is_some()) else {
-                return Err(ApiError::busy("as many simulations as there is room for are waiting; try again later"));
+                return Err(ApiError::busy("too many simulations are waiting or running; try again later"));
             };
             jobs.remove(oldest);
         }
@@ -103,12 +106,16 @@ impl Simulations {
         Ok(())
     }
 
-    /// A run by name.
+    /// Returns a simulation by its ID.
     pub fn get(&self, id: &str) -> Result<Arc<Job>, ApiError> {
-        self.lock().iter().find(|job| job.id() == id).cloned().ok_or_else(|| unknown(id))
+        self.lock().iter().find(|job| job.id() == id).cloned().ok_or_else(|| {
+            ApiError::not_found(format!(
+                "there is no simulation `{id}`; it may have been deleted; start one with POST /v1/simulations"
+            ))
+        })
     }
 
-    /// Cancels a run that has not ended, forgets one that has.
+    /// Cancels a simulation that has not ended. Deletes one that has ended.
     pub fn delete(&self, id: &str) -> Result<(), ApiError> {
         let job = self.get(id)?;
         if !job.cancel() {
@@ -120,10 +127,4 @@ impl Simulations {
     fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Job>>> {
         self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn unknown(id: &str) -> ApiError {
-    ApiError::not_found(format!(
-        "there is no simulation `{id}`; it may be forgotten; start one with POST /v1/simulations"
-    ))
 }

@@ -1,249 +1,155 @@
-//! Where an interactive run takes its orders.
+//! The commands of clients to an interactive run, and the live view of the run.
 
-use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use revprio_api::wire;
-use revprio_core::controller::Controller;
-use revprio_lab::simulator::{Ending, Influence, Observed, Operator};
+use revprio_core::controller::{Controller, ControllerConfig};
 use tokio::sync::watch;
 
-use super::job::Job;
-use super::live::{Camera, Live, Picture};
-use crate::service::background::Abandoned;
+use super::live::{LiveView, Picture};
 use crate::service::convert;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
-/// A push ends this long after it was last ordered: the page that orders it may be gone.
+/// A push ends this long after the last command that set it, because the page that sent it may be gone.
 const PUSH_TIME: Duration = Duration::from_secs(1);
 
-/// A run that nobody looks at or orders about for this long is finished.
-const ALONE_TIME: Duration = Duration::from_mins(1);
-
-/// Longest sleep without a look whether the run still goes on.
-const BLINK: Duration = Duration::from_millis(50);
-
-/// A run that is this far behind the clock does not try to catch up.
-const LATE: Duration = Duration::from_millis(100);
-
-/// Orders and view of one interactive run.
+/// The commands to one interactive run, and its live view.
 pub struct RunControl {
-    orders: Mutex<Orders>,
-    word: Condvar,
-    /// Robot, limits and period, which no order changes.
+    commands: Mutex<Commands>,
+    changed: Condvar,
+    /// Robot, limits and period. No command changes them.
     controller: Controller,
-    live: Live,
+    live: LiveView,
 }
 
-/// What is to happen.
-struct Orders {
-    pace: wire::Interactive,
-    /// Periods to go on for although paused.
-    steps: u64,
+/// The commands that the run has not applied yet.
+pub struct Commands {
+    /// Speed, and whether the run is paused.
+    pub pace: wire::Interactive,
+    /// Periods to run although the run is paused.
+    pub steps: u64,
+    /// External force on the tool, N, base frame.
     force: [f64; 3],
-    force_said: Instant,
+    force_set: Instant,
     controller: wire::Controller,
-    is_new: bool,
-    finish: bool,
-    /// When the last order came, or somebody looked.
-    attended: Instant,
+    is_controller_new: bool,
+    /// Whether the run is to finish.
+    pub finish: bool,
+    /// Time of the last command or of the last check that found a watcher.
+    pub last_attention: Instant,
 }
 
-impl Orders {
-    fn push(&self) -> [f64; 3] {
-        if self.force_said.elapsed() < PUSH_TIME { self.force } else { [0.0; 3] }
+impl Commands {
+    /// Returns the external force that acts now, N.
+    pub fn external_force(&self) -> [f64; 3] {
+        if self.force_set.elapsed() < PUSH_TIME { self.force } else { [0.0; 3] }
+    }
+
+    /// Returns the changed controller, once after each change.
+    pub fn take_new_controller(&mut self) -> Option<wire::Controller> {
+        std::mem::take(&mut self.is_controller_new).then(|| self.controller.clone())
     }
 }
 
 impl RunControl {
-    /// A run that has not begun. The controller comes as it was asked for and as it was understood.
+    /// Creates the control of a run that has not begun. `request` and `controller` are the same controller, as received
+    /// and as read; `start`: joint positions, n.
     pub fn new(
         pace: wire::Interactive,
         request: wire::Controller,
         controller: Controller,
         start: &[f64],
     ) -> Result<Self, ApiError> {
-        let rest = vec![0.0; start.len()];
-        let arm = convert::arm_view(controller.config(), start, &rest)
-            .ok_or_else(|| ApiError::invalid("/scenario/start_joint_position", "is no posture of the robot"))?;
-        let orders = Orders {
+        let at_rest = vec![0.0; start.len()];
+        let arm = convert::arm_view(controller.config(), start, &at_rest).ok_or_else(|| {
+            ApiError::invalid("/scenario/start_joint_position", "not a posture of the robot; give one number per joint")
+        })?;
+        let commands = Commands {
             pace,
             steps: 0,
             force: [0.0; 3],
-            force_said: Instant::now(),
+            force_set: Instant::now(),
             controller: request,
-            is_new: false,
+            is_controller_new: false,
             finish: false,
-            attended: Instant::now(),
+            last_attention: Instant::now(),
         };
-        Ok(Self { orders: Mutex::new(orders), word: Condvar::new(), controller, live: Live::new(arm) })
+        Ok(Self { commands: Mutex::new(commands), changed: Condvar::new(), controller, live: LiveView::new(arm) })
     }
 
-    /// Takes an order, all of it or nothing.
-    pub fn order(&self, order: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
-        convert::control(order)?;
-        let mut orders = self.lock();
-        if let Some((controller, _)) = convert::changed_controller(order, &orders.controller, robots)? {
-            orders.controller = controller;
-            orders.is_new = true;
+    /// Applies a whole command, or refuses it without any change.
+    pub fn apply(&self, command: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
+        convert::check_control(command)?;
+        let mut commands = self.lock();
+        if let Some(controller) = convert::changed_controller(command, &commands.controller, robots)? {
+            commands.controller = controller;
+            commands.is_controller_new = true;
         }
-        let Orders { pace, steps, force, force_said, finish, attended, .. } = &mut *orders;
-        pace.paused = order.paused.unwrap_or(pace.paused || order.step.is_some());
-        pace.speed = order.speed.unwrap_or(pace.speed);
-        *steps = if pace.paused { *steps + order.step.unwrap_or(0) } else { 0 };
-        if let Some(asked) = order.external_force {
-            (*force, *force_said) = (asked, Instant::now());
+        let Commands { pace, steps, force, force_set, finish, last_attention, .. } = &mut *commands;
+        pace.paused = command.paused.unwrap_or(pace.paused || command.step.is_some());
+        pace.speed = command.speed.unwrap_or(pace.speed);
+        *steps = if pace.paused { *steps + command.step.unwrap_or(0) } else { 0 };
+        if let Some(external_force) = command.external_force {
+            (*force, *force_set) = (external_force, Instant::now());
         }
-        *finish |= order.end;
-        *attended = Instant::now();
-        drop(orders);
-        self.word.notify_all();
-        self.live.touch();
+        *finish |= command.end;
+        *last_attention = Instant::now();
+        drop(commands);
+        self.wake();
         Ok(())
     }
 
-    /// Wakes a run that waits, to let it see that it has ended.
+    /// Wakes a waiting run and its watchers after a change.
     pub fn wake(&self) {
-        self.word.notify_all();
-        self.live.touch();
+        self.changed.notify_all();
+        self.live.notify_watchers();
     }
 
-    /// Hears of every picture.
+    /// Subscribes to the pictures.
     pub fn watch(&self) -> watch::Receiver<Arc<Picture>> {
         self.live.watch()
     }
 
-    /// A picture with the samples after the first `seen`, which this counts up.
+    /// Returns a picture with the samples after the first `seen` samples, and updates `seen`.
     pub fn frame(&self, picture: &Picture, run: wire::Simulation, seen: &mut usize) -> wire::LiveFrame {
         self.live.frame(picture, run, seen)
     }
 
-    /// The latest period, as a request.
+    /// Returns the last shown period as a request.
     pub fn cycle(&self) -> Result<wire::StepRequest, ApiError> {
-        self.live.cycle().ok_or_else(|| ApiError::not_live("no control period is done yet"))
+        self.live.cycle().ok_or_else(|| ApiError::not_live("no control period is done yet; try again later"))
     }
 
-    /// How the run is paced.
+    /// Returns the speed, and whether the run is paused.
     pub fn pace(&self) -> wire::Interactive {
         self.lock().pace
     }
 
-    /// Method and solver of the present controller.
+    /// Returns method and solver of the current controller.
     pub fn method_and_solver(&self) -> (wire::Method, wire::Solver) {
-        let orders = self.lock();
-        (orders.controller.method, orders.controller.solver)
+        let commands = self.lock();
+        (commands.controller.method, commands.controller.solver)
     }
 
-    /// Somebody who carries out the orders.
-    pub fn operator<'a>(&'a self, job: &'a Job, abandoned: &'a Abandoned) -> DeskOperator<'a> {
-        let camera = Camera::new(&self.live, self.controller.config());
-        let period_s = self.controller.config().period_s;
-        DeskOperator { run_control: self, job, abandoned, camera, period_s, due: Instant::now(), push: [0.0; 3] }
+    /// The live view of the run.
+    pub(super) fn live(&self) -> &LiveView {
+        &self.live
     }
 
-    fn lock(&self) -> MutexGuard<'_, Orders> {
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Robot, limits and period of the run.
+    pub(super) fn config(&self) -> &ControllerConfig {
+        self.controller.config()
     }
 
-    fn sleep<'a>(&self, orders: MutexGuard<'a, Orders>, time: Duration) -> MutexGuard<'a, Orders> {
-        let (orders, _) = self.word.wait_timeout(orders, time).unwrap_or_else(PoisonError::into_inner);
-        orders
-    }
-}
-
-/// Carries out the orders of a run_control.
-pub struct DeskOperator<'a> {
-    run_control: &'a RunControl,
-    job: &'a Job,
-    abandoned: &'a Abandoned,
-    camera: Camera<'a>,
-    period_s: f64,
-    /// When the next period begins.
-    due: Instant,
-    push: [f64; 3],
-}
-
-impl DeskOperator<'_> {
-    fn has_ended(&self, orders: &Orders) -> bool {
-        orders.finish || self.abandoned.is_set() || self.job.has_ended()
+    pub(super) fn lock(&self) -> MutexGuard<'_, Commands> {
+        self.commands.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until the next period is due; at a pause, until it is over.
-    fn wait(&mut self) -> MutexGuard<'_, Orders> {
-        let mut orders = self.run_control.lock();
-        loop {
-            if self.run_control.live.readers() > 0 {
-                orders.attended = Instant::now();
-            }
-            orders.finish |= orders.attended.elapsed() > ALONE_TIME;
-            let now = Instant::now();
-            if self.has_ended(&orders) {
-                return orders;
-            }
-            if orders.pace.paused {
-                self.due = now;
-                if orders.steps > 0 {
-                    orders.steps -= 1;
-                    return orders;
-                }
-                self.camera.show();
-                orders = self.run_control.sleep(orders, BLINK);
-                continue;
-            }
-            match self.due.checked_duration_since(now) {
-                Some(left) if !left.is_zero() => orders = self.run_control.sleep(orders, left.min(BLINK)),
-                _ => {
-                    let start = if now.duration_since(self.due) > LATE { now } else { self.due };
-                    self.due = start + Duration::from_secs_f64(self.period_s / orders.pace.speed);
-                    return orders;
-                }
-            }
-        }
+    /// Waits for a command, at most for `timeout`.
+    pub(super) fn wait<'a>(&self, commands: MutexGuard<'a, Commands>, timeout: Duration) -> MutexGuard<'a, Commands> {
+        let (commands, _) = self.changed.wait_timeout(commands, timeout).unwrap_or_else(PoisonError::into_inner);
+        commands
     }
-}
-
-impl Operator for DeskOperator<'_> {
-    fn influence(&mut self, _period: u64) -> Influence {
-        let mut orders = self.wait();
-        let controller = std::mem::take(&mut orders.is_new).then(|| orders.controller.clone());
-        let external_force = orders.push();
-        drop(orders);
-        self.push = external_force;
-        Influence { external_force, controller }
-    }
-
-    fn see(&mut self, done: u64, period: &Observed) {
-        self.camera.see(done, period, self.push);
-        self.job.advance(done);
-    }
-
-    fn goes_on(&mut self) -> ControlFlow<Ending> {
-        if self.abandoned.is_set() || self.job.has_ended() {
-            return ControlFlow::Break(Ending::Stop);
-        }
-        if self.run_control.lock().finish { ControlFlow::Break(Ending::Finish) } else { ControlFlow::Continue(()) }
-    }
-}
-
-impl Drop for DeskOperator<'_> {
-    fn drop(&mut self) {
-        self.camera.show();
-    }
-}
-
-/// The run_control of a run that has one and goes on.
-pub fn live_run_control(job: &Job) -> Result<&Arc<RunControl>, ApiError> {
-    let run_control = run_control(job)?;
-    if job.has_ended() {
-        Err(ApiError::not_live("the simulation has ended; start another one"))
-    } else {
-        Ok(run_control)
-    }
-}
-
-/// The run_control of a run that has one.
-pub fn run_control(job: &Job) -> Result<&Arc<RunControl>, ApiError> {
-    job.run_control().ok_or_else(|| ApiError::not_live("the simulation was not started as `interactive`"))
 }

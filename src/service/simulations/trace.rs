@@ -1,4 +1,4 @@
-//! Traces as answers, written piece by piece as the client reads them.
+//! Traces as answers. They are written piece by piece, as fast as the client reads.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -16,17 +16,17 @@ use crate::service::accept;
 use crate::service::background::background;
 use crate::service::error::ApiError;
 
-/// How a trace can be had.
+/// The format of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TraceFormat {
-    /// As in a file.
+enum TraceFormat {
+    /// A format that is also a file format.
     File(Format),
-    /// One object with what is common to all periods and the list `samples`.
+    /// One object with the common fields of all periods and the list `samples`.
     Json,
 }
 
 /// Media types of traces, the preferred one first.
-pub const TRACE_FORMATS: [(&str, TraceFormat); 5] = [
+const TRACE_FORMATS: [(&str, TraceFormat); 5] = [
     ("text/csv", TraceFormat::File(Format::Csv)),
     ("application/x-ndjson", TraceFormat::File(Format::JsonLines)),
     ("application/json", TraceFormat::Json),
@@ -34,17 +34,17 @@ pub const TRACE_FORMATS: [(&str, TraceFormat); 5] = [
     ("application/vnd.mcap", TraceFormat::File(Format::Mcap)),
 ];
 
-/// The trace in the format that the client prefers, compressed if it likes.
+/// Returns the trace in the format that the client prefers, compressed if the client accepts gzip.
 ///
-/// The pieces are written in other threads and only when the client wants them. A recording that is forgotten while a
-/// client reads breaks the connection off: a slow reader must not keep what makes room for others.
-pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response, ApiError> {
+/// Other threads write the pieces when the client needs them. If the run is deleted meanwhile, the connection breaks:
+/// a slow client must not keep memory that other runs need.
+pub fn trace_answer(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response, ApiError> {
     let offered = || TRACE_FORMATS.map(|(media_type, _)| format!("`{media_type}`")).join(", ");
     let format = accept::preferred(headers, &TRACE_FORMATS).ok_or_else(|| ApiError::not_acceptable(&offered()))?;
     let media_type = TRACE_FORMATS.iter().find(|(_, known)| *known == format).map_or("", |(media_type, _)| media_type);
     let gzip = accept::gzip(headers);
     let pieces = Pieces::new(recording, format, gzip).map_err(|error| {
-        tracing::error!(%error, "a trace cannot be begun");
+        tracing::error!(%error, "cannot begin a trace");
         ApiError::internal()
     })?;
     let pieces = stream::unfold(Some(pieces), |pieces| async {
@@ -62,7 +62,7 @@ pub fn trace(recording: &Arc<Recording>, headers: &HeaderMap) -> Result<Response
     Ok(response)
 }
 
-/// What is written and not yet sent.
+/// Bytes that are written and not yet sent.
 #[derive(Clone, Default)]
 struct Written(Arc<Mutex<Vec<u8>>>);
 
@@ -82,16 +82,17 @@ impl Write for Written {
     }
 }
 
-/// A trace that is written as far as `next`.
+/// A trace that is written up to the period `next`.
 struct Pieces {
     recording: Weak<Recording>,
+    /// Number of periods per piece.
     piece: usize,
     next: usize,
     writer: Box<dyn Writer>,
     written: Written,
 }
 
-/// A piece, or why the trace breaks off, and the rest, if there is one.
+/// A piece or an error, and the rest of the trace, if there is one.
 type Piece = (io::Result<Bytes>, Option<Pieces>);
 
 impl Pieces {
@@ -112,7 +113,7 @@ impl Pieces {
 
     fn advance(mut self) -> Piece {
         let Some(recording) = self.recording.upgrade() else {
-            return (Err(io::Error::other("the simulation was forgotten")), None);
+            return (Err(io::Error::other("the simulation was deleted")), None);
         };
         let end = (self.next + self.piece).min(recording.samples.len());
         if let Err(error) = self.writer.write(&recording, self.next..end) {
@@ -139,7 +140,7 @@ fn begin<W: Write + Send + 'static>(
     }
 }
 
-/// What is common to all periods and the list of samples.
+/// Writes one object with the common fields and the list `samples`.
 struct OneObject<W> {
     is_first: bool,
     out: W,

@@ -1,4 +1,4 @@
-//! What is wrong before a field is looked at: text, media type, size, route, method.
+//! Errors before the fields: text, media type, size, route, method.
 
 use std::io::{Read, Write};
 
@@ -6,7 +6,7 @@ use super::changed;
 use crate::harness::{Answer, Service, example};
 
 #[test]
-fn text_that_is_no_json_is_refused() {
+fn text_that_is_not_json_is_refused() {
     let service = Service::start();
     let good = example("resolve.json").to_string();
     for text in [
@@ -32,7 +32,7 @@ fn text_that_is_no_json_is_refused() {
 }
 
 #[test]
-fn deep_nesting_is_refused_where_it_begins() {
+fn deep_nesting_is_refused() {
     let service = Service::start();
     let deep = |at: &str| service.post("/v1/resolve", &changed(&example("resolve.json"), at, &"[".repeat(100_000)));
     deep("/tasks").assert_refused(422, Some("/tasks/0"));
@@ -43,7 +43,7 @@ fn deep_nesting_is_refused_where_it_begins() {
 }
 
 #[test]
-fn json_of_another_kind_is_refused() {
+fn json_that_is_not_an_object_is_refused() {
     let service = Service::start();
     for text in ["null", "[]", "3", "\"resolve\"", "true"] {
         for path in ["/v1/resolve", "/v1/step", "/v1/controllers"] {
@@ -53,7 +53,7 @@ fn json_of_another_kind_is_refused() {
 }
 
 #[test]
-fn a_field_given_twice_is_refused() {
+fn a_repeated_field_is_refused() {
     let service = Service::start();
     let twice = |at: &str, text: &str| service.post("/v1/resolve", &changed(&example("resolve.json"), at, text));
     twice("/method", r#""reverse_priority", "method": "pseudoinverse""#).assert_refused(422, Some(""));
@@ -63,7 +63,7 @@ fn a_field_given_twice_is_refused() {
 }
 
 #[test]
-fn only_json_is_read() {
+fn other_media_types_are_refused() {
     let service = Service::start();
     let body = example("resolve.json").to_string();
     for media_type in ["text/plain", "application/x-www-form-urlencoded", "application/jsonp", "", "json"] {
@@ -80,7 +80,7 @@ fn only_json_is_read() {
 }
 
 #[test]
-fn the_largest_body_is_read_and_one_byte_more_is_not() {
+fn the_maximum_body_is_accepted_and_one_byte_more_is_refused() {
     let service = Service::start();
     let padded = |size: usize| {
         let body = example("resolve.json").to_string();
@@ -94,7 +94,7 @@ fn the_largest_body_is_read_and_one_byte_more_is_not() {
 }
 
 #[test]
-fn a_body_without_end_is_refused() {
+fn an_endless_body_is_refused() {
     let service = Service::start();
     let mut stream = service.connect();
     let head =
@@ -119,7 +119,7 @@ fn a_body_of_thousands_of_joints_is_refused_at_once() {
 }
 
 #[test]
-fn unknown_routes_and_methods_are_named_so() {
+fn unknown_routes_and_methods_are_refused() {
     let service = Service::start();
     for path in ["/v1", "/v1/resolve/", "/v2/resolve", "/v1/robots/", "/v1/robots/a/b", "/healthz/x", "/%00", "//"] {
         service.get(path).assert_refused(404, None);
@@ -139,7 +139,7 @@ fn unknown_routes_and_methods_are_named_so() {
 }
 
 #[test]
-fn what_is_no_http_is_refused() {
+fn bytes_that_are_not_http_are_refused() {
     let service = Service::start();
     for bytes in ["\r\n\r\nhello\r\n\r\n", "GET / HTTP/9.9\r\n\r\n", "GET /\u{1} HTTP/1.1\r\n\r\n", "\u{16}\u{3}\u{1}"]
     {

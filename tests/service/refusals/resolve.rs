@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
+use super::{NO_POINTER, OMITTED, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
 const WITH_ROBOT: &[Row] = &[
@@ -10,8 +10,8 @@ const WITH_ROBOT: &[Row] = &[
     ("/robot", r#""""#, 422, "/robot"),
     ("/robot", "7", 422, "/robot"),
     ("/robot", "[]", 422, "/robot"),
-    ("/robot", LEFT_OUT, 422, "/robot"),
-    ("/joint_position", LEFT_OUT, 422, "/tasks/0/axes"),
+    ("/robot", OMITTED, 422, "/robot"),
+    ("/joint_position", OMITTED, 422, "/tasks/0/axes"),
     ("/joint_position", "[]", 422, "/joint_position"),
     ("/joint_position", "[0, 0, 0, 0, 0, 0]", 422, "/joint_position"),
     ("/joint_position", "[0, 0, 0, 0, 0, 0, 0, 0]", 422, "/joint_position"),
@@ -35,7 +35,7 @@ const WITH_ROBOT: &[Row] = &[
     ("/period_s", "11", 422, "/period_s"),
     ("/period_s", "1e308", 422, "/period_s"),
     ("/period_s", r#""1 ms""#, 422, "/period_s"),
-    ("/tasks", LEFT_OUT, 422, ""),
+    ("/tasks", OMITTED, 422, ""),
     ("/tasks", "[]", 422, "/tasks"),
     ("/tasks", "{}", 422, "/tasks"),
     ("/tasks", "null", 422, "/tasks"),
@@ -43,14 +43,14 @@ const WITH_ROBOT: &[Row] = &[
     ("/tasks/0", "{}", 422, "/tasks/0"),
     ("/tasks/0", r#"{"velocity": [0.1]}"#, 422, "/tasks/0"),
     ("/tasks/0/name", "1", 422, "/tasks/0/name"),
-    ("/tasks/0/axes", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/axes", OMITTED, 422, "/tasks/0"),
     ("/tasks/0/axes", "[]", 422, "/tasks/0/axes"),
     ("/tasks/0/axes", r#"["w"]"#, 422, "/tasks/0/axes/0"),
     ("/tasks/0/axes", r#"["X"]"#, 422, "/tasks/0/axes/0"),
     ("/tasks/0/axes", r#""x""#, 422, "/tasks/0/axes"),
     ("/tasks/1/axes", r#"["y", "z", "y", "ry", "rz"]"#, 422, "/tasks/1/axes"),
     ("/tasks/0/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/0"),
-    ("/tasks/0/velocity", LEFT_OUT, 422, "/tasks/0"),
+    ("/tasks/0/velocity", OMITTED, 422, "/tasks/0"),
     ("/tasks/0/velocity", "[]", 422, "/tasks/0/velocity"),
     ("/tasks/0/velocity", "[0.1, 0.1]", 422, "/tasks/0/velocity"),
     ("/tasks/0/velocity", "0.1", 422, "/tasks/0/velocity"),
@@ -94,7 +94,7 @@ const WITH_ROBOT: &[Row] = &[
     ("/speed", "1", 422, "/speed"),
 ];
 
-const WITH_OWN_ROWS: &[Row] = &[
+const WITH_EXPLICIT_ROWS: &[Row] = &[
     ("/robot", r#""sawyer_dh""#, 422, "/tasks/0/jacobian"),
     ("/joint_position", "[0, 0, 0]", 422, "/robot"),
     ("/tasks/0/axes", r#"["x"]"#, 422, "/tasks/0"),
@@ -120,7 +120,7 @@ const WITH_OWN_ROWS: &[Row] = &[
 const WRONG_POSTURE: &str = r#"{"kind": "posture", "joint_position": {"j9": 0}, "gain": 1}"#;
 const NO_ORIENTATION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 0.5, "x": 0, "y": 0, "z": 0}}"#;
 
-fn own_rows() -> Value {
+fn explicit_rows() -> Value {
     let task = |row: [f64; 3]| json!({"jacobian": [row], "velocity": [0.1]});
     let tasks = [task([1.0, 0.0, 0.0]), task([0.0, 1.0, 1.0])];
     json!({"tasks": tasks, "null_space_velocity": [0.0, 0.1, 0.2]})
@@ -132,12 +132,12 @@ fn wrong_problems_are_refused() {
 }
 
 #[test]
-fn wrong_problems_of_ones_own_rows_are_refused() {
-    assert_all_refused(&Service::start(), "/v1/resolve", &own_rows(), WITH_OWN_ROWS);
+fn wrong_problems_with_explicit_rows_are_refused() {
+    assert_all_refused(&Service::start(), "/v1/resolve", &explicit_rows(), WITH_EXPLICIT_ROWS);
 }
 
 #[test]
-fn problems_beyond_any_arm_are_refused() {
+fn problems_above_the_maximum_size_are_refused() {
     let service = Service::start();
     let refused = |tasks: Value, pointer: &str| {
         service.post("/v1/resolve", &json!({"tasks": tasks}).to_string()).assert_refused(422, Some(pointer));

@@ -2,11 +2,11 @@
 
 use serde_json::json;
 
-use super::{LEFT_OUT, NO_POINTER, Row, flaw};
+use super::{NO_POINTER, OMITTED, Row, difference};
 use crate::harness::Service;
 use crate::robots::{CRANK, registration};
 
-/// A URDF text as a JSON string, changed in one place.
+/// Returns a URDF as a JSON string, changed in one place.
 macro_rules! urdf {
     ($text:literal) => {
         concat!("\"<robot name='r'><link name='a'/><link name='b'/>", $text, "</robot>\"")
@@ -14,7 +14,7 @@ macro_rules! urdf {
 }
 
 const ROWS: [Row; 36] = [
-    ("/name", LEFT_OUT, 422, ""),
+    ("/name", OMITTED, 422, ""),
     ("/name", "7", 422, "/name"),
     ("/name", r#""""#, 422, "/name"),
     ("/name", r#""..""#, 422, "/name"),
@@ -30,7 +30,7 @@ const ROWS: [Row; 36] = [
     ("/base", r#""nowhere""#, 422, "/base"),
     ("/tip", r#""nowhere""#, 422, "/tip"),
     ("/tip", r#""base""#, 422, "/urdf"),
-    ("/urdf", LEFT_OUT, 422, ""),
+    ("/urdf", OMITTED, 422, ""),
     ("/urdf", "null", 422, "/urdf"),
     ("/urdf", "{}", 422, "/urdf"),
     ("/urdf", r#""""#, 422, "/urdf"),
@@ -66,14 +66,15 @@ const ROWS: [Row; 36] = [
 fn wrong_robots_are_refused() {
     let service = Service::start();
     let body = registration("crank", CRANK);
-    let flaws: Vec<String> = ROWS.iter().filter_map(|row| flaw(&service, "/v1/robots", &body, row)).collect();
-    assert!(flaws.is_empty(), "{}", flaws.join("\n"));
+    let differences: Vec<String> =
+        ROWS.iter().filter_map(|row| difference(&service, "/v1/robots", &body, row)).collect();
+    assert!(differences.is_empty(), "{}", differences.join("\n"));
     assert_eq!(service.post("/v1/robots", &body.to_string()).status, 201);
     service.post("/v1/robots", &body.to_string()).assert_refused(409, Some("/name"));
 }
 
 #[test]
-fn a_branching_tree_is_answered_with_its_leaves() {
+fn the_error_for_a_branching_tree_lists_its_leaves() {
     let joint = |name: &str, child: &str| {
         format!("<joint name='{name}' type='continuous'><parent link='a'/><child link='{child}'/></joint>")
     };
@@ -88,7 +89,7 @@ fn a_branching_tree_is_answered_with_its_leaves() {
 }
 
 #[test]
-fn what_belongs_to_the_service_cannot_be_deleted() {
+fn built_in_robots_cannot_be_deleted() {
     let service = Service::start();
     for name in ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r"] {
         service.delete(&format!("/v1/robots/{name}")).assert_refused(403, None);
@@ -98,7 +99,7 @@ fn what_belongs_to_the_service_cannot_be_deleted() {
 }
 
 #[test]
-fn sixty_four_robots_are_the_most() {
+fn robots_above_the_maximum_are_refused() {
     let service = Service::start();
     for i in 0..64 {
         service.post("/v1/robots", &registration(&format!("crank{i}"), CRANK).to_string()).accepted();

@@ -2,14 +2,14 @@
 
 use serde_json::json;
 
-use super::{LEFT_OUT, NO_POINTER, Row, assert_all_refused};
+use super::{NO_POINTER, OMITTED, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
 pub const ROWS: &[Row] = &[
     ("/scenario", r#""moon""#, 422, "/scenario"),
     ("/scenario", r#""../../etc/passwd""#, 422, "/scenario"),
     ("/scenario", "0", 422, "/scenario"),
-    ("/scenario", LEFT_OUT, 422, ""),
+    ("/scenario", OMITTED, 422, ""),
     ("/method", r#""fastest""#, 422, "/method"),
     ("/solver", "1", 422, "/solver"),
     ("/seed", "1", 422, "/seed"),
@@ -19,7 +19,7 @@ pub const ROWS: &[Row] = &[
     ("/interactive", r#"{"speed": 1e308}"#, 422, "/interactive/speed"),
     ("/interactive", r#"{"speed": "fast"}"#, 422, "/interactive/speed"),
     ("/interactive", r#"{"pause": true}"#, 422, "/interactive/pause"),
-    ("/scenario/name", LEFT_OUT, 422, "/scenario"),
+    ("/scenario/name", OMITTED, 422, "/scenario"),
     ("/scenario/duration_s", "0", 422, "/scenario/duration_s"),
     ("/scenario/duration_s", "-1", 422, "/scenario/duration_s"),
     ("/scenario/duration_s", "1e9", 422, "/scenario/duration_s"),
@@ -39,7 +39,7 @@ pub const ROWS: &[Row] = &[
     ("/scenario/contacts/0/damping", "-1", 422, "/scenario/contacts/0/damping"),
     ("/scenario/contacts/0/normal", "[1, 0, 0]", 422, "/scenario/contacts/0/normal"),
     ("/scenario/contacts/0/kind", r#""plane""#, 422, "/scenario/contacts/0/axis"),
-    ("/scenario/contacts/0/axis", LEFT_OUT, 422, "/scenario/contacts/0/axis"),
+    ("/scenario/contacts/0/axis", OMITTED, 422, "/scenario/contacts/0/axis"),
     ("/scenario/contacts/0/friction", r#"{"coulomb": -1}"#, 422, "/scenario/contacts/0/friction/coulomb"),
     (
         "/scenario/contacts/0/friction",
@@ -75,7 +75,7 @@ pub const ROWS: &[Row] = &[
     ("/scenario/controller/tasks", "[]", 422, "/scenario/controller/tasks"),
 ];
 
-const ORDERS: &[Row] = &[
+const COMMANDS: &[Row] = &[
     ("/paused", "1", 422, "/paused"),
     ("/speed", "-1", 422, "/speed"),
     ("/speed", "1001", 422, "/speed"),
@@ -94,7 +94,7 @@ const ORDERS: &[Row] = &[
     ("/push", "[0, 0, 1]", 422, "/push"),
 ];
 
-/// What cannot change in the middle of a run: it would jump.
+/// Changes that a run does not allow, because the command would jump.
 const CONTROLLERS: &[Row] = &[
     ("/controller/robot", r#""ur5e""#, 422, "/controller/robot"),
     ("/controller/robot", r#""sawyer""#, 422, "/controller/robot"),
@@ -114,13 +114,13 @@ const CONTROLLERS: &[Row] = &[
 ];
 
 #[test]
-fn orders_that_make_no_sense_are_refused() {
+fn wrong_commands_are_refused() {
     let service = Service::start();
     let scenario = service.get("/v1/scenarios/stiff_wall").accepted();
     let request = json!({"scenario": "stiff_wall", "interactive": {"paused": true}});
     let run = service.post("/v1/simulations", &request.to_string()).location.unwrap();
     let address = format!("{run}/control");
-    assert_all_refused(&service, &address, &json!({}), ORDERS);
+    assert_all_refused(&service, &address, &json!({}), COMMANDS);
     assert_all_refused(&service, &address, &json!({"controller": scenario["controller"]}), CONTROLLERS);
     service.post(&address, r#"{"step": 3, "paused": false}"#).assert_refused(422, Some("/step"));
 
@@ -135,6 +135,6 @@ fn orders_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn runs_that_cannot_be_made_are_refused() {
+fn wrong_simulations_are_refused_with_a_pointer() {
     assert_all_refused(&Service::start(), "/v1/simulations", &example("simulation_own.json"), ROWS);
 }
