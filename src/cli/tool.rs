@@ -5,7 +5,6 @@
 use std::env;
 use std::ffi::OsString;
 use std::io;
-use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
 
 /// The arguments that the benchmark program receives as they are.
@@ -61,12 +60,9 @@ fn installed() -> Option<Command> {
 /// `cargo run` in the clone whose `target` directory holds this program.
 fn in_clone() -> Option<Command> {
     let program = env::current_exe().ok()?;
-    let manifest = program.ancestors().map(Path::to_owned).map(benchmark_manifest).find(|path| path.exists())?;
+    let mut manifests = program.ancestors().map(|root| root.join("tools/bench/Cargo.toml"));
+    let manifest = manifests.find(|path| path.exists())?;
     let mut cargo = Command::new("cargo");
     cargo.args(["run", "--quiet", "--release", "--manifest-path"]).arg(manifest).arg("--");
     Some(cargo)
-}
-
-fn benchmark_manifest(root: PathBuf) -> PathBuf {
-    root.join("tools/bench/Cargo.toml")
 }

@@ -80,15 +80,7 @@ fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueEr
 fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -> Option<ContactLoop> {
     let environment = request.environment.as_ref()?;
     let contact = along(environment, axis)?;
-    let (inertia, damping, stiffness) = match law {
-        Law::Velocity { .. } | Law::Pose { .. } | Law::Posture { .. } => return None,
-        Law::Force { inertia, damping, .. } => (inertia.at(row)?, damping.at(row)?, 0.0),
-        Law::Impedance { inertia, damping, stiffness, .. } => (inertia.at(row)?, damping.at(row)?, stiffness.at(row)?),
-        Law::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {
-            let stiffness = if position_controlled.at(row)? { stiffness.at(row)? } else { 0.0 };
-            (inertia.at(row)?, damping.at(row)?, stiffness)
-        }
-    };
+    let [inertia, damping, stiffness] = law.contact_gains(row)?;
     Some(ContactLoop {
         inertia,
         damping,

@@ -200,13 +200,12 @@ fn inequalities(
 ) -> Result<Vec<Inequality>, ApiError> {
     let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
     let reader = InequalityReader { robot, joints, period_s: request.period_s };
-    let barriers = reader.read(&request.inequalities)?.into_iter();
-    let at_posture = |barrier| match (barrier, configuration) {
-        (Barrier::Fixed(inequality), _) => Some(inequality),
-        (Barrier::Plane(plane), Some(configuration)) => Some(plane.at(configuration)),
-        (Barrier::Plane(_), None) => None,
+    let barriers = reader.read(&request.inequalities)?;
+    let inequality = |barrier: &Barrier| match configuration {
+        Some(configuration) => Some(barrier.at(configuration)),
+        None => barrier.constant().cloned(),
     };
-    Ok(barriers.filter_map(at_posture).collect())
+    Ok(barriers.iter().filter_map(inequality).collect())
 }
 
 fn limits(

@@ -40,6 +40,12 @@ impl ApiError {
         Self { kind, detail: detail.into(), pointer: None }
     }
 
+    /// Replaces the text that says what was wrong.
+    #[must_use]
+    pub fn map_detail(self, change: impl FnOnce(&str) -> &str) -> Self {
+        Self { detail: change(&self.detail).to_owned(), ..self }
+    }
+
     /// 400: the body is neither JSON nor MessagePack, or contains a number that is not finite.
     pub fn malformed(detail: impl Into<String>) -> Self {
         Self::new(&kinds::MALFORMED, detail)

@@ -29,7 +29,7 @@ pub fn read_borrowed<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
 }
 
 /// Reads a wrong body again and tracks the place of the error. A correct body does not pay for the tracking.
-fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
+pub(super) fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());

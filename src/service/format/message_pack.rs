@@ -11,7 +11,7 @@ use rmp_serde::decode::{Deserializer, Error};
 use serde::de::{DeserializeOwned, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::pointer;
+use super::{json, pointer};
 use crate::service::error::ApiError;
 
 /// Maximum depth of nesting, as in JSON.
@@ -22,17 +22,26 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     check(bytes)?;
     match rmp_serde::from_slice(bytes) {
         Ok(Object(value)) => Ok(value),
-        // Reads again and tracks the place of the error. A correct body does not pay for the tracking.
-        Err(_) => match serde_path_to_error::deserialize(&mut Deserializer::from_read_ref(bytes)) {
-            Ok(Object(value)) => Ok(value),
-            Err(error) => Err(ApiError::invalid(pointer(error.path()), error.into_inner())),
-        },
+        // Reads the same body as JSON, which finds the place of the error. A correct body does not pay for it.
+        Err(_) => json::explain(&as_json(bytes)?).map_err(|error| error.map_detail(without_position)),
     }
 }
 
 /// Writes a value. Structs are maps with the names of their fields.
 pub fn write<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, rmp_serde::encode::Error> {
     rmp_serde::to_vec_named(value)
+}
+
+/// Returns the body in JSON.
+fn as_json(bytes: &[u8]) -> Result<Vec<u8>, ApiError> {
+    let value: serde_json::Value =
+        rmp_serde::from_slice(bytes).map_err(|error| ApiError::malformed(error.to_string()))?;
+    Ok(value.to_string().into_bytes())
+}
+
+/// Returns the text without the line and column of the JSON, which the client never sent.
+fn without_position(detail: &str) -> &str {
+    detail.rsplit_once(" at line ").map_or(detail, |(text, _)| text)
 }
 
 /// Refuses bytes that are not exactly one value that JSON can express.

@@ -1,11 +1,13 @@
 //! The interface description, and Swagger UI from the binary, which needs no network.
 
-use std::sync::Arc;
+use std::convert::Infallible;
 
-use axum::Extension;
-use axum::http::{HeaderName, HeaderValue, header};
+use axum::body::Body;
+use axum::http::{HeaderValue, Request, StatusCode, header};
 use axum::response::{IntoResponse, Redirect, Response};
-use utoipa_swagger_ui::Config;
+use axum::{Extension, Router};
+use swagger_ui_dist::{ApiDefinition, OpenApiSource};
+use tower_service::Service as _;
 
 use super::Segment;
 use crate::service::error::ApiError;
@@ -13,6 +15,25 @@ use crate::service::error::ApiError;
 /// Allows only files of the service itself. The style sheet of the page contains its pictures.
 const ONLY_SELF: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
                          connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The page. Its script is a file of its own, because [`ONLY_SELF`] forbids scripts within pages.
+const PAGE: &str = r#"<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>revprio: HTTP interface</title>
+<link rel="stylesheet" href="swagger-ui.css">
+<link rel="stylesheet" href="index.css">
+<div id="swagger-ui"></div>
+<script src="swagger-ui-bundle.js"></script>
+<script src="swagger-initializer.js"></script>
+</html>
+"#;
+
+const STYLE: &str = "body { margin: 0; background: #fafafa; }\n";
+
+const SCRIPT: &str = r##"SwaggerUIBundle({ url: "/openapi.json", dom_id: "#swagger-ui", deepLinking: true, validatorUrl: null });
+"##;
 
 /// The documents that describe the routes. They come from outside, because their descriptions include these handlers.
 #[derive(Clone, Copy)]
@@ -60,21 +81,33 @@ pub async fn home() -> Redirect {
 }
 
 /// `GET /docs/`
-pub async fn page() -> Result<Response, ApiError> {
-    asset("index.html")
+pub async fn page() -> Response {
+    text("text/html; charset=utf-8", PAGE)
 }
 
 /// `GET /docs/{file}`
-pub async fn file(Segment(file): Segment) -> Result<Response, ApiError> {
-    asset(&file)
+pub async fn file(Segment(name): Segment) -> Result<Response, ApiError> {
+    match name.as_str() {
+        "index.html" => Ok(text("text/html; charset=utf-8", PAGE)),
+        "index.css" => Ok(text("text/css; charset=utf-8", STYLE)),
+        "swagger-initializer.js" => Ok(text("text/javascript; charset=utf-8", SCRIPT)),
+        "swagger-ui.css" | "swagger-ui-bundle.js" => swagger_ui(&name).await,
+        _ => Err(ApiError::not_found("there is no such page; the reference begins at /docs/")),
+    }
 }
 
-fn asset(name: &str) -> Result<Response, ApiError> {
-    let config = Config::from("/openapi.json").validator_url("none");
-    let asset = utoipa_swagger_ui::serve(name, Arc::new(config)).map_err(|_| ApiError::internal())?;
-    let asset = asset.ok_or_else(|| ApiError::not_found("there is no such page; the reference begins at /docs/"))?;
-    let media_type = HeaderValue::from_str(&asset.content_type).map_err(|_| ApiError::internal())?;
-    let policy: [(HeaderName, HeaderValue); 2] =
-        [(header::CONTENT_TYPE, media_type), (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(ONLY_SELF))];
-    Ok((policy, asset.bytes.into_owned()).into_response())
+/// Returns a file of Swagger UI.
+async fn swagger_ui(name: &str) -> Result<Response, ApiError> {
+    let definition =
+        ApiDefinition { uri_prefix: "/ui", api_definition: OpenApiSource::Uri("/openapi.json"), title: None };
+    let mut files: Router = swagger_ui_dist::generate_routes(definition);
+    let request = Request::get(format!("/ui/{name}")).body(Body::empty()).map_err(|_| ApiError::internal())?;
+    let answer: Result<Response, Infallible> = files.call(request).await;
+    let mut answer = answer.unwrap_or_else(|never| match never {});
+    answer.headers_mut().insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(ONLY_SELF));
+    if answer.status() == StatusCode::OK { Ok(answer) } else { Err(ApiError::internal()) }
+}
+
+fn text(media_type: &'static str, text: &'static str) -> Response {
+    ([(header::CONTENT_TYPE, media_type), (header::CONTENT_SECURITY_POLICY, ONLY_SELF)], text).into_response()
 }

@@ -50,7 +50,7 @@ pub fn run(options: &Options) -> Result<(), BenchError> {
     let pacing_s = if options.quick { options.seconds.min(0.05) } else { options.seconds };
     let plan = Plan { groups, quick: options.quick, pacing_s };
     if let Some(what) = options.repeat {
-        return Ok(repeat(what, options.times.unwrap_or(1))?);
+        return repeat(what, options.times.unwrap_or(1));
     }
     if let Some(problems) = &options.problems {
         let lines = problem_lines(problems, plan.rows())?.join("\n");

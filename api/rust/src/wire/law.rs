@@ -91,6 +91,20 @@ impl Law {
     pub fn integrates(&self) -> bool {
         matches!(self, Self::Force { .. } | Self::Impedance { .. } | Self::Hybrid { .. })
     }
+
+    /// Returns inertia, damping and stiffness of one row (index from 0), as a contact feels them. `None` for laws that do
+    /// not react to a contact, and for rows that the law does not have.
+    pub fn contact_gains(&self, row: usize) -> Option<[f64; 3]> {
+        let (inertia, damping, stiffness) = match self {
+            Self::Velocity { .. } | Self::Pose { .. } | Self::Posture { .. } => return None,
+            Self::Force { inertia, damping, .. } => (inertia, damping, 0.0),
+            Self::Impedance { inertia, damping, stiffness, .. } => (inertia, damping, stiffness.at(row)?),
+            Self::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {
+                (inertia, damping, if position_controlled.at(row)? { stiffness.at(row)? } else { 0.0 })
+            }
+        };
+        Some([inertia.at(row)?, damping.at(row)?, stiffness])
+    }
 }
 
 /// The target of the joints of a posture.

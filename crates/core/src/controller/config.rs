@@ -5,7 +5,7 @@ use std::sync::Arc;
 use revprio_robot::RobotModel;
 
 use super::{NullSpaceError, NullSpaceMotion, TaskConfig, TaskConfigError};
-use crate::limits::{Barrier, LimitKind, LimitedBox, PlanePoint, VelocityBox, robot_box};
+use crate::limits::{Barrier, LimitKind, LimitedBox, VelocityBox, robot_box};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 
@@ -185,11 +185,7 @@ impl ControllerConfig {
             }
         }
         let joints = self.robot.joint_count();
-        let fits = |barrier: &Barrier| match barrier {
-            Barrier::Fixed(inequality) => inequality.coefficients().len() == joints,
-            Barrier::Plane(plane) => !matches!(plane.point(), PlanePoint::Joint(joint) if joint >= joints),
-        };
-        if let Some(index) = self.barriers.iter().position(|barrier| !fits(barrier)) {
+        if let Some(index) = self.barriers.iter().position(|barrier| !barrier.fits(joints)) {
             let name = self.barriers[index].name().to_owned();
             return Err(ConfigError::Barrier { index, name, expected: joints });
         }

@@ -24,6 +24,22 @@ impl Barrier {
         }
     }
 
+    /// Returns whether the barrier is possible for an arm of `joints` joints.
+    pub fn fits(&self, joints: usize) -> bool {
+        match self {
+            Self::Fixed(inequality) => inequality.coefficients().len() == joints,
+            Self::Plane(plane) => !matches!(plane.point, PlanePoint::Joint(joint) if joint >= joints),
+        }
+    }
+
+    /// Returns the inequality if it is the same at every posture.
+    pub fn constant(&self) -> Option<&Inequality> {
+        match self {
+            Self::Fixed(inequality) => Some(inequality),
+            Self::Plane(_) => None,
+        }
+    }
+
     /// Returns the inequality at a posture.
     pub fn at(&self, configuration: &Configuration) -> Inequality {
         match self {

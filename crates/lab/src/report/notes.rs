@@ -79,18 +79,17 @@ fn wall_run(control: &str, run: &Recording) -> String {
     let metrics = Metrics::of(run);
     let error = |axis: usize| largest(run.samples.iter().map(|sample| sample.position_error[axis].abs()));
     let (y, z) = (significant(MM * error(1), 2), significant(MM * error(2), 2));
-    let approach = match (metrics.first_contact_s, metrics.final_force) {
-        (Some(contact), Some(force)) => format!(
+    let approach = if let (Some(contact), Some(force)) = (metrics.first_contact_s, metrics.final_force) {
+        format!(
             "the tool touches the wall at {} s. The force peaks at {} N and ends at {} N; there are {} contacts.",
             significant(contact, 3),
             significant(metrics.peak_force, 3),
             significant(force, 8),
             metrics.contacts
-        ),
-        _ => {
-            let distance = smallest(run.samples.iter().filter_map(|sample| sample.wall_distance));
-            format!("the tool does not reach the wall and stays at least {} mm away.", significant(MM * distance, 2))
-        }
+        )
+    } else {
+        let distance = smallest(run.samples.iter().filter_map(|sample| sample.wall_distance));
+        format!("the tool does not reach the wall and stays at least {} mm away.", significant(MM * distance, 2))
     };
     format!("{control}, {approach} The tool deviates by up to {y} mm in y and {z} mm in z.")
 }
