@@ -120,59 +120,59 @@ __all__ = [
 
 
 class ActiveInequality(Answer):
-    """An inequality that holds the answer back."""
+    """An active inequality: it holds with equality and restricts the answer."""
 
     bound: float
-    """b."""
+    """Upper bound b."""
     multiplier: float
-    """How much ½ residual² of the highest task that it holds back would fall per unit of a larger b."""
+    """Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a larger b."""
     name: str
-    """Its name."""
+    """Name of the inequality."""
 
 
 Side = Literal["lower", "upper"]
-"""A bound of a joint."""
+"""The side of a bound."""
 
 
 class ActiveLimit(Answer):
-    """A limit that holds the answer back."""
+    """An active limit: a bound that the answer reaches and that restricts it."""
 
     joint: str
-    """Joint name."""
+    """Name of the joint."""
     multiplier: float
-    """How much ½ residual² of the highest task that the limit holds back would fall per unit of a wider bound."""
+    """Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider bound."""
     side: Side
-    """Which bound."""
+    """Lower or upper bound."""
     value: float
-    """The bound, rad/s or m/s."""
+    """Bound, rad/s or m/s."""
 
 
 class ActiveLimitName(Body):
-    """A limit by joint and side, or an inequality by name."""
+    """An active limit: a joint and a side, or an inequality."""
 
     side: Side
-    """Which bound; inequalities have an upper one."""
+    """Lower or upper bound; `upper` for an inequality."""
     inequality: str | None = None
-    """Name of an inequality, for that."""
+    """Name of the inequality, for an inequality."""
     joint: str | None = None
-    """Joint name, for a bound of a joint."""
+    """Name of the joint, for a limit of a joint."""
 
 
 class JointView(Answer):
-    """A joint in space and the velocities that it may have."""
+    """The axis of a joint, and the velocities that its limits allow."""
 
     axis: FloatArray
-    """Direction of its axis, base frame, of unit length."""
+    """Direction of the axis, unit vector, base frame."""
     origin: FloatArray
-    """A point of its axis, base frame, m."""
+    """Point on the axis, base frame, m."""
     lower: float | None = None
-    """Smallest velocity that the limits allow in this period, rad/s or m/s; `null` without a bound."""
+    """Minimum velocity in this period, rad/s or m/s; `null` without a bound."""
     upper: float | None = None
-    """Largest velocity that they allow."""
+    """Maximum velocity in this period, rad/s or m/s; `null` without a bound."""
 
 
 class Orientation(Body):
-    """A unit quaternion."""
+    """An orientation as a unit quaternion."""
 
     w: float
     """Scalar part."""
@@ -185,145 +185,144 @@ class Orientation(Body):
 
 
 class Pose(Body):
-    """A pose, in the frame that its field names."""
+    """A pose in the frame that the description of its field names."""
 
     orientation: Orientation
-    """Orientation."""
+    """Orientation, unit quaternion."""
     position: ArrayLike
-    """x, y, z, m. Shape: 3."""
+    """Position x, y, z, m. Shape: 3."""
 
 
 class ArmView(Answer):
-    """An arm at a posture, for drawing it."""
+    """An arm at a posture, for drawing."""
 
     joints: list[JointView]
     """The joints, base first."""
     tool: Pose
-    """The tool in the base frame."""
+    """Tool pose in the base frame, m."""
 
 
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
-"""One row of a twist, at the point and along the axes of its task."""
+"""One axis of a twist or a wrench, in the frame of the task."""
 
 
 class Singularity(Answer):
-    """How near the tasks are to singularities."""
+    """Distance of the tasks from singularities."""
 
     algorithmic: bool
-    """Whether a task depends on lower ones."""
+    """Whether the rows of any task depend on the rows of lower tasks."""
     manipulability: float
-    """Product of their singular values."""
+    """Manipulability, the product of the singular values of all task rows together."""
     smallest_singular_value: float
-    """σ_min of all task rows together."""
+    """Smallest singular value of all task rows together."""
 
 
 Path = Literal["closed_form", "active_set", "qp"]
-"""Which way led to an answer."""
+"""The solver path that found an answer."""
 
 Status = Literal["optimal", "not_certified", "failed"]
-"""How sure an answer is."""
+"""The status of an answer: whether it is certified optimal."""
 
 
 class SolverReport(Answer):
-    """How the answer was found and how sure it is."""
+    """Solver path, status and certificate of an answer."""
 
     iterations: int
-    """Iterations of Clarabel over all levels."""
+    """Number of iterations of Clarabel over all levels."""
     path: Path
-    """Which way led to it."""
+    """Solver path that found the answer."""
     status: Status
-    """How sure it is."""
+    """Whether the answer is certified optimal."""
     failures: int | None = None
-    """Levels that Clarabel failed to solve; an exact active-set method stood in."""
+    """Number of levels that Clarabel failed to solve; an exact active-set method solved them."""
     kkt_residual: float | None = None
-    """Largest relative residual of the optimality conditions; `null` without an answer or beyond the numbers, never
-    when `status` is `optimal`."""
+    """Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
+    `status` is `optimal`."""
 
 
 class TaskOutcome(Answer):
-    """What became of one task."""
+    """The outcome of one task."""
 
     achieved: FloatArray
-    """J_k q̇, m/s and rad/s."""
+    """Achieved task velocity J_k q̇, m/s and rad/s."""
     algorithmic: bool
-    """Whether the task depends on lower ones: its rank and theirs add up to more than that of all together, Eq.
-    (12)."""
+    """Whether the rows of the task depend on the rows of lower tasks (algorithmic singularity, Eq. (12))."""
     name: str
-    """The task's name."""
+    """Name of the task."""
     rank: int
-    """Rank of J_k."""
+    """Rank of the task Jacobian J_k."""
     requested: FloatArray
-    """ẋ_k, m/s and rad/s."""
+    """Requested task velocity ẋ_k, m/s and rad/s."""
     residual_norm: float
-    """‖J_k q̇ − ẋ_k‖."""
+    """Norm of the residual, ‖J_k q̇ − ẋ_k‖."""
     scale: float | None = None
-    """s of a task with `"scale": true`, J_k q̇ = s ẋ_k; left out where no s keeps its direction."""
+    """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
     target_force: FloatArray | None = None
-    """F_d of this period per row, N and N·m, `null` where no force is followed; only in answers to a state."""
+    """Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state."""
 
 
 class ViolatedLimit(Answer):
-    """A limit that the answer breaks; only the solver `closed_form` does."""
+    """A limit that the answer violates. Only the solver `closed_form` violates limits."""
 
     joint: str
-    """Joint name."""
+    """Name of the joint."""
     limit: float
-    """The bound, rad/s or m/s."""
+    """Bound, rad/s or m/s."""
     side: Side
-    """Which bound."""
+    """Lower or upper bound."""
     value: float
-    """The velocity, rad/s or m/s."""
+    """Velocity of the joint, rad/s or m/s."""
 
 
 class ViolatedInequality(Answer):
-    """An inequality that the answer breaks: by the solver `closed_form`, or because the joint limits leave no other
-    way."""
+    """An inequality that the answer violates: the solver is `closed_form`, or the inequalities contradict the joint
+    limits."""
 
     bound: float
-    """b."""
+    """Upper bound b."""
     name: str
-    """Its name."""
+    """Name of the inequality."""
     value: float
-    """a·q̇."""
+    """Value a·q̇ of the answer."""
 
 
 class ResolveAnswer(Answer):
-    """Joint velocities and why they are what they are."""
+    """Joint velocities and their explanation."""
 
     active_limits: list[ActiveLimit]
-    """Limits that hold the answer back."""
+    """Active limits: bounds that the answer reaches and that restrict it."""
     elapsed_us: float
-    """Time to compute it, µs."""
+    """Time to compute the answer, µs."""
     joint_velocity: FloatArray
-    """q̇, rad/s or m/s."""
+    """Joint velocity q̇, the command, in joint order, rad/s or m/s."""
     limit_conflict: list[str]
-    """Joints whose acceleration limit was overruled by position or velocity."""
+    """Names of joints whose acceleration limit contradicts position or velocity limits and is not kept."""
     singularity: Singularity
-    """How near the tasks are to singularities."""
+    """Distance of the tasks from singularities."""
     solver: SolverReport
-    """How the answer was found."""
+    """Solver path, status and certificate."""
     tasks: list[TaskOutcome]
-    """What became of each task, highest priority first."""
+    """Outcome of each task, highest priority first."""
     violated_limits: list[ViolatedLimit]
-    """Limits that the answer breaks."""
+    """Violated limits; only the solver `closed_form` violates limits."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
-    """Inequalities that hold the answer back."""
+    """Active inequalities."""
     joint_limit_index: float | None = None
-    """H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end; only
-    where robot and posture are given."""
+    """Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit; only with a
+    robot."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
-    """Inequalities that the answer breaks."""
+    """Violated inequalities."""
 
 
 class Problem(Answer):
-    """What was wrong with a request and what to do about it."""
+    """Why a request was refused, and the remedy."""
 
     detail: str
-    """This occurrence in words, with the remedy."""
+    """Description of this problem, with the remedy."""
     status: int
-    """HTTP status."""
+    """HTTP status code."""
     title: str
-    """The kind in words."""
+    """Kind of problem in words."""
     type: Literal[
         "/problems/malformed",
         "/problems/unauthorized",
@@ -349,105 +348,105 @@ class Problem(Answer):
         "/problems/overloaded",
         "/problems/draining",
     ]
-    """Stable identifier of the kind of problem, a relative reference."""
+    """Identifier of the kind of problem, a relative reference that never changes."""
     pointer: str | None = None
-    """JSON pointer of the offending field, where there is one."""
+    """JSON pointer to the wrong field of the request, if there is one."""
     request_id: str | None = None
-    """Name of the request, as in the header `x-request-id` and in the log."""
+    """Identifier of the request, as in the header `x-request-id` and in the log."""
 
 
 BatchItem = ResolveAnswer | Problem
-"""What became of one."""
+"""The result of one problem of a batch."""
 
 
 class BatchAnswer(Answer):
-    """What became of them."""
+    """The results of a batch."""
 
     items: list[BatchItem]
-    """One answer or problem for each, in the order of the request."""
+    """One answer or error per problem, in the order of the request."""
 
 
 Frame = Literal["base", "tool"] | Pose
-"""Along which axes a task counts: those of the base, those of the tool, or those of a frame with this pose in the
-base (m, unit quaternion); target poses are counted in such a frame."""
+"""Axes of a task: of the base, of the tool, or of a frame with this pose in the base (m, unit quaternion). In the
+last case, target poses are given in that frame."""
 
 
 class ResolveTask(Body):
-    """One task: axes of the tool, or rows of its own."""
+    """One task: axes of the tool, or its own Jacobian."""
 
     velocity: ArrayLike
-    """ẋ_k, m/s and rad/s, one entry per row."""
+    """Task velocity ẋ_k, one entry per row, m/s and rad/s."""
     axes: list[Axis] | None = None
-    """Rows of the tool Jacobian."""
+    """Axes of the tool, one per row; instead of `jacobian`."""
     frame: Frame | None = None
-    """Along which axes the rows count."""
+    """Axes along which the rows are measured; default `base`."""
     jacobian: ArrayLike | None = None
-    """Own rows, m × n."""
+    """Task Jacobian J_k, m × n, row by row; instead of `axes`."""
     name: str | None = None
-    """Name; `task 1`, `task 2`, … if left out."""
+    """Name; default `task 1`, `task 2`, …"""
     reference_point: ArrayLike | None = None
-    """The point at which they count: x, y, z in the tool frame, m; the tool point if left out. Shape: 3."""
+    """Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`."""
 
 
 class Damping(Body):
-    """Damping that sets in near a singularity."""
+    """Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0."""
 
     max_factor: float
-    """λ_max ≥ 0, the factor at a singular value of zero."""
+    """Maximum damping factor λ_max ≥ 0, reached at a singular value of zero."""
     threshold: float
-    """δ > 0, the smallest singular value below which damping acts."""
+    """Threshold δ > 0: damping acts if the smallest singular value is below it."""
 
 
 class JointsInequality(Tagged):
-    """a·q̇ ≤ b."""
+    """The inequality a·q̇ ≤ b."""
 
     coefficients: ArrayLike
-    """a, one per joint, in joint order."""
+    """Coefficients a, one per joint, in joint order, any unit."""
     kind: Literal["joints"] = "joints"
-    """Says which."""
+    """Selects the variant."""
     upper: float
-    """b, rad/s times the unit of a."""
+    """Upper bound b, rad/s (or m/s) times the unit of a."""
     name: str | None = None
-    """Name, unique in the list; `inequality 1`, `inequality 2`, … if left out."""
+    """Name, unique in the list; default `inequality 1`, `inequality 2`, …"""
 
 
 class PlaneInequality(Tagged):
-    """A point of the arm stays on one side of a plane: n·ṗ ≤ rate (offset − n·p)."""
+    """A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p)."""
 
     kind: Literal["plane"] = "plane"
-    """Says which."""
+    """Selects the variant."""
     normal: ArrayLike
-    """n, base frame, towards the forbidden side; its length does not matter. Shape: 3."""
+    """Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3."""
     offset_m: float
-    """Distance of the plane from the base along n, m."""
+    """Distance of the plane from the base origin along n, m."""
     name: str | None = None
-    """Name, unique in the list; `inequality 1`, `inequality 2`, … if left out."""
+    """Name, unique in the list; default `inequality 1`, `inequality 2`, …"""
     point: str | None = None
-    """`tool`, or the name of a joint whose frame origin is held back."""
+    """Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`."""
     rate_per_s: float | None = None
-    """How fast the distance may close, 1/s; 10 if left out, at most one over the period."""
+    """Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10."""
 
 
 Inequality = Annotated[JointsInequality | PlaneInequality, Field(discriminator="kind")]
-"""What the joint velocities must obey beside the box."""
+"""A linear inequality on the joint velocities, besides the joint limits."""
 
 LimitKind = Literal["none", "velocity", "position_velocity", "position_velocity_acceleration"]
-"""Which of the robot's limits count."""
+"""The limits of the robot that apply."""
 
 
 class ExplicitLimits(Body):
-    """lower ≤ q̇ ≤ upper, rad/s or m/s."""
+    """Bounds lower ≤ q̇ ≤ upper."""
 
     lower: ArrayLike
-    """Lower bounds, n."""
+    """Lower bounds, one per joint, rad/s or m/s."""
     upper: ArrayLike
-    """Upper bounds, n."""
+    """Upper bounds, one per joint, rad/s or m/s."""
 
 
 Limits = LimitKind | ExplicitLimits
-"""The robot's own limits by name, or a box of joint velocities."""
+"""The limits of the joint velocities: limits of the robot by name, or bounds of the velocities."""
 
 Method = Literal[
     "pseudoinverse",
@@ -457,154 +456,154 @@ Method = Literal[
     "reverse_priority",
     "strict_reverse_priority",
 ]
-"""How priorities are understood."""
+"""The resolution method, the meaning of priorities."""
 
 
 class JointLimitsNullSpaceMotion(Tagged):
-    """−k ∇H, away from the ends of the joints' ranges."""
+    """The velocity −k ∇H, away from the position limits, with the joint-limit index H."""
 
     gain: float
-    """k, rad²/s or m²/s."""
+    """Gain k, rad²/s or m²/s."""
     kind: Literal["joint_limits"] = "joint_limits"
-    """Says which."""
+    """Selects the variant."""
 
 
 class PostureNullSpaceMotion(Tagged):
-    """K (q_d − q), towards a posture."""
+    """The velocity K (q_d − q), towards a posture."""
 
     gain: float
-    """K, 1/s."""
+    """Gain K, 1/s."""
     joint_position: JointVector
-    """q_d, rad or m."""
+    """Target posture q_d, rad or m."""
     kind: Literal["posture"] = "posture"
-    """Says which."""
+    """Selects the variant."""
 
 
 NullSpaceMotion = Annotated[JointLimitsNullSpaceMotion | PostureNullSpaceMotion, Field(discriminator="kind")]
-"""A velocity that depends on the posture."""
+"""A null-space velocity computed from the posture."""
 
 NullSpaceVelocity = NullSpaceMotion | JointVector
-"""ζ̇ as such, or what makes it from the posture."""
+"""The null-space velocity ζ̇: a constant, or a motion computed from the posture."""
 
 Solver = Literal["closed_form", "qp", "auto"]
-"""How the problem is solved."""
+"""The solver of the problem."""
 
 
 class ResolveRequest(Body):
-    """Prioritised tasks at one posture."""
+    """Prioritised tasks at one posture, to resolve into joint velocities."""
 
     tasks: list[ResolveTask]
     """The tasks, highest priority first."""
     damping: Damping | None = None
-    """Damping near singularities; none (exact) if left out."""
+    """Damping near singularities; default: no damping."""
     inequalities: list[Inequality] | None = None
-    """What the velocities must obey beside the limits."""
+    """Inequalities on the joint velocities besides the limits; default: none."""
     joint_position: JointVector | None = None
-    """q, rad or m."""
+    """Joint position q, rad or m; needed unless every task has its own `jacobian`."""
     joint_velocity: JointVector | None = None
-    """q̇⁻, the last command, rad/s or m/s; for acceleration limits."""
+    """Joint velocity of the last command, rad/s or m/s; needed for acceleration limits."""
     limits: Limits | None = None
-    """Allowed joint velocities; default `position_velocity` with a robot and a period, else `none`."""
+    """Limits of the joint velocities; default: `position_velocity` with robot, posture and period, otherwise `none`."""
     method: Method | None = None
-    """How priorities are understood."""
+    """Resolution method, the meaning of priorities; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
-    """ζ̇, what the joints do as far as the tasks allow; rest if left out."""
+    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest."""
     period_s: float | None = None
-    """T, s; for position and acceleration limits."""
+    """Control period T, s; needed for position and acceleration limits."""
     robot: str | None = None
-    """Name of a robot; may be left out when every task has its own `jacobian`."""
+    """Name of the robot; not needed if every task has its own `jacobian`."""
     solver: Solver | None = None
-    """How the problem is solved."""
+    """Solver; default `auto`."""
     tool_offset: Pose | None = None
-    """Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out."""
+    """Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself."""
 
 
 class BatchRequest(Body):
-    """Problems that have nothing to do with each other."""
+    """Independent problems to resolve."""
 
     items: list[ResolveRequest]
-    """The problems, 10 000 at most."""
+    """Problems, at most 10 000."""
 
 
 ContactKind = Literal["spring", "wall", "plane"]
-"""What kind of thing is touched."""
+"""Kind of a contact."""
 
 
 class Friction(Body):
     """Friction of a tool with velocity v along a surface that it presses with F_n: (μ F_n/√(v² + v_s²) + B_t) v."""
 
     coulomb: float | None = None
-    """μ."""
+    """Coefficient μ of dry friction."""
     sticking_speed_m_s: float | None = None
-    """v_s, m/s: below it dry friction falls towards zero, so that a tool at rest feels none."""
+    """Speed v_s, m/s. Below it, dry friction decreases to zero, so that a tool at rest has none."""
     viscous: float | None = None
-    """B_t, N·s/m, wherever the tool touches."""
+    """Viscous friction B_t, N·s/m, during contact."""
 
 
 class ConstantProfile(Tagged):
-    """The same for ever."""
+    """A constant value."""
 
     kind: Literal["constant"] = "constant"
-    """Says which."""
+    """Selects the variant."""
     value: ArrayLike
-    """The value."""
+    """Constant value."""
 
 
 class SineProfile(Tagged):
-    """offset + amplitude sin(ω t + φ)."""
+    """A sine: offset + amplitude sin(ω t + φ)."""
 
     amplitude: ArrayLike
-    """Swing."""
+    """Amplitude."""
     angular_frequency_rad_s: float
-    """ω, rad/s."""
+    """Angular frequency ω, rad/s."""
     kind: Literal["sine"] = "sine"
-    """Says which."""
+    """Selects the variant."""
     offset: ArrayLike
     """Mean value."""
     phase_rad: float | None = None
-    """φ, rad."""
+    """Phase φ, rad; default 0."""
 
 
 class RampProfile(Tagged):
-    """Straight from one value to another; constant before and after."""
+    """A linear change from one value to another, constant before and after."""
 
     duration_s: float
-    """How long it takes, s."""
+    """Duration, s; at least 1e-6."""
     end: ArrayLike
-    """Last value."""
+    """Value after the ramp."""
     kind: Literal["ramp"] = "ramp"
-    """Says which."""
+    """Selects the variant."""
     start: ArrayLike
-    """First value."""
+    """Value before the ramp."""
     start_time_s: float | None = None
-    """When it begins, s."""
+    """Start time, s; default 0."""
 
 
 class ProfilePoint(Body):
     """A value at a time."""
 
     time_s: float
-    """t, s."""
+    """Time t, s."""
     value: ArrayLike
-    """The value then."""
+    """Value at that time."""
 
 
 class StepsProfile(Tagged):
-    """The value of the last point whose time has come; of the first one before it."""
+    """The value of the last point passed; before the first point, its value."""
 
     kind: Literal["steps"] = "steps"
-    """Says which."""
+    """Selects the variant."""
     points: list[ProfilePoint]
-    """The points, in the order of their times."""
+    """Points in the order of their times."""
 
 
 class WaypointsProfile(Tagged):
-    """Smoothly through all points, at rest at the first and the last one."""
+    """A smooth curve through all points, at rest at the first and the last point."""
 
     kind: Literal["waypoints"] = "waypoints"
-    """Says which."""
+    """Selects the variant."""
     points: list[ProfilePoint]
-    """The points, in the order of their times."""
+    """Points in the order of their times."""
 
 
 Profile = Annotated[
@@ -614,383 +613,384 @@ Profile = Annotated[
 
 
 class Contact(Body):
-    """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, and friction across it.  Paper: Eq. (36).
-    Departs: X_0, where the surface is, is not printed; it may move, and velocity and acceleration count relative to
-    it."""
+    """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.  Paper: Eq.
+    (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and acceleration are
+    relative to it."""
 
     kind: ContactKind
-    """What it is."""
+    """Kind of contact."""
     stiffness: float
-    """K_e, N/m."""
+    """Stiffness K_e, N/m."""
     axis: Literal["x", "y", "z"] | None = None
     """Base axis of a spring or a wall."""
     damping: float | None = None
-    """B_e, N·s/m."""
+    """Damping B_e, N·s/m."""
     friction: Friction | None = None
-    """Along a wall or a plane; none if left out."""
+    """Friction along a wall or a plane; none by default."""
     inertia: float | None = None
-    """M_e, kg."""
+    """Inertia M_e, kg."""
     motion: Profile | None = None
-    """Added to `offset_m` over time, m, one value."""
+    """Motion that is added to `offset_m`, m, one value."""
     normal: ArrayLike | None = None
-    """Direction out of a plane's material, base axes; of any length but zero. Shape: 3."""
+    """Normal of a plane, out of the material, base axes; of any length except zero. Shape: 3."""
     offset_m: float | None = None
-    """X_0 from the tool's start position, m: along the axis, where a wall with a negative offset stands in the negative
-    direction; of a plane, the tool's way to it against the normal."""
+    """X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the
+    negative direction. For a plane: the distance of the tool to it, against the normal."""
 
 
 class VelocityLaw(Tagged):
-    """ẋ as given."""
+    """A given velocity ẋ."""
 
     kind: Literal["velocity"] = "velocity"
-    """Says which."""
+    """Selects the variant."""
     target_velocity: Profile
-    """ẋ, m/s and rad/s."""
+    """Task velocity ẋ, m/s and rad/s."""
 
 
 TargetPose = Literal["initial"] | Pose
-"""The pose that displacements are counted from: `initial`, where the tool was at the first step, or a pose of the
-reference point (m, unit quaternion), in the task's stated frame where it has one, else in the base."""
+"""Target pose, from which displacements are measured: `initial` (the pose at the first step), or a pose of the
+reference point (m, unit quaternion), in the task's `frame` if that is a pose, otherwise in the base frame."""
 
 
 class PoseLaw(Tagged):
-    """Go to a pose: ẋ = ẋ_d + K (x_d − x)."""
+    """Motion to a pose: ẋ = ẋ_d + K (x_d − x)."""
 
     gain: ArrayLike
-    """K, 1/s."""
+    """Gain K, 1/s."""
     kind: Literal["pose"] = "pose"
-    """Says which."""
+    """Selects the variant."""
     target_displacement: Profile | None = None
-    """Added to X_d, m and rad (rotation vector)."""
+    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
     target_pose: TargetPose | None = None
-    """X_d."""
+    """Target pose X_d; default `initial`, the pose at the first step."""
 
 
 PostureTarget = Literal["mid_range"] | Profile
-"""Where a posture leads its joints: `mid_range`, the middle of their ranges, or positions over time, one per joint,
-rad or m."""
+"""Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per
+joint, rad or m."""
 
 
 class PostureLaw(Tagged):
-    """Lead joints: q̇ = q̇_d + K (q_d − q), or −K ∇H towards the middle of their ranges."""
+    """Motion of joints to positions, q̇ = q̇_d + K (q_d − q), or to the middle of their ranges, q̇ = −K ∇H."""
 
     gain: ArrayLike
-    """K, one for all or one per joint, 1/s; towards `mid_range` rad²/s or m²/s."""
+    """Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s."""
     kind: Literal["posture"] = "posture"
-    """Says which."""
+    """Selects the variant."""
     target_position: PostureTarget
-    """q_d."""
+    """Target positions q_d, rad or m, or `mid_range`."""
     joints: list[str] | None = None
-    """Names of the joints; if left out all, towards `mid_range` all that have a range."""
+    """Names of the joints; default: all joints, for `mid_range` all joints with a range."""
 
 
 class ForceLaw(Tagged):
-    """Follow a force."""
+    """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e."""
 
     damping: ArrayLike
-    """B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad."""
     inertia: ArrayLike
-    """M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m²."""
     kind: Literal["force"] = "force"
-    """Says which."""
+    """Selects the variant."""
     target_force: Profile
-    """F_d, N and N·m."""
+    """Target force F_d, N and N·m."""
 
 
 class ImpedanceLaw(Tagged):
-    """Behave as mass, damper and spring about a pose."""
+    """Mass, damper and spring about a pose: M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e."""
 
     damping: ArrayLike
-    """B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad."""
     inertia: ArrayLike
-    """M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m²."""
     kind: Literal["impedance"] = "impedance"
-    """Says which."""
+    """Selects the variant."""
     stiffness: ArrayLike
-    """K_d, N/m and N·m/rad."""
+    """Stiffness K_d, N/m and N·m/rad."""
     target_displacement: Profile | None = None
-    """Added to X_d, m and rad (rotation vector)."""
+    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
     target_pose: TargetPose | None = None
-    """X_d."""
+    """Target pose X_d; default `initial`, the pose at the first step."""
 
 
 PerAxisBool = bool | list[bool]
-"""One value that counts for every axis of the task, or a list with one value per axis."""
+"""One value for all axes of the task, or a list with one value per axis."""
 
 
 class HybridLaw(Tagged):
-    """Some axes follow a force, the others a pose."""
+    """Force control on some axes, impedance on the others."""
 
     damping: ArrayLike
-    """B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad."""
     inertia: ArrayLike
-    """M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m²."""
     kind: Literal["hybrid"] = "hybrid"
-    """Says which."""
+    """Selects the variant."""
     position_controlled: PerAxisBool
-    """S: true = position-controlled, false = force-controlled."""
+    """Selection S per axis: `true` position-controlled, `false` force-controlled."""
     stiffness: ArrayLike
-    """K_d, N/m and N·m/rad; counts on position-controlled axes."""
+    """Stiffness K_d of the position-controlled axes, N/m and N·m/rad; ignored on the others."""
     target_force: Profile
-    """F_d, N and N·m; counts on force-controlled axes."""
+    """Target force F_d of the force-controlled axes, N and N·m; ignored on the others."""
     target_displacement: Profile | None = None
-    """Added to X_d, m and rad (rotation vector)."""
+    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
     target_pose: TargetPose | None = None
-    """X_d."""
+    """Target pose X_d; default `initial`, the pose at the first step."""
 
 
 Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")]
-"""How a task's velocity is made."""
+"""The law that computes the velocity of a task."""
 
 
 class ControllerTask(Body):
-    """One task with its law."""
+    """One task of a controller: rows and law."""
 
     law: Law
-    """How the task's velocity is made."""
+    """Law that computes the velocity of the task."""
     name: str
     """Name, unique in the controller."""
     axes: list[Axis] | None = None
-    """Rows of the tool Jacobian; every law but `posture` needs them."""
+    """Axes of the tool, one per row; required by every law except `posture`."""
     frame: Frame | None = None
-    """Along which axes rows, displacements and wrench count."""
+    """Axes along which rows, displacements and wrench are measured; default `base`."""
     reference_point: ArrayLike | None = None
-    """The point at which rows, pose and wrench count: x, y, z in the tool frame, m; the tool point if left out. Shape:
-    3."""
+    """Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits may slow the task down, but not bend it: J_k q̇ = s ẋ_k with the largest s ≤ 1."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`."""
 
 
 class EnvironmentAxis(Body):
-    """M_e Ẍ + B_e Ẋ + K_e X on one axis."""
+    """The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X."""
 
     stiffness: float
-    """K_e."""
+    """Stiffness K_e, N/m or N·m/rad."""
     damping: float | None = None
-    """B_e."""
+    """Damping B_e, N·s/m or N·m·s/rad; default 0."""
     inertia: float | None = None
-    """M_e."""
+    """Inertia M_e, kg or kg·m²; default 0."""
 
 
 class Environment(Body):
-    """What a controller's tool touches and how the arm follows, as far as it is known: enough to be warned of a loop
-    that bounces for ever. It changes no command."""
+    """The environment of the tool and the response of the arm, as far as known. It causes warnings of unstable loops
+    and changes no command."""
 
     delay_periods: int | None = None
-    """Whole periods that a command waits."""
+    """Delay of a command, control periods; default 0."""
     lag_s: float | None = None
-    """τ of the arm's velocity loop, s."""
+    """Lag τ of the arm's velocity loop, s; default 0."""
     rx: EnvironmentAxis | None = None
-    """About x."""
+    """Environment about x of the base; default: none."""
     ry: EnvironmentAxis | None = None
-    """About y."""
+    """Environment about y of the base; default: none."""
     rz: EnvironmentAxis | None = None
-    """About z."""
+    """Environment about z of the base; default: none."""
     velocity_measured: bool | None = None
-    """Whether states will carry the measured joint velocity; otherwise the last command stands for it."""
+    """Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`."""
     x: EnvironmentAxis | None = None
-    """Along x, base axes."""
+    """Environment along x of the base; default: none."""
     y: EnvironmentAxis | None = None
-    """Along y."""
+    """Environment along y of the base; default: none."""
     z: EnvironmentAxis | None = None
-    """Along z."""
+    """Environment along z of the base; default: none."""
 
 
 WrenchConvention = Literal["on_environment", "on_tool"]
-"""Whose wrench a state carries."""
+"""The sign convention of a wrench: who exerts it on whom."""
 
 WrenchFrame = Literal["base", "tool"]
-"""Along which axes a state carries its wrench."""
+"""The axes of the wrench in a state."""
 
 
 class ControllerConfig(Body):
-    """Robot, tasks with their laws, method, solver, limits, period."""
+    """A controller: robot, tasks with their laws, method, solver, limits and control period."""
 
     period_s: float
-    """T, s."""
+    """Control period T, s."""
     robot: str
-    """Name of a robot."""
+    """Name of the robot."""
     tasks: list[ControllerTask]
     """The tasks, highest priority first."""
     damping: Damping | None = None
-    """Damping near singularities; 0.05 and 0.1 if left out, exact if `null`."""
+    """Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping."""
     environment: Environment | None = None
-    """What the tool touches; `POST /v1/controllers` warns where a loop with it is unstable, a stateless step does
-    not."""
+    """Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
+    default: unknown."""
     inequalities: list[Inequality] | None = None
-    """What the velocities must obey beside the limits."""
+    """Inequalities on the joint velocities besides the limits; default: none."""
     limits: Limits | None = None
-    """Allowed joint velocities."""
+    """Limits of the joint velocities; default `position_velocity`."""
     method: Method | None = None
-    """How priorities are understood."""
+    """Resolution method, the meaning of priorities; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
-    """ζ̇, what the joints do as far as the tasks allow; rest if left out."""
+    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest."""
     solver: Solver | None = None
-    """How each period's problem is solved."""
+    """Solver of each period's problem; default `auto`."""
     tool_offset: Pose | None = None
-    """Where the tool point is, and how the tool's axes lie, in the robot's own tool frame; there if left out."""
+    """Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself."""
     wrench_convention: WrenchConvention | None = None
-    """Whose wrench the states carry."""
+    """Sign of the wrench in the states: who exerts it on whom; default `on_environment`."""
     wrench_frame: WrenchFrame | None = None
-    """Along which axes they carry it."""
+    """Axes of the wrench in the states; default `base`."""
 
 
 class CreatedController(Answer):
     """Answer to `POST /v1/controllers`."""
 
     id: str
-    """Name of the session, part of its address."""
+    """Identifier of the session, part of its address."""
     idle_timeout_s: int
-    """The session ends when it gets no state for this long, s; looking at it does not count."""
+    """Time without a new state after which the session ends, s; `GET` requests do not extend it."""
     joints: list[str]
-    """Joint order of positions and velocities."""
+    """Names of the joints, in the order of all vectors of joints."""
     warnings: list[str] = Field(default_factory=list)
-    """What is likely to go wrong: axes whose loop with the stated environment is unstable, and what would help."""
+    """Warnings: axes whose loop with the given environment is unstable, and what would make them stable."""
 
 
 class DenavitHartenberg(Answer):
-    """Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d (prismatic)."""
+    """A Denavit-Hartenberg row, Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d
+    (prismatic)."""
 
     a_m: float
-    """a, m."""
+    """Length a along x, m."""
     alpha_rad: float
-    """α, rad."""
+    """Twist α about x, rad."""
     d_m: float
-    """d, m."""
+    """Offset d along z, m."""
     theta_rad: float
-    """θ at joint position zero, rad."""
+    """Angle θ at joint position zero, rad."""
 
 
 class Outage(Body):
-    """A time in which the service hears nothing and says nothing."""
+    """A time in which the service does not run."""
 
     duration_s: float
-    """How long, s."""
+    """Duration, s."""
     start_s: float
-    """Since the start, s; above zero."""
+    """Start, s; above zero."""
 
 
 class Faults(Body):
-    """Faults on the line between the arm and the service; none if nothing is set. The first answer always arrives."""
+    """Faults of the connection between arm and service; none by default. The first answer always arrives."""
 
     dropped: float | None = None
-    """Part of the answers that are lost, 0 to 1."""
+    """Share of the answers that are lost, 0 to 1."""
     late: float | None = None
-    """Part of the answers at which the line jams: they and all after them arrive together, `late_periods` later."""
+    """Share of the answers that are late. A late answer delays all later answers; they arrive together after
+    `late_periods`."""
     late_periods: int | None = None
-    """How long a jam lasts, periods."""
+    """Delay of a late answer, periods."""
     outages: list[Outage] | None = None
-    """When the service is dead."""
+    """Times at which the service does not run."""
     reordered: float | None = None
-    """Part of the answers that arrive a period later, after the next one."""
+    """Share of the answers that arrive one period late, after the next answer."""
     repeated: float | None = None
-    """Part of the answers that arrive once more a period later."""
+    """Share of the answers that arrive a second time one period later."""
 
 
 class FramePose(Body):
-    """A pose that survives writing and reading to the last bit: a rotation matrix, not a quaternion."""
+    """A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion."""
 
     position: ArrayLike
-    """x, y, z in the base frame, m. Shape: 3."""
+    """Position x, y, z in the base frame, m. Shape: 3."""
     rotation: ArrayLike
-    """Rotation matrix, row by row. Shape: 3 × 3."""
+    """Rotation matrix, 3 × 3, row by row. Shape: 3 × 3."""
 
 
 class Interactive(Body):
-    """How a run is paced."""
+    """The pace of an interactive run."""
 
     paused: bool | None = None
-    """Whether simulated time stands still."""
+    """Whether the run is paused; default `false`."""
     speed: float | None = None
-    """Simulated seconds per second of real time, as far as the machine keeps up."""
+    """Simulated seconds per second of real time, if the machine is fast enough; default 1."""
 
 
 JointKind = Literal["revolute", "prismatic"]
-"""How a joint moves."""
+"""The kind of motion of a joint."""
 
 
 class LinkFrame(Answer):
     """The frame of one link."""
 
     joint: str
-    """The joint that moves it."""
+    """Name of the joint that moves the link."""
     pose: Pose
-    """Origin on the joint's axis, z along it, in the base frame."""
+    """Pose in the base frame, m: origin on the axis of the joint, z along it."""
 
 
 class KinematicsAnswer(Answer):
-    """Poses, Jacobian and its singular values."""
+    """The kinematics of a robot at a posture."""
 
     jacobian: FloatArray
-    """J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool point. Shape: 6."""
+    """Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool point.
+    Shape: 6."""
     links: list[LinkFrame]
-    """Frame of each joint after its motion, base first: what the link behind it is fixed to."""
+    """Frames of the links, base first: the frame of each joint after its motion."""
     manipulability: float
-    """Their product."""
+    """Manipulability, the product of the singular values."""
     pose: Pose
-    """The tool in the base frame."""
+    """Tool pose in the base frame, m."""
     singular_values: FloatArray
-    """Singular values of J, largest first; as many as the smaller of 6 and n."""
+    """Singular values of J, largest first; min(6, n) of them."""
 
 
 class KinematicsRequest(Body):
     """A posture of a robot."""
 
     joint_position: JointVector
-    """q, rad or m."""
+    """Joint position q, rad or m."""
     robot: str
-    """Name of a robot."""
+    """Name of the robot."""
 
 
 class PathCounts(Answer):
-    """How many periods each way solved."""
+    """Number of periods per solver path."""
 
     active_set: int
-    """By active sets that start from the last one."""
+    """Solved by active sets, starting from the last one."""
     closed_form: int
-    """By pseudo-inverses."""
+    """Solved by pseudo-inverses."""
     qp: int
-    """By Clarabel."""
+    """Solved by Clarabel."""
 
 
 class TimeHistogram(Answer):
-    """How often a time took how long."""
+    """A histogram of times."""
 
     counts: list[int]
-    """Counts, ten bins per decade: the first one below 1 µs, bin k from 10^((k−1)/10) µs on, the last one from 0.1 s
-    on."""
+    """Counts, ten bins per decade: bin 0 below 1 µs, bin k from 10^((k−1)/10) µs, the last bin from 0.1 s."""
     worst_us: float
-    """The longest time, µs."""
+    """Maximum time, µs."""
 
 
 SimulationState = Literal["queued", "running", "finished", "failed", "cancelled"]
-"""What a run is doing."""
+"""The state of a run."""
 
 
 class SimulationMetrics(Answer):
-    """Measures of a run; `null` where one has no meaning. In contact: touching a wall or, without one, feeling a
-    force."""
+    """The metrics of a run; `null` if one is not defined. "In contact" is touching a wall or, without a wall, measuring
+    a force."""
 
     contacts: int
-    """Separate intervals in contact."""
+    """Number of separate intervals in contact."""
     calls_per_second: float | None = None
     """Control periods per second of real time."""
     final_force_n: float | None = None
-    """F_x in the end, N."""
+    """F_x at the end, N."""
     first_contact_s: float | None = None
     """Time of the first contact, s."""
     largest_joint_speed_rad_s: float | None = None
-    """Largest joint speed, rad/s."""
+    """Maximum joint speed, rad/s."""
     overshoot_n: float | None = None
-    """Largest excess of F_x over its target, N."""
+    """Maximum excess of F_x over its target, N."""
     overshoot_percent: float | None = None
-    """The same as a percentage of the target."""
+    """Maximum excess of F_x over its target, % of the target."""
     peak_force_n: float | None = None
-    """Largest F_x, N."""
+    """Maximum F_x, N."""
     rmse_force_x_n: float | None = None
-    """Root mean square of F_x − F_d,x, N; from 5 s on in runs longer than 10 s, else from the first contact on."""
+    """Root mean square of F_x − F_d,x, N; from 5 s in runs longer than 10 s, otherwise from the first contact."""
     rmse_force_y_n: float | None = None
-    """The same for y, N."""
+    """Root mean square of F_y − F_d,y, N, over the same time."""
     settling_time_s: float | None = None
     """Time from which F_x stays within 5 % of its target, s."""
 
@@ -999,249 +999,248 @@ class Simulation(Answer):
     """A run of a scenario."""
 
     id: str
-    """Name of the run, part of its address."""
+    """Identifier of the run, part of its address."""
     method: Method
-    """How priorities are understood."""
+    """Resolution method."""
     periods: int
-    """Control periods of the whole run."""
+    """Number of control periods of the whole run."""
     progress: float
-    """Part of the run that is done, 0 to 1."""
+    """Finished fraction of the run, 0 to 1."""
     scenario: str
     """Name of the scenario."""
     solver: Solver
-    """How each period's problem is solved."""
+    """Solver."""
     state: SimulationState
-    """What it is doing."""
+    """State of the run."""
     error: str | None = None
-    """Why it failed."""
+    """Reason of the failure; only if the run failed."""
     interactive: Interactive | None = None
-    """How it is paced, if it is interactive."""
+    """Pace of the run; only if it is interactive."""
     metrics: SimulationMetrics | None = None
-    """Measures of the run, once it is finished."""
+    """Metrics of the run; only when it is finished."""
 
 
 class LiveSample(Answer):
-    """One control period, to single precision. Vectors of joints follow the robot's joint order."""
+    """One control period, in single precision. Vectors of joints follow the robot's joint order."""
 
     answered: bool
     """Whether the service answered in this period."""
     at_lower: list[int]
-    """Joints, counted from 0, that were at their lower bound since the sample before."""
+    """Joints (index from 0) at their lower bound at any time since the previous sample."""
     at_upper: list[int]
-    """Joints, counted from 0, that were at their upper bound since the sample before."""
+    """Joints (index from 0) at their upper bound at any time since the previous sample."""
     force: FloatArray
-    """F_e on the environment, N."""
+    """Force F_e of the tool on the environment, base axes, N."""
     joint_position: FloatArray
-    """q, rad or m."""
+    """Joint position q, rad or m."""
     joint_velocity: FloatArray
-    """q̇ as commanded, rad/s or m/s."""
+    """Commanded joint velocity q̇, rad/s or m/s."""
     path: Path
-    """Which way led to the command."""
+    """Solver path of the command."""
     position: FloatArray
     """Tool position in the base frame, m."""
     residual_norms: FloatArray
-    """‖J_k q̇ − ẋ_k‖ per task, highest priority first."""
+    """Residual ‖J_k q̇ − ẋ_k‖ per task, highest priority first."""
     round_trip_us: float
-    """Time between state and answer, µs."""
+    """Time from state to answer, µs."""
     smallest_singular_value: float
-    """σ_min of all task rows together."""
+    """Smallest singular value of all task rows together."""
     solve_us: float
     """Time to compute the answer, µs."""
     status: Status
-    """How sure the command is."""
+    """Certificate of the command."""
     target_force: FloatArray
-    """F_d, N; `null` where the axis is not force-controlled."""
+    """Target force F_d, N; `null` on axes that are not force-controlled."""
     time_s: float
     """Simulated time, s."""
     kkt_residual: float | None = None
-    """Residual of the optimality conditions."""
+    """Relative residual of the optimality conditions; `null` if there is none."""
     wall_distance_m: float | None = None
     """Distance to the wall, m, positive when free; `null` without a wall."""
 
 
 class LiveFrame(Answer):
-    """What is seen of a run at one moment, and what happened since the frame before."""
+    """The state of a run at one moment, and samples since the previous frame."""
 
     arm: ArmView
-    """The arm as it stands now."""
+    """Present posture of the arm."""
     done: int
-    """Control periods done."""
+    """Number of finished control periods."""
     external_force: FloatArray
-    """What pushes the tool from outside, N, base axes."""
+    """External force on the tool, N, base axes."""
     paths: PathCounts
-    """How many periods each way solved."""
+    """Number of periods per solver path."""
     reached_speed: float
-    """Simulated seconds per second of real time that were reached of late."""
+    """Recently reached speed, simulated seconds per second of real time."""
     round_trip: TimeHistogram
-    """Time between states and answers."""
+    """Histogram of the times from state to answer."""
     run: Simulation
-    """The run with its pace, method and solver as they are now."""
+    """The run with its present pace, method and solver."""
     samples: list[LiveSample]
-    """Periods since the frame before, oldest first: some of them, evenly spread."""
+    """Some of the periods since the previous frame, evenly spaced, oldest first."""
     solve_time: TimeHistogram
-    """Time to compute the answers."""
+    """Histogram of the times to compute an answer."""
     time_s: float
     """Simulated time, s."""
 
 
 class Memory(Body):
-    """What a controller remembers; opaque to clients, who send it back as it came."""
+    """The memory of a controller. Clients send it back unchanged with the next state."""
 
     active_set: list[list[ActiveLimitName]]
-    """Active limits of the last command, level by level."""
+    """Active limits of the last command, per level of the solver."""
     initial_pose: FramePose
-    """Tool pose at the first step."""
+    """Tool pose at the first step, base frame, m."""
     last_command: ArrayLike
-    """q̇ of the last command, rad/s or m/s."""
+    """Joint velocity of the last command, rad/s or m/s."""
     sequence: int
-    """Sequence number of the state that led here."""
+    """Sequence number of the last state."""
     task_velocities: list[ArrayLike]
-    """Integrator of each task, m/s and rad/s."""
+    """Integrator velocity of each task, m/s and rad/s."""
 
 
 class Sensor(Body):
-    """What a sensor adds: quantum · round((value + bias + noise)/quantum). One number for all values, or one for
-    each."""
+    """Errors of a sensor: it measures quantum · round((value + bias + noise)/quantum). Each field is one number for all
+    values, or one per value."""
 
     bias: ArrayLike | None = None
-    """Added to the value."""
+    """Constant offset."""
     noise: ArrayLike | None = None
-    """Standard deviation of normally distributed noise, new in each period."""
+    """Standard deviation of the normally distributed noise in each period."""
     quantum: ArrayLike | None = None
-    """Step of the values that it can tell apart; any if 0."""
+    """Resolution; unlimited if 0."""
 
 
 class Sensors(Body):
-    """Sensors of the arm; perfect if nothing is set."""
+    """Sensors of the arm. The default is ideal sensors."""
 
     force: Sensor | None = None
-    """Force along the sensor's x, y and z, N."""
+    """Force along x, y and z of the sensor, N."""
     joint_position: Sensor | None = None
-    """q, rad or m; per joint."""
+    """Joint positions q, rad or m; per joint."""
     joint_velocity: Sensor | None = None
-    """q̇, rad/s or m/s; per joint."""
+    """Joint velocities q̇, rad/s or m/s; per joint."""
     torque: Sensor | None = None
-    """Torque about them, N·m."""
+    """Torque about x, y and z of the sensor, N·m."""
     wrench_filter_s: float | None = None
-    """τ of a first-order low-pass filter of force and torque, s; none if 0."""
+    """Time constant τ of a first-order low-pass filter for force and torque, s; no filter if 0."""
 
 
 class VelocityLoop(Body):
-    """How the arm follows a commanded velocity; ideal if nothing is set."""
+    """How the arm follows a commanded velocity. The default is an ideal arm."""
 
     clamp: bool | None = None
-    """Whether the drives cut commands at the limits that the controller is given, each joint by itself."""
+    """Whether the drives clamp the command of each joint at the limits of the controller."""
     delay_periods: int | None = None
-    """Whole periods that a command waits before it acts."""
+    """Delay of a command, whole periods."""
     lag_s: float | None = None
-    """τ of a first-order lag, s."""
+    """Time constant τ of a first-order lag, s."""
 
 
 class Scenario(Body):
-    """An experiment: a controller, where the arm starts, what it touches, for how long."""
+    """An experiment: controller, start posture, contacts and duration."""
 
     controller: ControllerConfig
     """The controller, as in a request."""
     description: str
-    """What it is about, one line."""
+    """Description in one line."""
     duration_s: float
-    """Simulated time, s."""
+    """Simulated duration, s."""
     name: str
     """Name, as in `force_tracking`."""
     start_joint_position: ArrayLike
-    """q at the start, n, rad or m."""
+    """Joint positions q at the start, n, rad or m."""
     contacts: list[Contact] | None = None
-    """What the tool touches."""
+    """Contacts of the tool."""
     expectation: str | None = None
-    """What is to be seen, in words."""
+    """Expected result, in words."""
     external_wrench: Profile | None = None
-    """Force and torque with which somebody pushes the tool, base axes, at the tool point, N and N·m: six values over
-    time."""
+    """External force and torque on the tool at the tool point, base axes, N and N·m: six values over time."""
     faults: Faults | None = None
-    """What goes wrong between the arm and the service."""
+    """Faults of the connection between arm and service."""
     seed: int | None = None
-    """Seed of noise and faults: the same seed, the same run."""
+    """Seed of noise and faults; the same seed gives the same run."""
     sensors: Sensors | None = None
-    """What the arm's sensors make of the truth."""
+    """Errors of the sensors."""
     substeps: int | None = None
-    """Steps of arm and contacts in a period."""
+    """Integration steps of arm and contacts per period."""
     velocity_loop: VelocityLoop | None = None
     """How the arm follows its commands."""
 
 
 NamedScenario = str | Scenario
-"""A scenario by name or as it is."""
+"""A scenario, by name or in full."""
 
 
 class RobotJoint(Answer):
-    """A joint and its limits; `null` where there is none."""
+    """A joint and its limits; a limit is `null` if there is none."""
 
     kind: JointKind
-    """How it moves."""
+    """Kind of motion."""
     name: str
-    """Name."""
+    """Name of the joint."""
     unit: str
-    """Unit of its position: `rad` or `m`; velocity and acceleration are per s and s²."""
+    """Unit of the position, `rad` or `m`; velocity and acceleration are per s and s²."""
     acceleration_limit: float | None = None
-    """Largest acceleration, rad/s² or m/s²."""
+    """Maximum acceleration, rad/s² or m/s²."""
     denavit_hartenberg: DenavitHartenberg | None = None
-    """Standard Denavit-Hartenberg row, where the robot was described by one."""
+    """Standard Denavit-Hartenberg row, if the robot was described by one."""
     position_limit: FloatArray | None = None
-    """Smallest and largest position, rad or m. Shape: 2."""
+    """Minimum and maximum position, rad or m. Shape: 2."""
     published_range: FloatArray | None = None
-    """Position range that a publication prints instead; informative. Shape: 2."""
+    """Position range in a publication, if it differs; for information only. Shape: 2."""
     velocity_limit: float | None = None
-    """Largest speed, rad/s or m/s."""
+    """Maximum speed, rad/s or m/s."""
 
 
 RobotSource = Literal["denavit_hartenberg", "urdf"]
-"""How an arm was described."""
+"""The format that described a robot."""
 
 
 class Robot(Answer):
-    """An arm."""
+    """A robot arm."""
 
     description: str
-    """One line for people."""
+    """Description, one line of text."""
     joints: list[RobotJoint]
-    """The joints, base first: the order of every vector of joints."""
+    """Joints, base first; the order of all vectors of joints."""
     name: str
-    """Name."""
+    """Name for requests."""
     source: RobotSource
-    """How it was described."""
+    """Format that described the robot."""
 
 
 class RobotList(Answer):
     """Answer to `GET /v1/robots`."""
 
     robots: list[Robot]
-    """The robots that requests can name."""
+    """Robots that requests can name."""
 
 
 class RobotRegistration(Body):
-    """`POST /v1/robots`: the chain of a URDF text from one link to another."""
+    """`POST /v1/robots`: registers the chain of a URDF text from one link to another."""
 
     name: str
-    """Name by which requests will call it: letters, digits, `_`, `-` and `.`, at most 64."""
+    """Name for requests: at most 64 letters, digits, `_`, `-` and `.`."""
     urdf: str
-    """The text, `<robot …>`."""
+    """URDF text, `<robot …>`."""
     base: str | None = None
-    """Link that the arm stands on; the root of the tree if left out."""
+    """Base link; default: the root of the tree."""
     tip: str | None = None
-    """Link of the tool frame; the only leaf of the tree if left out."""
+    """Link of the tool frame; default: the only leaf of the tree."""
 
 
 class ScenarioEntry(Answer):
     """One scenario of the list."""
 
     description: str
-    """What it is about, one line."""
+    """Description in one line."""
     name: str
     """Name."""
     robot: str
     """Name of its robot."""
     scenario: Scenario
-    """All of it."""
+    """The whole scenario."""
 
 
 class ScenarioList(Answer):
@@ -1252,226 +1251,225 @@ class ScenarioList(Answer):
 
 
 class SessionEntry(Answer):
-    """One session of the list."""
+    """One session in a list of sessions."""
 
     id: str
-    """Name of the session."""
+    """Identifier of the session."""
     idle_s: float
-    """Time since its last state came, or since it was opened, s."""
+    """Time since the last state, or since the session was opened, s."""
     method: Method
-    """How priorities are understood."""
+    """Resolution method."""
     period_s: float
-    """T, s."""
+    """Control period T, s."""
     robot: str
-    """Its robot."""
+    """Name of the robot."""
     solver: Solver
-    """How each period's problem is solved."""
+    """Solver."""
     steps: int
-    """States answered by a step."""
+    """Number of states answered by a step."""
 
 
 class SessionList(Answer):
     """Answer to `GET /v1/controllers`."""
 
     controllers: list[SessionEntry]
-    """The sessions that are open, the one that stepped last first."""
+    """Open sessions, the one with the most recent step first."""
 
 
 class SessionStatus(Answer):
     """Answer to `GET /v1/controllers/{id}`."""
 
     controller: ControllerConfig
-    """Its configuration, defaults filled in."""
+    """Configuration of the controller, with its defaults."""
     id: str
-    """Name of the session."""
+    """Identifier of the session."""
     retries: int
-    """States answered again, because they were sent again."""
+    """Number of repeated states, which got the same answer again."""
     steps: int
-    """States answered by a step."""
+    """Number of states answered by a step."""
     last_sequence: int | None = None
     """Sequence number of the last state; `null` before the first."""
     missed_periods: int | None = None
-    """Steps that came more than 1.5 periods after the one before."""
+    """Number of steps that came more than 1.5 periods after the previous step."""
 
 
 class SimulationControl(Body):
-    """`POST /v1/simulations/{id}/control`: what is to change; everything else stays."""
+    """`POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing."""
 
     controller: ControllerConfig | None = None
-    """The controller from now on; from the one before it may differ in method, solver, and the laws `force`,
-    `impedance` and `hybrid`, which integrate and so do not jump."""
+    """New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,
+    `hybrid`."""
     end: bool | None = None
-    """Whether the run is finished here: what there is of it becomes its trace. A run that is paused does one more
-    period."""
+    """Whether to finish the run now and keep its trace so far; a paused run does one more period. Default `false`."""
     external_force: ArrayLike | None = None
-    """Pushes the tool, N, base axes. It ends a second of real time after it was last said, so say it again to hold it.
-    Shape: 3."""
+    """External force on the tool, N, base axes. It ends 1 s (real time) after the last request that sets it. Shape:
+    3."""
     method: Method | None = None
-    """How priorities are understood from now on."""
+    """New resolution method."""
     paused: bool | None = None
-    """Whether simulated time stands still."""
+    """Whether the run is paused."""
     solver: Solver | None = None
-    """How each period's problem is solved from now on."""
+    """New solver."""
     speed: float | None = None
     """Simulated seconds per second of real time."""
     step: int | None = None
-    """Control periods to go on for, and to pause after."""
+    """Number of control periods to run before the run pauses."""
 
 
 class SimulationRequest(Body):
-    """A run to make."""
+    """A simulation to run."""
 
     scenario: NamedScenario
-    """A scenario that ships with the service, by name, or one of the client's own."""
+    """Name of a scenario that ships with the service, or a whole scenario."""
     interactive: Interactive | None = None
-    """Paced by the clock, shown live and open to `POST /v1/simulations/{id}/control`; as fast as it goes if left
-    out."""
+    """Interactive run: paced by the clock, shown live, and controlled by `POST /v1/simulations/{id}/control`. If left
+    out, the simulation runs as fast as possible."""
     method: Method | None = None
-    """Method, instead of the scenario's."""
+    """Method, instead of the method of the scenario."""
     solver: Solver | None = None
-    """Solver, instead of the scenario's."""
+    """Solver, instead of the solver of the scenario."""
 
 
 class StabilityAnswer(Answer):
-    """How stable the loop is, and how far it could go."""
+    """The stability margins of a loop."""
 
     spectral_radius: float
-    """Largest |eigenvalue| from period to period; stable below 1."""
+    """Spectral radius of the loop from period to period; stable below 1."""
     stable: bool
     """Whether the loop is stable."""
     stable_at_any_lag: bool
-    """Whether no lag makes it unstable."""
+    """Whether the loop is stable at any lag."""
     largest_delay_periods: int | None = None
-    """Largest delay at which it is stable, periods; `null` if at none."""
+    """Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none."""
     largest_lag_s: float | None = None
-    """Largest lag at which it is stable, s; `null` if at none, or at any (see `stable_at_any_lag`)."""
+    """Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`."""
     smallest_damping: float | None = None
-    """Smallest B_d that makes it stable; `null` if none does."""
+    """Minimum damping B_d at which the loop is stable; `null` if there is none."""
 
 
 class StabilityRequest(Body):
     """One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad."""
 
     damping: float
-    """B_d."""
+    """Damping B_d of the law."""
     environment: EnvironmentAxis
-    """What the tool touches."""
+    """Environment that the tool touches."""
     inertia: float
-    """M_d > 0."""
+    """Inertia M_d > 0 of the law."""
     period_s: float
-    """T, s."""
+    """Control period T, s."""
     delay_periods: int | None = None
-    """Whole periods that a command waits."""
+    """Delay of a command, control periods; default 0."""
     lag_s: float | None = None
-    """τ of the arm's velocity loop, s."""
+    """Lag τ of the arm's velocity loop, s; default 0."""
     stiffness: float | None = None
-    """K_d; 0 (left out) where a force is followed."""
+    """Stiffness K_d of the law; default 0, as on a force-controlled axis."""
     velocity_measured: bool | None = None
-    """Whether states carry the measured joint velocity; otherwise the last command stands for it."""
+    """Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`."""
 
 
 class Wrench(Body):
     """Force and torque at the tool point, along the axes of the controller's `wrench_frame`."""
 
     force: ArrayLike
-    """N. Shape: 3."""
+    """Force x, y, z, N. Shape: 3."""
     torque: ArrayLike
-    """N·m. Shape: 3."""
+    """Torque x, y, z, N·m. Shape: 3."""
 
 
 class State(Body):
-    """The measured state."""
+    """The measured state of one control period."""
 
     joint_position: JointVector
-    """q, rad or m."""
+    """Joint position q, rad or m."""
     sequence: int
-    """Number of the period; must grow."""
+    """Sequence number of the period; must increase."""
     time_s: float
-    """t, s."""
+    """Time t of the measurement, s."""
     joint_velocity: JointVector | None = None
-    """q̇, rad/s or m/s; the last command stands for it if left out."""
+    """Measured joint velocity q̇, rad/s or m/s; default: the last command."""
     wrench: Wrench | None = None
-    """Measured wrench; may be left out where no law needs it."""
+    """Measured wrench; required by the laws `force`, `impedance` and `hybrid`."""
 
 
 class StepAnswer(Answer):
-    """Joint velocities for one period and why they are what they are."""
+    """Joint velocities for one control period and their explanation."""
 
     active_limits: list[ActiveLimit]
-    """Limits that hold the answer back."""
+    """Active limits: bounds that the answer reaches and that restrict it."""
     elapsed_us: float
-    """Time to compute it, µs."""
+    """Time to compute the answer, µs."""
     joint_limit_index: float
-    """H, how near the joints are to the ends of their ranges: 0 with all in the middle, ½ with all at an end."""
+    """Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit."""
     joint_velocity: FloatArray
-    """q̇, rad/s or m/s."""
+    """Joint velocity q̇, the command, in joint order, rad/s or m/s."""
     limit_conflict: list[str]
-    """Joints whose acceleration limit was overruled by position or velocity."""
+    """Names of joints whose acceleration limit contradicts position or velocity limits and is not kept."""
     sequence: int
     """Sequence number of the state."""
     singularity: Singularity
-    """How near the tasks are to singularities."""
+    """Distance of the tasks from singularities."""
     solver: SolverReport
-    """How the answer was found."""
+    """Solver path, status and certificate."""
     tasks: list[TaskOutcome]
-    """What became of each task, highest priority first."""
+    """Outcome of each task, highest priority first."""
     valid_for_ms: int
-    """Time from the measurement of the state after which, without a newer answer, the arm is to ramp to zero, ms."""
+    """Validity of the command from the time of measurement, ms. Without a newer answer, ramp the arm to zero then."""
     violated_limits: list[ViolatedLimit]
-    """Limits that the answer breaks."""
+    """Violated limits; only the solver `closed_form` violates limits."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
-    """Inequalities that hold the answer back."""
+    """Active inequalities."""
     memory: Memory | None = None
-    """To be sent with the next state; only in stateless answers."""
+    """Memory to send with the next state; only in answers without a session."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
-    """Inequalities that the answer breaks."""
+    """Violated inequalities."""
 
 
 class StepRequest(Body):
-    """`POST /v1/step`: controller, state and memory in one body."""
+    """`POST /v1/step`: controller, state and memory in one body, without a session."""
 
     controller: ControllerConfig
-    """The controller."""
+    """Controller."""
     state: State
-    """The state."""
+    """Measured state."""
     memory: Memory | None = None
-    """The last answer's memory; `null` at the first step."""
+    """Memory of the last answer; `null` at the first step."""
 
 
 class WatchedStep(Answer):
-    """One control period."""
+    """One control period of a session, as `GET /v1/controllers/{id}/watch` shows it."""
 
     answer: StepAnswer
-    """What was answered."""
+    """The answer to it."""
     state: State
-    """What was measured."""
+    """The measured state."""
     arm: ArmView | None = None
-    """The arm at that state."""
+    """The arm at this state, for drawing."""
 
 
 REMEDIES: dict[str, str] = {
-    "/problems/malformed": "Mend the body's syntax where `detail` says.",
+    "/problems/malformed": "Correct the syntax of the body at the place that `detail` names.",
     "/problems/unauthorized": "Send `Authorization: Bearer` with the service's token.",
-    "/problems/permanent": "Delete only what was registered.",
-    "/problems/foreign-origin": "Allow its origin when the service is started.",
-    "/problems/not-found": "Take the name from a list or from the answer that made it.",
-    "/problems/unknown-controller": "Open it again.",
-    "/problems/method-not-allowed": "Use a method that `Allow` names.",
-    "/problems/not-acceptable": "Accept one of the types that `detail` names.",
-    "/problems/timeout": "Send it whole and at once.",
-    "/problems/sequence": "Count up with every new state; only an unchanged state may be sent again.",
-    "/problems/name-taken": "Choose another.",
-    "/problems/no-trace": "Wait for its end; see its state.",
-    "/problems/not-live": "Start one with `interactive`.",
-    "/problems/too-large": "Send less; `detail` names the limit.",
-    "/problems/media-type": "Say with `Content-Type` what is sent.",
+    "/problems/permanent": "Delete only registered robots.",
+    "/problems/foreign-origin": "Start the service with `--allow-origin` and the origin of that page.",
+    "/problems/not-found": "Use a name from a list or from the answer that created the resource.",
+    "/problems/unknown-controller": "Open a new session.",
+    "/problems/method-not-allowed": "Use a method that the header `Allow` lists.",
+    "/problems/not-acceptable": "Accept one of the media types that `detail` lists.",
+    "/problems/timeout": "Send the whole body without pauses.",
+    "/problems/sequence": "Increase the number with every new state. Repeat a number only to send the same state again.",
+    "/problems/name-taken": "Choose another name.",
+    "/problems/no-trace": "Read the state of the simulation; wait until it is `finished`.",
+    "/problems/not-live": "Start a simulation with `interactive`.",
+    "/problems/too-large": "Send a smaller body; `detail` states the limit.",
+    "/problems/media-type": "Send the media type of the body as `Content-Type`.",
     "/problems/invalid": "Change the field at `pointer` as `detail` says.",
     "/problems/upgrade-required": "Use a WebSocket client.",
-    "/problems/internal": "See the service's log.",
-    "/problems/too-many-controllers": "Delete one, or wait until an idle one ends.",
-    "/problems/too-many-robots": "Delete one, or wait until an idle one ends.",
-    "/problems/busy": "Try again after the time that `Retry-After` says.",
-    "/problems/overloaded": "Send fewer, or start another server.",
-    "/problems/draining": "Call another one.",
+    "/problems/internal": "Read the service's log.",
+    "/problems/too-many-controllers": "Delete a session, or wait until an idle one ends.",
+    "/problems/too-many-robots": "Delete a robot, or wait until an unused one ends.",
+    "/problems/busy": "Try again after the time in `Retry-After`.",
+    "/problems/overloaded": "Send fewer requests, or start another server.",
+    "/problems/draining": "Send the request to another instance.",
 }
 """What to do about each type of problem."""
