@@ -1,17 +1,14 @@
 //! Heat maps: a quantity as colour over two other quantities.
 
-use std::io;
-
 use plotters::backend::SVGBackend;
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::drawing::IntoDrawingArea;
 use plotters::element::Rectangle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, RGBColor, TextStyle, WHITE};
 
-use super::drawing::{MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, text, units};
 use super::error::Error;
 use super::figure::Figure;
+use super::sheet::{Area, Drawn, MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, text, units};
 use super::{markup, number, typeface};
 
 /// A heat map. All cells have the same size, also if the values on an axis are not equidistant.
@@ -39,9 +36,6 @@ pub struct Scale {
     /// Values, in order.
     pub values: Vec<f64>,
 }
-
-type Page<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
 const TOP: u32 = 44;
 const LEFT: u32 = 96;
@@ -80,7 +74,7 @@ pub fn svg(map: &HeatMap) -> Result<String, Error> {
     Ok(markup::finished(&elements, &figure, HEIGHT))
 }
 
-fn draw(page: &Page, map: &HeatMap) -> Drawn {
+fn draw(page: &Area, map: &HeatMap) -> Drawn {
     page.fill(&WHITE)?;
     let has_gaps = map.cells.iter().flatten().any(Option::is_none);
     let title = format!("{}{}", map.title, if has_gaps { " (grey: no value)" } else { "" });
@@ -117,7 +111,7 @@ fn draw(page: &Page, map: &HeatMap) -> Drawn {
     page.present()
 }
 
-fn draw_bar(page: &Page, map: &HeatMap, colours: &Colours) -> Drawn {
+fn draw_bar(page: &Area, map: &HeatMap, colours: &Colours) -> Drawn {
     let (left, bottom) = (units(BAR_LEFT), units(TOP + FIELD_HEIGHT));
     let height = |step: u32| units(FIELD_HEIGHT * step) / BAR_STEPS.cast_signed();
     for step in 0..BAR_STEPS {

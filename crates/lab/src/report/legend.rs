@@ -1,15 +1,10 @@
 //! The legend, in a strip above the axes, so that it never covers a curve.
 
-use std::io;
-
-use plotters::backend::SVGBackend;
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
 use plotters::style::FontStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::drawing::{self, PLOT_LEFT, RIGHT_MARGIN, UNITS_PER_PIXEL, WIDTH, units};
 use super::figure::Curve;
+use super::sheet::{self, Area, Drawn, PLOT_LEFT, RIGHT_MARGIN, UNITS_PER_PIXEL, WIDTH, units};
 use super::typeface;
 
 const ROW_HEIGHT: u32 = 20;
@@ -35,14 +30,11 @@ pub fn height(curves: &[Curve]) -> u32 {
 /// # Errors
 ///
 /// Errors of the drawing library.
-pub fn draw(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    curves: &[Curve],
-) -> Result<(), DrawingAreaErrorKind<io::Error>> {
-    let style = drawing::text(EM, FontStyle::Normal).pos(Pos::new(HPos::Left, VPos::Center));
+pub fn draw(area: &Area<'_>, curves: &[Curve]) -> Drawn {
+    let style = sheet::text(EM, FontStyle::Normal).pos(Pos::new(HPos::Left, VPos::Center));
     for (curve, place) in curves.iter().zip(places(curves)) {
         let y = units(place.row * ROW_HEIGHT + ROW_HEIGHT / 2);
-        drawing::trace(area, vec![(place.x, y), (place.x + units(SAMPLE), y)], curve)?;
+        sheet::trace(area, vec![(place.x, y), (place.x + units(SAMPLE), y)], curve)?;
         area.draw_text(&curve.label, &style, (place.x + units(SAMPLE + GAP), y))?;
     }
     Ok(())

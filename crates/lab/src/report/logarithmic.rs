@@ -1,22 +1,20 @@
 //! Figures with two logarithmic axes, in which a power law is a straight line.
 
-use std::io;
 use std::ops::Range;
 
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
-use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::drawing::IntoDrawingArea;
 use plotters::element::Circle;
 use plotters::style::{Color, FontStyle, WHITE};
 
-use super::drawing::{
-    GRID, INK, MARGIN, PLOT_LEFT, RIGHT_MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, rgb, text, trace, units,
-};
 use super::error::Error;
 use super::figure::{Figure, Panel};
+use super::sheet::{
+    Area, Drawn, GRID, INK, MARGIN, PLOT_LEFT, RIGHT_MARGIN, TITLE_EM, UNITS_PER_PIXEL, WIDTH, rgb, text, trace, units,
+};
 use super::{legend, markup, typeface};
 
 const TITLE_HEIGHT: u32 = 36;
@@ -28,9 +26,6 @@ const LEFT_MARGIN: u32 = 8;
 const MARK: u32 = 3;
 /// An axis over more decades than this has labels at powers of ten only.
 const MAX_DECADES_WITH_STEPS: f64 = 2.5;
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
 /// Draws the first panel of a figure as SVG, with a mark at each point. All values must be positive.
 pub fn svg(figure: &Figure) -> Result<String, Error> {

@@ -1,8 +1,8 @@
 //! Completes the SVG of the drawing library: indices, an accessible name, and a root element that scales with the page.
 
-use super::drawing::{UNITS_PER_PIXEL, WIDTH};
 use super::figure::Figure;
 use super::index::{Piece, pieces};
+use super::sheet::{UNITS_PER_PIXEL, WIDTH};
 
 /// Returns the SVG document of a figure with the given height (pixels) from the output of the drawing library.
 #[must_use]

@@ -37,6 +37,7 @@ mod png;
 pub mod run;
 pub mod run_figure;
 pub mod scenario_summary;
+mod sheet;
 pub mod table;
 mod time_series;
 mod typeface;

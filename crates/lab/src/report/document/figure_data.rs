@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use crate::report::decimation::{extremes_per_bucket, within};
-use crate::report::drawing::{Frame, rgb, stroke_width};
+use crate::report::drawing::Frame;
 use crate::report::figure::{Curve, Figure, Panel, Stroke};
+use crate::report::sheet::{rgb, stroke_width};
 
 /// Buckets of a curve, with at most two points each, before points within the tolerance are removed.
 const BUCKETS: usize = 4000;

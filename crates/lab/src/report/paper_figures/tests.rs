@@ -3,7 +3,8 @@
 use revprio_api::wire::Solver;
 
 use super::*;
-use crate::report::drawing::{self, MARGIN, WIDTH};
+use crate::report::drawing;
+use crate::report::sheet::{MARGIN, TITLE_EM, WIDTH};
 use crate::report::typeface;
 
 /// A run of 2 s with a force of `peak` N in one sample in the middle.
@@ -95,7 +96,7 @@ fn every_title_and_heading_fits_into_the_picture() {
     typeface::register().unwrap();
     let available = i32::try_from(WIDTH).unwrap() - 2 * i32::try_from(MARGIN).unwrap();
     for figure in figures(Posture::Singular, &all_runs("_singular")) {
-        assert!(typeface::width(&figure.title, drawing::TITLE_EM) < available, "{}", figure.title);
+        assert!(typeface::width(&figure.title, TITLE_EM) < available, "{}", figure.title);
         assert!(figure.panels.iter().all(|p| typeface::width(&p.heading, 13.0) < available));
     }
 }
