@@ -53,7 +53,7 @@ const MAY_NAME: [(&str, &[&str]); 21] = [
 ];
 
 /// What can be added, words that name an existing one, its own file, and the other files that know it: at most three.
-/// `docs/architecture.md` shows the same table to contributors.
+/// These are the first five rows of the table in `docs/architecture.md`.
 const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
     (
         "law",
@@ -65,7 +65,7 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
         "task kind",
         &["TaskRows::Joints", "Self::Joints", "JointRows"],
         "crates/core/src/controller/joint_rows.rs",
-        &["crates/core/src/controller/task.rs", "crates/core/src/controller/mod.rs", "src/service/convert/task.rs"],
+        &["crates/core/src/controller/mod.rs", "crates/core/src/controller/task.rs", "src/service/convert/task.rs"],
     ),
     (
         "constraint",
@@ -81,7 +81,7 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
     ),
     (
         "joint kind",
-        &["Prismatic"],
+        &["Prismatic", "JointKind::Revolute"],
         "",
         &["crates/robot/src/joint_kind.rs", "api/rust/src/wire/enums.rs", "src/service/convert/terms.rs"],
     ),

@@ -44,7 +44,7 @@ fn start_log(settings: &EffectiveSettings) -> Result<(), SettingsError> {
 
 /// Prints the address of the service, then waits for the signal that ends it.
 ///
-/// The signal handler is installed first, so that a signal right after the address was printed ends the service orderly.
+/// The signal handler is installed first, so that a signal right after the address was printed ends the service in an orderly way.
 async fn announce_and_wait(url: String) {
     let stop = stop_signal();
     if let Err(error) = writeln!(stdout(), "listening on {url}") {

@@ -5,17 +5,18 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::Notify;
 
-/// This many requests are always admitted. If so few took long, the machine paused or one of them was hard.
+/// Number of requests after a marker that are always admitted. If so few requests take long, the cause is a pause of the
+/// machine or one slow request, not overload.
 const ALWAYS_ADMITTED: u32 = 8;
 
-/// Measures how long requests wait, and refuses those that would wait too long.
+/// Measures how long requests wait, and refuses those that have waited too long.
 ///
 /// The thread runs ready tasks in order. The first request after an idle moment puts a marker at the end of the run
 /// queue. Until the marker runs, every request is behind the earlier ones. A request that starts more than `max_lag`
 /// after the first one has already waited that long and is refused with little work.
 ///
-/// An admitted request therefore waits at most `max_lag` under any load, and nothing is refused while the thread keeps
-/// up.
+/// Apart from the first requests after a marker, an admitted request has waited at most `max_lag`. While the thread keeps
+/// up, no request is refused.
 #[derive(Debug, Default)]
 pub struct AdmissionQueue {
     /// The time when the marker was queued and the number of requests admitted since; `None` if the marker has run.

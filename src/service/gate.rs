@@ -50,7 +50,7 @@ pub async fn gate(State(app): State<Arc<AppState>>, request: Request, next: Next
     response
 }
 
-/// Returns the answer for a handler that panicked. Handlers replace shared values as a whole, so they stay consistent.
+/// Returns the answer for a handler that panicked. Other requests continue.
 fn panic_answer(app: &AppState, id: &HeaderValue, panic: &(dyn Any + Send)) -> Response {
     app.metrics.panics.inc();
     let message = panic.downcast_ref::<String>().map(String::as_str);

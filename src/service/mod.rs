@@ -53,7 +53,8 @@
 //! rules as in requests. Several streams and requests may share a session.
 //!
 //! A refused state gets a problem object, and the stream continues. A problem has `status` and no `joint_velocity`. A
-//! message has at most 64 KiB. The service pings every 10 s. It closes a stream with one of these codes:
+//! message of more than 64 KiB gets a problem object too. The service pings every 10 s. It closes a stream with one of these
+//! codes:
 //!
 //! | code | cause |
 //! |---|---|
@@ -88,9 +89,9 @@
 //! | module | protection |
 //! |---|---|
 //! | `server` | Orderly shutdown: `/readyz` answers 503, then the service stops listening, then it answers the requests in flight and ends the streams. |
-//! | `connection` | At most [`ServiceConfig::max_connections`]. One more connection closes the connection without an answer for the longest time. A connection in a control loop and a WebSocket are never closed this way. Headers, handshakes and unread answers have timeouts. |
+//! | `connection` | At most [`ServiceConfig::max_connections`]. If one more arrives, the service closes the connection that has been without an answer for the longest time. A connection in a control loop and a WebSocket are never closed this way. Headers, handshakes and unread answers have timeouts. |
 //! | `gate` | Gives each request an ID (`x-request-id`), counts and logs it. Requests without the token get 401, requests of other sites' pages 403. |
-//! | `admission_queue` | Requests that would wait too long get 503 and `Retry-After` at once. `/healthz`, `/readyz` and `/metrics` are always admitted. |
+//! | `admission_queue` | Requests that have waited longer than `max_lag` get 503 and `Retry-After` at once. `/healthz`, `/readyz` and `/metrics` are always admitted. |
 //! | `body` | Limits the size and the time of bodies, and the number of large bodies at a time. |
 //!
 //! Bytes that are not HTTP, and headers above 64 KiB, get status 400, 414 or 431 without a body. Every other error is a

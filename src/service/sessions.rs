@@ -228,7 +228,8 @@ fn parse(id: &str) -> Result<Uuid, ApiError> {
     Uuid::try_parse(id).map_err(|_| ApiError::unknown_controller(id))
 }
 
-/// Ignores a panic of an earlier holder of the lock: values are replaced as a whole and stay consistent.
+/// Ignores a panic of an earlier holder of the lock. After it, the counters or the memory of that session may contain a part
+/// of the failed step; each value is still valid.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -11,7 +11,7 @@ use ureq::{Agent, Body, SendBody};
 
 use crate::wire;
 
-/// Maximum wait for an answer, so that a dead server does not block a loop. A step takes about a thousandth of it.
+/// Maximum wait for an answer, so that a dead server does not block a loop. A step takes about 0.1 ms.
 const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(10);
 
 /// Why a call has no answer.

@@ -23,8 +23,8 @@
 //! q, q̇, F_e      tool pose, J      ẋ_k of each task  q̇ within limits      q̇ and its explanation
 //! ```
 //!
-//! Each arrow is a module: [`robot::kinematics`], [`law`], and [`resolution`] with [`limits`]. The module
-//! [`controller`] is the whole line.
+//! [`robot::kinematics`] computes the configuration, [`law`] the task velocities, [`resolution`] with [`limits`] the joint
+//! velocities. [`controller::Stepper`] runs all of these steps.
 //!
 //! # Example
 //!

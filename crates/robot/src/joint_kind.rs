@@ -16,6 +16,14 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// Returns the unit of the joint position.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "rad",
+            Self::Prismatic => "m",
+        }
+    }
+
     /// Returns the kind of a URDF joint type, `None` for a type that has no single position.
     pub(crate) fn from_urdf(joint_type: &str) -> Option<Self> {
         match joint_type {

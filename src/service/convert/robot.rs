@@ -1,7 +1,7 @@
 //! Robots.
 
 use revprio_api::wire;
-use revprio_robot::{Joint, JointKind, RobotModel, UrdfError, UrdfOptions};
+use revprio_robot::{Joint, RobotModel, UrdfError, UrdfOptions};
 
 use super::resolve::MAX_JOINTS;
 use super::terms;
@@ -68,7 +68,7 @@ fn joint_answer(joint: &Joint) -> wire::RobotJoint {
     wire::RobotJoint {
         name: joint.name.clone(),
         kind: terms::joint_kind_answer(joint.kind),
-        unit: if joint.kind == JointKind::Revolute { "rad" } else { "m" }.to_owned(),
+        unit: joint.kind.unit().to_owned(),
         position_limit: (limits.lower.is_finite() && limits.upper.is_finite()).then_some([limits.lower, limits.upper]),
         velocity_limit: finite(limits.velocity),
         acceleration_limit: finite(limits.acceleration),

@@ -6,14 +6,15 @@ use super::ControllerConfig;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
 
-/// The complete state of a controller. From it, any replica continues where another stopped, to the last bit.
+/// The complete state of a controller. Another process with the same
+/// controller can continue from it and computes the same commands, to the last bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory {
     /// ẋ in the integrator of each task, m_k each, m/s and rad/s.
     pub task_velocities: Vec<Vector>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
-    /// q̇ of the last command, n, rad/s.
+    /// q̇ of the last command, n, rad/s or m/s.
     pub last_command: Vector,
     /// Active limits of the last command, per level.
     pub active_set: Vec<ActiveSet>,
@@ -29,7 +30,9 @@ pub enum MemoryError {
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
     /// The active set names a joint or an inequality that the controller does not have.
-    #[error("the memory's active set does not fit the robot; send back the memory of this controller's last answer")]
+    #[error(
+        "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
+    )]
     ActiveSet,
 }
 

@@ -20,7 +20,7 @@ pub struct Measurement {
     pub time_s: f64,
     /// q, joint position, n, rad or m.
     pub joint_position: Vec<f64>,
-    /// q̇, joint velocity, n; `None` if it is not measured: the last command replaces it.
+    /// q̇, joint velocity, n; `None` if it is not measured: the last command replaces it, at the first step zero.
     pub joint_velocity: Option<Vec<f64>>,
     /// Force (N), then torque (N·m), at the tool point, in the controller's wrench convention and frame.
     pub wrench: [f64; 6],
@@ -209,9 +209,9 @@ impl Controller {
 
     /// Updates the memory after a command, with anti-windup.
     ///
-    /// If a limit or a conflict keeps an axis from following, its integrator continues from the achieved velocity. So
-    /// the command does not jump when the limit is released. For a law without integrator the memory holds the achieved
-    /// velocity.
+    /// While any limit or inequality is active, tasks conflict or the answer is not certified, the integrator of every axis
+    /// that does not follow its request continues from the achieved velocity. So the command does not jump when the limit
+    /// is released. For a law without integrator the memory holds the achieved velocity.
     ///
     /// Departs: damping alone does not reset the integrator. A reset would add a second damping to the classical
     /// control: its F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The cost: near a

@@ -1,4 +1,4 @@
-//! A controller together with the memory that it computes in.
+//! A controller with its workspace: the values that each step overwrites.
 
 use std::sync::Arc;
 

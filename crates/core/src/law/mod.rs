@@ -92,7 +92,7 @@ impl Law {
         }
     }
 
-    /// Returns ẋ_k for this period (m) from the integrator of the last period (m); `period`: T, s.
+    /// Returns ẋ_k for this period from the integrator of the last period, m entries each; `period`: T, s.
     pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
         let acceleration = match self {
             Self::Velocity(profile) => return TaskVector::from_slice(&profile.at(state.time_s).value),

@@ -1,6 +1,6 @@
 //! From prioritised tasks to joint velocities.
 //!
-//! Two ways lead there. The *closed form* is the literature's pseudo-inverse formula; it knows no limits. The
+//! There are two solvers. The *closed form* is the literature's pseudo-inverse formula; it knows no limits. The
 //! *QP cascade* poses the same problem as a sequence of small least-squares problems with joint limits as
 //! inequalities. Inside the limits both give the same vector, and tests hold them to it.
 //!

@@ -1,10 +1,10 @@
-//! What is asked of the resolution.
+//! The input of the resolution.
 
 use crate::limits::{Inequality, VelocityBox};
 use crate::linalg::{Damping, TaskVector, Vector};
 use crate::task::TaskStack;
 
-/// How priorities are understood.
+/// The resolution method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// All tasks as one stack, q̇ = J⁺ẋ + (I − J⁺J) ζ̇. Never damped. Paper: Eq. (5).
@@ -62,7 +62,7 @@ pub enum Solver {
     ClosedForm,
     /// Every level through Clarabel.
     Qp,
-    /// The answer of `Qp` by the shortest certified way.
+    /// The answer of `Qp` by the fastest certified way.
     #[default]
     Auto,
 }
@@ -76,7 +76,7 @@ pub struct Problem {
     pub limits: VelocityBox,
     /// a·q̇ ≤ b beside the box; where the box contradicts them, they are broken as little as possible and reported.
     pub inequalities: Vec<Inequality>,
-    /// How priorities are understood.
+    /// The resolution method.
     pub method: Method,
     /// How the problem is solved.
     pub solver: Solver,

@@ -12,14 +12,14 @@ use crate::linalg::{TaskVector, Vector};
 /// Exact answers of task size stay below 1e-12; a wrong active set is off by orders of magnitude more than this.
 const CERTIFIED: f64 = 1e-9;
 
-/// Joint velocities and why they are what they are.
+/// Joint velocities and their explanation.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Resolution {
     /// q̇, n, rad/s; always finite. Inside the limits, except by the solver `closed_form`, which ignores them.
     pub joint_velocity: Vector,
-    /// What became of each task, highest priority first.
+    /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
-    /// Limits that hold the answer back.
+    /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
     /// Limits that the answer breaks; empty for every solver that knows them.
     pub violated_limits: Vec<LimitViolation>,
@@ -112,7 +112,7 @@ pub enum Path {
     ClosedForm,
     /// Active sets that start from the last one, until the optimality conditions hold.
     ActiveSet,
-    /// Clarabel, polished.
+    /// Clarabel, refined to full accuracy.
     Qp,
 }
 
@@ -222,7 +222,7 @@ fn standstill(problem: &Problem) -> Cascade {
 }
 
 impl Resolution {
-    /// Becomes the answer that the cascade found.
+    /// Sets the answer from the result of the cascade.
     fn report(&mut self, problem: &Problem, cascade: &Cascade, hierarchy: &Hierarchy) {
         let certified = cascade.kkt_residual <= CERTIFIED;
         assign(&mut self.joint_velocity, &cascade.joint_velocity);
@@ -245,7 +245,7 @@ impl Resolution {
         refill(&mut self.active_set, cascade.active_sets.iter().cloned());
     }
 
-    /// Becomes the answer that none was found.
+    /// Sets the status `failed`.
     fn fail(&mut self) {
         self.violated_limits.clear();
         self.solver = SolverReport { status: Status::Failed, kkt_residual: None, ..self.solver };

@@ -57,8 +57,8 @@ fn comparison(pair: &MethodPair) -> String {
     };
     format!(
         "The smallest singular value of all task rows falls to {} (reverse priority) and {} (classical control), below \
-         the damping threshold of {threshold}. The classical control damps all rows. Reverse priority damps only how much \
-         it protects the lower task: the primary task stays exact, and the axes of the lower task leave their \
+         the damping threshold of {threshold}. The classical control damps all rows. Reverse priority damps only the term \
+         that protects the lower task. The primary task stays exact. The axes of the lower task move away from their \
          set-points.{rmse}",
         significant(reverse_sigma, 2),
         significant(classical_sigma, 2)

@@ -83,9 +83,9 @@ impl<'a> Stateless<'a> {
 
     /// Sets the controller from the next period on. It must have the same rows as the previous one.
     ///
-    /// Its integrators start from the achieved velocities, not from requested ones that were not achieved. Laws integrate
-    /// accelerations, so their velocities do not jump. Methods may give different commands, so both controllers are called
-    /// for a short time and their commands are blended.
+    /// If only gains change, the integrators continue: laws integrate accelerations, so their velocities do not jump. If the
+    /// method or the solver changes, the integrators start from the achieved velocities, and both controllers are called
+    /// for a short time while their commands are blended.
     pub fn change(&mut self, controller: wire::Controller) {
         if self.blend.is_some() {
             self.pending = Some(controller);
