@@ -26,6 +26,12 @@ pub const MAX_DELAY_PERIODS: usize = 64;
 /// Relative accuracy of the margins.
 const ACCURACY: f64 = 1e-9;
 
+/// Bisections of a margin. More than the range of numbers allows, for a boundary at zero.
+const MAX_BISECTIONS: usize = 1200;
+
+/// Steps by 1.1 from 10⁻⁹ of the largest damping to the largest: 218.
+const MAX_DAMPING_STEPS: usize = 300;
+
 /// One axis of a law in contact. Linear axes: kg, N·s/m, N/m; angular axes: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLoop {
@@ -175,7 +181,10 @@ impl ContactLoop {
         let maximum = 10.0 * self.inertia / self.period_s;
         let mut unstable = 0.0;
         let mut damping = 1e-9 * maximum;
-        while damping < maximum {
+        for _ in 0..MAX_DAMPING_STEPS {
+            if damping >= maximum {
+                break;
+            }
             if with_damping(damping)? {
                 return bisect(damping, unstable, with_damping).map(Some);
             }
@@ -198,7 +207,10 @@ fn bisect(
     mut unstable: f64,
     is_stable: impl Fn(f64) -> Result<bool, EigenvalueError>,
 ) -> Result<f64, EigenvalueError> {
-    while (stable - unstable).abs() > ACCURACY * stable.abs().max(unstable.abs()) {
+    for _ in 0..MAX_BISECTIONS {
+        if (stable - unstable).abs() <= ACCURACY * stable.abs().max(unstable.abs()) {
+            break;
+        }
         let middle = f64::midpoint(stable, unstable);
         if is_stable(middle)? {
             stable = middle;
@@ -303,6 +315,22 @@ mod tests {
                 // A delay line alone has a multiple eigenvalue 0 of the map. Rounding moves it to radii below 0.6.
             prop_assume!(expected > -0.3);
             prop_assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{found} instead of {expected}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100))]
+        #[test]
+        fn every_loop_gets_an_answer_in_bounded_time(
+            inertia in power(-300.0, 300.0),
+            damping in power(-300.0, 300.0),
+            environment_stiffness in power(-300.0, 300.0),
+            environment_inertia in prop_oneof![Just(0.0), power(-300.0, 300.0)],
+            lag_s in prop_oneof![Just(0.0), power(-300.0, 300.0)],
+            delay_periods in 0..9_usize,
+        ) {
+            let axis = ContactLoop { inertia, damping, environment_stiffness, environment_inertia, lag_s, delay_periods, ..WALL };
+            prop_assert!(axis.margin().map_or(true, |margin| !margin.spectral_radius.is_nan()));
         }
     }
 

@@ -1,6 +1,5 @@
 //! Eigenvalues of small square matrices.
 
-use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, Schur};
 
 use super::Matrix;
@@ -8,17 +7,50 @@ use super::Matrix;
 /// Sweeps per eigenvalue. Francis' method needs two or three.
 const SWEEPS_PER_EIGENVALUE: usize = 100;
 
-/// The eigenvalues did not converge. No finite matrix is known for which this happens.
+/// Sweeps of balancing. A few are enough; each one is a similarity transformation, so that stopping early is harmless.
+const BALANCING_SWEEPS: usize = 50;
+
+/// The eigenvalues are not numbers, or did not converge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the eigenvalue decomposition did not converge")]
 pub struct EigenvalueError;
 
-/// Returns all eigenvalues of a square matrix, in no particular order.
+/// Returns all eigenvalues of a square matrix, in no particular order. The number of steps is bounded for every input.
 pub fn eigenvalues(a: &Matrix) -> Result<Vec<Complex<f64>>, EigenvalueError> {
+    if !a.iter().all(|entry| entry.is_finite()) {
+        return Err(EigenvalueError);
+    }
     let mut balanced = a.clone();
-    balance_parlett_reinsch(&mut balanced);
+    balance(&mut balanced);
     let schur = Schur::try_new(balanced, f64::EPSILON, SWEEPS_PER_EIGENVALUE * a.nrows()).ok_or(EigenvalueError)?;
-    Ok(schur.complex_eigenvalues().iter().copied().collect())
+    let values: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    if values.iter().all(|value| value.re.is_finite() && value.im.is_finite()) {
+        Ok(values)
+    } else {
+        Err(EigenvalueError)
+    }
+}
+
+/// Scales rows and columns by powers of two, so that both have about the same norm. The eigenvalues stay the same.
+///
+/// This is the method of Parlett and Reinsch. Unlike nalgebra's function it ends for norms that overflow.
+fn balance(a: &mut Matrix) {
+    for _ in 0..BALANCING_SWEEPS {
+        let mut changed = false;
+        for i in 0..a.nrows() {
+            let (column, row) = (a.column(i).norm(), a.row(i).norm());
+            let factor = (0.5 * (row / column).log2()).round().exp2();
+            let gains = (column * factor).hypot(row / factor) < 0.97 * column.hypot(row);
+            if gains && factor.is_normal() && (1.0 / factor).is_normal() {
+                a.column_mut(i).scale_mut(factor);
+                a.row_mut(i).scale_mut(1.0 / factor);
+                changed = true;
+            }
+        }
+        if !changed {
+            return;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -32,5 +64,25 @@ mod tests {
         values.sort_by(|a, b| a.im.total_cmp(&b.im));
         assert!((values[1] - Complex::new(cos, sin)).norm() < 1e-14);
         assert!((values[0] - Complex::new(cos, -sin)).norm() < 1e-14);
+    }
+
+    #[test]
+    fn eigenvalues_of_badly_scaled_matrices_are_exact() {
+        // Similar to [[2, 1], [1, 2]] by a diagonal matrix: eigenvalues 1 and 3.
+        let mut values = eigenvalues(&Matrix::from_row_slice(2, 2, &[2.0, 1e30, 1e-30, 2.0])).unwrap();
+        values.sort_by(|a, b| a.re.total_cmp(&b.re));
+        assert!((values[0].re - 1.0).abs() < 1e-14 && (values[1].re - 3.0).abs() < 1e-14, "{values:?}");
+    }
+
+    #[test]
+    fn extreme_entries_end_with_eigenvalues_or_an_error() {
+        for size in [1e-320, 1e-200, 1e-160, 1e160, 1e200, 1e308, f64::INFINITY, f64::NAN] {
+            for other in [0.0, 1e-300, 1.0, 1e300] {
+                let entries = [1.0, size, other, -size, other, 1.0, size, 0.0, -1.0];
+                let values = eigenvalues(&Matrix::from_row_slice(3, 3, &entries));
+                let finite = |values: Vec<Complex<f64>>| values.iter().all(|v| v.re.is_finite() && v.im.is_finite());
+                assert!(values.is_err() || values.is_ok_and(finite), "{size} {other}");
+            }
+        }
     }
 }
