@@ -332,7 +332,9 @@ mod tests {
             lag_s in prop_oneof![Just(0.0), power(-300.0, 300.0)],
             delay_periods in 0..9_usize,
         ) {
-            let axis = ContactLoop { inertia, damping, environment_inertia, environment_stiffness, lag_s, delay_periods, ..WALL };
+            let axis = ContactLoop {
+                inertia, damping, environment_inertia, environment_stiffness, lag_s, delay_periods, ..WALL
+            };
             prop_assert!(axis.margin().map_or(true, |margin| margin.spectral_radius.is_finite()));
         }
     }
