@@ -1,8 +1,8 @@
-//! Kinds of motion of a joint: everything that depends on the kind.
+//! Kinds of motion of a joint.
 
 #![allow(non_snake_case)]
 
-use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3};
 use serde::Deserialize;
 
 /// Kind of motion of a joint, about or along the z axis of its own frame.
@@ -47,15 +47,6 @@ impl JointKind {
                 let z = R.column(2).into_owned();
                 frame.translation.vector += z * q;
             }
-        }
-    }
-
-    /// Returns the linear and angular velocity of a point whose position relative to the joint's origin is `lever` (m), if
-    /// the joint moves at unit speed along the unit vector `direction`.
-    pub(crate) fn unit_velocity(self, direction: Vector3<f64>, lever: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        match self {
-            Self::Revolute => (direction.cross(lever), direction),
-            Self::Prismatic => (direction, Vector3::zeros()),
         }
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::IsometryMatrix3;
 
 use super::{DenavitHartenberg, JointKind};
+use crate::kinematics::Chain;
 
 /// Position, velocity and acceleration limits of one joint; infinite where there is none.
 ///
@@ -84,6 +85,7 @@ pub struct RobotModel {
     description: String,
     joints: Vec<Joint>,
     tool: IsometryMatrix3<f64>,
+    chain: Chain,
 }
 
 impl RobotModel {
@@ -110,7 +112,8 @@ impl RobotModel {
                 return Err(ModelError::DuplicateJoint { name: joint.name.clone() });
             }
         }
-        Ok(Self { name: name.into(), description: description.into(), joints, tool })
+        let chain = Chain::new(&joints, &tool);
+        Ok(Self { name: name.into(), description: description.into(), joints, tool, chain })
     }
 
     /// Returns the same robot under another name.
@@ -124,7 +127,7 @@ impl RobotModel {
         let tool = self.tool * offset;
         match self.joints.last() {
             Some(last) if !is_finite(&tool) => Err(ModelError::NotFinite { joint: last.name.clone() }),
-            _ => Ok(Self { tool, ..self.clone() }),
+            _ => Ok(Self { tool, chain: Chain::new(&self.joints, &tool), ..self.clone() }),
         }
     }
 
@@ -151,5 +154,10 @@ impl RobotModel {
     /// Returns the pose of the tool frame in the frame that the last joint moves.
     pub fn tool(&self) -> &IsometryMatrix3<f64> {
         &self.tool
+    }
+
+    /// Returns the fixed transforms, for forward kinematics.
+    pub(crate) fn chain(&self) -> &Chain {
+        &self.chain
     }
 }

@@ -15,12 +15,20 @@
 //! # }
 //! ```
 
+mod angle;
 mod axes;
+mod chain;
 mod configuration;
+mod factors;
 mod joint_limit_index;
+mod joint_rotations;
+mod moving_frame;
 mod pose;
 mod rotation_motion;
+mod sin_cos;
 mod task_frame;
+
+pub(crate) use chain::Chain;
 
 pub use axes::{Axis, AxisSelection, AxisSelectionError};
 pub use configuration::{Configuration, ConfigurationError, Jacobian, link_frames, orientation_error};
