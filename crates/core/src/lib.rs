@@ -10,7 +10,9 @@
 //! | control an arm period by period | [`controller::Stepper`] |
 //! | resolve tasks at one posture | the example below, [`resolution::resolve`] |
 //! | choose a law for a task (velocity, pose, force, impedance, hybrid) | [`law`] |
+//! | bound the velocity of a task, at its own priority | [`task::Task::between`], [`law::VelocityBounds`] |
 //! | choose a method and a solver | [`resolution::Method`], [`resolution::Solver`] |
+//! | know how sure an answer is | [`resolution::SolverReport`], [`resolution::Status`] |
 //! | keep joint limits, virtual walls and other inequalities | [`limits`] |
 //! | compute the stability margins of one axis in contact | [`controller::ContactLoop`] |
 //! | describe an arm (built-in, URDF, Denavit-Hartenberg) | [`robot`] |
@@ -58,7 +60,9 @@
 //! # }
 //! ```
 //!
-//! Do not use [`resolution::Solver::ClosedForm`] on a real arm. It ignores joint limits. The default solver keeps them.
+//! Do not use [`resolution::Solver::ClosedForm`] on a real arm. It ignores joint limits. The default solver keeps them: it
+//! solves all priority levels within the limits by an active-set method and evaluates the optimality conditions of each
+//! answer. `docs/solver.md` in the repository explains it.
 //!
 //! # What reverse priority is
 //!
@@ -91,6 +95,7 @@
 //! | q, q̇ | joint position, joint velocity (the command) | n; rad, rad/s |
 //! | l, k | number of tasks; task index, **k = 1 is the highest priority** and comes first in every list | |
 //! | J_k, ẋ_k | Jacobian and desired velocity of task k | m_k × n; m_k, m/s for linear rows, rad/s for angular rows |
+//! | lower, upper | bounds of J_k q̇ of an inequality task | m_k, as ẋ_k |
 //! | J_k^RP | [J_k; J_{k+1}; …; J_l] stacked, Eq. (23) | Σ m × n |
 //! | T_k | first m_k columns of (J_k^RP)⁺, Eq. (25) | n × m_k |
 //! | A⁺ | Moore-Penrose inverse, rank decided at [a relative tolerance](linalg::RANK_TOLERANCE) | |

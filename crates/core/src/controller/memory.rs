@@ -29,7 +29,7 @@ pub enum MemoryError {
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
-    /// The active set names a joint or an inequality that the controller does not have.
+    /// The active set names a joint, an inequality or a row of a task that the controller does not have.
     #[error(
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
     )]
@@ -50,10 +50,14 @@ impl Memory {
         if self.last_command.len() != n || !finite(&self.last_command) {
             return Err(MemoryError::LastCommand);
         }
-        // The solver writes each joint once per level and in ascending order.
+        // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        let rows = n + config.barriers.len();
-        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| row < rows)) {
+        let barriers_end = n + config.barriers.len();
+        let is_bounded = |row: usize| {
+            let mut rows = config.tasks.iter().flat_map(|task| std::iter::repeat_n(task, task.rows.len()));
+            row < barriers_end || rows.nth(row - barriers_end).is_some_and(|task| task.law.bounds().is_some())
+        };
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| is_bounded(row))) {
             return Err(MemoryError::ActiveSet);
         }
         Ok(())

@@ -37,6 +37,7 @@ mod config;
 mod joint_rows;
 mod memory;
 mod null_space;
+mod raw_rows;
 mod stability;
 mod step;
 mod stepper;
@@ -47,6 +48,7 @@ pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, Wrench
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};
+pub use raw_rows::RawRows;
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use stepper::Stepper;

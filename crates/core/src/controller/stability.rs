@@ -321,9 +321,10 @@ mod tests {
             let eigenvalues = map.eigenvalues().unwrap();
             let growths = eigenvalues.iter().map(|value| growth(&Complex::new(value.re, value.im)));
             let (expected, found) = (growths.fold(-1.0, f64::max), axis.growth().unwrap());
-                // A delay line alone has a multiple eigenvalue 0 of the map. Rounding moves it to radii below 0.6.
+            // A delay line alone has a multiple eigenvalue 0 of the map. Rounding moves it to radii below 0.6, and the
+            // eigenvalues next to it lose a digit with a line of 50 periods.
             prop_assume!(expected > -0.3);
-            prop_assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{found} instead of {expected}");
+            prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} instead of {expected}");
         }
     }
 

@@ -5,7 +5,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_i
 
 use super::stepper::Workspace;
 use super::task::ArmState;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, WrenchFrame};
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::task::TaskError;
@@ -29,7 +29,7 @@ pub struct Measurement {
 /// The targets of a task in one period.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskTarget {
-    /// ẋ_k, m_k, m/s and rad/s.
+    /// ẋ_k, m_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to the achieved one.
     pub velocity: Vector,
     /// F_d per row, N and N·m; `None` on rows that follow no force.
     pub force: Vec<Option<f64>>,
@@ -46,6 +46,17 @@ pub struct Command {
     pub limit_conflicts: Vec<usize>,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
     pub joint_limit_index: f64,
+}
+
+impl Command {
+    /// Sets the targets of tasks with bounds, which the answer decides.
+    fn report_bounds(&mut self, tasks: &[TaskConfig]) {
+        for ((target, outcome), task) in self.targets.iter_mut().zip(&self.resolution.tasks).zip(tasks) {
+            if let Some(bounds) = task.law.bounds() {
+                target.velocity.copy_from_slice(&bounds.nearest(outcome.achieved.as_slice()));
+            }
+        }
+    }
 }
 
 /// Why a measurement is refused.
@@ -119,9 +130,14 @@ impl Controller {
             None => initial.insert(self.initial_memory(&arm)),
         };
         self.evaluate_laws(&mut command.targets, previous, &arm);
-        problem.tasks.overwrite(|k, jacobian, velocity| {
-            config.tasks[k].rows.write_jacobian(configuration, jacobian);
-            velocity.copy_from(&command.targets[k].velocity);
+        problem.tasks.overwrite(|k, jacobian, lower, upper| {
+            let task = &config.tasks[k];
+            task.rows.write_jacobian(configuration, jacobian);
+            // The bounds of an inequality task are constant.
+            if task.law.bounds().is_none() {
+                lower.copy_from(&command.targets[k].velocity);
+                upper.copy_from(&command.targets[k].velocity);
+            }
         })?;
         config.limits.update(limited, &config.robot, position, previous.last_command.as_slice(), config.period_s);
         problem.limits.copy_from(&limited.velocity_box);
@@ -131,6 +147,7 @@ impl Controller {
             motion.write(&config.robot, position, velocity);
         }
         resolver.resolve(problem, &previous.active_set, &mut command.resolution)?;
+        command.report_bounds(&config.tasks);
         command.limit_conflicts.clone_from(&limited.conflicts);
         command.joint_limit_index = joint_limit_index(&config.robot, position);
         let memory = match initial {
@@ -209,8 +226,8 @@ impl Controller {
 
     /// Updates the memory after a command, with anti-windup.
     ///
-    /// While any limit or inequality is active, tasks conflict or the answer is not certified, the integrator of every axis
-    /// that does not follow its request continues from the achieved velocity. So the command does not jump when the limit
+    /// While any limit, inequality or bound of a task is active, tasks conflict or the answer is not certified, the
+    /// integrator of every axis that does not follow its request continues from the achieved velocity. So the command does not jump when the limit
     /// is released. For a law without integrator the memory holds the achieved velocity.
     ///
     /// Departs: damping alone does not reset the integrator. A reset would add a second damping to the classical
@@ -220,6 +237,7 @@ impl Controller {
     fn update_memory(&self, memory: &mut Memory, Command { resolution, targets, .. }: &Command) {
         let held_back = !resolution.active_limits.is_empty()
             || !resolution.active_inequalities.is_empty()
+            || resolution.tasks.iter().any(|task| !task.active_rows.is_empty())
             || resolution.singularity.algorithmic
             || resolution.solver.status != Status::Optimal;
         for (k, velocity) in memory.task_velocities.iter_mut().enumerate() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use revprio_robot::kinematics::Configuration;
 
 use super::step::TaskTarget;
-use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError};
+use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::LimitedBox;
 use crate::linalg::{Matrix, Vector};
 use crate::resolution::{Problem, Resolver};
@@ -64,14 +64,16 @@ impl Workspace {
         let n = config.robot.joint_count();
         let zeros = vec![0.0; n];
         let limited = config.limits.at(&config.robot, &zeros, &zeros, config.period_s);
-        let tasks = config.tasks.iter().map(|task| Task {
-            name: task.name.clone(),
-            jacobian: Matrix::zeros(task.rows.len(), n),
-            velocity: Vector::zeros(task.rows.len()),
-            scaled: task.scaled,
-        });
+        let task = |task: &TaskConfig| {
+            let (name, jacobian) = (task.name.clone(), Matrix::zeros(task.rows.len(), n));
+            let empty = match task.law.bounds() {
+                Some(bounds) => Task::between(name, jacobian, bounds.lower().clone(), bounds.upper().clone()),
+                None => Task::new(name, jacobian, Vector::zeros(task.rows.len())),
+            };
+            Task { scaled: task.scaled, ..empty }
+        };
         let problem = Problem {
-            tasks: TaskStack::new(tasks.collect())?,
+            tasks: TaskStack::new(config.tasks.iter().map(task).collect())?,
             limits: limited.velocity_box.clone(),
             inequalities: Vec::new(),
             method: config.method,
@@ -79,7 +81,7 @@ impl Workspace {
             damping: config.damping,
             null_space_velocity: config.null_space.is_some().then(|| Vector::zeros(n)),
         };
-        let target = |task: &Task| TaskTarget { velocity: task.velocity.clone(), force: Vec::new() };
+        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), force: Vec::new() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
         Ok(Self { configuration, limited, problem, resolver: Resolver::default(), command, zero_velocity: zeros })

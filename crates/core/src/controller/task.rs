@@ -5,7 +5,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use super::null_space::mid_range_rate;
-use super::{JointRows, JointTarget, ToolRows};
+use super::{JointRows, JointTarget, RawRows, ToolRows};
 use crate::law::{Law, Profile, TaskState};
 use crate::linalg::{Matrix, TaskVector};
 
@@ -14,11 +14,12 @@ use crate::linalg::{Matrix, TaskVector};
 pub struct TaskConfig {
     /// Name that answers use.
     pub name: String,
-    /// The rows: axes of the tool, or joints.
+    /// The rows: axes of the tool, joints, or constant rows.
     pub rows: TaskRows,
-    /// The law that computes the velocity; as many rows as the task.
+    /// The law that computes the velocity, or bounds; as many rows as the task.
     pub law: Law,
-    /// Whether the task is slowed down in its direction to keep limits, instead of changing its direction.
+    /// Whether the task is slowed down in its direction to keep limits, instead of changing its direction. A task with
+    /// bounds cannot be.
     pub scaled: bool,
 }
 
@@ -30,6 +31,8 @@ pub enum TaskRows {
     Tool(ToolRows),
     /// Joints.
     Joints(JointRows),
+    /// Constant rows over the joints.
+    Raw(RawRows),
 }
 
 /// Why a task is refused.
@@ -44,8 +47,20 @@ pub enum TaskConfigError {
         given: usize,
     },
     /// A law that reads the wrench is set on joints.
-    #[error("joints can have the laws velocity and position only")]
+    #[error("joints can have the laws velocity and position, or bounds, only")]
     JointLaw,
+    /// A law that reads positions or the wrench is set on constant rows.
+    #[error("constant rows can have the law velocity, or bounds, only")]
+    RawLaw,
+    /// Constant rows do not fit the robot or are not finite.
+    #[error("a Jacobian needs at least one row of {expected} finite numbers, one per joint")]
+    Jacobian {
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// A task with bounds is to be scaled.
+    #[error("a task with bounds has no direction to keep; do not scale it")]
+    Scaled,
     /// A joint does not exist, is listed twice, or has no range although the target is the middle of it.
     #[error("joints must exist and be listed once; the target mid-range needs joints with a range")]
     Joints,
@@ -95,6 +110,15 @@ impl TaskConfig {
                     return Err(TaskConfigError::JointLaw);
                 }
             }
+            TaskRows::Raw(rows) => {
+                rows.check(robot)?;
+                if !matches!(self.law, Law::Velocity(_) | Law::Bounds(_)) {
+                    return Err(TaskConfigError::RawLaw);
+                }
+            }
+        }
+        if self.scaled && self.law.bounds().is_some() {
+            return Err(TaskConfigError::Scaled);
         }
         self.check_gain(robot, period)
     }
@@ -121,6 +145,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.axes.len(),
             Self::Joints(rows) => rows.joints.len(),
+            Self::Raw(rows) => rows.jacobian.nrows(),
         }
     }
 
@@ -132,6 +157,7 @@ impl TaskRows {
                 jacobian.fill(0.0);
                 rows.joints.iter().enumerate().for_each(|(row, &joint)| jacobian[(row, joint)] = 1.0);
             }
+            Self::Raw(rows) => jacobian.copy_from(&rows.jacobian),
         }
     }
 
@@ -140,6 +166,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.select(&rows.frame.at(arm.configuration).twist(&arm.twist)),
             Self::Joints(rows) => rows.select(arm.joint_velocity),
+            Self::Raw(rows) => rows.velocity(arm.joint_velocity),
         }
     }
 
@@ -148,6 +175,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.state(self.velocity(arm), arm),
             Self::Joints(rows) => rows.state(self.velocity(arm), arm),
+            Self::Raw(_) => RawRows::state(self.velocity(arm), arm),
         }
     }
 }

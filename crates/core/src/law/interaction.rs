@@ -151,8 +151,10 @@ mod tests {
         // The force law has no target pose. On the first axis the target rests, so there both laws must agree.
         let force = ForceLaw::new(gains(), target()).unwrap().acceleration(&state());
         assert_eq!(hybrid([false, false])[0], force[0]);
-        assert!((&hybrid([true, true]) - &impedance).amax() < 1e-15);
-        assert!((&hybrid([false, true]) - &TaskVector::from_slice(&[force[0], impedance[1]])).amax() < 1e-15);
+        assert!((&hybrid([true, true]) - &impedance).to_vector().amax() < 1e-15);
+        assert!(
+            (&hybrid([false, true]) - &TaskVector::from_slice(&[force[0], impedance[1]])).to_vector().amax() < 1e-15
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! | law | formula | guarantees | fails |
 //! |---|---|---|---|
 //! | velocity | ẋ given | the velocity itself | positions drift by rounding and by the error of the arm's loop |
+//! | bounds | lower ≤ ẋ ≤ upper given | the velocity is inside its bounds as far as higher tasks and limits permit | as the velocity law: a bound on a velocity is no bound on a position |
 //! | pose | ẋ = ẋ_d + K (x_d − x) | the distance to a resting or moving target shrinks as (1 − K T)^i in i periods | K T ≥ 2 diverges and is refused; lag or delay of the arm lowers this bound; an orientation error of half a turn has no shortest direction |
 //! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H decreases | as above; as a lower task it gives way to higher ones |
 //! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, for any stiffness of the environment | without contact the tool moves at F_d/B_d; with a stiff contact and lag or delay of the arm it bounces, see [the stability margins](crate::controller::ContactLoop) |
@@ -17,10 +18,12 @@
 //! velocity per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame;
 //! if these axes turn, the integrator turns with them.
 
+mod bounds;
 mod gains;
 mod interaction;
 mod position;
 
+pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use gains::{GainError, Gains};
 pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
 pub use position::{GainRangeError, PositionLaw};
@@ -62,6 +65,8 @@ pub type TargetForce = SmallVec<[Option<f64>; 8]>;
 pub enum Law {
     /// A given velocity ẋ over time.
     Velocity(Profile),
+    /// Bounds of ẋ in place of ẋ: an inequality task.
+    Bounds(VelocityBounds),
     /// Motion to a pose, or of joints to a posture.
     Position(PositionLaw),
     /// Force control. Paper: Eqs. (35)-(42).
@@ -77,6 +82,7 @@ impl Law {
     pub fn rows(&self) -> usize {
         match self {
             Self::Velocity(profile) => profile.rows(),
+            Self::Bounds(bounds) => bounds.rows(),
             Self::Position(law) => law.rows(),
             Self::Force(law) => law.rows(),
             Self::Impedance(law) => law.rows(),
@@ -87,15 +93,25 @@ impl Law {
     /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
     pub fn integrates(&self) -> bool {
         match self {
-            Self::Velocity(_) | Self::Position(_) => false,
+            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) => false,
             Self::Force(_) | Self::Impedance(_) | Self::Hybrid(_) => true,
         }
     }
 
-    /// Returns ẋ_k for this period from the integrator of the last period, m entries each; `period`: T, s.
+    /// Returns the bounds of an inequality task; `None` for laws that compute a velocity.
+    pub fn bounds(&self) -> Option<&VelocityBounds> {
+        match self {
+            Self::Bounds(bounds) => Some(bounds),
+            _ => None,
+        }
+    }
+
+    /// Returns ẋ_k for this period from the integrator of the last period, m entries each; `period`: T, s. For bounds, it
+    /// is the allowed velocity nearest to the measured one.
     pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
         let acceleration = match self {
             Self::Velocity(profile) => return TaskVector::from_slice(&profile.at(state.time_s).value),
+            Self::Bounds(bounds) => return bounds.velocity(state),
             Self::Position(law) => return law.velocity(state),
             Self::Force(law) => law.acceleration(state),
             Self::Impedance(law) => law.acceleration(state),
@@ -109,7 +125,9 @@ impl Law {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),
             Self::Hybrid(law) => law.target_force(time_s),
-            Self::Velocity(_) | Self::Position(_) | Self::Impedance(_) => SmallVec::from_elem(None, self.rows()),
+            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Impedance(_) => {
+                SmallVec::from_elem(None, self.rows())
+            }
         }
     }
 }

@@ -1,34 +1,29 @@
-//! Pseudo-inverses whose rank is decided at a stated tolerance, and their damped relatives.
-//!
-//! [`Matrix`] and [`Vector`] stand in what the crate takes and gives. What is computed with in every period is a
-//! [`TaskMatrix`] or [`TaskVector`], which need no heap at the size of a task.
+//! The linear algebra that is not in nalgebra: padded rows, singular values that are right where they coincide, the smallest
+//! singular value of a triangle, damping, eigenvalues with a bound on the steps.
 
-mod conditioning;
 mod damping;
-mod decomposition;
-mod lanes;
-mod reflections;
-mod singular;
+mod row;
 mod spectrum;
-mod task_matrix;
+mod svd;
 mod task_vector;
-#[cfg(test)]
-mod tests;
 mod triangle;
 
-pub use conditioning::Conditioning;
 pub use damping::Damping;
-pub use decomposition::{Decomposition, RANK_TOLERANCE};
+pub use row::Row;
 pub use spectrum::{EigenvalueError, eigenvalues};
-pub use task_matrix::TaskMatrix;
+pub use svd::{Svd, write_singular_values};
 pub use task_vector::TaskVector;
+pub use triangle::Triangle;
+
+/// Singular values below this fraction of a matrix's Frobenius norm count as zero.
+pub const RANK_TOLERANCE: f64 = 1e-10;
 
 /// A matrix of any shape.
 pub type Matrix = nalgebra::DMatrix<f64>;
 /// A column of any length.
 pub type Vector = nalgebra::DVector<f64>;
 
-/// Puts `top` over `bottom`; both have the same number of columns.
+/// Puts `top` over `bottom`. Both have the same number of columns.
 pub fn stack(top: &Matrix, bottom: &Matrix) -> Matrix {
     let mut stacked = Matrix::zeros(top.nrows() + bottom.nrows(), top.ncols());
     stacked.rows_mut(0, top.nrows()).copy_from(top);

@@ -1,112 +1,115 @@
-//! Singular values of triangles.
-#![allow(non_snake_case)]
-// What the callers know of the number of groups reaches loops by inlining alone.
-#![expect(clippy::inline_always)]
+//! The smallest singular value of a well-conditioned lower triangle.
 
-use super::lanes::{LANES, Lanes, add_scaled, dot, groups, with_known};
-use super::{TaskMatrix, TaskVector};
+use super::Row;
 
-/// L ← L⁻¹ of a lower triangle; without a meaning where a diagonal entry is zero.
-pub fn invert(L: &mut TaskMatrix) {
-    let n = L.nrows();
-    with_known!(groups(n), |groups| (0..n).for_each(|i| invert_row(L, i, groups)));
+/// A lower triangle's inverse, and room for its tridiagonal form.
+#[derive(Debug, Default)]
+pub struct Triangle<const N: usize> {
+    inverse: Vec<Row<N>>,
+    gram: Vec<Row<N>>,
 }
 
-/// Row i of the inverse in place of that of L, after the rows above it.
-#[inline(always)]
-fn invert_row(L: &mut TaskMatrix, i: usize, groups: usize) {
-    let (above, of_L) = L.split_rows_mut(i);
-    let of_L = &mut of_L[..groups];
-    let gain = 1.0 / of_L.as_flattened()[i];
-    let mut row = TaskVector::zeros(LANES * groups);
-    let row = &mut row.lanes_mut()[..groups];
-    for (above, entry) in above.chunks_exact(groups).zip(of_L.as_flattened()) {
-        add_scaled(row, -gain * entry, above);
-    }
-    of_L.copy_from_slice(row);
-    of_L.as_flattened_mut()[i] = gain;
-}
-
-/// ‖X‖₂ of a lower triangle, as the root of the largest eigenvalue of Xᵀ X: exact to rounding, for the squares lose digits
-/// of small values alone. `M` is room to work in.
-pub fn spectral_norm(X: &TaskMatrix, M: &mut TaskMatrix) -> f64 {
-    let n = X.nrows();
-    let size = X.norm();
-    if !(size.is_normal() && n > 1) {
-        return size;
-    }
-    M.reset(n, n);
-    let (mut diagonal, mut off_squared) = (TaskVector::zeros(n), TaskVector::zeros(n));
-    let M = M.rows_from_mut(0);
-    with_known!(groups(n), |width| {
-        for (i, row) in X.lanes().chunks_exact(width).enumerate() {
-            add_outer(M, row, &row.as_flattened()[..=i], size);
+impl<const N: usize> Triangle<N> {
+    /// Inverts the triangle L with these rows and reciprocal diagonal entries; returns the lower bound 1/‖L⁻¹‖_F of σ_min.
+    pub fn invert<'a>(&mut self, rows: impl Iterator<Item = &'a Row<N>>, reciprocals: &[f64]) -> f64 {
+        self.inverse.clear();
+        let mut square = 0.0;
+        for (i, (row, reciprocal)) in rows.zip(reciprocals).enumerate() {
+            let mut inverse = Row::ZERO;
+            for (above, entry) in self.inverse.iter().zip(&row.0) {
+                inverse.add_scaled(-reciprocal * entry, above);
+            }
+            inverse.0[i] = *reciprocal;
+            square += inverse.dot(&inverse);
+            self.inverse.push(inverse);
         }
+        1.0 / square.sqrt()
+    }
+
+    /// Returns σ_min = 1/‖L⁻¹‖₂ of the triangle inverted last, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits
+    /// of small values only, so it is exact to rounding.
+    pub fn smallest_singular_value(&mut self) -> f64 {
+        let n = self.inverse.len();
+        let size = self.inverse.iter().map(|row| row.dot(row)).sum::<f64>().sqrt();
+        if !(size.is_normal() && n > 1) {
+            return 1.0 / size;
+        }
+        let unit = 1.0 / size;
+        self.gram.clear();
+        self.gram.resize(n, Row::ZERO);
+        for (i, row) in self.inverse.iter().enumerate() {
+            for (gram, entry) in self.gram.iter_mut().zip(&row.0[..=i]) {
+                gram.add_scaled(entry * unit * unit, row);
+            }
+        }
+        let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
         for k in (1..n).rev() {
-            let (before, row) = M.split_at_mut(k * width);
-            diagonal[k] = row.as_flattened()[k];
-            // The entries before the diagonal.
-            with_known!(groups(k), |used| off_squared[k - 1] = reduce(before, width, &mut row[..used], k));
+            let (before, row) = self.gram.split_at_mut(k);
+            diagonal.0[k] = row[0].0[k];
+            off_square.0[k - 1] = reduce(before, &row[0], k);
         }
-    });
-    diagonal[0] = M.as_flattened()[0];
-    size * largest_eigenvalue(&diagonal, &off_squared).sqrt()
-}
-
-/// M ← M + x xᵀ / size², where x ends with the entry that `entries` ends with.
-#[inline(always)]
-fn add_outer(M: &mut [Lanes], x: &[Lanes], entries: &[f64], size: f64) {
-    let unit = 1.0 / size;
-    for (row, entry) in M.chunks_exact_mut(x.len()).zip(entries) {
-        add_scaled(row, entry * unit * unit, x);
+        diagonal.0[0] = self.gram[0].0[0];
+        1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
     }
 }
 
-/// A reflection of the first k rows and columns of a symmetric matrix, `M`, leaves of row k before the diagonal, which `v`
-/// begins with, the last entry alone; its square.
-#[inline(always)]
-fn reduce(M: &mut [Lanes], groups: usize, v: &mut [Lanes], k: usize) -> f64 {
-    v.as_flattened_mut()[k..].fill(0.0);
-    let square = dot(v, v);
+/// Reflects the first k rows and columns of a symmetric matrix so that row k keeps one entry before the diagonal; returns
+/// the square of that entry.
+fn reduce<const N: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
+    // Only the groups of four that hold the first k entries take part.
+    let width = k.next_multiple_of(4);
+    let mut v = *row;
+    v.0[k..].fill(0.0);
+    let square = dot(&v.0[..width], &v.0[..width]);
     if square == 0.0 || k == 1 {
         return square;
     }
     let length = square.sqrt();
-    let head = v.as_flattened()[k - 1];
-    v.as_flattened_mut()[k - 1] += length.copysign(head);
+    let head = v.0[k - 1];
+    v.0[k - 1] += length.copysign(head);
+    let v = &v.0[..width];
     let gain = 1.0 / (length * (length + head.abs()));
     // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
-    let mut w = TaskVector::zeros(LANES * v.len());
-    let w = &mut w.lanes_mut()[..v.len()];
-    for (row, w) in M.chunks_exact(groups).zip(w.as_flattened_mut()) {
-        *w = gain * dot(&row[..v.len()], v);
+    let mut w = [0.0; N];
+    let w = &mut w[..width];
+    for (row, w) in matrix.iter().zip(&mut *w) {
+        *w = gain * dot(&row.0[..width], v);
     }
     let half = 0.5 * gain * dot(w, v);
-    add_scaled(w, -half, v);
-    let entries = v.as_flattened().iter().zip(w.as_flattened());
-    for (row, (v_i, w_i)) in M.chunks_exact_mut(groups).zip(entries) {
-        let row = &mut row[..v.len()];
-        add_scaled(row, -v_i, w);
-        add_scaled(row, -w_i, v);
+    w.iter_mut().zip(v).for_each(|(w, v)| *w -= half * v);
+    for (row, (v_i, w_i)) in matrix.iter_mut().zip(v.iter().zip(&*w)) {
+        let terms = v.iter().zip(&*w);
+        row.0[..width].iter_mut().zip(terms).for_each(|(entry, (v, w))| *entry -= v_i * w + w_i * v);
     }
     square
 }
 
-/// Newton steps that a largest eigenvalue may take; Laguerre's take some four.
-const MOST_STEPS: usize = 40;
+/// Returns Σ a_i b_i of two slices whose length is a multiple of four, in a fixed order.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
 
-/// The largest eigenvalue of a positive semidefinite tridiagonal matrix of trace 1, by Laguerre's iteration from above,
-/// which never passes the largest root.
-fn largest_eigenvalue(diagonal: &[f64], off_squared: &[f64]) -> f64 {
+/// Maximum number of Laguerre steps. About four are needed.
+const MAX_STEPS: usize = 40;
+
+/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of trace 1, by Laguerre's iteration from
+/// above, which never passes the largest root.
+fn largest_eigenvalue(diagonal: &[f64], off_square: &[f64]) -> f64 {
     let n = diagonal.len() as f64;
-    let mut x = upper_bound(diagonal, off_squared);
+    let mut x = upper_bound(diagonal, off_square);
     let mut last_step = x;
-    for _ in 0..MOST_STEPS {
-        // p, p', p''/2 of the characteristic polynomial by its three-term recurrence.
+    for _ in 0..MAX_STEPS {
+        // p, p' and p''/2 of the characteristic polynomial by its three-term recurrence.
         let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
         let (mut p_before, mut dp_before, mut ddp_before) = (0.0, 0.0, 0.0);
         let mut off = 0.0;
-        for (a, off_next) in diagonal.iter().zip(off_squared) {
+        for (a, off_next) in diagonal.iter().zip(off_square) {
             let gap = x - a;
             let next = gap * p - off * p_before;
             let dnext = gap * dp + p - off * dp_before;
@@ -133,15 +136,15 @@ fn largest_eigenvalue(diagonal: &[f64], off_squared: &[f64]) -> f64 {
     x
 }
 
-/// The least of Gershgorin's bound, the trace and the norm.
-fn upper_bound(diagonal: &[f64], off_squared: &[f64]) -> f64 {
+/// Returns the least of Gershgorin's bound, the trace and the norm.
+fn upper_bound(diagonal: &[f64], off_square: &[f64]) -> f64 {
     let (mut before, mut gershgorin) = (0.0, 0.0_f64);
     let (mut trace, mut squares) = (0.0, 0.0);
-    for (a, off_squared) in diagonal.iter().zip(off_squared) {
-        let off = off_squared.sqrt();
+    for (a, off_square) in diagonal.iter().zip(off_square) {
+        let off = off_square.sqrt();
         gershgorin = gershgorin.max(a + before + off);
         trace += a;
-        squares += a * a + 2.0 * off_squared;
+        squares += a * a + 2.0 * off_square;
         before = off;
     }
     gershgorin.min(trace).min(squares.sqrt()) * (1.0 + 1e-15)

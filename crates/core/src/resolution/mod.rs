@@ -1,8 +1,16 @@
 //! From prioritised tasks to joint velocities.
 //!
-//! There are two solvers. The *closed form* is the literature's pseudo-inverse formula; it knows no limits. The
-//! *QP cascade* poses the same problem as a sequence of small least-squares problems with joint limits as
-//! inequalities. Inside the limits both give the same vector, and tests hold them to it.
+//! Each [`Method`] is a list of least-squares problems with priority levels and joint limits. [`Solver`] chooses how they
+//! are solved:
+//!
+//! | solver | computation |
+//! |---|---|
+//! | [`Solver::Auto`] | the hierarchical solver: an active-set method for all levels at once, with a certificate |
+//! | [`Solver::Qp`] | Clarabel level by level; the hierarchical solver evaluates and corrects its active limits |
+//! | [`Solver::ClosedForm`] | the literature's pseudo-inverse formulas, as a reference; they know no limits |
+//!
+//! Inside the limits all three give the same vector, and tests compare them. Do not use [`Solver::ClosedForm`] on a real
+//! arm. It ignores joint limits.
 //!
 //! ```
 //! use revprio_core::limits::VelocityBox;
@@ -11,13 +19,13 @@
 //! use revprio_core::task::{Task, TaskStack};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // Two joints, of which none may move faster than 1 rad/s: their sum is to be 1.5 rad/s, and the first one to rest.
+//! // Two joints with a speed limit of 1 rad/s. Their sum shall be 1.5 rad/s; below that, the first one shall rest.
 //! let sum = Task::new("sum", Matrix::from_row_slice(1, 2, &[1.0, 1.0]), Vector::from_vec(vec![1.5]));
 //! let rest = Task::new("rest", Matrix::from_row_slice(1, 2, &[1.0, 0.0]), Vector::zeros(1));
 //! let tasks = TaskStack::new(vec![sum, rest])?; // highest priority first
 //! let limits = VelocityBox::new(&[-1.0, -1.0], &[1.0, 1.0])?;
 //! let answer = resolve(&Problem { limits, ..Problem::new(tasks) }, &[])?;
-//! // The second joint does what it may, the first one the rest: the lower task gives way.
+//! // The second joint moves at its limit, the first one adds the rest: the lower task gives way.
 //! assert!((answer.joint_velocity[0] - 0.5).abs() < 1e-9 && (answer.joint_velocity[1] - 1.0).abs() < 1e-9);
 //! assert!((answer.tasks[1].residual_norm - 0.5).abs() < 1e-9);
 //! assert_eq!(answer.active_limits[0].joint, 1);
@@ -25,21 +33,32 @@
 //! # }
 //! ```
 //!
-//! `docs/methods.md` in the repository compares the methods, with numbers and a picture; [`Method`] has their formulas.
+//! In the repository, `docs/solver.md` explains the hierarchical solver, its certificate and the continuity of damped
+//! answers. `docs/methods.md` compares the methods, with numbers and a picture; [`Method`] has their formulas.
 
-mod certificate;
+mod answer;
+mod clarabel;
 mod closed_form;
-#[cfg(test)]
-mod faults;
-mod hierarchy;
+mod contradiction;
+mod damped_targets;
+mod engine;
+mod level;
+mod plan;
+mod plan_run;
 mod problem;
-mod qp_cascade;
-mod resolve;
+mod resolver;
+mod scaling;
+mod singularity;
+mod smoothing;
+mod solver;
 
-pub use hierarchy::Singularity;
-pub use problem::{Method, Problem, ProblemError, Solver};
-pub use qp_cascade::{ActiveSet, Side};
-pub use resolve::{
-    ActiveInequality, ActiveLimit, InequalityViolation, LimitViolation, Path, Resolution, Resolver, SolverReport,
-    Status, TaskOutcome, resolve,
+pub use answer::{
+    ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LimitViolation, Path, Resolution, SolverReport,
+    Status, TaskOutcome,
 };
+pub use contradiction::{Contradiction, Member};
+pub use level::{ActiveSet, Side};
+pub use problem::{Method, Problem, ProblemError, Solver};
+pub use resolver::{Resolver, resolve};
+pub use singularity::Singularity;
+pub use solver::MAX_UNKNOWNS;

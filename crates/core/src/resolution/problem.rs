@@ -1,7 +1,8 @@
 //! The input of the resolution.
 
+use super::solver::MAX_UNKNOWNS;
 use crate::limits::{Inequality, VelocityBox};
-use crate::linalg::{Damping, TaskVector, Vector};
+use crate::linalg::{Damping, Vector};
 use crate::task::TaskStack;
 
 /// The resolution method.
@@ -23,36 +24,6 @@ pub enum Method {
     ReversePriority,
     /// The lexicographic hierarchy that reverse priority promises, for any number of tasks.
     StrictReversePriority,
-}
-
-/// How a method combines the tasks. All that the resolution knows about a method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scheme {
-    /// All tasks are one level.
-    OneLevel {
-        /// Whether the level is damped near singularities.
-        damped: bool,
-    },
-    /// Stages from the lowest task to the highest, Eq. (29).
-    LowestFirst {
-        /// Whether a stage ignores the lower tasks when it corrects them, Eq. (13).
-        ignores_lower_tasks: bool,
-    },
-    /// Levels from the highest task to the lowest; each keeps the optimum of the levels before it.
-    HighestFirst,
-}
-
-impl Method {
-    /// Returns how the method combines the tasks.
-    pub(super) fn scheme(self) -> Scheme {
-        match self {
-            Self::Pseudoinverse => Scheme::OneLevel { damped: false },
-            Self::DampedLeastSquares => Scheme::OneLevel { damped: true },
-            Self::SingularityRobust => Scheme::LowestFirst { ignores_lower_tasks: true },
-            Self::ReversePriority => Scheme::LowestFirst { ignores_lower_tasks: false },
-            Self::TaskPriority | Self::StrictReversePriority => Scheme::HighestFirst,
-        }
-    }
 }
 
 /// How the problem is solved.
@@ -109,6 +80,14 @@ pub enum ProblemError {
         /// Its coefficients.
         given: usize,
     },
+    /// The problem has more unknowns than the solver takes.
+    #[error("{given} unknowns (joints, and one for each scaled task); give at most {limit}")]
+    Size {
+        /// Unknowns of the problem.
+        given: usize,
+        /// The largest number of unknowns.
+        limit: usize,
+    },
     /// ζ̇ has the wrong size or is not finite.
     #[error("the null-space velocity needs {expected} finite entries")]
     NullSpaceVelocity {
@@ -134,6 +113,10 @@ impl Problem {
     /// Checks that the parts are about the same joints.
     pub(super) fn check(&self) -> Result<(), ProblemError> {
         let expected = self.tasks.joint_count();
+        let given = expected + self.tasks.tasks().iter().filter(|task| task.scaled).count();
+        if given > MAX_UNKNOWNS {
+            return Err(ProblemError::Size { given, limit: MAX_UNKNOWNS });
+        }
         if self.limits.joint_count() != expected {
             return Err(ProblemError::Limits { expected, given: self.limits.joint_count() });
         }
@@ -148,20 +131,5 @@ impl Problem {
             Some(zeta) if !fits(zeta) => Err(ProblemError::NullSpaceVelocity { expected }),
             _ => Ok(()),
         }
-    }
-
-    /// Whether a velocity (n, rad/s) keeps every limit and inequality.
-    pub(super) fn allows(&self, qdot: &TaskVector) -> bool {
-        self.limits.allows(qdot)
-            && (self.inequalities.is_empty() || {
-                let qdot = qdot.to_vector();
-                self.inequalities.iter().all(|limit| limit.violation(&qdot) == 0.0)
-            })
-    }
-
-    /// ζ̇, n.
-    pub(super) fn start(&self) -> TaskVector {
-        let zero = || TaskVector::zeros(self.tasks.joint_count());
-        self.null_space_velocity.as_ref().map_or_else(zero, TaskVector::from)
     }
 }

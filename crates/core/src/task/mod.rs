@@ -2,24 +2,58 @@
 
 use crate::linalg::{Matrix, Vector};
 
-/// One task J_k q̇ = ẋ_k.
+/// One task lower ≤ J_k q̇ ≤ upper. Rows whose bounds are equal are equations J_k q̇ = ẋ_k.
+///
+/// An inequality task has its own priority level, as every task does: its violation is as small as the higher tasks
+/// permit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Task {
     /// Name that answers use.
     pub name: String,
     /// J_k, m_k × n, in m/s or rad/s per unit of joint speed.
     pub jacobian: Matrix,
-    /// ẋ_k, m_k; m/s for linear rows, rad/s for angular rows.
-    pub velocity: Vector,
-    /// How the task gives way to limits. `true`: its velocity keeps its direction, J_k q̇ = s ẋ_k with the largest
-    /// s ≤ 1. `false`: its residual is as small as possible, and the direction may change.
+    /// Lower bound of each row, m_k; m/s for linear rows, rad/s for angular rows; −∞: no lower bound.
+    pub lower: Vector,
+    /// Upper bound of each row, m_k, in the same units; +∞: no upper bound.
+    pub upper: Vector,
+    /// How a task of equations gives way to limits. `true`: its velocity keeps its direction, J_k q̇ = s ẋ_k with the
+    /// largest s ≤ 1. `false`: its residual is as small as possible, and the direction may change.
     pub scaled: bool,
 }
 
 impl Task {
-    /// Builds a task that is not scaled: limits may change its direction.
+    /// Builds a task of equations J_k q̇ = ẋ_k (`velocity`) that is not scaled: limits may change its direction.
     pub fn new(name: impl Into<String>, jacobian: Matrix, velocity: Vector) -> Self {
-        Self { name: name.into(), jacobian, velocity, scaled: false }
+        Self::between(name, jacobian, velocity.clone(), velocity)
+    }
+
+    /// Builds an inequality task lower ≤ J_k q̇ ≤ upper, with one bound of each kind per row; −∞ and +∞ are no bounds.
+    pub fn between(name: impl Into<String>, jacobian: Matrix, lower: Vector, upper: Vector) -> Self {
+        Self { name: name.into(), jacobian, lower, upper, scaled: false }
+    }
+
+    /// Returns whether all rows are equations.
+    pub fn is_equation(&self) -> bool {
+        self.lower == self.upper
+    }
+
+    /// Returns the index of the first row that no finite velocity satisfies, or whose bound is NaN.
+    fn empty_row(&self) -> Option<usize> {
+        // False for NaN.
+        let allows =
+            |(lower, upper): (&f64, &f64)| lower <= upper && *lower < f64::INFINITY && *upper > f64::NEG_INFINITY;
+        self.lower.iter().zip(self.upper.iter()).position(|row| !allows(row))
+    }
+
+    /// Checks the numbers of the task with this index.
+    fn check_numbers(&self, task: usize) -> Result<(), TaskError> {
+        if !self.jacobian.iter().all(|entry| entry.is_finite()) {
+            return Err(TaskError::NotFinite { task });
+        }
+        match self.empty_row() {
+            Some(row) => Err(TaskError::Bounds { task, row }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -29,14 +63,14 @@ pub enum TaskError {
     /// The list of tasks is empty.
     #[error("give at least one task")]
     NoTasks,
-    /// A task has no rows, or not one velocity per row.
+    /// A task has no rows, or not one velocity (or lower and upper bound) per row.
     #[error("{rows} rows, but {velocities} velocities")]
     Rows {
         /// Index of the task, 0 = highest priority.
         task: usize,
         /// m_k.
         rows: usize,
-        /// Entries of ẋ_k.
+        /// Number of velocities, or of bounds of the side whose number is wrong.
         velocities: usize,
     },
     /// A Jacobian does not have one column per joint.
@@ -49,9 +83,25 @@ pub enum TaskError {
         /// n.
         joints: usize,
     },
-    /// A row or velocity is NaN or infinite.
-    #[error("rows and velocities must be finite numbers")]
+    /// An entry of a Jacobian is NaN or infinite.
+    #[error("the entries of a Jacobian must be finite numbers")]
     NotFinite {
+        /// Index of the task, 0 = highest priority.
+        task: usize,
+    },
+    /// No finite velocity satisfies a row: its velocity is not finite, or its lower bound is above its upper bound.
+    #[error(
+        "row {row} allows no finite velocity; give a finite velocity, or a lower bound at or below the upper bound"
+    )]
+    Bounds {
+        /// Index of the task, 0 = highest priority.
+        task: usize,
+        /// Index of the row, from 0.
+        row: usize,
+    },
+    /// A task that is to be scaled has rows that are no equations, so it has no direction to keep.
+    #[error("a scaled task needs velocities; it cannot have lower and upper bounds")]
+    Scaled {
         /// Index of the task, 0 = highest priority.
         task: usize,
     },
@@ -68,31 +118,35 @@ impl TaskStack {
     /// Checks and builds a stack; highest priority first.
     pub fn new(tasks: Vec<Task>) -> Result<Self, TaskError> {
         let joints = tasks.first().ok_or(TaskError::NoTasks)?.jacobian.ncols();
-        for (task, Task { jacobian, velocity, .. }) in tasks.iter().enumerate() {
-            if jacobian.nrows() != velocity.len() || velocity.is_empty() {
-                return Err(TaskError::Rows { task, rows: jacobian.nrows(), velocities: velocity.len() });
+        for (index, task) in tasks.iter().enumerate() {
+            let (rows, columns) = task.jacobian.shape();
+            let mismatch = [task.lower.len(), task.upper.len()].into_iter().find(|given| *given != rows || rows == 0);
+            if let Some(velocities) = mismatch {
+                return Err(TaskError::Rows { task: index, rows, velocities });
             }
-            if jacobian.ncols() != joints || joints == 0 {
-                return Err(TaskError::Columns { task, columns: jacobian.ncols(), joints });
+            if columns != joints || joints == 0 {
+                return Err(TaskError::Columns { task: index, columns, joints });
             }
-            if !jacobian.iter().chain(velocity.iter()).all(|entry| entry.is_finite()) {
-                return Err(TaskError::NotFinite { task });
+            task.check_numbers(index)?;
+            if task.scaled && !task.is_equation() {
+                return Err(TaskError::Scaled { task: index });
             }
         }
         Ok(Self { tasks, joints })
     }
 
-    /// Overwrites Jacobians and velocities: calls `write(index, J_k, ẋ_k)` for each task, index 0 = highest priority.
+    /// Overwrites Jacobians and bounds: calls `write(index, J_k, lower, upper)` for each task, index 0 = highest priority.
     ///
-    /// `write` must keep the sizes. On an error the stack holds the invalid numbers and must be overwritten again.
-    pub fn overwrite(&mut self, mut write: impl FnMut(usize, &mut Matrix, &mut Vector)) -> Result<(), TaskError> {
+    /// `write` must keep the sizes, and the rows of scaled tasks equations. On an error the stack holds the invalid numbers
+    /// and must be overwritten again.
+    pub fn overwrite(
+        &mut self,
+        mut write: impl FnMut(usize, &mut Matrix, &mut Vector, &mut Vector),
+    ) -> Result<(), TaskError> {
         let mut result = Ok(());
-        for (task, Task { jacobian, velocity, .. }) in self.tasks.iter_mut().enumerate() {
-            write(task, jacobian, velocity);
-            let finite = |entries: &[f64]| entries.iter().all(|entry| entry.is_finite());
-            if result.is_ok() && !(finite(jacobian.as_slice()) && finite(velocity.as_slice())) {
-                result = Err(TaskError::NotFinite { task });
-            }
+        for (index, task) in self.tasks.iter_mut().enumerate() {
+            write(index, &mut task.jacobian, &mut task.lower, &mut task.upper);
+            result = result.and(task.check_numbers(index));
         }
         result
     }
@@ -100,6 +154,11 @@ impl TaskStack {
     /// Returns the tasks, highest priority first.
     pub fn tasks(&self) -> &[Task] {
         &self.tasks
+    }
+
+    /// Returns the place of a task's first row among the rows of all tasks.
+    pub fn first_row(&self, task: usize) -> usize {
+        self.tasks[..task].iter().map(|task| task.jacobian.nrows()).sum()
     }
 
     /// Returns n, the number of joints.
@@ -114,8 +173,67 @@ impl TaskStack {
             .fold(Matrix::zeros(0, self.joints), |stacked, task| crate::linalg::stack(&stacked, &task.jacobian))
     }
 
-    /// Returns all ẋ_k in the same order, Σm_k.
+    /// Returns all ẋ_k in the same order, Σm_k; the lower bounds of rows that are no equations.
     pub fn stacked_velocity(&self) -> Vector {
-        self.tasks.iter().fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.velocity))
+        self.tasks.iter().fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.lower))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn between(lower: f64, upper: f64) -> Task {
+        Task::between(
+            "",
+            Matrix::from_element(1, 2, 1.0),
+            Vector::from_element(1, lower),
+            Vector::from_element(1, upper),
+        )
+    }
+
+    #[test]
+    fn bounds_that_no_velocity_satisfies_are_refused() {
+        for (lower, upper) in [
+            (1.0, 0.5),
+            (f64::INFINITY, f64::INFINITY),
+            (f64::NEG_INFINITY, f64::NEG_INFINITY),
+            (f64::NAN, 1.0),
+            (0.0, f64::NAN),
+        ] {
+            let refused = TaskStack::new(vec![between(0.0, 0.0), between(lower, upper)]);
+            assert_eq!(refused, Err(TaskError::Bounds { task: 1, row: 0 }), "{lower} {upper}");
+        }
+        for (lower, upper) in [(f64::NEG_INFINITY, f64::INFINITY), (-1.0, f64::INFINITY), (0.5, 0.5)] {
+            assert!(TaskStack::new(vec![between(lower, upper)]).is_ok(), "{lower} {upper}");
+        }
+    }
+
+    #[test]
+    fn only_tasks_of_equations_can_be_scaled() {
+        let scaled = |task: Task| TaskStack::new(vec![Task { scaled: true, ..task }]);
+        assert_eq!(scaled(between(0.0, 1.0)), Err(TaskError::Scaled { task: 0 }));
+        assert!(scaled(between(0.5, 0.5)).is_ok());
+    }
+
+    #[test]
+    fn every_row_needs_both_bounds() {
+        let longer = Task { upper: Vector::zeros(2), ..between(0.0, 1.0) };
+        assert_eq!(TaskStack::new(vec![longer]), Err(TaskError::Rows { task: 0, rows: 1, velocities: 2 }));
+    }
+
+    #[test]
+    fn overwritten_numbers_are_checked() {
+        let mut stack = TaskStack::new(vec![between(0.0, 1.0), between(0.0, 1.0)]).unwrap();
+        let mut set = |row: f64, bound: f64| {
+            stack.overwrite(|k, jacobian, lower, _| {
+                if k == 1 {
+                    (jacobian[(0, 0)], lower[0]) = (row, bound);
+                }
+            })
+        };
+        assert_eq!(set(f64::INFINITY, 0.0), Err(TaskError::NotFinite { task: 1 }));
+        assert_eq!(set(1.0, 2.0), Err(TaskError::Bounds { task: 1, row: 0 }));
+        assert_eq!(set(1.0, 1.0), Ok(()));
     }
 }

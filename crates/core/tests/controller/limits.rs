@@ -83,7 +83,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         TaskRows::Tool(rows) => {
             Vector::from_iterator(rows.axes.len(), rows.axes.axes().iter().map(|axis| twist[axis.index()]))
         }
-        TaskRows::Joints(_) => unreachable!("the hostile controller has no postures"),
+        TaskRows::Joints(_) | TaskRows::Raw(_) => unreachable!("the hostile controller has tasks of the tool only"),
     };
     Memory {
         task_velocities: controller.config().tasks.iter().map(moving).collect(),

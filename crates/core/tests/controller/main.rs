@@ -3,6 +3,7 @@
 mod anti_windup;
 mod arms;
 mod barriers;
+mod bounds;
 mod frames;
 mod laws;
 mod limits;

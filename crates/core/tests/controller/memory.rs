@@ -96,7 +96,11 @@ fn a_damaged_memory_is_refused() {
         refusal(&own, &arm)
     };
     let upper = revprio_core::resolution::Side::Upper;
-    assert_eq!(damaged(&|memory| memory.active_set = vec![[(7, upper)].into_iter().collect()]), MemoryError::ActiveSet);
+    // Seven joints, one row of the first task and five of the second.
+    assert_eq!(
+        damaged(&|memory| memory.active_set = vec![[(13, upper)].into_iter().collect()]),
+        MemoryError::ActiveSet
+    );
     assert_eq!(
         damaged(&|memory| memory.active_set = vec![[(1, upper), (1, upper)].into_iter().collect()]),
         MemoryError::ActiveSet

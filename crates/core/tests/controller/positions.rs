@@ -8,7 +8,7 @@ use revprio_core::controller::{
     TaskConfig, TaskConfigError, TaskRows, ToolRows,
 };
 use revprio_core::law::Law;
-use revprio_core::linalg::Vector;
+use revprio_core::linalg::{Matrix, Svd, Vector};
 use revprio_robot::kinematics::{Axis, joint_limit_gradient, joint_limit_index, orientation_error};
 use revprio_robot::{JointLimits, RobotModel};
 
@@ -134,9 +134,10 @@ fn hold_pose_with(motion: NullSpaceMotion) -> Loop {
 /// Returns the unit vector of the null space of the tool Jacobian.
 fn null_space_direction(robot: &RobotModel, q: &[f64]) -> Vector {
     let configuration = revprio_robot::kinematics::Configuration::new(robot, q).unwrap();
-    let jacobian = revprio_core::linalg::TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
-    let null_space = revprio_core::linalg::Decomposition::new(&jacobian).null_space();
-    Vector::from_fn(7, |i, _| null_space[i][0])
+    let jacobian = Matrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
+    let projector = Matrix::identity(7, 7) - Svd::new(&jacobian).inverse(6, 0.0) * &jacobian;
+    let (largest, _) = projector.diagonal().argmax();
+    projector.column(largest).normalize()
 }
 
 #[test]

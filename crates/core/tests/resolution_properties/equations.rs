@@ -61,7 +61,7 @@ fn damped_inverse(J: &Matrix, lambda: f64) -> Matrix {
 fn printed(tasks: &TaskStack, damping: Option<Damping>) -> Vector {
     let mut qdot = Vector::zeros(tasks.joint_count());
     let mut J_low = Matrix::zeros(0, tasks.joint_count());
-    for Task { jacobian: J_k, velocity: xdot_k, .. } in tasks.tasks().iter().rev() {
+    for Task { jacobian: J_k, lower: xdot_k, .. } in tasks.tasks().iter().rev() {
         let J_rp = stack(J_k, &J_low);
         let T_k = damped_inverse(&J_rp, factor(&J_rp, damping)).columns(0, J_k.nrows()).into_owned();
         let reach = J_k * damped_inverse(J_k, factor(J_k, damping));
@@ -76,10 +76,10 @@ fn task_priority(first: &Task, second: &Task) -> Vector {
     let n = first.jacobian.ncols();
     let J1_inverse = pinv_own(&first.jacobian);
     let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
-    let q1 = J1_inverse * &first.velocity;
+    let q1 = J1_inverse * &first.lower;
     // The rank is relative to J_2, because the product with the projector may be only rounding.
     let inverse = crate::reference::pinv(&(&second.jacobian * N1), 1e-10 * second.jacobian.norm());
-    &q1 + inverse * (&second.velocity - &second.jacobian * &q1)
+    &q1 + inverse * (&second.lower - &second.jacobian * &q1)
 }
 
 proptest! {
@@ -130,7 +130,7 @@ fn singularity_robust(first: &Task, second: &Task) -> Vector {
     let n = first.jacobian.ncols();
     let J1_inverse = pinv_own(&first.jacobian);
     let N1 = Matrix::identity(n, n) - &J1_inverse * &first.jacobian;
-    J1_inverse * &first.velocity + N1 * pinv_own(&second.jacobian) * &second.velocity
+    J1_inverse * &first.lower + N1 * pinv_own(&second.jacobian) * &second.lower
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn three_tasks_show_that_the_recursion_is_strict_for_the_top_task_only() {
     let tasks = TaskStack::new(vec![row(&[1.0, 1.0], 1.0), row(&[1.0, 0.0], 0.0), row(&[0.0, 1.0], 0.0)]).unwrap();
     let residuals = |method| {
         let qdot = solve(&tasks, method, None);
-        tasks.tasks().iter().map(|task| (&task.jacobian * &qdot - &task.velocity).norm()).collect::<Vec<_>>()
+        tasks.tasks().iter().map(|task| (&task.jacobian * &qdot - &task.lower).norm()).collect::<Vec<_>>()
     };
     let close = |a: Vec<f64>, b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
     assert!(close(residuals(Method::ReversePriority), [0.0, 0.5, 0.5]));

@@ -33,10 +33,10 @@ fn small_problems_equal_the_enumeration_of_all_active_sets() {
 
 /// Returns the problem one period later: all entries changed by up to `step`, relative.
 fn later(problem: &Problem, random: &mut Random, step: f64) -> Problem {
-    let task = |task: &Task| Task {
-        jacobian: task.jacobian.map(|x| x * (1.0 + step * random.unit())),
-        velocity: task.velocity.map(|x| x * (1.0 + step * random.unit())),
-        ..task.clone()
+    let task = |task: &Task| {
+        let jacobian = task.jacobian.map(|x| x * (1.0 + step * random.unit()));
+        let velocity = task.lower.map(|x| x * (1.0 + step * random.unit()));
+        Task { scaled: task.scaled, ..Task::new(task.name.clone(), jacobian, velocity) }
     };
     let tasks = TaskStack::new(problem.tasks.tasks().iter().map(task).collect()).unwrap();
     Problem { tasks, ..problem.clone() }
@@ -83,7 +83,8 @@ proptest! {
         let factor = 10_f64.powi(exponent);
         let scaled = |task: &Task| Task {
             jacobian: &task.jacobian * factor,
-            velocity: &task.velocity * factor,
+            lower: &task.lower * factor,
+            upper: &task.upper * factor,
             ..task.clone()
         };
         let tasks = TaskStack::new(problem.tasks.tasks().iter().map(scaled).collect()).unwrap();
@@ -101,7 +102,8 @@ fn extremely_large_and_small_numbers_never_give_an_unsafe_command() {
         let mut extreme = || random.pick(&[1e-320, 1e-300, 1e-160, 1.0, 1e150, 1e160, 1e300]);
         let stretched = |task: &Task, rows: f64, velocity: f64| Task {
             jacobian: &task.jacobian * rows,
-            velocity: &task.velocity * velocity,
+            lower: &task.lower * velocity,
+            upper: &task.upper * velocity,
             ..task.clone()
         };
         let tasks = problem.tasks.tasks().iter().map(|task| stretched(task, extreme(), extreme())).collect();

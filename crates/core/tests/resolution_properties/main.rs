@@ -4,9 +4,11 @@
 #![allow(non_snake_case)]
 
 mod bulk;
+mod continuity;
 mod equations;
 mod inequalities;
 mod limits;
 mod problems;
+mod ranks;
 mod reference;
 mod scaling;

@@ -245,5 +245,5 @@ pub fn with(problem: &Problem, solver: Solver) -> Problem {
 pub fn speed(problem: &Problem) -> f64 {
     let tasks = problem.tasks.tasks().iter().filter(|task| task.jacobian.norm() > 0.0);
     let zeta = problem.null_space_velocity.iter().map(Vector::norm);
-    tasks.map(|task| task.velocity.norm() / task.jacobian.norm()).chain(zeta).fold(0.0, f64::max)
+    tasks.map(|task| task.lower.norm() / task.jacobian.norm()).chain(zeta).fold(0.0, f64::max)
 }

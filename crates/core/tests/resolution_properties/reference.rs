@@ -117,7 +117,7 @@ pub fn levels(problem: &Problem) -> Vec<Level> {
     let n = problem.tasks.joint_count();
     let zeta = problem.null_space_velocity.clone().unwrap_or_else(|| Vector::zeros(n));
     let tasks: Vec<Level> =
-        problem.tasks.tasks().iter().map(|task| Level { A: task.jacobian.clone(), b: task.velocity.clone() }).collect();
+        problem.tasks.tasks().iter().map(|task| Level { A: task.jacobian.clone(), b: task.lower.clone() }).collect();
     match problem.method {
         Method::ReversePriority => stages(&tasks, zeta),
         _ => tasks.into_iter().chain([Level { A: Matrix::identity(n, n), b: zeta }]).collect(),

@@ -61,7 +61,7 @@ fn examine(seed: u64, method: Method) -> usize {
             factors[k] = Some(factor + step);
             residual(&problem, &scaled_levels(&problem, &factors), k)
         };
-        let requested = problem.tasks.tasks()[k].velocity.norm();
+        let requested = problem.tasks.tasks()[k].lower.norm();
         let (now, then) = (more(0.0), more(1e-4));
         assert!(
             then > now + 1e-9 * requested,

@@ -1,0 +1,103 @@
+//! Rows of N numbers, padded with zeros.
+//!
+//! N is a multiple of four that the compiler knows, so that loops over a row become vector instructions. Sums have one
+//! fixed order and no fused multiplication: the same numbers give the same bits on every machine.
+
+use std::array;
+
+/// A row of up to N numbers, zero beyond the last one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(32))]
+pub struct Row<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> Default for Row<N> {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+impl<const N: usize> Row<N> {
+    /// Zeros.
+    pub const ZERO: Self = Self([0.0; N]);
+
+    /// Copies `entries`, N at most.
+    #[inline]
+    pub fn from_slice(entries: &[f64]) -> Self {
+        let mut row = Self::ZERO;
+        row.0[..entries.len()].copy_from_slice(entries);
+        row
+    }
+
+    /// Returns Σ a_i b_i.
+    #[inline]
+    pub fn dot(&self, other: &Self) -> f64 {
+        let (a, b) = (self.0.as_chunks::<4>().0, other.0.as_chunks::<4>().0);
+        let mut sums: [f64; 4] = array::from_fn(|lane| a[0][lane] * b[0][lane]);
+        for (a, b) in a[1..].iter().zip(&b[1..]) {
+            for lane in 0..4 {
+                sums[lane] += a[lane] * b[lane];
+            }
+        }
+        (sums[0] + sums[2]) + (sums[1] + sums[3])
+    }
+
+    /// Returns the Euclidean norm.
+    #[inline]
+    pub fn norm(&self) -> f64 {
+        self.dot(self).sqrt()
+    }
+
+    /// Returns the largest absolute value.
+    #[inline]
+    pub fn amax(&self) -> f64 {
+        let mut largest = [0.0_f64; 4];
+        for chunk in self.0.as_chunks::<4>().0 {
+            for lane in 0..4 {
+                let size = chunk[lane].abs();
+                largest[lane] = if size > largest[lane] { size } else { largest[lane] };
+            }
+        }
+        largest.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Adds `factor` · `other`.
+    #[inline]
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        for (entry, other) in self.0.iter_mut().zip(&other.0) {
+            *entry += factor * other;
+        }
+    }
+
+    /// Returns the sum.
+    #[inline]
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self(array::from_fn(|i| self.0[i] + other.0[i]))
+    }
+
+    /// Returns the difference.
+    #[inline]
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self(array::from_fn(|i| self.0[i] - other.0[i]))
+    }
+
+    /// Returns the entries moved into [lower, upper].
+    #[inline]
+    #[must_use]
+    pub fn clamp(&self, lower: &Self, upper: &Self) -> Self {
+        Self(array::from_fn(|i| {
+            let raised = if self.0[i] < lower.0[i] { lower.0[i] } else { self.0[i] };
+            if raised > upper.0[i] { upper.0[i] } else { raised }
+        }))
+    }
+
+    /// Adds `factor` to the entry `place`. A single entry that is written and then read as a part of a vector would stall
+    /// the processor, so all entries are written.
+    #[inline]
+    pub fn add_at(&mut self, place: usize, factor: f64) {
+        for (i, entry) in self.0.iter_mut().enumerate() {
+            *entry += if i == place { factor } else { 0.0 };
+        }
+    }
+}

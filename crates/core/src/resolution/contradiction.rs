@@ -1,0 +1,233 @@
+//! Minimal sets of demands that contradict each other.
+//!
+//! Where a level cannot keep its inequalities, the multipliers w of its residual prove it: Σ w_i a_i = 0 over its rows, the
+//! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). A proof with the fewest members is found by taking
+//! members away along dependencies of the vectors a_i, as long as the rest still is a proof.
+
+use super::level::{Hierarchy, Side, Solution};
+use super::plan::{Origin, PlannedProblem};
+use super::problem::Problem;
+use super::solver::HierarchicalSolver;
+use crate::linalg::{Matrix, Svd};
+
+/// A weight below this fraction of the largest one is rounding.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// A minimal set of demands that contradict each other: without any one of them the rest can be kept together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Contradiction {
+    /// The task whose inequality rows cannot all be kept, index from 0; `None` for the hard inequalities before all tasks.
+    pub task: Option<usize>,
+    /// The demands.
+    pub members: Vec<Member>,
+}
+
+/// A demand of a contradiction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Member {
+    /// A row of a task. An equation of a higher task stands for the value that it achieves.
+    Row {
+        /// Index of the task, from 0.
+        task: usize,
+        /// Index of the row, from 0.
+        row: usize,
+        /// Which bound.
+        side: Side,
+    },
+    /// A joint velocity limit.
+    Limit {
+        /// Index of the joint, from 0.
+        joint: usize,
+        /// Which bound.
+        side: Side,
+    },
+    /// A hard inequality.
+    Inequality {
+        /// Index in the list, from 0.
+        index: usize,
+        /// Which bound.
+        side: Side,
+    },
+}
+
+/// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
+struct Demand {
+    member: Member,
+    coefficients: Vec<f64>,
+    bound: f64,
+    weight: f64,
+}
+
+/// Writes one contradiction for each level whose inequality rows are not all kept by the last solution of `solver`.
+pub fn write_contradictions(
+    problem: &Problem,
+    planned: &PlannedProblem,
+    solution: &Solution,
+    solver: &mut HierarchicalSolver,
+    contradictions: &mut Vec<Contradiction>,
+) {
+    for level in 0..planned.levels.level_ends.len() {
+        let rows = planned.levels.level_start(level)..planned.levels.level_ends[level];
+        let broken = rows.clone().find(|&row| is_broken(&planned.levels, solution, row));
+        let Some(broken) = broken else { continue };
+        let task = match planned.origins[broken] {
+            Origin::Inequality(_) => None,
+            Origin::Task { task, .. } => Some(task),
+            Origin::Auxiliary => continue,
+        };
+        let Some(mut demands) = demands(problem, planned, solution, level, solver) else { continue };
+        reduce(&mut demands);
+        contradictions.push(Contradiction { task, members: demands.iter().map(|demand| demand.member).collect() });
+    }
+}
+
+/// Returns whether an inequality row misses its bounds by more than rounding.
+fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
+    let value = solution.row_values[row];
+    let missing = (value - levels.row_upper[row]).max(levels.row_lower[row] - value);
+    if levels.is_equation(row) || missing <= 0.0 {
+        return false;
+    }
+    let level = levels.level_ends.iter().take_while(|&&end| end <= row).count();
+    let rows = levels.level_start(level)..levels.level_ends[level];
+    let norm = |entries: &mut dyn Iterator<Item = f64>| entries.map(|entry| entry * entry).sum::<f64>().sqrt();
+    let speed = norm(&mut solution.x.iter().copied());
+    let bounds = rows.clone().flat_map(|row| [levels.row_lower[row], levels.row_upper[row]]);
+    let target = norm(&mut bounds.filter(|bound| bound.is_finite()));
+    let size = norm(&mut rows.flat_map(|row| levels.row(row).iter().copied())) * speed + target;
+    let value = solution.row_values[row];
+    !levels.is_equation(row) && (value - levels.row_upper[row]).max(levels.row_lower[row] - value) > NEGLIGIBLE * size
+}
+
+/// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.
+fn demands(
+    problem: &Problem,
+    planned: &PlannedProblem,
+    solution: &Solution,
+    level: usize,
+    solver: &mut HierarchicalSolver,
+) -> Option<Vec<Demand>> {
+    let levels = &planned.levels;
+    let n = problem.tasks.joint_count();
+    let size = |row: usize| levels.row(row).iter().map(|a| a * a).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    let own = levels.level_start(level)..levels.level_ends[level];
+    if let Some(row) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
+        // A row of zeros contradicts itself.
+        let Origin::Task { task, row } = planned.origins[row] else { return None };
+        let side = solution.working_set.rows[own.start + row]?;
+        return Some(vec![demand(Member::Row { task, row, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
+    }
+    let (rows, unknowns) = proof(solution, level, solver);
+    let forces = (0..rows.len()).map(|row| rows[row].abs() * size(row)).chain(unknowns.iter().map(|h| h.abs()));
+    let negligible = NEGLIGIBLE * forces.fold(0.0, f64::max);
+    // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
+    let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
+    let mut demands = Vec::new();
+    for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * size(*row) > negligible) {
+        let side = side(-w);
+        let member = match planned.origins[row] {
+            Origin::Inequality(index) => Member::Inequality { index, side },
+            Origin::Task { task, row } => Member::Row { task, row, side },
+            Origin::Auxiliary => return None,
+        };
+        // What a higher level achieved is kept, whatever it asked for.
+        let bound = match side {
+            _ if row < own.start && (levels.is_equation(row) || is_broken(levels, solution, row)) => {
+                solution.row_values[row]
+            }
+            Side::Lower => levels.row_lower[row],
+            Side::Upper => levels.row_upper[row],
+        };
+        demands.push(demand(member, &levels.row(row)[..n], bound, w.abs(), side));
+    }
+    for (joint, &h) in unknowns[..n].iter().enumerate().filter(|(_, h)| h.abs() > negligible) {
+        if solution.working_set.unknowns[joint].is_none() && levels.lower[joint] < levels.upper[joint] {
+            continue;
+        }
+        let side = side(h);
+        let bound = if side == Side::Lower { levels.lower[joint] } else { levels.upper[joint] };
+        let unit: Vec<f64> = (0..n).map(|j| if j == joint { 1.0 } else { 0.0 }).collect();
+        demands.push(demand(Member::Limit { joint, side }, &unit, bound, h.abs(), side));
+    }
+    Some(demands)
+}
+
+/// Returns weights of the rows (sign of b − A x) and of the unknowns with Σ w_i a_i = h, in which every active bound has the
+/// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
+fn proof(solution: &Solution, level: usize, solver: &mut HierarchicalSolver) -> (Vec<f64>, Vec<f64>) {
+    let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
+    solver.write_level_multipliers(level, &mut rows, &mut unknowns);
+    let set = &solution.working_set;
+    for higher in (0..level).rev() {
+        solver.write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
+        // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
+        let needed = |side: Option<Side>, own: f64, higher: f64| {
+            let sign = side.map_or(0.0, Side::sign);
+            if sign * own < 0.0 && sign * higher > 0.0 { -own / higher } else { 0.0 }
+        };
+        let of_unknowns = (0..unknowns.len()).map(|j| needed(set.unknowns[j], unknowns[j], higher_unknowns[j]));
+        let of_rows = (0..rows.len()).map(|row| needed(set.rows[row], -rows[row], -higher_rows[row]));
+        let factor = of_unknowns.chain(of_rows).fold(0.0, f64::max);
+        rows.iter_mut().zip(&higher_rows).for_each(|(w, higher)| *w += factor * higher);
+        unknowns.iter_mut().zip(&higher_unknowns).for_each(|(h, higher)| *h += factor * higher);
+    }
+    (rows, unknowns)
+}
+
+/// Turns a demand into side · a·x ≤ side · b with a of length one.
+fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
+    let length = coefficients.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let length = if length > 0.0 { length } else { 1.0 };
+    let coefficients = coefficients.iter().map(|a| side.sign() * a / length).collect();
+    Demand { member, coefficients, bound: side.sign() * bound / length, weight: weight * length }
+}
+
+/// Takes members away until the vectors a_i depend on each other in one way only.
+fn reduce(demands: &mut Vec<Demand>) {
+    while let Some(mut dependency) = second_dependency(demands) {
+        // Along the dependency Σ w_i b_i must not rise.
+        let gain: f64 = dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound).sum();
+        if gain < 0.0 {
+            for d in &mut dependency {
+                *d = -*d;
+            }
+        }
+        // Its entries have both signs, because Σ d_i w_i = 0: one weight vanishes first.
+        let step = |(d, demand): (&f64, &Demand)| if *d > 0.0 { demand.weight / d } else { f64::INFINITY };
+        let steps = dependency.iter().zip(&*demands).map(step).enumerate();
+        let Some((vanishing, length)) = steps.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, step)| step.is_finite())
+        else {
+            return;
+        };
+        for (demand, d) in demands.iter_mut().zip(&dependency) {
+            demand.weight -= length * d;
+        }
+        demands.remove(vanishing);
+        let largest = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
+        demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+    }
+}
+
+/// Returns a dependency Σ d_i a_i = 0 of the vectors other than their weights; `None` if there is no other.
+fn second_dependency(demands: &[Demand]) -> Option<Vec<f64>> {
+    let (count, n) = (demands.len(), demands.first()?.coefficients.len());
+    // Columns a_i, and one row that asks for Σ d_i w_i = 0.
+    let total = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
+    let matrix =
+        Matrix::from_fn(
+            n + 1,
+            count,
+            |i, j| {
+                if i < n { demands[j].coefficients[i] } else { demands[j].weight / total }
+            },
+        );
+    let svd = Svd::new(&matrix);
+    let rank = svd.rank(NEGLIGIBLE * matrix.norm());
+    if rank >= count {
+        return None;
+    }
+    // A unit vector's part outside the row space; the largest one is far from rounding.
+    let projector = Matrix::identity(count, count) - svd.inverse(rank, 0.0) * &matrix;
+    let best = (0..count).max_by(|&a, &b| projector[(a, a)].total_cmp(&projector[(b, b)]))?;
+    Some(projector.column(best).iter().copied().collect())
+}

@@ -1,0 +1,182 @@
+//! The data of a hierarchical problem: levels of rows within a box, a working set, a solution.
+
+use smallvec::SmallVec;
+
+use crate::linalg::Matrix;
+
+/// Lower or upper bound of a joint or of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The lower bound.
+    Lower,
+    /// The upper bound.
+    Upper,
+}
+
+impl Side {
+    /// Returns −1 for the lower and 1 for the upper bound.
+    #[inline]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Lower => -1.0,
+            Self::Upper => 1.0,
+        }
+    }
+}
+
+/// The active bounds of one problem in ascending order, with their sides. Indices count the joints from 0, then the hard
+/// inequalities, then the rows of the tasks.
+pub type ActiveSet = SmallVec<[(usize, Side); 8]>;
+
+/// Levels of rows within a box, highest level first.
+///
+/// Level k minimises the squared slack of its rows inside the box, without changing what higher levels achieved. A row
+/// asks `row_lower` ≤ a·x ≤ `row_upper`; its slack is what is missing, and an equation has two equal bounds. The last
+/// objective is min ‖x − `reference`‖², so the answer is unique.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Hierarchy {
+    /// n, the number of unknowns.
+    pub unknowns: usize,
+    /// Lower bounds of the unknowns, n; −∞ is allowed.
+    pub lower: Vec<f64>,
+    /// Upper bounds of the unknowns, n; ∞ is allowed, and no bound is below its lower bound.
+    pub upper: Vec<f64>,
+    /// ζ, n.
+    pub reference: Vec<f64>,
+    /// The rows of all levels one after the other, n entries each.
+    pub rows: Vec<f64>,
+    /// Lower bounds of the rows.
+    pub row_lower: Vec<f64>,
+    /// Upper bounds of the rows.
+    pub row_upper: Vec<f64>,
+    /// The number of rows in this level and all higher ones, per level.
+    pub level_ends: Vec<usize>,
+}
+
+impl Hierarchy {
+    /// Removes levels and bounds; the problem then has n unknowns without bounds and the reference `reference` (n).
+    pub fn clear(&mut self, reference: &[f64]) {
+        let n = reference.len();
+        self.unknowns = n;
+        refill(&mut self.lower, std::iter::repeat_n(f64::NEG_INFINITY, n));
+        refill(&mut self.upper, std::iter::repeat_n(f64::INFINITY, n));
+        refill(&mut self.reference, reference.iter().copied());
+        self.rows.clear();
+        self.row_lower.clear();
+        self.row_upper.clear();
+        self.level_ends.clear();
+    }
+
+    /// Adds a row to the level that [`Self::end_level`] ends.
+    pub fn push_row(&mut self, coefficients: impl IntoIterator<Item = f64>, lower: f64, upper: f64) {
+        self.rows.extend(coefficients);
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+    }
+
+    /// Adds a row of a matrix with one column per unknown.
+    pub fn push_matrix_row(&mut self, matrix: &Matrix, row: usize, lower: f64, upper: f64) {
+        // Columns are contiguous.
+        let (rows, entries) = (matrix.nrows(), matrix.as_slice());
+        self.rows.extend((0..matrix.ncols()).map(|j| entries[row + j * rows]));
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+    }
+
+    /// Ends a level. A level without rows is left out.
+    pub fn end_level(&mut self) {
+        if self.row_count() > self.level_start(self.level_ends.len()) {
+            self.level_ends.push(self.row_count());
+        }
+    }
+
+    /// Returns the number of rows of all levels.
+    pub fn row_count(&self) -> usize {
+        self.row_lower.len()
+    }
+
+    /// Returns the first row of a level.
+    pub fn level_start(&self, level: usize) -> usize {
+        if level == 0 { 0 } else { self.level_ends[level - 1] }
+    }
+
+    /// Returns the coefficients of a row, n.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.rows[row * self.unknowns..(row + 1) * self.unknowns]
+    }
+
+    /// Returns whether a row is an equation.
+    pub fn is_equation(&self, row: usize) -> bool {
+        self.row_lower[row] == self.row_upper[row]
+    }
+}
+
+/// The active bounds: those of unknowns, and those of inequality rows. Equations are always active and not listed.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WorkingSet {
+    /// Active bound of each unknown, n.
+    pub unknowns: Vec<Option<Side>>,
+    /// Active bound of each row.
+    pub rows: Vec<Option<Side>>,
+}
+
+impl WorkingSet {
+    /// Removes all active bounds and resizes.
+    pub fn clear(&mut self, unknowns: usize, rows: usize) {
+        refill(&mut self.unknowns, std::iter::repeat_n(None, unknowns));
+        refill(&mut self.rows, std::iter::repeat_n(None, rows));
+    }
+
+    /// Returns whether no bound is active.
+    pub fn is_empty(&self) -> bool {
+        self.unknowns.iter().chain(&self.rows).all(Option::is_none)
+    }
+}
+
+/// The solution of a [`Hierarchy`] with its optimality conditions evaluated.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Solution {
+    /// x, n, inside the box.
+    pub x: Vec<f64>,
+    /// a·x of each row.
+    pub row_values: Vec<f64>,
+    /// The working set that x was computed on.
+    pub working_set: WorkingSet,
+    /// Multiplier of each unknown's active bound at the first level where it is not zero; positive at upper bounds, negative
+    /// at lower bounds if the bound holds x back.
+    pub multipliers: Vec<f64>,
+    /// The same for each active inequality row.
+    pub row_multipliers: Vec<f64>,
+    /// Rank of each level, given the levels above it, on the working set.
+    pub level_ranks: Vec<usize>,
+    /// Whether the optimality conditions hold.
+    pub is_optimal: bool,
+    /// Whether rounding may have decided a rank.
+    pub rank_uncertain: bool,
+    /// Largest relative residual of the optimality conditions.
+    pub kkt_residual: f64,
+    /// Working sets that were tried.
+    pub working_sets: u32,
+}
+
+impl Solution {
+    /// Copies another solution without giving up the memory of this one.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.x.clone_from(&other.x);
+        self.row_values.clone_from(&other.row_values);
+        self.working_set.unknowns.clone_from(&other.working_set.unknowns);
+        self.working_set.rows.clone_from(&other.working_set.rows);
+        self.multipliers.clone_from(&other.multipliers);
+        self.row_multipliers.clone_from(&other.row_multipliers);
+        self.level_ranks.clone_from(&other.level_ranks);
+        let Self { is_optimal, rank_uncertain, kkt_residual, working_sets, .. } = *other;
+        (self.is_optimal, self.rank_uncertain) = (is_optimal, rank_uncertain);
+        (self.kkt_residual, self.working_sets) = (kkt_residual, working_sets);
+    }
+}
+
+/// Overwrites a list without giving up its memory.
+pub fn refill<T>(list: &mut Vec<T>, entries: impl IntoIterator<Item = T>) {
+    list.clear();
+    list.extend(entries);
+}

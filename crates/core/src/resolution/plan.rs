@@ -1,0 +1,335 @@
+//! A method as a list of hierarchical problems. Apart from the printed formulas in `closed_form.rs`, this is the only place
+//! that knows the methods.
+//!
+//! The problems are solved in order, and each one starts from the answer q̇' of the one before, at first ζ̇:
+//!
+//! | method | problems |
+//! |---|---|
+//! | `strict_reverse_priority`, `task_priority` | one: the tasks as levels, with limits |
+//! | `reverse_priority` | stages k = l … 1: task k, then the lower tasks at what q̇' achieved, then min ‖q̇ − q̇'‖; limits at stage 1 |
+//! | `singularity_robust` | the same stages without the second level |
+//! | `pseudoinverse`, `damped_least_squares` | one: all rows as one level, with limits |
+//!
+//! Hard inequalities are a level above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
+//! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') beside the rows of the level.
+
+use super::level::{ActiveSet, Hierarchy, WorkingSet, refill};
+use super::problem::{Method, Problem};
+use crate::linalg::Matrix;
+use crate::task::Task;
+
+/// One problem of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// All rows are one level.
+    OneLevel,
+    /// Each task is a level, highest priority first.
+    Levels,
+    /// Task k, above the lower tasks if it disturbs them as little as possible.
+    Stage {
+        /// The task, 0 = highest priority.
+        task: usize,
+        /// Whether lower tasks are kept as far as possible.
+        keeps_lower_tasks: bool,
+    },
+}
+
+impl Step {
+    /// Returns whether limits apply: they belong to the last problem of a plan.
+    pub fn is_last(self) -> bool {
+        !matches!(self, Self::Stage { task, .. } if task > 0)
+    }
+
+    /// Returns whether this problem is needed only for what the next one keeps of the lower tasks.
+    pub fn only_keeps_lower_tasks(self) -> bool {
+        matches!(self, Self::Stage { task, keeps_lower_tasks: true } if task > 0)
+    }
+
+    /// Returns whether this problem reaches for task k rather than keeping what it achieves.
+    pub fn reaches(self, k: usize) -> bool {
+        !matches!(self, Self::Stage { task, .. } if task != k)
+    }
+}
+
+impl Method {
+    /// Returns the problems of the method for `tasks` tasks, in the order of solution.
+    pub(super) fn steps(self, tasks: usize) -> impl Iterator<Item = Step> {
+        let stage = |keeps_lower_tasks| move |task| Step::Stage { task, keeps_lower_tasks };
+        let (single, stages) = match self {
+            Self::Pseudoinverse | Self::DampedLeastSquares => (Some(Step::OneLevel), None),
+            Self::TaskPriority | Self::StrictReversePriority => (Some(Step::Levels), None),
+            Self::SingularityRobust => (None, Some((0..tasks).rev().map(stage(false)))),
+            Self::ReversePriority => (None, Some((0..tasks).rev().map(stage(true)))),
+        };
+        single.into_iter().chain(stages.into_iter().flatten())
+    }
+
+    /// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
+    pub(super) fn meets_independent_tasks(self) -> bool {
+        self != Self::SingularityRobust
+    }
+
+    /// Returns whether a level that holds all rows is damped.
+    pub(super) fn damps_one_level(self) -> bool {
+        self == Self::DampedLeastSquares
+    }
+}
+
+/// What a row of a planned problem stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// A hard inequality.
+    Inequality(usize),
+    /// A row of a task.
+    Task {
+        /// The task, 0 = highest priority.
+        task: usize,
+        /// Its row, from 0.
+        row: usize,
+    },
+    /// A row of damping, or a part of a scaled task.
+    Auxiliary,
+}
+
+/// How a scaled task takes part.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scaling {
+    /// As any other task: the limits do not cut it, or no scale keeps its direction.
+    Off,
+    /// Uᵀ(J q̇ − s ẋ) = 0, then s → 1, with the rows Uᵀ[J, −ẋ] one after the other.
+    On(Vec<f64>),
+}
+
+/// One problem with the meaning of its rows.
+#[derive(Debug, Clone, Default)]
+pub struct PlannedProblem {
+    /// The levels.
+    pub levels: Hierarchy,
+    /// Per row.
+    pub origins: Vec<Origin>,
+    /// First level of each task that has a level of its own.
+    pub task_levels: Vec<Option<usize>>,
+    /// The unknown s of each scaled task.
+    pub scale_unknowns: Vec<Option<usize>>,
+}
+
+/// What the rows of the tasks aim at in one step.
+pub struct Aim<'a> {
+    /// The velocity of each row that is an equation, all tasks one after the other.
+    pub targets: &'a [f64],
+    /// q̇', the answer of the problem before; n.
+    pub before: &'a [f64],
+    /// Factor of the damping rows: of the one level, or of the lower tasks of a stage.
+    pub damping: f64,
+    /// Per task.
+    pub scaling: &'a [Scaling],
+    /// Whether q̇' meets every lower task, so that these are kept at their targets and q̇' itself need not be known: any
+    /// velocity that differs from it by a combination of their rows serves as well, such as ζ̇.
+    pub lower_tasks_are_met: bool,
+}
+
+impl PlannedProblem {
+    /// Writes one problem of the plan.
+    pub fn write(&mut self, problem: &Problem, step: Step, aim: &Aim) {
+        self.start(problem, step, aim);
+        let tasks = problem.tasks.tasks();
+        match step {
+            Step::OneLevel => {
+                if let Some(scaled) = aim.scaling.iter().position(|scaling| *scaling != Scaling::Off) {
+                    // A stack has one velocity, so that it is scaled as a whole.
+                    self.push_scaled(problem, scaled, norm(aim.targets), aim);
+                } else {
+                    (0..tasks.len()).for_each(|k| self.push_task(problem, k, aim));
+                    self.push_damping(aim);
+                    self.levels.end_level();
+                }
+            }
+            Step::Levels => {
+                for k in 0..tasks.len() {
+                    self.push_level(problem, k, aim);
+                }
+            }
+            Step::Stage { task, keeps_lower_tasks } => {
+                self.push_level(problem, task, aim);
+                if keeps_lower_tasks && task + 1 < tasks.len() {
+                    for lower in task + 1..tasks.len() {
+                        if aim.lower_tasks_are_met {
+                            self.push_task(problem, lower, aim);
+                        } else {
+                            self.push_kept_task(problem, lower, aim.before);
+                        }
+                    }
+                    self.push_damping(aim);
+                    self.levels.end_level();
+                }
+            }
+        }
+    }
+
+    /// Sets unknowns, limits and the hard inequalities.
+    fn start(&mut self, problem: &Problem, step: Step, aim: &Aim) {
+        let n = aim.before.len();
+        self.levels.clear(aim.before);
+        self.origins.clear();
+        refill(&mut self.task_levels, std::iter::repeat_n(None, aim.scaling.len()));
+        refill(&mut self.scale_unknowns, std::iter::repeat_n(None, aim.scaling.len()));
+        if !step.is_last() {
+            return;
+        }
+        self.levels.lower.copy_from_slice(problem.limits.lower().as_slice());
+        self.levels.upper.copy_from_slice(problem.limits.upper().as_slice());
+        for (unknown, (place, _)) in
+            (n..).zip(aim.scaling.iter().enumerate().filter(|(_, scaling)| **scaling != Scaling::Off))
+        {
+            self.scale_unknowns[place] = Some(unknown);
+            self.levels.unknowns += 1;
+            self.levels.lower.push(0.0);
+            self.levels.upper.push(1.0);
+            self.levels.reference.push(0.0);
+        }
+        for (index, inequality) in problem.inequalities.iter().enumerate() {
+            // Rows of length one: they are broken by the least joint speed.
+            let norm = inequality.coefficients().norm();
+            let norm = if norm > 0.0 { norm } else { 1.0 };
+            let coefficients = inequality.coefficients().iter().map(|entry| entry / norm);
+            self.push_row(Origin::Inequality(index), coefficients, f64::NEG_INFINITY, inequality.bound() / norm);
+        }
+        self.levels.end_level();
+    }
+
+    /// Adds a task as a level of its own, or as two where it is scaled.
+    fn push_level(&mut self, problem: &Problem, k: usize, aim: &Aim) {
+        self.task_levels[k] = Some(self.levels.level_ends.len());
+        if self.scale_unknowns[k].is_some() {
+            let first = problem.tasks.first_row(k);
+            let size = norm(&aim.targets[first..first + problem.tasks.tasks()[k].jacobian.nrows()]);
+            self.push_scaled(problem, k, size, aim);
+        } else {
+            self.push_task(problem, k, aim);
+            self.levels.end_level();
+        }
+    }
+
+    /// Adds the two levels of a scaled task: its direction, then its scale s ‖ẋ‖ → ‖ẋ‖, so that multipliers count as those of
+    /// the unscaled task do. `size`: ‖ẋ‖.
+    fn push_scaled(&mut self, problem: &Problem, k: usize, size: f64, aim: &Aim) {
+        let (Some(unknown), Scaling::On(rows)) = (self.scale_unknowns[k], &aim.scaling[k]) else { return };
+        let (n, total) = (problem.tasks.joint_count(), self.levels.unknowns);
+        for row in rows.chunks_exact(n + 1) {
+            let entry = |j: usize| {
+                if j < n {
+                    row[j]
+                } else if j == unknown {
+                    row[n]
+                } else {
+                    0.0
+                }
+            };
+            self.push_row(Origin::Auxiliary, (0..total).map(entry), 0.0, 0.0);
+        }
+        self.levels.end_level();
+        self.push_row(Origin::Auxiliary, (0..total).map(|j| if j == unknown { size } else { 0.0 }), size, size);
+        self.levels.end_level();
+    }
+
+    /// Adds the rows of a task.
+    fn push_task(&mut self, problem: &Problem, k: usize, aim: &Aim) {
+        let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
+        for row in 0..task.jacobian.nrows() {
+            let is_equation = task.lower[row] == task.upper[row];
+            let target = aim.targets[first + row];
+            let (lower, upper) = if is_equation { (target, target) } else { (task.lower[row], task.upper[row]) };
+            self.push_task_row(task, k, row, lower, upper);
+        }
+    }
+
+    /// Adds the rows of a lower task at what `before` achieves. An inequality row may move inside its bounds, and not further
+    /// outside than it is.
+    fn push_kept_task(&mut self, problem: &Problem, k: usize, before: &[f64]) {
+        let task = &problem.tasks.tasks()[k];
+        for row in 0..task.jacobian.nrows() {
+            let achieved = row_times(&task.jacobian, row, before);
+            let (lower, upper) = if task.lower[row] == task.upper[row] {
+                (achieved, achieved)
+            } else {
+                (task.lower[row].min(achieved), task.upper[row].max(achieved))
+            };
+            self.push_task_row(task, k, row, lower, upper);
+        }
+    }
+
+    fn push_task_row(&mut self, task: &Task, k: usize, row: usize, lower: f64, upper: f64) {
+        self.levels.push_matrix_row(&task.jacobian, row, lower, upper);
+        // Scales of tasks are unknowns behind the joints.
+        self.levels.rows.resize(self.levels.row_count() * self.levels.unknowns, 0.0);
+        self.origins.push(Origin::Task { task: k, row });
+    }
+
+    /// Adds the rows λ q̇ = λ q̇'.
+    fn push_damping(&mut self, aim: &Aim) {
+        if aim.damping > 0.0 {
+            for (i, &before) in aim.before.iter().enumerate() {
+                let row = (0..aim.before.len()).map(|j| if i == j { aim.damping } else { 0.0 });
+                self.push_row(Origin::Auxiliary, row, aim.damping * before, aim.damping * before);
+            }
+        }
+    }
+
+    /// Adds a row with coefficients for the joints; those of other unknowns are zero.
+    fn push_row(&mut self, origin: Origin, coefficients: impl IntoIterator<Item = f64>, lower: f64, upper: f64) {
+        let zeros = std::iter::repeat(0.0);
+        let total = self.levels.unknowns;
+        self.levels.push_row(coefficients.into_iter().chain(zeros).take(total), lower, upper);
+        self.origins.push(origin);
+    }
+
+    /// Returns the index of a row in an [`ActiveSet`].
+    fn place(problem: &Problem, origin: Origin) -> Option<usize> {
+        let n = problem.tasks.joint_count();
+        match origin {
+            Origin::Inequality(index) => Some(n + index),
+            Origin::Task { task, row } => Some(n + problem.inequalities.len() + problem.tasks.first_row(task) + row),
+            Origin::Auxiliary => None,
+        }
+    }
+
+    /// Writes the working set that a guess means in this problem.
+    pub fn write_guess(&self, problem: &Problem, guess: &[ActiveSet], set: &mut WorkingSet) {
+        set.clear(self.levels.unknowns, self.levels.row_count());
+        let n = problem.tasks.joint_count();
+        for &(place, side) in guess.iter().flatten() {
+            if place < n {
+                set.unknowns[place] = Some(side);
+            }
+        }
+        if guess.iter().flatten().any(|&(place, _)| place >= n) {
+            for (row, &origin) in self.origins.iter().enumerate() {
+                let place = Self::place(problem, origin);
+                let known = guess.iter().flatten().find(|&&(known, _)| Some(known) == place);
+                set.rows[row] = known.map(|&(_, side)| side);
+            }
+        }
+    }
+
+    /// Writes the active bounds of a working set, ascending.
+    pub fn write_active_set(&self, problem: &Problem, set: &WorkingSet, active: &mut ActiveSet) {
+        let n = problem.tasks.joint_count();
+        active.clear();
+        active.extend(set.unknowns[..n].iter().enumerate().filter_map(|(joint, side)| Some((joint, (*side)?))));
+        for (&origin, side) in self.origins.iter().zip(&set.rows) {
+            if let (Some(place), Some(side)) = (Self::place(problem, origin), *side) {
+                active.push((place, side));
+            }
+        }
+    }
+}
+
+/// Returns a·x for one row of a matrix.
+fn row_times(matrix: &Matrix, row: usize, x: &[f64]) -> f64 {
+    let (rows, entries) = (matrix.nrows(), matrix.as_slice());
+    x.iter().enumerate().map(|(j, x)| entries[row + j * rows] * x).sum()
+}
+
+fn norm(entries: &[f64]) -> f64 {
+    entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+}

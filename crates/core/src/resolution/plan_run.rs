@@ -1,0 +1,171 @@
+//! The problems of a plan, solved one after the other.
+
+use super::contradiction::{Contradiction, write_contradictions};
+use super::damped_targets::DampedTargets;
+use super::engine::Engine;
+use super::level::{ActiveSet, Solution, WorkingSet, refill};
+use super::plan::{Aim, PlannedProblem, Scaling, Step};
+use super::problem::Problem;
+use super::scaling::ScaledTasks;
+use super::singularity::Singularities;
+use super::smoothing::Smoothing;
+use super::solver::LevelSolver;
+use crate::task::Task;
+
+/// A run of a plan and its result.
+#[derive(Default)]
+pub struct PlanRun {
+    /// The problem that was solved last, with limits.
+    pub planned: PlannedProblem,
+    /// Its solution: q̇, then the scales of scaled tasks.
+    pub solution: Solution,
+    /// Scale of each task; `None` without one.
+    pub scales: Vec<Option<f64>>,
+    /// Inequalities that cannot be kept together.
+    pub contradictions: Vec<Contradiction>,
+    guess: WorkingSet,
+    /// Whether every stage below the highest one meets its task.
+    lower_tasks_are_met: bool,
+    /// q̇', the answer of the problem before.
+    before: Vec<f64>,
+    /// The velocities that the equations aim at, all tasks one after the other.
+    targets: Vec<f64>,
+    scaling: Vec<Scaling>,
+    scaled: ScaledTasks,
+    smoothing: Smoothing,
+    damped: DampedTargets,
+}
+
+impl PlanRun {
+    /// Solves the plan of the problem's method from ζ̇ = `zeta` on.
+    pub fn solve(
+        &mut self,
+        problem: &Problem,
+        guess: &[ActiveSet],
+        zeta: &[f64],
+        singularities: &Singularities,
+        engine: &mut Engine,
+    ) {
+        let tasks = problem.tasks.tasks();
+        refill(&mut self.before, zeta.iter().copied());
+        refill(&mut self.targets, tasks.iter().flat_map(|task| task.lower.iter().copied()));
+        refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
+        refill(&mut self.scales, tasks.iter().map(|_| None));
+        self.contradictions.clear();
+        let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
+        // Independent equations: the stages below the highest one need not be solved.
+        self.lower_tasks_are_met =
+            singularities.is_regular && tasks.iter().all(Task::is_equation) && engine.clarabel_counts().is_none();
+        let skips_stages = self.lower_tasks_are_met;
+        for step in problem.method.steps(tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
+            let damping = self.damp(problem, step, singularities, engine);
+            self.write(problem, step, damping);
+            self.planned.write_guess(problem, guess, &mut self.guess);
+            engine.solve(&self.planned.levels, Some(&self.guess), &mut self.solution);
+            if step.is_last() {
+                self.finish(problem, step, damping, engine);
+            }
+            kkt_residual = kkt_residual.max(self.solution.kkt_residual);
+            is_optimal &= self.solution.is_optimal;
+            working_sets += self.solution.working_sets;
+            rank_uncertain |= self.solution.rank_uncertain;
+            refill(&mut self.before, self.solution.x[..zeta.len()].iter().copied());
+        }
+        let solution = &mut self.solution;
+        (solution.kkt_residual, solution.is_optimal) = (kkt_residual, is_optimal);
+        (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
+    }
+
+    /// Scales tasks, explains contradictions, and makes the damped answer continuous.
+    fn finish(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+        if problem.tasks.tasks().iter().any(|task| task.scaled) {
+            self.scale(problem, step, damping, engine);
+        }
+        write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
+        if let Some(factors) = problem.damping {
+            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
+        }
+    }
+
+    fn write(&mut self, problem: &Problem, step: Step, damping: f64) {
+        let Self { targets, before, scaling, lower_tasks_are_met, .. } = self;
+        let aim = Aim { targets, before, damping, scaling, lower_tasks_are_met: *lower_tasks_are_met };
+        self.planned.write(problem, step, &aim);
+    }
+
+    /// Replaces the targets of a step by the velocities that damping leaves of them; returns the factor of its damping rows.
+    fn damp(&mut self, problem: &Problem, step: Step, singularities: &Singularities, engine: &mut Engine) -> f64 {
+        let (known, tasks) = (&singularities.tasks, problem.tasks.tasks());
+        let Self { damped, targets, before, .. } = self;
+        match step {
+            Step::OneLevel => {
+                let all = tasks.iter().position(Task::is_equation).map_or(0.0, |first| known[first].lambda);
+                let factor = if problem.method.damps_one_level() { all } else { 0.0 };
+                if factor > 0.0 && tasks.iter().any(|task| task.scaled) {
+                    // A scaled stack has one velocity. Damping forms it first.
+                    damped.start(before.iter().copied());
+                    damped.lower(problem, 0..0, 0..tasks.len(), factor, targets, engine);
+                    return 0.0;
+                }
+                factor
+            }
+            Step::Levels => {
+                if known.iter().any(|task| task.strict > 0.0) {
+                    damped.start(before.iter().map(|_| 0.0));
+                    for (k, known) in known.iter().enumerate() {
+                        damped.lower(problem, 0..k, k..k + 1, known.strict, targets, engine);
+                    }
+                }
+                0.0
+            }
+            Step::Stage { task, keeps_lower_tasks } => {
+                if known[task].mu > 0.0 {
+                    damped.start(before.iter().copied());
+                    damped.lower(problem, 0..0, task..task + 1, known[task].mu, targets, engine);
+                }
+                if keeps_lower_tasks { known[task].lambda } else { 0.0 }
+            }
+        }
+    }
+
+    /// Slows scaled tasks down that the limits bend, from the highest to the lowest.
+    fn scale(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+        for k in 0..problem.tasks.tasks().len() {
+            if !problem.tasks.tasks()[k].scaled || !step.reaches(k) {
+                continue;
+            }
+            self.scaled.examine(problem, step, k, &self.targets);
+            if self.scaled.keeps_direction(&self.solution.x, 1.0) {
+                self.set_scale(problem, step, k, Some(1.0));
+            } else if let Some(direction) = self.scaled.direction() {
+                self.scaling[k] = Scaling::On(direction);
+                self.solve_again(problem, step, damping, engine);
+                let scale = self.planned.scale_unknowns[k].map_or(0.0, |unknown| self.solution.x[unknown]);
+                if self.scaled.keeps_direction(&self.solution.x, scale) {
+                    self.set_scale(problem, step, k, Some(scale));
+                } else {
+                    // No scale keeps the direction.
+                    self.scaling[k] = Scaling::Off;
+                    self.solve_again(problem, step, damping, engine);
+                }
+            }
+            if step == Step::OneLevel {
+                return;
+            }
+        }
+    }
+
+    fn solve_again(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+        self.write(problem, step, damping);
+        engine.solve(&self.planned.levels, None, &mut self.solution);
+    }
+
+    /// Sets the scale of a task, or of all scaled tasks of one level.
+    fn set_scale(&mut self, problem: &Problem, step: Step, k: usize, scale: Option<f64>) {
+        for (other, task) in problem.tasks.tasks().iter().enumerate() {
+            if other == k || (step == Step::OneLevel && task.scaled) {
+                self.scales[other] = scale;
+            }
+        }
+    }
+}

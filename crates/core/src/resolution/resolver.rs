@@ -1,0 +1,81 @@
+//! The one entry: a problem in, joint velocities and their explanation out.
+
+use super::answer::Resolution;
+use super::closed_form::closed_form;
+use super::engine::Engine;
+use super::level::{ActiveSet, Solution};
+use super::plan_run::PlanRun;
+use super::problem::{Problem, ProblemError, Solver};
+use super::singularity::Singularities;
+
+/// Solves the problem; `guess` are the active limits of the period before (empty: none).
+///
+/// A numerical failure is not an error but an answer with a status: the control loop needs a safe command either way.
+pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, ProblemError> {
+    let mut answer = Resolution::default();
+    Resolver::default().resolve(problem, guess, &mut answer)?;
+    Ok(answer)
+}
+
+/// The workspace of [`resolve`], allocated once and overwritten by each problem: the same answers, to the last bit.
+#[derive(Default)]
+pub struct Resolver {
+    singularities: Singularities,
+    engine: Engine,
+    zeta: Vec<f64>,
+    run: PlanRun,
+}
+
+impl Resolver {
+    /// Solves the problem as [`resolve`] does and overwrites `answer`.
+    pub fn resolve(
+        &mut self,
+        problem: &Problem,
+        guess: &[ActiveSet],
+        answer: &mut Resolution,
+    ) -> Result<(), ProblemError> {
+        problem.check()?;
+        let Self { singularities, engine, zeta, run } = self;
+        zeta.clear();
+        match &problem.null_space_velocity {
+            Some(velocity) => zeta.extend_from_slice(velocity.as_slice()),
+            None => zeta.resize(problem.tasks.joint_count(), 0.0),
+        }
+        singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact());
+        match problem.solver {
+            Solver::ClosedForm => answer.report_closed_form(problem, &closed_form(problem), singularities),
+            Solver::Auto if is_met_without_limits(problem, singularities) => {
+                answer.report_unlimited(problem, singularities);
+            }
+            Solver::Auto | Solver::Qp => {
+                engine.choose(problem.solver);
+                let guess = if problem.solver == Solver::Auto { guess } else { &[] };
+                run.solve(problem, guess, zeta, singularities, engine);
+                answer.report(problem, singularities, run, engine);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns whether the solution without limits solves the problem: all tasks are independent and met, inside all bounds.
+fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bool {
+    let Solution { x, is_optimal, .. } = &singularities.unlimited;
+    let within = |value: f64, lower: f64, upper: f64| lower <= value && value <= upper;
+    let mut limits = problem.limits.lower().iter().zip(problem.limits.upper()).zip(x);
+    let mut inequality_tasks = problem.tasks.tasks().iter().filter(|task| !task.is_equation());
+    singularities.is_regular
+        && *is_optimal
+        && problem.method.meets_independent_tasks()
+        && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
+        && problem.inequalities.iter().all(|inequality| {
+            let value = inequality.coefficients().iter().zip(x).map(|(a, x)| a * x).sum();
+            within(value, f64::NEG_INFINITY, inequality.bound())
+        })
+        && inequality_tasks.all(|task| {
+            (0..task.jacobian.nrows()).all(|row| {
+                let value = task.jacobian.row(row).iter().zip(x).map(|(a, x)| a * x).sum();
+                within(value, task.lower[row], task.upper[row])
+            })
+        })
+}

@@ -1,0 +1,71 @@
+//! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+//!
+//! With an orthonormal basis U of the velocities that J_k can reach beside the higher tasks without limits, the unknowns
+//! (q̇, s) obey Uᵀ(J_k q̇ − s ẋ_k) = 0, and then s is as large as possible: two levels in place of one.
+
+use super::plan::Step;
+use super::problem::Problem;
+use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
+
+/// Residual, relative to the size of the task, up to which its direction counts as kept.
+const KEPT: f64 = 1e-11;
+
+/// The direction rows of the task that was examined last.
+#[derive(Default)]
+pub struct ScaledTasks {
+    /// Uᵀ[J, −ẋ], row by row, n + 1 entries each.
+    rows: Vec<f64>,
+    columns: usize,
+    /// ‖J‖ and ‖ẋ‖.
+    norm: f64,
+    size: f64,
+}
+
+impl ScaledTasks {
+    /// Examines task k.
+    pub fn examine(&mut self, problem: &Problem, step: Step, k: usize, targets: &[f64]) {
+        let tasks = problem.tasks.tasks();
+        let n = problem.tasks.joint_count();
+        let equations = |range: std::ops::Range<usize>| range.filter(|&task| tasks[task].is_equation());
+        let (own, higher) = match step {
+            Step::OneLevel => (0..tasks.len(), 0..0),
+            Step::Levels => (k..k + 1, 0..k),
+            Step::Stage { .. } => (k..k + 1, 0..0),
+        };
+        let rows_of = |tasks_of: std::ops::Range<usize>| {
+            equations(tasks_of).fold(Matrix::zeros(0, n), |above, task| stack(&above, &tasks[task].jacobian))
+        };
+        let (jacobian, above) = (rows_of(own.clone()), rows_of(higher));
+        let velocity = equations(own).flat_map(|task| {
+            let first = problem.tasks.first_row(task);
+            targets[first..first + tasks[task].jacobian.nrows()].iter().copied()
+        });
+        let velocity = Vector::from_vec(velocity.collect());
+        self.norm = jacobian.norm();
+        self.size = velocity.norm();
+        let svd = Svd::new(&above);
+        let rank = svd.rank(RANK_TOLERANCE * above.norm());
+        let open = &jacobian - &jacobian * svd.inverse(rank, 0.0) * &above;
+        let open = Svd::new(&open);
+        let basis = open.range(open.rank(RANK_TOLERANCE * self.norm));
+        let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&velocity));
+        self.columns = n + 1;
+        self.rows.clear();
+        for i in 0..rows.nrows() {
+            self.rows.extend(rows.row(i).iter().copied().chain([last[i]]));
+        }
+    }
+
+    /// Returns the rows Uᵀ[J, −ẋ], one after the other; `None` for a task at rest, which has no direction.
+    pub fn direction(&self) -> Option<Vec<f64>> {
+        (self.size > 0.0).then(|| self.rows.clone())
+    }
+
+    /// Returns whether q̇ (the first n entries of `x`) moves the task along its direction with the scale s.
+    pub fn keeps_direction(&self, x: &[f64], scale: f64) -> bool {
+        let qdot = &x[..self.columns - 1];
+        let speed = qdot.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let off = |row: &[f64]| row.iter().zip(qdot.iter().chain([&scale])).map(|(a, x)| a * x).sum::<f64>().abs();
+        self.rows.chunks_exact(self.columns).all(|row| off(row) <= KEPT * (self.norm * speed + self.size))
+    }
+}

@@ -1,0 +1,305 @@
+//! The optimality conditions on a working set: what is wrong, the multipliers, the certificate.
+//!
+//! Everything is evaluated with the rows of the problem, not with those of the factorisation. Section numbers refer to
+//! `docs/solver.md`.
+
+use super::factorization::Factorization;
+use super::problem_rows::ProblemRows;
+use crate::linalg::Row;
+use crate::resolution::level::{WorkingSet, refill};
+
+/// Rounding of the targets' speed, as a fraction of the rounding of the answer's own speed.
+const SUM_ROUNDING: f64 = 0.05;
+
+/// The conditions on one working set.
+#[derive(Debug, Default)]
+pub struct Conditions<const N: usize> {
+    /// Free unknowns outside their bounds, and held ones whose multiplier points inwards.
+    pub wrong: Vec<usize>,
+    /// Inactive rows outside their bounds, and active ones whose multiplier points inwards.
+    pub wrong_rows: Vec<usize>,
+    /// Multiplier of each held unknown at the first level where it is not zero; positive at upper bounds if right.
+    pub multipliers: Row<N>,
+    /// The same of each active inequality row.
+    pub row_multipliers: Vec<f64>,
+    /// a·x of each row.
+    pub values: Vec<f64>,
+    /// Largest relative residual.
+    pub residual: f64,
+    /// Relative size below which a number is zero.
+    rounding: f64,
+    /// Bounds whose sign no level has decided yet.
+    undecided: usize,
+    decided: Vec<bool>,
+    row_decided: Vec<bool>,
+    /// Multipliers of the rows for one level, with the sign of r = b − A x.
+    w: Vec<f64>,
+    /// Size of the terms whose sum a multiplier is: of unknowns, and of rows times their length.
+    sizes: Row<N>,
+    row_sizes: Vec<f64>,
+}
+
+impl<const N: usize> Conditions<N> {
+    /// Returns whether the working set is the right one.
+    #[inline]
+    pub fn hold(&self) -> bool {
+        self.wrong.is_empty() && self.wrong_rows.is_empty()
+    }
+
+    /// Evaluates all conditions (section 5). `rounding` is the relative size below which a number is zero.
+    pub fn evaluate(
+        &mut self,
+        problem: &ProblemRows<N>,
+        set: &WorkingSet,
+        solved: &mut Factorization<N>,
+        rounding: f64,
+    ) {
+        let speed = solved.base_norm + solved.y.norm();
+        // Speeds that the targets ask for: without them an answer of zero speed would never be inside.
+        let asked = problem.levels.iter().filter(|level| level.norm > 0.0).map(|level| level.target / level.norm);
+        let fast = asked.fold(speed, f64::max);
+        self.rounding = rounding;
+        self.start(problem, set, solved);
+        let inside = rounding * (speed + SUM_ROUNDING * fast);
+        self.check_bounds(problem, solved, inside, fast);
+        self.check_rows(problem, set, inside, fast);
+        for k in 0..problem.levels.len() {
+            let level = problem.levels[k];
+            let size = level.target + level.norm * fast;
+            for row in level.start..level.end {
+                if problem.is_active(set, row) {
+                    let off = problem.target(set, row) - self.values[row] - solved.residual[row];
+                    self.note_residual(off.abs(), size);
+                }
+            }
+            if solved.spans[k].has_residual {
+                // The rounding of the residual comes from the coordinates that the level sees.
+                let seen = Row::<N>::from_slice(&solved.y.0[..solved.spans[k].rank_end]).norm();
+                self.check_level(problem, set, solved, k, level.target + level.norm * (solved.base_norm + seen));
+            }
+        }
+        if self.undecided > 0 || solved.rank() < solved.free.len() {
+            self.check_level(problem, set, solved, problem.levels.len(), fast);
+        }
+    }
+
+    fn start(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>) {
+        self.wrong.clear();
+        self.wrong_rows.clear();
+        self.multipliers = Row::ZERO;
+        let m = problem.rows.len();
+        refill(&mut self.row_multipliers, std::iter::repeat_n(0.0, m));
+        refill(&mut self.values, problem.rows.iter().map(|row| row.dot(&solved.x)));
+        refill(&mut self.decided, std::iter::repeat_n(false, problem.unknowns));
+        refill(&mut self.row_decided, std::iter::repeat_n(false, m));
+        // A pinned unknown stays, whatever its multiplier is.
+        let loose = solved.held.iter().filter(|&&j| !problem.is_pinned(j)).count();
+        self.undecided = loose + problem.inequalities.iter().filter(|&&row| set.rows[row].is_some()).count();
+    }
+
+    /// Collects free unknowns outside their bounds by more than `rounding`.
+    fn check_bounds(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, rounding: f64, fast: f64) {
+        let inside = solved.x.clamp(&problem.lower, &problem.upper);
+        let outside = solved.x.minus(&inside);
+        let farthest = outside.amax();
+        if farthest > rounding {
+            self.wrong.extend(solved.free.iter().filter(|&&j| outside.0[j].abs() > rounding));
+        }
+        // The answer is moved to its bounds, which counts as an error.
+        self.residual = if farthest > 0.0 { farthest / fast } else { 0.0 };
+    }
+
+    /// Collects inactive rows outside their bounds.
+    fn check_rows(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, rounding: f64, fast: f64) {
+        for &row in problem.inequalities.iter().filter(|&&row| set.rows[row].is_none()) {
+            let (value, norm) = (self.values[row], problem.squares[row].sqrt());
+            let missing = (value - problem.row_upper[row]).max(problem.row_lower[row] - value);
+            if missing > rounding * norm {
+                self.wrong_rows.push(row);
+                self.note_residual(missing, norm * fast);
+            }
+        }
+    }
+
+    /// Evaluates stationarity and multipliers of level k, or of the last objective min ‖x − ζ‖² (k = number of levels).
+    fn check_level(
+        &mut self,
+        problem: &ProblemRows<N>,
+        set: &WorkingSet,
+        solved: &mut Factorization<N>,
+        k: usize,
+        size: f64,
+    ) {
+        let LevelMultipliers { h, length, amount, norm } = self.multipliers_of(problem, solved, k, None);
+        self.sizes = Row([amount; N]);
+        refill(&mut self.row_sizes, std::iter::repeat_n(amount, problem.rows.len()));
+        if self.undecided > 0 && length > 0.0 {
+            self.add_residual_sizes(problem, set, solved, k, size, &h, length, amount);
+        }
+        self.decide(problem, set, solved, &h);
+        let mut stationarity = 0.0_f64;
+        for &j in &solved.free {
+            stationarity = stationarity.max(h.0[j].abs());
+        }
+        self.note_residual(stationarity, amount.max(size * norm));
+    }
+
+    /// Adds the part of the rounding that comes from the level's residual r, which is known up to the rounding of `size`.
+    ///
+    /// r has one degree of freedom for each dependent row, and h = Σ_d r_d e_d. The size of an error in h_j is therefore
+    /// `size` · Σ_d |e_dj|: with one dependent row no sign is in doubt. With more, a coarse bound is enough for most signs.
+    #[expect(clippy::too_many_arguments, reason = "the sizes of one level")]
+    fn add_residual_sizes(
+        &mut self,
+        problem: &ProblemRows<N>,
+        set: &WorkingSet,
+        solved: &mut Factorization<N>,
+        k: usize,
+        size: f64,
+        h: &Row<N>,
+        length: f64,
+        amount: f64,
+    ) {
+        let dependent = solved.spans.get(k).map_or(0, |span| span.end - span.pivots_end);
+        if dependent == 1 {
+            return;
+        }
+        let coarse = amount * (1.0 + size / length);
+        let doubtful = |value: f64| value > self.rounding * amount && value <= self.rounding * coarse;
+        let mut active_rows = problem.inequalities.iter().filter(|&&row| set.rows[row].is_some());
+        let is_doubtful = solved.held.iter().any(|&j| !self.decided[j] && doubtful(h.0[j].abs()))
+            || active_rows
+                .any(|&row| !self.row_decided[row] && doubtful(self.w[row].abs() * problem.squares[row].sqrt()));
+        if dependent == 0 || !is_doubtful {
+            self.sizes = Row([coarse; N]);
+            self.row_sizes.fill(coarse);
+            return;
+        }
+        let multipliers = std::mem::take(&mut self.w);
+        for d in 0..dependent {
+            let e = self.multipliers_of(problem, solved, k, Some(d)).h;
+            self.sizes = Row(std::array::from_fn(|j| self.sizes.0[j] + size * e.0[j].abs()));
+            for (row, w) in self.row_sizes.iter_mut().zip(&self.w).enumerate().map(|(row, (size, w))| ((row, size), w))
+            {
+                *row.1 += size * w.abs() * problem.squares[row.0].sqrt();
+            }
+        }
+        self.w = multipliers;
+    }
+
+    /// Computes the gradient h = Σ w_i a_i of level k with the shortest multipliers w of all higher levels; leaves w. The
+    /// level's own w are its residual, or those of one dependent row alone.
+    fn multipliers_of(
+        &mut self,
+        problem: &ProblemRows<N>,
+        solved: &mut Factorization<N>,
+        k: usize,
+        dependent: Option<usize>,
+    ) -> LevelMultipliers<N> {
+        refill(&mut self.w, std::iter::repeat_n(0.0, problem.rows.len()));
+        let w = &mut self.w;
+        let (mut h, mut g, norm, length, mut c, end);
+        if k == problem.levels.len() {
+            h = problem.reference.minus(&solved.x);
+            g = solved.reference.minus(&solved.y);
+            (norm, length, c, end) = (1.0, h.norm(), solved.rank(), solved.order.len());
+        } else {
+            let span = solved.spans[k];
+            (h, g, norm, c, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, span.first, span.end);
+            match dependent {
+                Some(dependent) => solved.write_left_null_vector(k, dependent, w),
+                None => solved.order[span.start..span.end].iter().for_each(|&row| w[row] = solved.residual[row]),
+            }
+            let mut square = 0.0;
+            for &row in &solved.order[span.start..span.end] {
+                square += w[row] * w[row];
+                g.add_scaled(w[row], &solved.coordinates[row]);
+            }
+            length = square.sqrt();
+        }
+        let mut amount = length * norm;
+        for level in (0..k).rev() {
+            let span = solved.spans[level];
+            while c > span.first {
+                c -= 1;
+                let row = solved.pivots[c];
+                w[row] = -g.0[c] * solved.inverse[c];
+                g.add_scaled(w[row], &solved.coordinates[row]);
+            }
+            if span.pivots_end < span.end {
+                solved.shorten_multipliers(level, w, &mut g);
+            }
+            let sum: f64 = solved.order[span.start..span.end].iter().map(|&row| w[row].abs()).sum();
+            amount += sum * problem.levels[level].norm;
+        }
+        solved.order[..end].iter().for_each(|&row| h.add_scaled(w[row], &problem.rows[row]));
+        LevelMultipliers { h, length, amount, norm }
+    }
+
+    /// Decides the sign of every bound whose multiplier is not zero here and was zero at all higher levels.
+    fn decide(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>, h: &Row<N>) {
+        for &j in &solved.held {
+            if self.decided[j] || h.0[j].abs() <= self.rounding * self.sizes.0[j] {
+                continue;
+            }
+            self.decided[j] = true;
+            self.multipliers.0[j] = h.0[j];
+            if !problem.is_pinned(j) {
+                self.undecided -= 1;
+                if set.unknowns[j].is_some_and(|side| side.sign() * h.0[j] < 0.0) {
+                    self.wrong.push(j);
+                    self.note_residual(h.0[j].abs(), self.sizes.0[j]);
+                }
+            }
+        }
+        if self.undecided == 0 {
+            return;
+        }
+        for &row in &problem.inequalities {
+            let (Some(side), false) = (set.rows[row], self.row_decided[row]) else { continue };
+            let multiplier = -self.w[row];
+            let force = multiplier.abs() * problem.squares[row].sqrt();
+            if !(force > self.rounding * self.row_sizes[row]) {
+                continue;
+            }
+            self.row_decided[row] = true;
+            self.undecided -= 1;
+            self.row_multipliers[row] = multiplier;
+            if side.sign() * multiplier < 0.0 {
+                self.wrong_rows.push(row);
+                self.note_residual(force, self.row_sizes[row]);
+            }
+        }
+    }
+
+    /// Keeps the largest residual.
+    #[inline]
+    fn note_residual(&mut self, size: f64, scale: f64) {
+        if size > self.residual * scale {
+            self.residual = if scale > 0.0 { size / scale } else { f64::INFINITY };
+        }
+    }
+
+    /// Writes the multipliers of one level: of the rows (sign of b − A x) and of the unknowns.
+    pub fn write_level_multipliers(
+        &mut self,
+        problem: &ProblemRows<N>,
+        solved: &mut Factorization<N>,
+        k: usize,
+    ) -> (&[f64], Row<N>) {
+        let h = self.multipliers_of(problem, solved, k, None).h;
+        (&self.w, h)
+    }
+}
+
+/// The gradient of one level and its sizes.
+struct LevelMultipliers<const N: usize> {
+    /// Σ w_i a_i, plus ζ − x for the last objective.
+    h: Row<N>,
+    /// ‖r_k‖, or ‖ζ − x‖.
+    length: f64,
+    /// Σ |w_i| ‖A_level(i)‖.
+    amount: f64,
+    /// ‖A_k‖, or 1.
+    norm: f64,
+}

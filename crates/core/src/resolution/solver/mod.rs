@@ -1,0 +1,222 @@
+//! The hierarchical solver: lexicographic least squares within a box by an active-set method.
+//!
+//! It tries working sets until the optimality conditions hold. `docs/solver.md` explains the method; the sections named here
+//! are those of that page. The answer is exact: no regularisation and no weights enter it.
+
+mod conditions;
+mod factorization;
+mod primal;
+mod problem_rows;
+mod search;
+mod sized;
+
+pub use sized::{HierarchicalSolver, LevelSolver, MAX_UNKNOWNS};
+
+use conditions::Conditions;
+use factorization::{Factorization, ROUNDING};
+use primal::PrimalPoint;
+use problem_rows::ProblemRows;
+use search::Search;
+
+use super::level::{Hierarchy, Side, Solution, WorkingSet};
+use crate::linalg::RANK_TOLERANCE;
+
+/// Ratios of the weights of adjacent levels while the search looks for a working set.
+const SPACINGS: [f64; 2] = [1e-6, 1e-4];
+
+/// Relative sizes that count as rounding where working sets repeat: a smaller one where rows nearly depend on each other, so
+/// that multipliers are small, and larger ones where several sets describe the same corner.
+const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
+
+/// Singular values below this fraction of ‖A_k‖ count as zero where rounding may decide ranks and the smaller tolerance finds
+/// no certain answer.
+const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
+
+/// Working sets that are corrected in all wrong places at once before the primal method takes over.
+const MAX_CORRECTIONS: u32 = 3;
+
+/// The solver for problems of up to N unknowns; it keeps its memory from call to call.
+#[derive(Debug, Default)]
+pub struct ActiveSetSolver<const N: usize> {
+    problem: ProblemRows<N>,
+    set: WorkingSet,
+    solved: Factorization<N>,
+    conditions: Conditions<N>,
+    search: Search<N>,
+    primal: PrimalPoint<N>,
+}
+
+/// How the next working set is found.
+#[derive(PartialEq)]
+enum Phase {
+    /// By the search, or by correcting all that is wrong.
+    Guess,
+    /// By steps of the primal method.
+    Primal,
+    /// By the least wrong index alone (Murty), which is finite.
+    LeastIndex,
+}
+
+impl<const N: usize> ActiveSetSolver<N> {
+    /// Solves the problem from the working set `guess` on (section 6).
+    ///
+    /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
+    /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
+    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
+        self.problem.load(problem);
+        self.solved.rank_tolerance = RANK_TOLERANCE;
+        let mut met_uncertain_rank = self.solve_from(guess, solution);
+        let mut tried = solution.working_sets;
+        let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
+        if met_uncertain_rank && is_guessed {
+            met_uncertain_rank = self.solve_from(None, solution);
+            tried += solution.working_sets;
+        }
+        for tolerance in UNCERTAIN_RANK_TOLERANCES {
+            if solution.is_optimal || !met_uncertain_rank {
+                break;
+            }
+            self.solved.rank_tolerance = tolerance;
+            self.solve_from(None, solution);
+            tried += solution.working_sets;
+            solution.rank_uncertain = true;
+        }
+        solution.working_sets = tried;
+    }
+
+    /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
+    fn solve_from(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) -> bool {
+        self.start_from(guess);
+        let mut met_uncertain_rank = false;
+        let levels = self.problem.levels.len();
+        let constraints = self.problem.unknowns + self.problem.rows.len();
+        let max_sets = u32::try_from(40 * constraints + 50).unwrap_or(u32::MAX);
+        let mut phase = Phase::Guess;
+        let (mut tried, mut searches) = (0, 0);
+        let (mut rounding, mut roundings) = (ROUNDING, OTHER_ROUNDINGS.into_iter());
+        loop {
+            tried += 1;
+            self.solved.solve(&self.problem, &self.set, levels);
+            met_uncertain_rank |= self.solved.rank_uncertain;
+            self.conditions.evaluate(&self.problem, &self.set, &mut self.solved, rounding);
+            if self.conditions.hold() || tried >= max_sets {
+                break;
+            }
+            match phase {
+                // Nothing is active: the dual method proposes a set.
+                Phase::Guess if searches < SPACINGS.len() && self.set.is_empty() => searches = self.propose(searches),
+                // The proposal was wrong: the weights were too close to each other, or too far apart.
+                Phase::Guess if searches == 1 => self.set.clear(self.problem.unknowns, self.problem.rows.len()),
+                // A guess from the call before: most are wrong in one place or two.
+                Phase::Guess if searches == 0 && tried < MAX_CORRECTIONS => self.correct_all(),
+                Phase::LeastIndex => self.correct_least(),
+                _ => {
+                    if phase == Phase::Guess {
+                        phase = Phase::Primal;
+                        self.primal.clear();
+                    }
+                    let Self { problem, solved, conditions, set, primal, .. } = self;
+                    primal.step(problem, solved, conditions, set);
+                    if self.primal.steps > 2 * constraints {
+                        // Sets repeat where rounding decides what is wrong: another size may count as rounding.
+                        match roundings.next() {
+                            Some(other) => rounding = other,
+                            None => phase = Phase::LeastIndex,
+                        }
+                        self.primal.steps = 0;
+                    }
+                }
+            }
+        }
+        self.write(solution, tried);
+        solution.rank_uncertain = self.solved.rank_uncertain;
+        met_uncertain_rank
+    }
+
+    /// Takes over the bounds of a guess that this problem has.
+    fn start_from(&mut self, guess: Option<&WorkingSet>) {
+        let Self { problem, set, .. } = self;
+        set.clear(problem.unknowns, problem.rows.len());
+        let Some(guess) = guess else { return };
+        let exists = |side: Side, lower: f64, upper: f64| match side {
+            Side::Lower => lower.is_finite(),
+            Side::Upper => upper.is_finite(),
+        };
+        for (j, side) in guess.unknowns.iter().enumerate().take(problem.unknowns) {
+            let known = |side: &Side| !problem.is_pinned(j) && exists(*side, problem.lower.0[j], problem.upper.0[j]);
+            set.unknowns[j] = side.filter(known);
+        }
+        for &row in problem.inequalities.iter().filter(|&&row| row < guess.rows.len()) {
+            let known = |side: &Side| exists(*side, problem.row_lower[row], problem.row_upper[row]);
+            set.rows[row] = guess.rows[row].filter(known);
+        }
+    }
+
+    /// Searches for a set with one spacing, or with the next one where rounding stops the first; returns how many were used.
+    fn propose(&mut self, used: usize) -> usize {
+        let Self { problem, solved, set, search, .. } = self;
+        if search.propose(problem, solved, SPACINGS[used], set) || used + 1 == SPACINGS.len() {
+            return used + 1;
+        }
+        search.propose(problem, solved, SPACINGS[used + 1], set);
+        used + 2
+    }
+
+    /// Changes everything that is wrong.
+    fn correct_all(&mut self) {
+        for at in 0..self.conditions.wrong.len() {
+            self.correct_unknown(self.conditions.wrong[at]);
+        }
+        for at in 0..self.conditions.wrong_rows.len() {
+            self.correct_row(self.conditions.wrong_rows[at]);
+        }
+    }
+
+    /// Changes the wrong bound with the least index.
+    fn correct_least(&mut self) {
+        match (self.conditions.wrong.iter().min(), self.conditions.wrong_rows.iter().min()) {
+            (Some(&unknown), _) => self.correct_unknown(unknown),
+            (None, Some(&row)) => self.correct_row(row),
+            (None, None) => {}
+        }
+    }
+
+    fn correct_unknown(&mut self, j: usize) {
+        let is_above = self.solved.x.0[j] > self.problem.upper.0[j];
+        self.set.unknowns[j] = corrected(self.set.unknowns[j], is_above);
+    }
+
+    fn correct_row(&mut self, row: usize) {
+        let is_above = self.conditions.values[row] > self.problem.row_upper[row];
+        self.set.rows[row] = corrected(self.set.rows[row], is_above);
+    }
+
+    /// Writes the answer; the box holds to the last bit.
+    fn write(&mut self, solution: &mut Solution, tried: u32) {
+        let Self { problem, set, solved, conditions, .. } = self;
+        let x = solved.x.clamp(&problem.lower, &problem.upper);
+        let n = problem.unknowns;
+        solution.x.clear();
+        solution.x.extend_from_slice(&x.0[..n]);
+        solution.row_values.clone_from(&conditions.values);
+        solution.working_set.unknowns.clone_from(&set.unknowns);
+        solution.working_set.rows.clone_from(&set.rows);
+        solution.multipliers.clear();
+        solution.multipliers.extend_from_slice(&conditions.multipliers.0[..n]);
+        solution.row_multipliers.clone_from(&conditions.row_multipliers);
+        solution.level_ranks.clear();
+        solution.level_ranks.extend(solved.spans.iter().map(|span| span.rank_end - span.first));
+        solution.is_optimal = conditions.hold();
+        solution.kkt_residual = conditions.residual;
+        solution.working_sets = tried;
+    }
+}
+
+/// Returns the opposite: inactive for an active bound, the broken bound for an inactive one.
+fn corrected(side: Option<Side>, is_above: bool) -> Option<Side> {
+    match side {
+        Some(_) => None,
+        None if is_above => Some(Side::Upper),
+        None => Some(Side::Lower),
+    }
+}

@@ -1,0 +1,226 @@
+//! A search for the working set by a dual active-set method (Goldfarb and Idnani).
+//!
+//! Weights that grow by a large factor from level to level stand in for the order of the levels. They make the problem
+//! strictly convex, and its inverse Hessian K is known from the factorisation without active bounds. The search takes about
+//! one sweep of K per bound that becomes active. Its result is a proposal: the conditions on that set decide.
+
+use super::factorization::Factorization;
+use super::problem_rows::ProblemRows;
+use crate::linalg::Row;
+use crate::resolution::level::{Side, WorkingSet, refill};
+
+/// Fraction of a diagonal entry of K at the start below which nothing but rounding is left of it.
+const LOST_PIVOT: f64 = 1e-13;
+
+/// The tableau: constraints are the unknowns, then the inequality rows.
+#[derive(Debug, Default)]
+pub struct Search<const N: usize> {
+    /// Entries per row of `table`, a multiple of four.
+    stride: usize,
+    /// K, later swept: how values and multipliers fall with each multiplier.
+    table: Vec<f64>,
+    /// Diagonal of K at the start.
+    diagonal: Vec<f64>,
+    /// Values of inactive constraints, multipliers of active ones.
+    state: Vec<f64>,
+    active: Vec<Option<Side>>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// A copy of one row of the tableau.
+    row: Vec<f64>,
+    /// The columns of G.
+    generator: Vec<Row<N>>,
+}
+
+impl<const N: usize> Search<N> {
+    /// Proposes a working set, from the factorisation without active bounds; `false` if rounding stopped it.
+    ///
+    /// `spacing`: ratio of the weights of adjacent levels, below 1.
+    pub fn propose(
+        &mut self,
+        problem: &ProblemRows<N>,
+        solved: &Factorization<N>,
+        spacing: f64,
+        set: &mut WorkingSet,
+    ) -> bool {
+        self.load(problem, solved);
+        self.tabulate(problem, solved, spacing);
+        let finished = self.run();
+        let n = problem.unknowns;
+        set.unknowns.copy_from_slice(&self.active[..n]);
+        for (place, &row) in problem.inequalities.iter().enumerate() {
+            set.rows[row] = self.active[n + place];
+        }
+        finished
+    }
+
+    /// Sets values and bounds of the constraints; pinned unknowns have none.
+    fn load(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>) {
+        let n = problem.unknowns;
+        let rows = || problem.inequalities.iter().copied();
+        let count = n + problem.inequalities.len();
+        self.stride = count.next_multiple_of(4);
+        let bound = |j: usize, bound: f64, none: f64| if problem.is_pinned(j) { none } else { bound };
+        let lower = (0..n).map(|j| bound(j, problem.lower.0[j], f64::NEG_INFINITY));
+        refill(&mut self.lower, lower.chain(rows().map(|row| problem.row_lower[row])));
+        let upper = (0..n).map(|j| bound(j, problem.upper.0[j], f64::INFINITY));
+        refill(&mut self.upper, upper.chain(rows().map(|row| problem.row_upper[row])));
+        let values = solved.x.0[..n].iter().copied().chain(rows().map(|row| problem.rows[row].dot(&solved.x)));
+        refill(&mut self.state, values);
+        self.state.resize(self.stride, 0.0);
+        refill(&mut self.active, std::iter::repeat_n(None, count));
+    }
+
+    /// Writes K = G diag(1/weight) Gᵀ, with a row and a column for each constraint (section 6).
+    ///
+    /// The columns of G change one coordinate alone, or none: P = Q T⁻¹, and the last columns of Q. The slack of an inequality
+    /// row adds 1/weight of its level to the diagonal.
+    fn tabulate(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, spacing: f64) {
+        self.write_generator(solved);
+        let (n, stride) = (problem.unknowns, self.stride);
+        refill(&mut self.table, std::iter::repeat_n(0.0, self.active.len() * stride));
+        let exponent = |k: usize| i32::try_from(problem.levels.len() - k).unwrap_or(i32::MAX);
+        let inverse_weight = |k: usize| spacing.powi(exponent(k)) * problem.levels[k].square;
+        let mut level = 0;
+        for (c, column) in self.generator.iter().enumerate() {
+            while level < solved.spans.len() && c >= solved.spans[level].rank_end {
+                level += 1;
+            }
+            let scale = if level < solved.spans.len() { inverse_weight(level) } else { 1.0 };
+            let rows = problem.inequalities.iter().map(|&row| problem.rows[row].dot(column));
+            refill(&mut self.row, column.0[..n].iter().copied().chain(rows));
+            self.row.resize(stride, 0.0);
+            for (entries, &factor) in self.table.chunks_exact_mut(stride).zip(&self.row) {
+                if factor != 0.0 {
+                    add_scaled(entries, scale * factor, &self.row);
+                }
+            }
+        }
+        for (place, &row) in problem.inequalities.iter().enumerate() {
+            let level = problem.levels.iter().take_while(|level| level.end <= row).count();
+            self.table[(n + place) * (stride + 1)] += inverse_weight(level);
+        }
+        let diagonal = (0..self.active.len()).map(|i| self.table[i * (stride + 1)]);
+        refill(&mut self.diagonal, diagonal);
+    }
+
+    /// Writes the columns of G.
+    fn write_generator(&mut self, solved: &Factorization<N>) {
+        let mut unit = Row::ZERO;
+        self.generator.clear();
+        for c in 0..solved.free.len() {
+            unit.0[c] = 1.0;
+            self.generator.push(solved.apply_q(&unit));
+            unit.0[c] = 0.0;
+        }
+        for c in (0..solved.rank()).rev() {
+            let mut column = self.generator[c];
+            for d in c + 1..solved.rank() {
+                column.add_scaled(-solved.coordinates[solved.pivots[d]].0[c], &self.generator[d]);
+            }
+            column.0.iter_mut().for_each(|entry| *entry *= solved.inverse[c]);
+            self.generator[c] = column;
+        }
+    }
+
+    /// Activates the bound that is broken most until none is; returns whether it arrived.
+    fn run(&mut self) -> bool {
+        for _ in 0..3 * self.active.len() + 10 {
+            let Some((entering, side)) = self.most_broken() else { return true };
+            if !self.enter(entering, side) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Returns the inactive constraint that is broken most for what it takes to correct it, and its broken bound.
+    fn most_broken(&self) -> Option<(usize, Side)> {
+        let (mut worst, mut most) = (None, 0.0);
+        for (i, &value) in self.state[..self.active.len()].iter().enumerate() {
+            let (excess, side) = if value > self.upper[i] {
+                (value - self.upper[i], Side::Upper)
+            } else if value < self.lower[i] {
+                (self.lower[i] - value, Side::Lower)
+            } else {
+                continue;
+            };
+            let diagonal = self.table[i * (self.stride + 1)];
+            if self.active[i].is_none() && excess * excess > most * diagonal {
+                (worst, most) = (Some((i, side)), excess * excess / diagonal);
+            }
+        }
+        worst
+    }
+
+    /// Raises the multiplier of a broken constraint until it meets its bound; active constraints whose multipliers vanish on
+    /// the way leave. Returns `false` if rounding has eaten its pivot.
+    fn enter(&mut self, entering: usize, side: Side) -> bool {
+        let bound = self.bound(entering, side);
+        let mut multiplier = 0.0;
+        for _ in 0..=self.active.len() {
+            self.row.clear();
+            self.row.extend_from_slice(&self.table[entering * self.stride..(entering + 1) * self.stride]);
+            let pivot = self.row[entering];
+            if !(pivot > LOST_PIVOT * self.diagonal[entering]) {
+                return false;
+            }
+            let mut step = ((self.state[entering] - bound) / pivot).abs();
+            let mut leaving = None;
+            for (j, active) in self.active.iter().enumerate() {
+                let Some(active) = active else { continue };
+                let slope = self.row[j] * side.sign() * active.sign();
+                if slope > 0.0 && (self.state[j] * active.sign()).max(0.0) < step * slope {
+                    (step, leaving) = ((self.state[j] * active.sign()).max(0.0) / slope, Some((j, *active)));
+                }
+            }
+            multiplier += side.sign() * step;
+            add_scaled(&mut self.state, -side.sign() * step, &self.row);
+            let Some((leaving, its_side)) = leaving else {
+                self.sweep(entering, 1.0);
+                self.active[entering] = Some(side);
+                self.state[entering] = multiplier;
+                return true;
+            };
+            self.sweep(leaving, -1.0);
+            self.active[leaving] = None;
+            self.state[leaving] = self.bound(leaving, its_side);
+        }
+        false
+    }
+
+    fn bound(&self, constraint: usize, side: Side) -> f64 {
+        match side {
+            Side::Lower => self.lower[constraint],
+            Side::Upper => self.upper[constraint],
+        }
+    }
+
+    /// Exchanges value and multiplier of a constraint: `direction` 1 activates it, −1 releases it.
+    fn sweep(&mut self, k: usize, direction: f64) {
+        let stride = self.stride;
+        self.row.clear();
+        self.row.extend_from_slice(&self.table[k * stride..(k + 1) * stride]);
+        let inverse = 1.0 / self.row[k];
+        self.row.iter_mut().for_each(|entry| *entry *= inverse);
+        for (_, entries) in self.table.chunks_exact_mut(stride).enumerate().filter(|(j, _)| *j != k) {
+            let entry = entries[k];
+            if entry != 0.0 {
+                add_scaled(entries, -entry, &self.row);
+                entries[k] = direction * entry * inverse;
+            }
+        }
+        self.row.iter_mut().for_each(|entry| *entry *= direction);
+        self.row[k] = -inverse;
+        self.table[k * stride..(k + 1) * stride].copy_from_slice(&self.row);
+    }
+}
+
+/// Adds `factor` · `other`; both have the same length, a multiple of four.
+fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
+    for (entries, other) in entries.as_chunks_mut::<4>().0.iter_mut().zip(other.as_chunks::<4>().0) {
+        for lane in 0..4 {
+            entries[lane] += factor * other[lane];
+        }
+    }
+}

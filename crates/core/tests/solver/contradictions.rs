@@ -1,0 +1,205 @@
+//! Where the inequalities of a level cannot all be kept, the answer names a minimal set of demands that contradict each
+//! other.
+
+use revprio_core::limits::Inequality;
+use revprio_core::resolution::{Contradiction, Member, Problem, Resolution, Side, Status, resolve};
+
+use crate::feasibility::{Demand, is_feasible};
+use crate::hierarchy::{Hierarchy, Row, length};
+use crate::random::{Entries, Family, Random, hierarchy};
+
+/// Slacks above this fraction of the size of their level are contradictions, smaller ones rounding.
+const BROKEN: f64 = 1e-9;
+
+/// Returns the demands that a member stands for: a row of the contradicting task in full, a row of a higher task as far
+/// as the answer keeps it, so that an equation keeps the value that it achieves.
+fn demands(problem: &Problem, answer: &Resolution, task: Option<usize>, member: &Member) -> Vec<Demand> {
+    let velocity = &answer.joint_velocity;
+    match *member {
+        Member::Limit { joint, side } => {
+            let mut unit = vec![0.0; velocity.len()];
+            unit[joint] = 1.0;
+            vec![bounded(&unit, side, problem.limits.lower()[joint], problem.limits.upper()[joint])]
+        }
+        Member::Inequality { index, side } => {
+            assert_eq!(side, Side::Upper, "a hard inequality has an upper bound");
+            let inequality = &problem.inequalities[index];
+            let value = inequality.value(velocity);
+            let bound = if task.is_none() { inequality.bound() } else { inequality.bound().max(value) };
+            vec![Demand::at_most(inequality.coefficients().as_slice(), bound)]
+        }
+        Member::Row { task: of, row, side } => {
+            let contradicting = task.expect("hard inequalities come before all tasks");
+            assert!(of <= contradicting, "task {of} is below task {contradicting} and cannot contradict it");
+            let rows = &problem.tasks.tasks()[of];
+            let coefficients: Vec<f64> = rows.jacobian.row(row).iter().copied().collect();
+            let (lower, upper, value) = (rows.lower[row], rows.upper[row], answer.tasks[of].achieved[row]);
+            let (lower, upper) = match (of == contradicting, lower == upper) {
+                (true, _) => (lower, upper),
+                (false, true) => (value, value),
+                (false, false) => (lower.min(value), upper.max(value)),
+            };
+            if lower == upper {
+                vec![Demand::at_least(&coefficients, lower), Demand::at_most(&coefficients, upper)]
+            } else {
+                vec![bounded(&coefficients, side, lower, upper)]
+            }
+        }
+    }
+}
+
+fn bounded(coefficients: &[f64], side: Side, lower: f64, upper: f64) -> Demand {
+    match side {
+        Side::Lower => Demand::at_least(coefficients, lower),
+        Side::Upper => Demand::at_most(coefficients, upper),
+    }
+}
+
+/// Asserts that all members together are infeasible, and that the rest is feasible without any one of them.
+fn assert_minimal(problem: &Problem, answer: &Resolution, contradiction: &Contradiction) {
+    let members: Vec<Vec<Demand>> =
+        contradiction.members.iter().map(|member| demands(problem, answer, contradiction.task, member)).collect();
+    let finite = members.iter().flatten().all(|demand| demand.bound.is_finite());
+    assert!(finite, "a member without a bound: {contradiction:?}");
+    assert!(!is_feasible(&members.concat()), "the members do not contradict each other: {contradiction:?}");
+    for left_out in 0..members.len() {
+        let rest: Vec<Demand> = members
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != left_out)
+            .flat_map(|(_, demands)| demands.clone())
+            .collect();
+        assert!(is_feasible(&rest), "member {left_out} is not needed: {contradiction:?}");
+    }
+}
+
+/// Asserts that each task with broken inequality rows has a minimal contradiction, and no other task has one.
+fn assert_named(hierarchy: &Hierarchy, problem: &Problem, answer: &Resolution) {
+    assert_eq!(answer.solver.status, Status::Optimal);
+    let velocity = answer.joint_velocity.as_slice();
+    let named = |task| answer.contradictions.iter().any(|contradiction| contradiction.task == task);
+    for (k, slack) in hierarchy.slacks(velocity).into_iter().enumerate() {
+        let is_equation = hierarchy.levels[k].iter().all(|row| row.lower == row.upper);
+        let broken = !is_equation && slack > BROKEN * hierarchy.size(k, velocity);
+        assert_eq!(named(Some(k)), broken, "task {k} with slack {slack:e}: {:?}", answer.contradictions);
+    }
+    assert_eq!(named(None), !answer.violated_inequalities.is_empty(), "{:?}", answer.contradictions);
+    for contradiction in &answer.contradictions {
+        assert_minimal(problem, answer, contradiction);
+    }
+}
+
+/// Returns a hierarchy in which each level has equations only or inequalities only.
+fn separate(random: &mut Random, entries: Entries) -> Hierarchy {
+    let family = Family { joints: [2, 8], levels: 4, rows: 4, inequalities: 0 };
+    let mut hierarchy = hierarchy(random, family, entries);
+    for level in &mut hierarchy.levels {
+        if random.one_in(3) {
+            continue;
+        }
+        for row in level {
+            let width = (random.entry(entries).abs() + 0.25) * length(&row.coefficients).max(0.01);
+            match random.below(3) {
+                0 => row.lower = f64::NEG_INFINITY,
+                1 => row.upper = f64::INFINITY,
+                _ => row.upper += width,
+            }
+        }
+    }
+    hierarchy
+}
+
+/// Returns one to three hard inequalities, often some that contradict the limits.
+fn hard_inequalities(random: &mut Random, n: usize, entries: Entries) -> Vec<Inequality> {
+    let mut inequality = |i: usize| {
+        let mut coefficients: Vec<f64> = (0..n).map(|_| random.entry(entries)).collect();
+        coefficients[i % n] += 0.5;
+        let bound = 2.0 * random.entry(entries) - 1.0;
+        Inequality::new(i.to_string(), coefficients, bound).unwrap()
+    };
+    (0..3).map(&mut inequality).collect()
+}
+
+fn examine(entries: Entries, seeds: std::ops::Range<u64>) {
+    let (mut tasks, mut hard) = (0, 0);
+    for seed in seeds {
+        println!("seed {seed}");
+        let mut random = Random::new(seed);
+        let hierarchy = separate(&mut random, entries);
+        let mut problem = hierarchy.problem();
+        if random.one_in(3) {
+            problem.inequalities = hard_inequalities(&mut random, hierarchy.joint_count(), entries);
+        }
+        let answer = resolve(&problem, &[]).unwrap();
+        assert_named(&hierarchy, &problem, &answer);
+        tasks += usize::from(answer.contradictions.iter().any(|contradiction| contradiction.task.is_some()));
+        hard += usize::from(answer.contradictions.iter().any(|contradiction| contradiction.task.is_none()));
+    }
+    assert!(
+        tasks > 500 && hard > 50,
+        "the problems lack contradictions: {tasks} of tasks, {hard} of hard inequalities"
+    );
+}
+
+#[test]
+fn named_members_of_normal_entries_are_minimal() {
+    examine(Entries::Normal, 0..2_000);
+}
+
+#[test]
+fn named_members_of_small_integers_are_minimal() {
+    examine(Entries::SmallIntegers, 0..2_000);
+}
+
+/// Returns the members of the only contradiction, those of equations without a side.
+fn only_contradiction(hierarchy: &Hierarchy) -> (Option<usize>, Vec<String>) {
+    let problem = hierarchy.problem();
+    let answer = resolve(&problem, &[]).unwrap();
+    assert_named(hierarchy, &problem, &answer);
+    let [contradiction] = &answer.contradictions[..] else { panic!("{:?}", answer.contradictions) };
+    let name = |member: &Member| match *member {
+        Member::Row { task, row, .. } if hierarchy.levels[task][row].lower == hierarchy.levels[task][row].upper => {
+            format!("equation {task}.{row}")
+        }
+        Member::Row { task, row, side } => format!("row {task}.{row} {side:?}"),
+        Member::Limit { joint, side } => format!("limit {joint} {side:?}"),
+        Member::Inequality { index, side } => format!("inequality {index} {side:?}"),
+    };
+    let mut members: Vec<String> = contradiction.members.iter().map(name).collect();
+    members.sort();
+    (contradiction.task, members)
+}
+
+fn row(coefficients: [f64; 2], lower: f64, upper: f64) -> Row {
+    Row { coefficients: coefficients.to_vec(), lower, upper }
+}
+
+fn within_one(levels: Vec<Vec<Row>>) -> Hierarchy {
+    Hierarchy { lower: vec![-1.0; 2], upper: vec![1.0; 2], reference: vec![0.0; 2], levels }
+}
+
+#[test]
+fn a_row_beyond_a_limit_names_the_limit() {
+    let hierarchy = within_one(vec![vec![row([1.0, 0.0], 2.0, f64::INFINITY), row([0.0, 1.0], -0.5, 0.5)]]);
+    let members = vec!["limit 0 Upper".to_owned(), "row 0.0 Lower".to_owned()];
+    assert_eq!(only_contradiction(&hierarchy), (Some(0), members));
+}
+
+#[test]
+fn rows_against_an_equation_of_a_higher_task_name_it() {
+    let hierarchy = within_one(vec![
+        vec![row([1.0, 1.0], 0.5, 0.5)],
+        vec![row([1.0, 0.0], 0.5, 3.0), row([0.0, 1.0], 0.5, f64::INFINITY)],
+    ]);
+    let members = ["equation 0.0", "row 1.0 Lower", "row 1.1 Lower"].map(str::to_owned).to_vec();
+    assert_eq!(only_contradiction(&hierarchy), (Some(1), members));
+}
+
+#[test]
+fn rows_without_a_contradiction_name_nothing() {
+    let hierarchy = within_one(vec![vec![row([1.0, 1.0], 1.5, 3.0)], vec![row([1.0, -1.0], 0.4, 0.5)]]);
+    let problem = hierarchy.problem();
+    let answer = resolve(&problem, &[]).unwrap();
+    assert_eq!(answer.contradictions, []);
+    assert_named(&hierarchy, &problem, &answer);
+}
