@@ -26,7 +26,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, Tagged
+from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, LowerBounds, Tagged, UpperBounds
 '''
 
 
@@ -114,6 +114,8 @@ class Models:
         """Returns the annotation of a schema with one JSON type."""
         if kind in SIMPLE:
             return SIMPLE[kind]
+        if kind == "array" and is_request and is_nullable(schema["items"]):
+            return "LowerBounds" if name.endswith("Lower") else "UpperBounds"
         if kind == "array" and is_numeric(schema["items"]):
             return "ArrayLike" if is_request else "FloatArray"
         if kind == "array":
@@ -141,13 +143,18 @@ def is_tagged(schema: Schema) -> bool:
     return len(schema.get("properties", {}).get("kind", {}).get("enum", [])) == 1
 
 
+def is_nullable(schema: Schema) -> bool:
+    """Returns whether the schema is a number or null: in requests, these are the bounds of the rows of a task."""
+    return schema.get("type") == ["number", "null"]
+
+
 def is_numeric(schema: Schema) -> bool:
     """Returns whether the schema is a number, a number or null, or an array of numbers of fixed size.
 
     Arrays without a size can differ in length, so an array of them is not a NumPy array.
     """
-    kinds = schema.get("type")
-    return kinds in ("number", ["number", "null"]) or ("minItems" in schema and is_numeric(schema["items"]))
+    is_array = "minItems" in schema and is_numeric(schema["items"])
+    return is_array or schema.get("type") == "number" or is_nullable(schema)
 
 
 def docstring(schema: Schema) -> str:

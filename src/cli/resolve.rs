@@ -5,7 +5,7 @@ use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use revprio_api::Client;
-use revprio_api::wire::{ResolveAnswer, ResolveRequest, TaskOutcome};
+use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, TaskOutcome};
 
 use super::{CliError, Target};
 
@@ -58,6 +58,25 @@ fn remarks(task: &TaskOutcome) -> String {
     format!("{dependent}, residual {:.3e}{scale}", task.residual_norm)
 }
 
+/// Describes demands that contradict each other.
+fn describe_contradiction(contradiction: &Contradiction) -> String {
+    let member = |member: &ContradictionMember| {
+        let ContradictionMember { task, row, joint, inequality, side } = member;
+        let name = match (task, row, joint, inequality) {
+            (Some(task), Some(row), ..) => format!("row {row} of task `{task}`"),
+            (_, _, Some(joint), _) => joint.clone(),
+            (.., inequality) => format!("`{}`", inequality.as_deref().unwrap_or_default()),
+        };
+        format!("{name} {side}")
+    };
+    let subject = match &contradiction.task {
+        Some(task) => format!("the bounds of task `{task}` cannot all be kept"),
+        None => "the inequalities cannot all be kept".to_owned(),
+    };
+    let members: Vec<String> = contradiction.members.iter().map(member).collect();
+    format!("{subject}; these contradict each other: {}", members.join(", "))
+}
+
 /// Formats the answer as text.
 fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let mut text = String::new();
@@ -69,6 +88,13 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "\ntask `{}`, rank {}{}", task.name, task.rank, remarks(task));
         let _ = writeln!(text, "  requested     {}", numbers(&task.requested));
         let _ = writeln!(text, "  achieved      {}", numbers(&task.achieved));
+        for active in &task.active_rows {
+            let _ = writeln!(
+                text,
+                "  row {} at its {} bound, multiplier {:.3e}",
+                active.row, active.side, active.multiplier
+            );
+        }
     }
     if !(answer.active_limits.is_empty() && answer.active_inequalities.is_empty()) {
         let _ = writeln!(text, "\nactive limits");
@@ -90,6 +116,9 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     for inequality in &answer.violated_inequalities {
         let _ = writeln!(text, "  `{}` {:.6}: {:.6}", inequality.name, inequality.bound, inequality.value);
     }
+    for contradiction in &answer.contradictions {
+        let _ = writeln!(text, "\n{}", describe_contradiction(contradiction));
+    }
     for joint in &answer.limit_conflict {
         let _ = writeln!(
             text,
@@ -98,7 +127,8 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     }
     let solver = &answer.solver;
     let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));
-    let _ = writeln!(text, "\nsolved by {}, {}, KKT residual {residual}", solver.path, solver.status);
+    let uncertain = if solver.rank_uncertain { ", rank uncertain" } else { "" };
+    let _ = writeln!(text, "\nsolved by {}, {}, KKT residual {residual}{uncertain}", solver.path, solver.status);
     let singularity = &answer.singularity;
     let _ = writeln!(
         text,

@@ -40,7 +40,7 @@ pub struct Settings {
     /// Log level: error, warn, info, debug (every request), or a filter like `info,revprio=debug` [default: info]
     #[arg(long, value_name = "LEVEL")]
     log_level: Option<String>,
-    /// Largest request body, bytes [default: 1048576]
+    /// Largest request body, bytes [default: 4194304]
     #[arg(long, value_name = "COUNT")]
     max_body_bytes: Option<usize>,
     /// Largest request body of a batch, bytes [default: 16777216]

@@ -73,6 +73,7 @@
 //! | work | at a time | others |
 //! |---|---|---|
 //! | batches | one, on all cores with a lower priority than steps | 3 wait, then 503 |
+//! | problems above 64 rows for 32 joints, or 64 KiB | one | 15 wait, then 503 |
 //! | stability margins, which take seconds at long delays | one | 7 wait, then 503 |
 //! | simulations, at most 100 000 control periods each | two | wait |
 //! | interactive simulations | four | 503 |

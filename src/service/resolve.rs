@@ -8,8 +8,9 @@ use revprio_api::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, Res
 
 use super::background::{Abandoned, on_all_cores};
 use super::body::LargeBody;
-use super::convert;
+use super::convert::{self, ResolveProblem};
 use super::error::ApiError;
+use super::format::RawBody;
 use super::state::AppState;
 
 /// Maximum number of problems in a batch.
@@ -18,12 +19,35 @@ pub const MAX_ITEMS: usize = 10_000;
 /// Number of problems that justify one more thread. Starting a thread costs as much as several problems.
 const ITEMS_PER_THREAD: usize = 16;
 
-/// Resolves one problem.
-pub fn one(request: &ResolveRequest, app: &AppState) -> Result<ResolveAnswer, ApiError> {
+/// Maximum size of a body, bytes, that the thread of the steps decodes itself.
+const MAX_SMALL_BODY: usize = 64 << 10;
+
+/// Maximum number of matrix entries, rows times joints, of a problem that the thread of the steps solves itself: 64 rows
+/// for 32 joints, which is more than an arm needs.
+const MAX_SMALL_PROBLEM: usize = 64 * 32;
+
+/// Resolves one problem. A large one is decoded and solved in another thread, so that steps do not wait.
+pub async fn single(body: RawBody, app: &Arc<AppState>) -> Result<ResolveAnswer, ApiError> {
+    let shared = Arc::clone(app);
+    if body.bytes.len() > MAX_SMALL_BODY {
+        return app.large_problems.run(move |_| one(&body.read()?, &shared)).await?;
+    }
     let start = Instant::now();
-    let problem = convert::resolve_problem(request, &app.robots)?;
+    let problem = convert::resolve_problem(&body.read()?, &app.robots)?;
+    if problem.entries() > MAX_SMALL_PROBLEM {
+        return app.large_problems.run(move |_| solve(&problem, start, &shared)).await?;
+    }
+    solve(&problem, start, app)
+}
+
+fn one(request: &ResolveRequest, app: &AppState) -> Result<ResolveAnswer, ApiError> {
+    let start = Instant::now();
+    solve(&convert::resolve_problem(request, &app.robots)?, start, app)
+}
+
+fn solve(problem: &ResolveProblem, start: Instant, app: &AppState) -> Result<ResolveAnswer, ApiError> {
     let resolution = revprio_core::resolution::resolve(&problem.problem, &[]).map_err(convert::resolution_error)?;
-    let answer = convert::resolve_answer(&problem, &resolution, start);
+    let answer = convert::resolve_answer(problem, &resolution, start);
     app.metrics.count_resolution(&answer.solver);
     Ok(answer)
 }

@@ -19,6 +19,9 @@ use super::stepper_cache::StepperCache;
 /// Maximum number of batches at a time, running and waiting. Each may hold a body and an answer of about 20 MB.
 const MAX_BATCHES: usize = 4;
 
+/// Maximum number of large problems at a time, running and waiting.
+const MAX_LARGE_PROBLEMS: usize = 16;
+
 /// Maximum number of stability margins at a time, running and waiting. A margin at the maximum delay takes some seconds.
 const MAX_MARGINS: usize = 8;
 
@@ -31,6 +34,7 @@ pub struct AppState {
     pub(super) sessions: Sessions,
     pub(super) stepper_cache: StepperCache,
     pub(super) batches: Quota,
+    pub(super) large_problems: Quota,
     pub(super) margins: Quota,
     pub(super) simulations: Simulations,
     pub(super) connections: Arc<Connections>,
@@ -56,6 +60,7 @@ impl AppState {
             sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
             stepper_cache: StepperCache::default(),
             batches: Quota::new("batches", MAX_BATCHES),
+            large_problems: Quota::new("large problems", MAX_LARGE_PROBLEMS),
             margins: Quota::new("stability margins", MAX_MARGINS),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),

@@ -17,11 +17,12 @@ use super::format::{Format, RawBody};
 use super::robots::Robots;
 use super::step::stateless_stepper;
 
-/// Maximum number of cached controllers: enough for 16 control loops, in one or two megabytes.
+/// Maximum number of cached controllers: enough for 16 control loops, in a few megabytes.
 const MAX_CACHED: usize = 16;
 
-/// Maximum length of the text of a cached controller, bytes: a few dozen tasks.
-const MAX_TEXT: usize = 16 << 10;
+/// Maximum length of the text of a cached controller, bytes: a few dozen tasks, or a thousand entries of constant rows with
+/// all digits.
+const MAX_TEXT: usize = 32 << 10;
 
 /// A stepper and the text of its controller.
 pub struct CachedStepper {

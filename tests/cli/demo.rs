@@ -73,8 +73,9 @@ fn cascade_is_the_closed_form(runs: &Runs) {
     assert!(difference <= COINCIDE, "{difference}");
     assert!(runs.cascade.words("status").iter().all(|status| status == "optimal"));
     assert!(runs.cascade.words("path").iter().all(|path| path == "qp"));
-    // No limit is active in these scenarios, so `auto` uses the closed form.
-    assert_eq!(runs.automatic.largest_difference(&runs.reverse), 0.0);
+    // No limit is active in these scenarios: `auto` ends at the closed form, which other code computes.
+    let difference = runs.automatic.largest_difference(&runs.reverse);
+    assert!(difference <= COINCIDE, "{difference}");
     assert!(runs.automatic.words("path").iter().all(|path| path == "closed_form"));
 }
 

@@ -76,6 +76,18 @@ fn problem_with_its_own_jacobian_needs_no_robot() {
 }
 
 #[test]
+fn active_rows_and_contradictions_are_printed() {
+    let table = success(&["resolve", "api/examples/resolve_bounds.json"]);
+    assert!(table.contains("row 0 at its upper bound, multiplier 2.6"), "{table}");
+    let problem = r#"{"tasks": [{"name": "fast", "jacobian": [[1]], "lower": [1]}],
+        "inequalities": [{"kind": "joints", "name": "wall", "coefficients": [1], "upper": 0.5}]}"#;
+    let table = success_with_input(&["resolve", "-"], problem);
+    for part in ["the bounds of task `fast` cannot all be kept", "row 0 of task `fast` lower", "`wall` upper"] {
+        assert!(table.contains(part), "{part} is not in {table}");
+    }
+}
+
+#[test]
 fn closed_standard_output_is_an_ordinary_error() {
     let mut child = program(&["resolve", EXAMPLE]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());

@@ -34,6 +34,18 @@ fn explicit_rows(tasks: usize, rows: usize, joints: usize, scale: f64) -> Value 
     json!({"tasks": (0..tasks).map(task).collect::<Vec<_>>()})
 }
 
+/// Replaces the velocities of every other task by bounds of this width around them. Every third row has no upper bound.
+fn with_bounds(mut problem: Value, width: f64) -> Value {
+    for task in problem["tasks"].as_array_mut().unwrap().iter_mut().step_by(2) {
+        let velocity = numbers(&task["velocity"]);
+        let upper = |(row, velocity): (usize, &f64)| (row % 3 != 2).then_some(velocity + width);
+        task["lower"] = velocity.iter().map(|velocity| velocity - width).collect();
+        task["upper"] = json!(velocity.iter().enumerate().map(upper).collect::<Vec<_>>());
+        task.as_object_mut().unwrap().remove("velocity");
+    }
+    problem
+}
+
 /// Resolves with every method and solver. Asserts that each answer has finite numbers inside ±`limit`.
 fn assert_always_safe(service: &Service, problem: &Value, joints: usize, limit: f64) {
     for (method, solver) in METHODS.iter().flat_map(|method| SOLVERS.map(|solver| (method, solver))) {
@@ -100,6 +112,37 @@ fn rows_of_any_magnitude_give_finite_answers() {
     }
     assert_always_safe(&service, &explicit_rows(1, 32, 32, 1e9), 32, 1.0);
     assert_always_safe(&service, &explicit_rows(1, 32, 32, 1e-9), 32, 1.0);
+}
+
+#[test]
+fn bounds_of_any_width_on_rows_of_any_magnitude_give_finite_answers() {
+    let service = Service::start();
+    for scale in [0.0, 5e-324, 1e-300, 1e-160, 1e-20, 1.0, 1e9] {
+        for width in [0.0, 1e-300, 1e-9, 1.0, 9e8] {
+            let problem = with_bounds(explicit_rows(3, 3, 4, scale), width);
+            assert_always_safe(&service, &problem, 4, 1.0);
+        }
+    }
+    for width in [0.0, 0.1] {
+        assert_always_safe(&service, &with_bounds(explicit_rows(64, 1, 7, 1.0), width), 7, 0.1);
+        assert_always_safe(&service, &with_bounds(explicit_rows(5, 4, 30, 1.0), width), 30, 0.01);
+        assert_always_safe(&service, &with_bounds(explicit_rows(3, 40, 128, 1.0), width), 128, 1.0);
+    }
+}
+
+#[test]
+fn repeated_and_contradictory_bounds_are_resolved() {
+    let service = Service::start();
+    let task = |row: [f64; 3], lower: f64, upper: f64| json!({"jacobian": [row], "lower": [lower], "upper": [upper]});
+    let row = [1.0, 2.0, -1.0];
+    let nearly = [1.0, 2.0, -1.0 + 1e-13];
+    let (above, below, zero) = (task(row, 1.0, 2.0), task(nearly, -2.0, -1.0), task([0.0; 3], 1.0, 2.0));
+    let exact = json!({"jacobian": [row], "velocity": [1.0]});
+    for tasks in [json!([above, below, zero]), json!([exact, below, above, exact, zero]), json!([zero, above, exact])] {
+        for limit in [0.1, 1e9] {
+            assert_always_safe(&service, &json!({"tasks": tasks}), 3, limit);
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use crate::harness::{Service, example};
+use crate::harness::{Service, example, numbers};
 
 /// Returns a request that takes about one second: the cost of a margin grows with the cube of the delay.
 fn long_margin() -> Value {
@@ -27,6 +27,41 @@ fn steps_are_answered_while_a_margin_is_computed() {
         assert!(margin.join().unwrap()["spectral_radius"].is_number());
         // On the thread of the steps, the margin would delay the first step until its own end.
         assert!(steps > 3, "{steps} steps while the margin was computed");
+    });
+}
+
+/// Returns 512 rows for 128 joints with all digits: equations for some joints, bounds for all.
+fn largest_problem() -> Value {
+    let mut bits = 1_u64;
+    let mut random = || {
+        bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let mut rows = |count: usize| (0..count).map(|_| (0..128).map(|_| random()).collect()).collect::<Vec<Vec<f64>>>();
+    json!({"tasks": [
+        {"name": "bounds", "jacobian": rows(416), "lower": vec![-1.0; 416], "upper": vec![1.0; 416]},
+        {"name": "equations", "jacobian": rows(96), "velocity": vec![0.2; 96]}
+    ]})
+}
+
+#[test]
+fn the_largest_problem_is_solved_while_steps_are_answered() {
+    let service = Service::start();
+    let body = largest_problem().to_string();
+    assert!(body.len() > 1 << 20, "{} bytes", body.len());
+    std::thread::scope(|scope| {
+        let answer = scope.spawn(|| service.post("/v1/resolve", &body).accepted());
+        let mut steps = 0;
+        while !answer.is_finished() {
+            service.call("/v1/step", &example("step.json"));
+            steps += 1;
+        }
+        assert!(steps > 3, "{steps} steps while the problem was solved");
+        let answer = answer.join().unwrap();
+        assert_eq!(numbers(&answer["joint_velocity"]).len(), 128);
+        let achieved = numbers(&answer["tasks"][0]["achieved"]);
+        assert!(achieved.len() == 416 && achieved.iter().all(|speed| speed.abs() <= 1.0 + 1e-6));
+        assert_eq!(answer["solver"]["status"], "optimal");
     });
 }
 

@@ -1,6 +1,7 @@
 //! The service as its clients see it: over HTTP on a loopback port.
 
 mod batch;
+mod bounds;
 mod clients;
 mod examples;
 mod hard_problems;

@@ -48,6 +48,17 @@ fn the_first_task_on_an_axis_counts() {
 }
 
 #[test]
+fn a_task_with_bounds_on_an_axis_does_not_count() {
+    let service = Service::start();
+    let mut controller = at_the_wall(0.005);
+    let before = warnings(&service, &controller);
+    let slow = json!({"name": "slow", "axes": ["x"], "upper": [0.1]});
+    controller["tasks"].as_array_mut().unwrap().insert(0, slow);
+    assert!(!before.is_empty());
+    assert_eq!(warnings(&service, &controller), before);
+}
+
+#[test]
 fn the_environment_is_shown_and_does_not_change_commands() {
     let service = Service::start();
     let controller = at_the_wall(0.005);

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 from conftest import ROOT, example
 
@@ -22,6 +23,7 @@ REQUESTS: dict[str, type[Body]] = {
     "control_end": models.SimulationControl,
     "kinematics": models.KinematicsRequest,
     "resolve": models.ResolveRequest,
+    "resolve_bounds": models.ResolveRequest,
     "resolve_closed_form": models.ResolveRequest,
     "resolve_everything": models.ResolveRequest,
     "resolve_limits": models.ResolveRequest,
@@ -104,6 +106,15 @@ def test_unknown_fields_and_non_finite_numbers_are_refused_before_sending() -> N
             models.ResolveTask.model_validate({"velocity": [1], **wrong})
     with pytest.raises(ValueError, match="sequence"):
         models.State.model_validate({"time_s": 0, "joint_position": [0]})
+
+
+def test_no_bound_is_none_or_an_infinity_on_its_own_side() -> None:
+    for none in (None, -np.inf):
+        task = models.ResolveTask(axes=["x", "y"], lower=[none, 0.1], upper=np.array([np.inf, 0.2]))
+        assert json.loads(task.json_bytes()) == {"axes": ["x", "y"], "lower": [None, 0.1], "upper": [None, 0.2]}
+    for wrong in ({"lower": [np.inf]}, {"upper": [-np.inf]}, {"lower": [np.nan]}, {"lower": 0.1}, {"upper": ["a"]}):
+        with pytest.raises(ValueError, match=r"lower|upper"):
+            models.ControllerTask.model_validate({"name": "t", "axes": ["x"], **wrong})
 
 
 def test_unset_fields_are_not_sent_but_none_is() -> None:

@@ -105,7 +105,7 @@ function gainFields(runControl, change, open) {
   box.append(summary('Task gains'));
   scenario?.controller.tasks.forEach((task, k) => {
     const title = document.createElement('h3');
-    title.textContent = `${k + 1}. ${task.name}, ${task.law.kind}`;
+    title.textContent = `${k + 1}. ${task.name}, ${task.law?.kind ?? 'bounds'}`;
     const known = setups.GAINS.filter((gain) => setups.gainOf(scenario, k, gain));
     const fields = known.map((gain) => {
       const key = `${k}.${gain}`;

@@ -65,8 +65,8 @@ export function defaults(scenario) {
  * @returns {number[] | null}
  */
 export function gainOf(scenario, task, gain) {
-  const law = /** @type {Record<string, unknown>} */ (scenario.controller.tasks[task].law);
-  const value = law[gain];
+  const law = /** @type {Record<string, unknown> | undefined} */ (scenario.controller.tasks[task].law);
+  const value = law?.[gain];
   if (typeof value === 'number') return [value];
   return Array.isArray(value) ? value : null;
 }

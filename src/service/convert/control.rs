@@ -69,9 +69,11 @@ pub fn changed_controller(
 fn with_allowed_changes(current: &wire::Controller, new: &wire::Controller) -> wire::Controller {
     let mut changed = wire::Controller { method: new.method, solver: new.solver, ..current.clone() };
     for (task, new) in changed.tasks.iter_mut().zip(&new.tasks) {
-        let same_kind = std::mem::discriminant(&task.law) == std::mem::discriminant(&new.law);
-        if same_kind && task.law.integrates() {
-            task.law = new.law.clone();
+        if let (Some(law), Some(new)) = (&mut task.law, &new.law)
+            && std::mem::discriminant(law) == std::mem::discriminant(new)
+            && law.integrates()
+        {
+            law.clone_from(new);
         }
     }
     changed

@@ -8,7 +8,7 @@ use super::inequalities::InequalityReader;
 use super::null_space::null_space;
 use super::numbers::{damping, velocity_box};
 use super::pose::with_tool_offset;
-use super::resolve::{known_robot, positive_period};
+use super::resolve::{check_row_count, known_robot, positive_period};
 use super::task::task_config;
 use super::terms;
 use crate::service::error::ApiError;
@@ -48,6 +48,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         tasks: request.tasks.iter().enumerate().map(task).collect::<Result<_, _>>()?,
         robot,
     };
+    check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
     environment::check(request)?;
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
@@ -57,7 +58,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Period(_) => "/period_s".to_owned(),
         ConfigError::NoTasks => "/tasks".to_owned(),
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
-        ConfigError::Task { task, source } => format!("/tasks/{task}/law{}", law_field(source)),
+        ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Limits { .. } => "/limits".to_owned(),
         ConfigError::Barrier { index, .. } => format!("/inequalities/{index}"),
         ConfigError::NullSpace(NullSpaceError::Size { .. }) => "/null_space_velocity".to_owned(),
@@ -67,10 +68,12 @@ fn config_pointer(error: &ConfigError) -> String {
     }
 }
 
-fn law_field(error: &TaskConfigError) -> &'static str {
+fn task_field(error: &TaskConfigError) -> &'static str {
     match error {
-        TaskConfigError::Rows { .. } | TaskConfigError::JointLaw => "",
-        TaskConfigError::Joints => "/joints",
-        TaskConfigError::Unstable { .. } => "/gain",
+        TaskConfigError::Rows { .. } | TaskConfigError::JointLaw | TaskConfigError::RawLaw => "/law",
+        TaskConfigError::Joints => "/law/joints",
+        TaskConfigError::Unstable { .. } => "/law/gain",
+        TaskConfigError::Jacobian { .. } => "/jacobian",
+        TaskConfigError::Scaled => "/scale",
     }
 }

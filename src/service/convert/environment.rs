@@ -62,10 +62,11 @@ fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueEr
     let mut warnings = Vec::new();
     for axis in AXES {
         let row = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
-        let first = request.tasks.iter().find_map(|task| row(task).map(|row| (task, row)));
+        // A task with bounds has no law. It does not move the axis.
+        let first = request.tasks.iter().find_map(|task| Some((task, task.law.as_ref()?, row(task)?)));
         // The environment is stated along the axes of the base frame.
-        let first = first.filter(|(task, _)| task.frame == wire::Frame::Base);
-        let contact = first.and_then(|(task, row)| Some((task, contact_loop(request, axis, &task.law, row)?)));
+        let first = first.filter(|(task, _, _)| task.frame == wire::Frame::Base);
+        let contact = first.and_then(|(task, law, row)| Some((task, contact_loop(request, axis, law, row)?)));
         if let Some((task, contact)) = contact
             && !contact.is_stable()?
         {

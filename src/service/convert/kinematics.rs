@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 use revprio_api::wire;
-use revprio_core::linalg::{Decomposition, TaskMatrix};
+use revprio_core::linalg::{Matrix, Svd};
 use revprio_robot::kinematics::{Configuration, link_frames};
 
 use super::numbers::joint_vector;
@@ -19,9 +19,8 @@ pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<
     let configuration = Configuration::new(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
     let links = link_frames(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
     let jacobian = configuration.jacobian();
-    let rows = TaskMatrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]);
-    let decomposition = Decomposition::singular(&rows, rows.norm());
-    let singular_values = decomposition.singular_values();
+    let svd = Svd::new(&Matrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]));
+    let singular_values = svd.singular_values();
     let link = |(joint, frame): (&revprio_robot::Joint, &IsometryMatrix3<f64>)| wire::LinkFrame {
         joint: joint.name.clone(),
         pose: pose_answer(frame),

@@ -56,10 +56,14 @@ fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
 
 fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, ApiError> {
     let joints = config.robot.joints();
-    let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality) {
-        (Some(name), None) => joints.iter().position(|joint| joint.name == *name),
-        (None, Some(name)) => {
+    let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
+        (Some(name), None, None, None) => joints.iter().position(|joint| joint.name == *name),
+        (None, Some(name), None, None) => {
             config.barriers.iter().position(|barrier| barrier.name() == name).map(|index| joints.len() + index)
+        }
+        (None, None, Some(name), Some(row)) => {
+            let k = config.tasks.iter().position(|task| task.name == *name)?;
+            (row < config.tasks[k].rows.len()).then(|| first_row(config, k) + row)
         }
         _ => None,
     };
@@ -70,15 +74,31 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
     names.iter().map(limit).collect()
 }
 
+/// Returns the place of the first row of a task in an active set: after the joints, the inequalities and the rows of the
+/// tasks before it.
+fn first_row(config: &ControllerConfig, task: usize) -> usize {
+    let before: usize = config.tasks[..task].iter().map(|task| task.rows.len()).sum();
+    config.robot.joint_count() + config.barriers.len() + before
+}
+
+/// Returns the name of a limit at a place in an active set.
+fn limit_name(config: &ControllerConfig, &(place, side): &(usize, Side)) -> wire::ActiveLimitName {
+    let joint = config.robot.joints().get(place).map(|joint| joint.name.clone());
+    let after_joints = place.checked_sub(config.robot.joint_count());
+    let barrier = after_joints.and_then(|index| config.barriers.get(index));
+    let task = (0..config.tasks.len()).rfind(|&k| first_row(config, k) <= place);
+    wire::ActiveLimitName {
+        joint,
+        inequality: barrier.map(|barrier| barrier.name().to_owned()),
+        task: task.map(|k| config.tasks[k].name.clone()),
+        row: task.map(|k| place - first_row(config, k)),
+        side: terms::side_answer(side),
+    }
+}
+
 /// Returns the memory as a part of an answer.
 pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
-    let joints = controller.config().robot.joints();
-    let barriers = &controller.config().barriers;
-    let name = |&(row, side): &(usize, Side)| wire::ActiveLimitName {
-        joint: joints.get(row).map(|joint| joint.name.clone()),
-        inequality: row.checked_sub(joints.len()).map(|index| barriers[index].name().to_owned()),
-        side: terms::side_answer(side),
-    };
+    let name = |limit: &(usize, Side)| limit_name(controller.config(), limit);
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
     wire::Memory {
         sequence,
@@ -89,5 +109,38 @@ pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) ->
         },
         last_command: memory.last_command.as_slice().to_vec(),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::convert::controller;
+    use crate::service::robots::Robots;
+
+    /// A controller with an inequality, and tasks of two rows and of one row.
+    const CONTROLLER: &str = r#"{"robot": "sawyer_dh", "period_s": 0.001,
+        "inequalities": [{"kind": "plane", "name": "wall", "normal": [1, 0, 0], "offset_m": 1}],
+        "tasks": [{"name": "a", "axes": ["x", "y"], "upper": [1, 1]}, {"name": "b", "axes": ["z"], "lower": [0]}]}"#;
+
+    #[test]
+    fn every_place_of_an_active_set_has_a_name_that_is_read_back() {
+        let request: wire::Controller = serde_json::from_str(CONTROLLER).unwrap();
+        let controller = controller(&request, &Robots::built_in()).unwrap();
+        let config = controller.config();
+        let places: ActiveSet = (0..11).map(|place| (place, Side::Upper)).collect();
+        let names: Vec<_> = places.iter().map(|limit| limit_name(config, limit)).collect();
+        assert_eq!(active_set(&names, config).unwrap(), places);
+        let written: Vec<String> = names[6..].iter().map(|name| serde_json::to_string(name).unwrap()).collect();
+        assert_eq!(
+            written,
+            [
+                r#"{"joint":"j7","side":"upper"}"#,
+                r#"{"inequality":"wall","side":"upper"}"#,
+                r#"{"task":"a","row":0,"side":"upper"}"#,
+                r#"{"task":"a","row":1,"side":"upper"}"#,
+                r#"{"task":"b","row":0,"side":"upper"}"#
+            ]
+        );
     }
 }

@@ -34,7 +34,7 @@ pub use memory::{memory, memory_answer};
 pub use numbers::MAX_MAGNITUDE;
 pub use profile::MAX_POINTS;
 pub use resolve::{
-    MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, resolution_error, resolve_answer, resolve_problem,
+    MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem,
 };
 pub use robot::{robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};

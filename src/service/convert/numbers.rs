@@ -1,6 +1,7 @@
 //! Numbers, lists of numbers, joints.
 
 use revprio_api::wire::{self, JointVector};
+use revprio_core::law::{VelocityBounds, VelocityBoundsError};
 use revprio_core::limits::{VelocityBox, VelocityBoxError};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_robot::RobotModel;
@@ -117,4 +118,35 @@ pub fn velocity_box(lower: &[f64], upper: &[f64], joints: usize) -> Result<Veloc
         VelocityBoxError::Empty { joint, .. } => ApiError::invalid(format!("/limits/lower/{joint}"), error),
         VelocityBoxError::Size { .. } => ApiError::invalid("/limits", error),
     })
+}
+
+/// Reads the bounds of a task of `rows` rows. Returns `None` if it has none.
+pub fn velocity_bounds(
+    lower: Option<&[Option<f64>]>,
+    upper: Option<&[Option<f64>]>,
+    rows: usize,
+) -> Result<Option<VelocityBounds>, ApiError> {
+    if lower.is_none() && upper.is_none() {
+        return Ok(None);
+    }
+    let lower = row_bounds(lower, rows, f64::NEG_INFINITY, "/lower")?;
+    let upper = row_bounds(upper, rows, f64::INFINITY, "/upper")?;
+    VelocityBounds::new(lower, upper).map(Some).map_err(|error| match error {
+        VelocityBoundsError::Empty { row, .. } => ApiError::invalid(format!("/lower/{row}"), error),
+        VelocityBoundsError::Size { .. } => ApiError::invalid("/lower", error),
+    })
+}
+
+/// Reads one bound per row. `none` stands for no bound.
+fn row_bounds(bounds: Option<&[Option<f64>]>, rows: usize, none: f64, pointer: &str) -> Result<Vec<f64>, ApiError> {
+    let Some(bounds) = bounds else { return Ok(vec![none; rows]) };
+    if bounds.len() != rows {
+        let detail = format!("{} bounds for {rows} rows; give one per row, `null` for no bound", bounds.len());
+        return Err(ApiError::invalid(pointer, detail));
+    }
+    let read = |(row, bound): (usize, &Option<f64>)| match bound {
+        Some(bound) => number(*bound, "").map_err(|error| error.inside(&format!("{pointer}/{row}"))),
+        None => Ok(none),
+    };
+    bounds.iter().enumerate().map(read).collect()
 }

@@ -1,7 +1,7 @@
 //! The common parts of all answers with joint velocities.
 
 use revprio_api::wire;
-use revprio_core::resolution::Resolution;
+use revprio_core::resolution::{Member, Resolution};
 
 use super::terms;
 
@@ -11,6 +11,10 @@ pub struct Outcome<'a> {
     pub resolution: &'a Resolution,
     /// Names of the joints, in order.
     pub joints: Vec<&'a str>,
+    /// Names of the tasks, highest priority first.
+    pub tasks: Vec<&'a str>,
+    /// Names of the inequalities, in order.
+    pub inequalities: Vec<&'a str>,
 }
 
 impl Outcome<'_> {
@@ -19,15 +23,17 @@ impl Outcome<'_> {
         self.resolution.joint_velocity.as_slice().to_vec()
     }
 
-    /// Outcomes of the tasks. `describe` returns name, requested velocity and target force of a task.
-    pub fn tasks(
-        &self,
-        describe: impl Fn(usize) -> (String, Vec<f64>, Option<Vec<Option<f64>>>),
-    ) -> Vec<wire::TaskOutcome> {
+    /// Outcomes of the tasks. `describe` returns requested velocity and target force of a task.
+    pub fn tasks(&self, describe: impl Fn(usize) -> (Vec<f64>, Option<Vec<Option<f64>>>)) -> Vec<wire::TaskOutcome> {
         let outcome = |(k, outcome): (usize, &revprio_core::resolution::TaskOutcome)| {
-            let (name, requested, target_force) = describe(k);
+            let (requested, target_force) = describe(k);
+            let active_row = |active: &revprio_core::resolution::ActiveRow| wire::ActiveRow {
+                row: active.row,
+                side: terms::side_answer(active.side),
+                multiplier: active.multiplier,
+            };
             wire::TaskOutcome {
-                name,
+                name: self.tasks[k].to_owned(),
                 requested,
                 achieved: outcome.achieved.as_slice().to_vec(),
                 residual_norm: outcome.residual_norm,
@@ -35,6 +41,7 @@ impl Outcome<'_> {
                 algorithmic: outcome.algorithmic,
                 scale: outcome.scale,
                 target_force,
+                active_rows: outcome.active_rows.iter().map(active_row).collect(),
             }
         };
         self.resolution.tasks.iter().enumerate().map(outcome).collect()
@@ -82,6 +89,24 @@ impl Outcome<'_> {
         self.resolution.violated_inequalities.iter().map(violation).collect()
     }
 
+    /// Contradictions.
+    pub fn contradictions(&self) -> Vec<wire::Contradiction> {
+        let member = |member: &Member| {
+            let (task, row, joint, inequality, side) = match *member {
+                Member::Row { task, row, side } => (Some(self.tasks[task]), Some(row), None, None, side),
+                Member::Limit { joint, side } => (None, None, Some(self.joints[joint]), None, side),
+                Member::Inequality { index, side } => (None, None, None, Some(self.inequalities[index]), side),
+            };
+            let [task, joint, inequality] = [task, joint, inequality].map(|name| name.map(str::to_owned));
+            wire::ContradictionMember { task, row, joint, inequality, side: terms::side_answer(side) }
+        };
+        let contradiction = |contradiction: &revprio_core::resolution::Contradiction| wire::Contradiction {
+            task: contradiction.task.map(|task| self.tasks[task].to_owned()),
+            members: contradiction.members.iter().map(member).collect(),
+        };
+        self.resolution.contradictions.iter().map(contradiction).collect()
+    }
+
     /// Names of joints.
     pub fn names(&self, joints: &[usize]) -> Vec<String> {
         joints.iter().map(|&joint| self.joints[joint].to_owned()).collect()
@@ -96,6 +121,8 @@ impl Outcome<'_> {
             iterations: report.iterations,
             failures: report.failures,
             kkt_residual: report.kkt_residual,
+            rank_uncertain: report.rank_uncertain,
+            working_sets: report.working_sets,
         }
     }
 
@@ -113,4 +140,50 @@ impl Outcome<'_> {
 /// Time since `start`, µs.
 pub fn elapsed_us(start: std::time::Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use revprio_core::resolution::{ActiveRow, Contradiction, Side, TaskOutcome};
+
+    use super::*;
+
+    #[test]
+    fn contradictions_and_active_rows_are_written_by_name() {
+        let members = vec![
+            Member::Row { task: 0, row: 2, side: Side::Lower },
+            Member::Limit { joint: 1, side: Side::Upper },
+            Member::Inequality { index: 0, side: Side::Upper },
+        ];
+        let resolution = Resolution {
+            tasks: vec![TaskOutcome {
+                active_rows: vec![ActiveRow { row: 1, side: Side::Lower, multiplier: 0.5 }],
+                ..TaskOutcome::default()
+            }],
+            contradictions: vec![
+                Contradiction { task: Some(0), members },
+                Contradiction { task: None, members: Vec::new() },
+            ],
+            ..Resolution::default()
+        };
+        let outcome = Outcome {
+            resolution: &resolution,
+            joints: vec!["j1", "j2"],
+            tasks: vec!["slow"],
+            inequalities: vec!["wall"],
+        };
+        let contradictions = serde_json::to_value(outcome.contradictions()).unwrap();
+        let expected = serde_json::json!([
+            {"task": "slow", "members": [
+                {"task": "slow", "row": 2, "side": "lower"},
+                {"joint": "j2", "side": "upper"},
+                {"inequality": "wall", "side": "upper"}
+            ]},
+            {"task": null, "members": []}
+        ]);
+        assert_eq!(contradictions, expected);
+        let tasks = outcome.tasks(|_| (Vec::new(), None));
+        let rows = serde_json::to_value(&tasks[0].active_rows).unwrap();
+        assert_eq!(rows, serde_json::json!([{"row": 1, "side": "lower", "multiplier": 0.5}]));
+    }
 }

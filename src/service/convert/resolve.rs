@@ -14,7 +14,9 @@ use revprio_robot::kinematics::{AxisSelection, Configuration, joint_limit_index}
 
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{check_numbers, damping, joint_vector, joint_vector_of, number, numbers, velocity_box};
+use super::numbers::{
+    check_numbers, damping, joint_vector, joint_vector_of, number, numbers, velocity_bounds, velocity_box,
+};
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::{task_frame, with_tool_offset};
 use super::terms;
@@ -22,9 +24,9 @@ use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Maximum number of rows of all tasks together. It is far above any arm, and bounds the time of a request.
-pub const MAX_ROWS: usize = 64;
-/// Maximum number of joints.
-pub const MAX_JOINTS: usize = 32;
+pub const MAX_ROWS: usize = 512;
+/// Maximum number of joints. It is enough for several humanoid robots in one problem.
+pub const MAX_JOINTS: usize = 128;
 
 /// Minimum control period, s.
 pub const MIN_PERIOD_S: f64 = 1e-6;
@@ -41,6 +43,13 @@ pub struct ResolveProblem {
     conflicts: Vec<usize>,
     /// Joint limit index H, if robot and posture are known.
     joint_limit_index: Option<f64>,
+}
+
+impl ResolveProblem {
+    /// Returns the number of entries of all task Jacobians together, rows times joints.
+    pub fn entries(&self) -> usize {
+        self.problem.tasks.tasks().iter().map(|task| task.jacobian.len()).sum()
+    }
 }
 
 /// Reads a request.
@@ -130,17 +139,25 @@ fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configurati
         task(k, request, configuration).map_err(|error| error.inside(&format!("/tasks/{k}")))
     };
     let tasks: Vec<Task> = request.tasks.iter().enumerate().map(read).collect::<Result<_, _>>()?;
-    if tasks.iter().map(|task| task.velocity.len()).sum::<usize>() > MAX_ROWS {
-        return Err(ApiError::invalid("/tasks", format!("give at most {MAX_ROWS} rows in all tasks together")));
-    }
+    check_row_count(tasks.iter().map(|task| task.jacobian.nrows()))?;
     TaskStack::new(tasks).map_err(|error| ApiError::invalid(task_pointer(&error), error))
+}
+
+/// Checks the number of rows of all tasks together, from the number of rows of each task.
+pub fn check_row_count(rows: impl Iterator<Item = usize>) -> Result<(), ApiError> {
+    if rows.sum::<usize>() <= MAX_ROWS {
+        return Ok(());
+    }
+    Err(ApiError::invalid("/tasks", format!("give at most {MAX_ROWS} rows in all tasks together")))
 }
 
 fn task_pointer(error: &TaskError) -> String {
     match error {
         TaskError::NoTasks => "/tasks".to_owned(),
-        TaskError::Rows { task, .. } | TaskError::NotFinite { task } => format!("/tasks/{task}/velocity"),
-        TaskError::Columns { task, .. } => format!("/tasks/{task}/jacobian"),
+        TaskError::Rows { task, .. } => format!("/tasks/{task}/velocity"),
+        TaskError::Columns { task, .. } | TaskError::NotFinite { task } => format!("/tasks/{task}/jacobian"),
+        TaskError::Bounds { task, row } => format!("/tasks/{task}/lower/{row}"),
+        TaskError::Scaled { task } => format!("/tasks/{task}/scale"),
     }
 }
 
@@ -153,22 +170,40 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
             let frame = task_frame(&task.frame, task.reference_point)?;
             axes.rows_of(&frame.at(configuration).jacobian())
         }
-        (None, Some(_)) if task.frame != wire::Frame::Base => {
-            return Err(ApiError::invalid("/frame", "`jacobian` rows have no frame; it needs `axes`"));
-        }
-        (None, Some(_)) if task.reference_point.is_some() => {
-            let detail = "`jacobian` rows have no point; it needs `axes`";
-            return Err(ApiError::invalid("/reference_point", detail));
-        }
-        (None, Some(rows)) => matrix(rows).map_err(|error| error.inside("/jacobian"))?,
+        (None, Some(rows)) => own_jacobian(rows, &task.frame, task.reference_point)?,
         _ => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
     };
-    Ok(Task {
-        name: task.name.clone().unwrap_or_else(|| format!("task {}", k + 1)),
-        jacobian,
-        velocity: Vector::from_vec(numbers(&task.velocity, "/velocity")?),
-        scaled: task.scale,
-    })
+    let name = task.name.clone().unwrap_or_else(|| format!("task {}", k + 1));
+    let bounds = velocity_bounds(task.lower.as_deref(), task.upper.as_deref(), jacobian.nrows())?;
+    match (&task.velocity, bounds) {
+        (Some(velocity), None) => {
+            let velocity = Vector::from_vec(numbers(velocity, "/velocity")?);
+            Ok(Task { scaled: task.scale, ..Task::new(name, jacobian, velocity) })
+        }
+        (None, Some(_)) if task.scale => Err(scaled_bounds()),
+        (None, Some(bounds)) => Ok(Task::between(name, jacobian, bounds.lower().clone(), bounds.upper().clone())),
+        _ => Err(ApiError::invalid("", "give either `velocity`, or `lower` and `upper` (or one of them)")),
+    }
+}
+
+/// Returns the error of a task with bounds that is to be scaled.
+pub fn scaled_bounds() -> ApiError {
+    ApiError::invalid("/scale", "a task with bounds has no direction to keep; omit `scale`")
+}
+
+/// Reads the Jacobian of a task at `/jacobian`. Such a task has no frame and no reference point.
+pub fn own_jacobian(
+    rows: &[Vec<f64>],
+    frame: &wire::Frame,
+    reference_point: Option<[f64; 3]>,
+) -> Result<Matrix, ApiError> {
+    if *frame != wire::Frame::Base {
+        return Err(ApiError::invalid("/frame", "`jacobian` rows have no frame; it needs `axes`"));
+    }
+    if reference_point.is_some() {
+        return Err(ApiError::invalid("/reference_point", "`jacobian` rows have no point; it needs `axes`"));
+    }
+    matrix(rows).map_err(|error| error.inside("/jacobian"))
 }
 
 /// Reads the axes of a task.
@@ -278,6 +313,7 @@ pub fn positive_period(period: f64, pointer: &str) -> Result<f64, ApiError> {
 pub fn resolution_error(error: ProblemError) -> ApiError {
     let pointer = match error {
         ProblemError::Limits { .. } => "/limits",
+        ProblemError::Size { .. } => "/tasks",
         ProblemError::Inequality { .. } => "/inequalities",
         ProblemError::NullSpaceVelocity { .. } => "/null_space_velocity",
     };
@@ -286,19 +322,33 @@ pub fn resolution_error(error: ProblemError) -> ApiError {
 
 /// Returns the body of the answer.
 pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: Instant) -> wire::ResolveAnswer {
-    let outcome = Outcome { resolution, joints: problem.joints.iter().map(String::as_str).collect() };
     let tasks = problem.problem.tasks.tasks();
+    let outcome = Outcome {
+        resolution,
+        joints: problem.joints.iter().map(String::as_str).collect(),
+        tasks: tasks.iter().map(|task| task.name.as_str()).collect(),
+        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+    };
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),
-        tasks: outcome.tasks(|k| (tasks[k].name.clone(), tasks[k].velocity.as_slice().to_vec(), None)),
+        tasks: outcome.tasks(|k| (requested(&tasks[k], &resolution.tasks[k].achieved), None)),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
+        contradictions: outcome.contradictions(),
         limit_conflict: outcome.names(&problem.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
         joint_limit_index: problem.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
+}
+
+/// Returns the requested velocity of a task: the allowed velocity nearest to the achieved one.
+fn requested(task: &Task, achieved: &Vector) -> Vec<f64> {
+    if task.is_equation() {
+        return task.lower.as_slice().to_vec();
+    }
+    achieved.zip_zip_map(&task.lower, &task.upper, f64::clamp).as_slice().to_vec()
 }

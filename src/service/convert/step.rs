@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, StepError};
+use revprio_core::limits::Barrier;
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
 
@@ -74,10 +75,15 @@ pub fn step_error(error: &StepError, state: &str) -> ApiError {
 pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
     let config = controller.config();
     let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-    let outcome = Outcome { resolution: &command.resolution, joints };
+    let outcome = Outcome {
+        resolution: &command.resolution,
+        joints,
+        tasks: config.tasks.iter().map(|task| task.name.as_str()).collect(),
+        inequalities: config.barriers.iter().map(Barrier::name).collect(),
+    };
     let task = |k: usize| {
         let target = &command.targets[k];
-        (config.tasks[k].name.clone(), target.velocity.as_slice().to_vec(), Some(target.force.clone()))
+        (target.velocity.as_slice().to_vec(), Some(target.force.clone()))
     };
     wire::StepAnswer {
         joint_velocity: outcome.joint_velocity(),
@@ -89,6 +95,7 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
+        contradictions: outcome.contradictions(),
         limit_conflict: outcome.names(&command.limit_conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),

@@ -1,35 +1,70 @@
 //! Tasks of a controller.
 
 use revprio_api::wire::{self, PerAxis};
-use revprio_core::controller::{JointRows, JointTarget, TargetPose, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::{JointRows, JointTarget, RawRows, TargetPose, TaskConfig, TaskRows, ToolRows};
 use revprio_core::law::{ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 
+use super::numbers::velocity_bounds;
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
-use super::resolve::axis_selection;
+use super::resolve::{axis_selection, own_jacobian, scaled_bounds};
 use crate::service::error::ApiError;
 
 /// Reads a task.
 pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, ApiError> {
     let (rows, law) = match &task.law {
-        wire::Law::Posture { joints, gain, target_position } => {
+        Some(wire::Law::Posture { joints, gain, target_position }) => {
             check_posture_fields(task)?;
             posture(joints.as_deref(), gain, target_position, robot).map_err(|error| error.inside("/law"))?
         }
-        law => tool_task(task, law)?,
+        law => match (&task.axes, &task.jacobian) {
+            (Some(axes), None) => tool_task(task, axes, law.as_ref())?,
+            (None, Some(jacobian)) => raw_task(task, jacobian, law.as_ref(), robot)?,
+            (None, None) => {
+                return Err(ApiError::invalid("/axes", "this task needs `axes`, the controlled axes of the tool"));
+            }
+            (Some(_), Some(_)) => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
+        },
     };
     Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale })
 }
 
-fn tool_task(task: &wire::ControllerTask, law: &wire::Law) -> Result<(TaskRows, Law), ApiError> {
-    let missing = || ApiError::invalid("/axes", "this law needs `axes`, the controlled axes of the tool");
-    let axes = axis_selection(task.axes.as_ref().ok_or_else(missing)?, "/axes")?;
+fn tool_task(
+    task: &wire::ControllerTask,
+    axes: &[wire::Axis],
+    law: Option<&wire::Law>,
+) -> Result<(TaskRows, Law), ApiError> {
+    let axes = axis_selection(axes, "/axes")?;
     let reader = LawReader(PerRow { rows: axes.len() });
     let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
-    let read = || Ok((TaskRows::Tool(reader.with_target(rows, law)?), reader.law(law)?));
-    read().map_err(|error: ApiError| error.inside("/law"))
+    let rows = match law {
+        Some(law) => reader.with_target(rows, law).map_err(|error| error.inside("/law"))?,
+        None => rows,
+    };
+    Ok((TaskRows::Tool(rows), reader.law_or_bounds(task, law)?))
+}
+
+/// Reads a task of constant rows over the joints.
+fn raw_task(
+    task: &wire::ControllerTask,
+    jacobian: &[Vec<f64>],
+    law: Option<&wire::Law>,
+    robot: &RobotModel,
+) -> Result<(TaskRows, Law), ApiError> {
+    let jacobian = own_jacobian(jacobian, &task.frame, task.reference_point)?;
+    let (given, expected) = (jacobian.ncols(), robot.joint_count());
+    if given != expected {
+        let detail = format!("{given} columns, but `{}` has {expected} joints", robot.name());
+        return Err(ApiError::invalid("/jacobian", detail));
+    }
+    if !matches!(law, None | Some(wire::Law::Velocity { .. })) {
+        let detail = "`jacobian` rows have no position and no force; use the law `velocity`, or `lower` and `upper`";
+        return Err(ApiError::invalid("/law/kind", detail));
+    }
+    let reader = LawReader(PerRow { rows: jacobian.nrows() });
+    Ok((TaskRows::Raw(RawRows { jacobian }), reader.law_or_bounds(task, law)?))
 }
 
 fn posture(
@@ -51,6 +86,9 @@ fn posture(
 fn check_posture_fields(task: &wire::ControllerTask) -> Result<(), ApiError> {
     let given = [
         ("axes", task.axes.is_some()),
+        ("jacobian", task.jacobian.is_some()),
+        ("lower", task.lower.is_some()),
+        ("upper", task.upper.is_some()),
         ("frame", task.frame != wire::Frame::Base),
         ("reference_point", task.reference_point.is_some()),
     ];
@@ -85,6 +123,17 @@ fn joint_indices(
 struct LawReader(PerRow);
 
 impl LawReader {
+    /// Reads the law of a task, or the bounds in its place.
+    fn law_or_bounds(&self, task: &wire::ControllerTask, law: Option<&wire::Law>) -> Result<Law, ApiError> {
+        let bounds = velocity_bounds(task.lower.as_deref(), task.upper.as_deref(), self.0.rows)?;
+        match (law, bounds) {
+            (Some(law), None) => self.law(law).map_err(|error| error.inside("/law")),
+            (None, Some(_)) if task.scale => Err(scaled_bounds()),
+            (None, Some(bounds)) => Ok(Law::Bounds(bounds)),
+            _ => Err(ApiError::invalid("", "give either `law`, or `lower` and `upper` (or one of them)")),
+        }
+    }
+
     /// Reads a law for axes of the tool.
     fn law(&self, law: &wire::Law) -> Result<Law, ApiError> {
         Ok(match law {

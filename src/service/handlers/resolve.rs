@@ -4,8 +4,9 @@ use axum::extract::State;
 use revprio_api::wire;
 
 use super::Shared;
-use crate::service::body::{Answer, Body, LargeAnswer, LargeBody};
+use crate::service::body::{Answer, LargeAnswer, LargeBody};
 use crate::service::error::ApiError;
+use crate::service::format::RawBody;
 use crate::service::resolve;
 
 /// Resolves one problem.
@@ -20,11 +21,8 @@ use crate::service::resolve;
         (status = 200, body = wire::ResolveAnswer, description = "Joint velocities, with tasks, limits and solver report.")
     )
 )]
-pub async fn resolve(
-    State(app): Shared,
-    Body(request): Body<wire::ResolveRequest>,
-) -> Result<Answer<wire::ResolveAnswer>, ApiError> {
-    resolve::one(&request, &app).map(Answer)
+pub async fn resolve(State(app): Shared, body: RawBody) -> Result<Answer<wire::ResolveAnswer>, ApiError> {
+    resolve::single(body, &app).await.map(Answer)
 }
 
 /// Resolves a batch of problems.

@@ -28,10 +28,11 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 28] = examples! {
+const EXAMPLES: [Example; 29] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
+    post "/v1/resolve" "resolve_bounds" => "resolve_bounds";
     post "/v1/resolve" "resolve_closed_form" => "resolve_closed_form";
     post "/v1/resolve/batch" "batch" => "batch";
     post "/v1/step" "step" => "step";

@@ -78,7 +78,13 @@ fn request_ranges() -> Vec<FieldRange> {
             tasks: Items(1, MAX_TASKS),
             inequalities: Items(0, MAX_INEQUALITIES),
         }
-        wire::ControllerTask { axes: UniqueItems(1, 6), reference_point: Items(3, 3) }
+        wire::ControllerTask {
+            axes: UniqueItems(1, 6),
+            reference_point: Items(3, 3),
+            jacobian: Rows([1, MAX_ROWS], [1, MAX_JOINTS]),
+            lower: Items(1, MAX_ROWS),
+            upper: Items(1, MAX_ROWS),
+        }
         wire::Pose { position: Items(3, 3) }
         wire::FramePose { position: Items(3, 3), rotation: Rows([3, 3], [3, 3]) }
         wire::Wrench { force: Items(3, 3), torque: Items(3, 3) }
@@ -92,6 +98,8 @@ fn request_ranges() -> Vec<FieldRange> {
             reference_point: Items(3, 3),
             jacobian: Rows([1, MAX_ROWS], [1, MAX_JOINTS]),
             velocity: Items(1, MAX_ROWS),
+            lower: Items(1, MAX_ROWS),
+            upper: Items(1, MAX_ROWS),
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
         wire::Law as wire::Law::Hybrid { inertia: Positive, damping: NotNegative, stiffness: NotNegative }
@@ -158,6 +166,7 @@ fn answer_ranges() -> Vec<FieldRange> {
     field_ranges! {
         wire::BatchAnswer { items: Items(0, MAX_ITEMS) }
         wire::TaskOutcome { residual_norm: NotNegative, rank: UpTo(MAX_ROWS), scale: Between(0.0, 1.0) }
+        wire::ActiveRow { row: UpTo(MAX_ROWS), multiplier: NotNegative }
         wire::SolverReport { kkt_residual: NotNegative }
         wire::Singularity { smallest_singular_value: NotNegative, manipulability: NotNegative }
         wire::ResolveAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
@@ -193,7 +202,7 @@ pub fn complete(document: &mut Value) {
             visit(schema, &mut bound_numbers);
         }
         if name.starts_with(PER_AXIS) {
-            variants(schema).for_each(|variant| bound_items(variant, 1, MAX_JOINTS));
+            variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
     for FieldRange { schema, field, range } in request_ranges().into_iter().chain(answer_ranges()) {

@@ -54,8 +54,29 @@ const CONTROLLER: &[Row] = &[
     ("/tasks/0/axes", "[]", 422, "/tasks/0/axes"),
     ("/tasks/0/axes", r#"["x", "x"]"#, 422, "/tasks/0/axes"),
     ("/tasks/0/axes", r#"["x", "y"]"#, 422, "/tasks/0/law/inertia"),
-    ("/tasks/0/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/0/jacobian"),
+    ("/tasks/0/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/0"),
+    ("/tasks/0/lower", "[0]", 422, "/tasks/0"),
+    ("/tasks/0/upper", "[null]", 422, "/tasks/0"),
+    ("/tasks/0", BOUNDS_AND_SCALE, 422, "/tasks/0/scale"),
+    ("/tasks/0", BOUNDS_CROSSED, 422, "/tasks/0/lower/1"),
+    ("/tasks/0", BOUNDS_TOO_FEW, 422, "/tasks/0/upper"),
+    ("/tasks/0", BOUNDS_TOO_LARGE, 422, "/tasks/0/upper/0"),
+    ("/tasks/0", r#"{"name": "b", "lower": [0]}"#, 422, "/tasks/0/axes"),
+    ("/tasks/0", r#"{"name": "b", "axes": ["x"]}"#, 422, "/tasks/0"),
+    ("/tasks/0", r#"{"name": "b", "axes": [], "lower": []}"#, 422, "/tasks/0/axes"),
+    ("/tasks/0", POSTURE_WITH_BOUNDS, 422, "/tasks/0/lower"),
+    ("/tasks/0", POSTURE_WITH_ROWS, 422, "/tasks/0/jacobian"),
+    ("/tasks/0", r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]]}"#, 422, "/tasks/0"),
+    ("/tasks/0", r#"{"name": "r", "jacobian": [], "lower": []}"#, 422, "/tasks/0/jacobian"),
+    ("/tasks/0", r#"{"name": "r", "jacobian": [[1, 0]], "lower": [0]}"#, 422, "/tasks/0/jacobian"),
+    ("/tasks/0", ROWS_OF_TWO_LENGTHS, 422, "/tasks/0/jacobian/1"),
+    ("/tasks/0", ROWS_IN_FRAME, 422, "/tasks/0/frame"),
+    ("/tasks/0", ROWS_AT_POINT, 422, "/tasks/0/reference_point"),
+    ("/tasks/0", ROWS_WITH_POSE, 422, "/tasks/0/law/kind"),
+    ("/tasks/0", ROWS_WITH_FORCE, 422, "/tasks/0/law/kind"),
+    ("/tasks/0", ROWS_WITH_LONG_VELOCITY, 422, "/tasks/0/law/target_velocity/value"),
     ("/tasks/0/law", OMITTED, 422, "/tasks/0"),
+    ("/tasks/0/law", "null", 422, "/tasks/0"),
     ("/tasks/0/law", "{}", 422, "/tasks/0/law"),
     ("/tasks/0/law", r#""force""#, 422, "/tasks/0/law"),
     ("/tasks/0/law/kind", r#""magic""#, 422, "/tasks/0/law/kind"),
@@ -163,6 +184,24 @@ const CONTROLLER: &[Row] = &[
     ("/tasks/0/law", r#"{"kind": "pose", "gain": 1, "stiffness": 1}"#, 422, "/tasks/0/law"),
 ];
 
+const BOUNDS_AND_SCALE: &str = r#"{"name": "b", "axes": ["x"], "upper": [1], "scale": true}"#;
+const BOUNDS_CROSSED: &str = r#"{"name": "b", "axes": ["x", "y"], "lower": [0, 0.2], "upper": [null, 0.1]}"#;
+const BOUNDS_TOO_FEW: &str = r#"{"name": "b", "axes": ["x", "y"], "lower": [0, 0], "upper": [1]}"#;
+const BOUNDS_TOO_LARGE: &str = r#"{"name": "b", "axes": ["x", "y"], "upper": [1e10, 1]}"#;
+const POSTURE_WITH_BOUNDS: &str =
+    r#"{"name": "p", "lower": [0], "law": {"kind": "posture", "gain": 1, "target_position": "mid_range"}}"#;
+const POSTURE_WITH_ROWS: &str = r#"{"name": "p", "jacobian": [[1, 0, 0, 0, 0, 0, 0]],
+    "law": {"kind": "posture", "gain": 1, "target_position": "mid_range"}}"#;
+const ROWS_OF_TWO_LENGTHS: &str = r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0], [1]], "lower": [0, 0]}"#;
+const ROWS_IN_FRAME: &str = r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "frame": "tool", "lower": [0]}"#;
+const ROWS_AT_POINT: &str =
+    r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "reference_point": [0, 0, 1], "lower": [0]}"#;
+const ROWS_WITH_POSE: &str =
+    r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "law": {"kind": "pose", "gain": 1}}"#;
+const ROWS_WITH_FORCE: &str = r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "law": {"kind": "force",
+    "inertia": 1, "damping": 1, "target_force": {"kind": "constant", "value": 1}}}"#;
+const ROWS_WITH_LONG_VELOCITY: &str = r#"{"name": "r", "jacobian": [[1, 0, 0, 0, 0, 0, 0]],
+    "law": {"kind": "velocity", "target_velocity": {"kind": "constant", "value": [1, 2]}}}"#;
 const DISPLACEMENT_VALUE: &str = "/tasks/1/law/target_displacement/value";
 const NO_RAMP: &str = r#"{"kind": "ramp", "start": 0, "end": 1, "duration_s": 0}"#;
 const SAME_TIME: &str = r#"{"kind": "waypoints", "points": [{"time_s": 1, "value": 1}, {"time_s": 1, "value": 2}]}"#;
@@ -240,6 +279,17 @@ fn a_controller_has_at_most_64_tasks() {
     };
     service.post("/v1/controllers", &with(65)).assert_refused(422, Some("/tasks"));
     service.post("/v1/controllers", &with(64)).accepted();
+}
+
+#[test]
+fn a_controller_has_at_most_512_rows() {
+    let service = Service::start();
+    let with = |rows: usize| {
+        let task = json!({"name": "rows", "jacobian": vec![vec![1; 7]; rows], "upper": vec![1; rows]});
+        json!({"robot": "sawyer_dh", "period_s": 0.001, "tasks": [task]}).to_string()
+    };
+    service.post("/v1/controllers", &with(513)).assert_refused(422, Some("/tasks"));
+    service.post("/v1/controllers", &with(512)).accepted();
 }
 
 #[test]

@@ -56,6 +56,9 @@ const WITH_ROBOT: &[Row] = &[
     ("/tasks/0/velocity", "0.1", 422, "/tasks/0/velocity"),
     ("/tasks/1/velocity/4", "1e308", 422, "/tasks/1/velocity/4"),
     ("/tasks/1/velocity/4", "Infinity", 400, NO_POINTER),
+    ("/tasks/0/lower", "[0]", 422, "/tasks/0"),
+    ("/tasks/0/upper", "[1]", 422, "/tasks/0"),
+    ("/tasks/0/velocity", "null", 422, "/tasks/0"),
     ("/tasks/0/priority", "1", 422, "/tasks/0/priority"),
     ("/method", r#""newton""#, 422, "/method"),
     ("/method", r#""ReversePriority""#, 422, "/method"),
@@ -117,8 +120,39 @@ const WITH_EXPLICIT_ROWS: &[Row] = &[
     ("/tool_offset", r#"{"position": [0, 0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}"#, 422, "/robot"),
 ];
 
+const WITH_BOUNDS: &[Row] = &[
+    ("/tasks/0/velocity", "[0]", 422, "/tasks/0"),
+    ("/tasks/0/scale", "true", 422, "/tasks/0/scale"),
+    ("/tasks/0/lower", "[]", 422, "/tasks/0/lower"),
+    ("/tasks/0/lower", "[0, 0]", 422, "/tasks/0/lower"),
+    ("/tasks/0/lower", "0", 422, "/tasks/0/lower"),
+    ("/tasks/0/lower", r#"["0"]"#, 422, "/tasks/0/lower/0"),
+    ("/tasks/0/lower/0", "0.11", 422, "/tasks/0/lower/0"),
+    ("/tasks/0/lower/0", "1e10", 422, "/tasks/0/lower/0"),
+    ("/tasks/0/lower/0", "-1e10", 422, "/tasks/0/lower/0"),
+    ("/tasks/0/lower/0", "NaN", 400, NO_POINTER),
+    ("/tasks/0/lower/0", "-Infinity", 400, NO_POINTER),
+    ("/tasks/0/upper", "[0, 0, 0]", 422, "/tasks/0/upper"),
+    ("/tasks/0/upper/0", "-0.11", 422, "/tasks/0/lower/0"),
+    ("/tasks/0/upper/0", "true", 422, "/tasks/0/upper/0"),
+    ("/tasks/0/axes", r#"["y", "z"]"#, 422, "/tasks/0/lower"),
+    ("/tasks/1/upper/2", "0.1", 422, "/tasks/1/lower/2"),
+    ("/tasks/1/jacobian", "[[1, 0, 0, 0, 0, 0, 0]]", 422, "/tasks/1/lower"),
+];
+
 const WRONG_POSTURE: &str = r#"{"kind": "posture", "joint_position": {"j9": 0}, "gain": 1}"#;
 const NO_ORIENTATION: &str = r#"{"position": [0, 0, 0], "orientation": {"w": 0.5, "x": 0, "y": 0, "z": 0}}"#;
+
+fn bounds() -> Value {
+    let mut request = example("resolve.json");
+    request["tasks"] = json!([
+        {"axes": ["z"], "lower": [-0.1], "upper": [0.1]},
+        {"jacobian": [[1, 0, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0, 0]],
+            "lower": [null, -0.1, 0.2], "upper": [0.3, null, 0.2]},
+        {"axes": ["x"], "velocity": [0.1]}
+    ]);
+    request
+}
 
 fn explicit_rows() -> Value {
     let task = |row: [f64; 3]| json!({"jacobian": [row], "velocity": [0.1]});
@@ -137,6 +171,11 @@ fn wrong_problems_with_explicit_rows_are_refused() {
 }
 
 #[test]
+fn wrong_bounds_are_refused() {
+    assert_all_refused(&Service::start(), "/v1/resolve", &bounds(), WITH_BOUNDS);
+}
+
+#[test]
 fn problems_above_the_maximum_size_are_refused() {
     let service = Service::start();
     let refused = |tasks: Value, pointer: &str| {
@@ -144,8 +183,8 @@ fn problems_above_the_maximum_size_are_refused() {
     };
     let task =
         |rows: usize, columns: usize| json!({"jacobian": vec![vec![0.5; columns]; rows], "velocity": vec![0.1; rows]});
-    refused(json!([task(1, 33)]), "/tasks/0/jacobian");
-    refused(json!([task(65, 3)]), "/tasks");
-    refused(json!(vec![task(1, 3); 65]), "/tasks");
+    refused(json!([task(1, 129)]), "/tasks/0/jacobian");
+    refused(json!([task(513, 3)]), "/tasks");
+    refused(json!(vec![task(1, 3); 513]), "/tasks");
     refused(json!(vec![json!({"jacobian": [], "velocity": []}); 10_000]), "/tasks/0/jacobian");
 }

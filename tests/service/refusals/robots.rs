@@ -111,7 +111,7 @@ fn robots_above_the_maximum_are_refused() {
 }
 
 #[test]
-fn a_chain_of_33_joints_and_a_text_of_a_megabyte_are_too_much() {
+fn a_chain_of_129_joints_and_a_text_of_a_megabyte_are_too_much() {
     let service = Service::start();
     let snake = |joints: usize| {
         let links = (0..=joints).map(|i| format!("<link name='{i}'/>")).collect::<Vec<_>>().concat();
@@ -121,11 +121,11 @@ fn a_chain_of_33_joints_and_a_text_of_a_megabyte_are_too_much() {
         let text = format!("<robot name='r'>{links}{}</robot>", (0..joints).map(joint).collect::<Vec<_>>().concat());
         registration(&format!("snake{joints}"), &text).to_string()
     };
-    service.post("/v1/robots", &snake(32)).accepted();
-    service.post("/v1/robots", &snake(33)).assert_refused(422, Some("/urdf"));
-    let large = json!({"name": "large", "urdf": "<a>".repeat(400_000)}).to_string();
+    service.post("/v1/robots", &snake(128)).accepted();
+    service.post("/v1/robots", &snake(129)).assert_refused(422, Some("/urdf"));
+    let large = json!({"name": "large", "urdf": "<a>".repeat(1_500_000)}).to_string();
     service.post("/v1/robots", &large).assert_refused(413, None);
-    let deep = json!({"name": "deep", "urdf": "<a>".repeat(300_000)}).to_string();
+    let deep = json!({"name": "deep", "urdf": "<a>".repeat(400_000)}).to_string();
     service.post("/v1/robots", &deep).assert_refused(422, Some("/urdf"));
     service.assert_alive();
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
@@ -27,6 +27,26 @@ def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     return array
 
 
+def _bounds(value: Any, none: float) -> NDArray[np.float64]:  # noqa: ANN401
+    """Converts bounds to an array with `none` for no bound; a nan is an error, because it is no bound by mistake."""
+    try:
+        array = _array([none if bound is None else bound for bound in value])
+    except TypeError as error:
+        raise ValueError(str(error)) from error
+    if not (np.isfinite(array) | (array == none)).all():
+        message = f"every bound must be a finite number, or None or {none} for no bound"
+        raise ValueError(message)
+    return array
+
+
+def _lower(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    return _bounds(value, -np.inf)
+
+
+def _upper(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    return _bounds(value, np.inf)
+
+
 def _joints(value: Any) -> NDArray[np.float64] | dict[str, float]:  # noqa: ANN401
     if isinstance(value, Mapping):
         return {str(name): float(_finite(number)) for name, number in value.items()}
@@ -37,11 +57,25 @@ def _plain(value: NDArray[np.float64] | dict[str, float]) -> Any:  # noqa: ANN40
     return value if isinstance(value, dict) else value.tolist()
 
 
+def _plain_bounds(value: NDArray[np.float64]) -> list[float | None]:
+    return [bound if np.isfinite(bound) else None for bound in value.tolist()]
+
+
 FloatArray: TypeAlias = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_plain)]
 """An array in an answer; `null` in JSON is nan here."""
 
 ArrayLike: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_finite), PlainSerializer(_plain)]
 """An array in a request: anything that NumPy converts to an array of finite numbers."""
+
+LowerBounds: TypeAlias = Annotated[
+    AnyArrayLike | Sequence[float | None], PlainValidator(_lower), PlainSerializer(_plain_bounds)
+]
+"""Lower bounds, one per row: finite numbers, or `None` or -inf for no bound."""
+
+UpperBounds: TypeAlias = Annotated[
+    AnyArrayLike | Sequence[float | None], PlainValidator(_upper), PlainSerializer(_plain_bounds)
+]
+"""Upper bounds, one per row: finite numbers, or `None` or inf for no bound."""
 
 JointVector: TypeAlias = Annotated[AnyArrayLike | Mapping[str, float], PlainValidator(_joints), PlainSerializer(_plain)]
 """One number per joint: an array in the robot's joint order, or a mapping by joint name in any order."""

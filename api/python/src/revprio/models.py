@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, Tagged
+from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, LowerBounds, Tagged, UpperBounds
 
 
 __all__ = [
     "ActiveInequality",
     "ActiveLimit",
     "ActiveLimitName",
+    "ActiveRow",
     "ArmView",
     "Axis",
     "BatchAnswer",
@@ -21,6 +22,8 @@ __all__ = [
     "ConstantProfile",
     "Contact",
     "ContactKind",
+    "Contradiction",
+    "ContradictionMember",
     "ControllerConfig",
     "ControllerTask",
     "CreatedController",
@@ -148,7 +151,7 @@ class ActiveLimit(Answer):
 
 
 class ActiveLimitName(Body):
-    """An active limit: a joint and a side, or an inequality."""
+    """An active limit: a joint, an inequality, or a row of a task, and a side."""
 
     side: Side
     """Lower or upper bound; `upper` for an inequality."""
@@ -156,6 +159,21 @@ class ActiveLimitName(Body):
     """Name of the inequality, for an inequality."""
     joint: str | None = None
     """Name of the joint, for a limit of a joint."""
+    row: int | None = None
+    """Index of the row in its task, from 0."""
+    task: str | None = None
+    """Name of the task, for a row of a task."""
+
+
+class ActiveRow(Answer):
+    """An active row: a row of a task that reaches a bound and restricts the answer."""
+
+    multiplier: float
+    """Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider bound."""
+    row: int
+    """Index of the row in its task, from 0."""
+    side: Side
+    """Lower or upper bound."""
 
 
 class JointView(Answer):
@@ -238,6 +256,10 @@ class SolverReport(Answer):
     kkt_residual: float | None = None
     """Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
     `status` is `optimal`."""
+    rank_uncertain: bool | None = None
+    """Whether a rank decision lies so near its threshold that rounding may have decided it; default `false`."""
+    working_sets: int | None = None
+    """Number of working sets (sets of active limits) that the solver tried."""
 
 
 class TaskOutcome(Answer):
@@ -252,9 +274,12 @@ class TaskOutcome(Answer):
     rank: int
     """Rank of the task Jacobian J_k."""
     requested: FloatArray
-    """Requested task velocity ẋ_k, m/s and rad/s."""
+    """Requested task velocity ẋ_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to the achieved
+    one."""
     residual_norm: float
-    """Norm of the residual, ‖J_k q̇ − ẋ_k‖."""
+    """Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation."""
+    active_rows: list[ActiveRow] = Field(default_factory=list)
+    """Active rows of a task with bounds: rows that reach a bound and restrict the answer."""
     scale: float | None = None
     """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
     target_force: FloatArray | None = None
@@ -272,6 +297,30 @@ class ViolatedLimit(Answer):
     """Lower or upper bound."""
     value: float
     """Velocity of the joint, rad/s or m/s."""
+
+
+class ContradictionMember(Answer):
+    """A demand in a contradiction: a row of a task, a joint limit, or an inequality, and a side."""
+
+    side: Side
+    """Lower or upper bound."""
+    inequality: str | None = None
+    """Name of the inequality, for an inequality."""
+    joint: str | None = None
+    """Name of the joint, for a limit of a joint."""
+    row: int | None = None
+    """Index of the row in its task, from 0."""
+    task: str | None = None
+    """Name of the task, for a row of a task."""
+
+
+class Contradiction(Answer):
+    """A contradiction: demands that cannot all be kept, of which any one can be dropped so that the others can."""
+
+    members: list[ContradictionMember]
+    """Demands that contradict each other."""
+    task: str | None = None
+    """Name of the task whose bounds cannot all be kept; `null` for the inequalities, which come before all tasks."""
 
 
 class ViolatedInequality(Answer):
@@ -307,6 +356,8 @@ class ResolveAnswer(Answer):
     """Violated limits; only the solver `closed_form` violates limits."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
+    contradictions: list[Contradiction] = Field(default_factory=list)
+    """Contradictions: minimal sets of demands that cannot all be kept."""
     joint_limit_index: float | None = None
     """Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit; only with a
     robot."""
@@ -372,22 +423,27 @@ last case, target poses are given in that frame."""
 
 
 class ResolveTask(Body):
-    """One task: axes of the tool, or its own Jacobian."""
+    """One task: axes of the tool or its own Jacobian, and their velocity or bounds of it."""
 
-    velocity: ArrayLike
-    """Task velocity ẋ_k, one entry per row, m/s and rad/s."""
     axes: list[Axis] | None = None
     """Axes of the tool, one per row; instead of `jacobian`."""
     frame: Frame | None = None
     """Axes along which the rows are measured; default `base`."""
     jacobian: ArrayLike | None = None
     """Task Jacobian J_k, m × n, row by row; instead of `axes`."""
+    lower: LowerBounds | None = None
+    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
     name: str | None = None
     """Name; default `task 1`, `task 2`, …"""
     reference_point: ArrayLike | None = None
     """Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `velocity`;
+    default `false`."""
+    upper: UpperBounds | None = None
+    """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
+    velocity: ArrayLike | None = None
+    """Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`."""
 
 
 class Damping(Body):
@@ -743,20 +799,28 @@ Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | H
 
 
 class ControllerTask(Body):
-    """One task of a controller: rows and law."""
+    """One task of a controller: its rows, and their law or bounds of their velocity."""
 
-    law: Law
-    """Law that computes the velocity of the task."""
     name: str
     """Name, unique in the controller."""
     axes: list[Axis] | None = None
-    """Axes of the tool, one per row; required by every law except `posture`."""
+    """Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`."""
     frame: Frame | None = None
     """Axes along which rows, displacements and wrench are measured; default `base`."""
+    jacobian: ArrayLike | None = None
+    """Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law `velocity` or
+    bounds."""
+    law: Law | None = None
+    """Law that computes the velocity of the task; instead of `lower` and `upper`."""
+    lower: LowerBounds | None = None
+    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
     reference_point: ArrayLike | None = None
     """Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
+    default `false`."""
+    upper: UpperBounds | None = None
+    """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
 
 
 class EnvironmentAxis(Body):
@@ -1419,6 +1483,8 @@ class StepAnswer(Answer):
     """Violated limits; only the solver `closed_form` violates limits."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
+    contradictions: list[Contradiction] = Field(default_factory=list)
+    """Contradictions: minimal sets of demands that cannot all be kept."""
     memory: Memory | None = None
     """Memory to send with the next state; only in answers without a session."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)

@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
 use super::{
     Axis, Damping, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose, Solver,
     WrenchConvention, WrenchFrame,
 };
+use super::{bounds, object};
 
 /// A controller: robot, tasks with their laws, method, solver, limits and control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -62,13 +62,13 @@ fn default_damping() -> Option<Damping> {
     Some(Damping::STANDARD)
 }
 
-/// One task of a controller: rows and law.
+/// One task of a controller: its rows, and their law or bounds of their velocity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
     /// Name, unique in the controller.
     pub name: String,
-    /// Axes of the tool, one per row; required by every law except `posture`.
+    /// Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Axes along which rows, displacements and wrench are measured; default `base`.
@@ -77,10 +77,20 @@ pub struct ControllerTask {
     /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
-    /// Law that computes the velocity of the task.
-    #[serde(deserialize_with = "object::deserialize")]
-    pub law: Law,
-    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`.
+    /// Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law `velocity` or bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub jacobian: Option<Vec<Vec<f64>>>,
+    /// Law that computes the velocity of the task; instead of `lower` and `upper`.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub law: Option<Law>,
+    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Vec<Option<f64>>>,
+    /// Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
+    pub upper: Option<Vec<Option<f64>>>,
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
+    /// default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
 }

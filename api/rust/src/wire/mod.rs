@@ -3,6 +3,7 @@
 //! Units are SI; the name of a single number contains its unit. Unknown and repeated fields are refused. Vectors of
 //! joints follow the joint order of the robot, or name their joints.
 
+mod bounds;
 mod controller;
 mod enums;
 mod inequality;
@@ -36,7 +37,9 @@ pub use live::{
     ArmView, Interactive, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep,
 };
 pub use object::Object;
-pub use outcome::{ActiveLimit, Singularity, SolverReport, TaskOutcome, ViolatedLimit};
+pub use outcome::{
+    ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverReport, TaskOutcome, ViolatedLimit,
+};
 pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;
 pub use profile::{PerAxis, Profile, ProfilePoint};

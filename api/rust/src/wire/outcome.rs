@@ -10,11 +10,11 @@ use super::{Path, Side, Status};
 pub struct TaskOutcome {
     /// Name of the task.
     pub name: String,
-    /// Requested task velocity ẋ_k, m/s and rad/s.
+    /// Requested task velocity ẋ_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to the achieved one.
     pub requested: Vec<f64>,
     /// Achieved task velocity J_k q̇, m/s and rad/s.
     pub achieved: Vec<f64>,
-    /// Norm of the residual, ‖J_k q̇ − ẋ_k‖.
+    /// Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation.
     pub residual_norm: f64,
     /// Rank of the task Jacobian J_k.
     pub rank: usize,
@@ -26,6 +26,51 @@ pub struct TaskOutcome {
     /// Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_force: Option<Vec<Option<f64>>>,
+    /// Active rows of a task with bounds: rows that reach a bound and restrict the answer.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"row": 0, "side": "upper", "multiplier": 0.04}]))]
+    pub active_rows: Vec<ActiveRow>,
+}
+
+/// An active row: a row of a task that reaches a bound and restricts the answer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ActiveRow {
+    /// Index of the row in its task, from 0.
+    #[schema(example = 0)]
+    pub row: usize,
+    /// Lower or upper bound.
+    pub side: Side,
+    /// Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider bound.
+    pub multiplier: f64,
+}
+
+/// A contradiction: demands that cannot all be kept, of which any one can be dropped so that the others can.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Contradiction {
+    /// Name of the task whose bounds cannot all be kept; `null` for the inequalities, which come before all tasks.
+    pub task: Option<String>,
+    /// Demands that contradict each other.
+    #[schema(example = json!([{"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]))]
+    pub members: Vec<ContradictionMember>,
+}
+
+/// A demand in a contradiction: a row of a task, a joint limit, or an inequality, and a side.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct ContradictionMember {
+    /// Name of the task, for a row of a task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task: Option<String>,
+    /// Index of the row in its task, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub row: Option<usize>,
+    /// Name of the joint, for a limit of a joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Name of the inequality, for an inequality.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inequality: Option<String>,
+    /// Lower or upper bound.
+    pub side: Side,
 }
 
 /// An active limit: a bound that the answer reaches and that restricts it.
@@ -69,6 +114,13 @@ pub struct SolverReport {
     /// Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
     /// `status` is `optimal`.
     pub kkt_residual: Option<f64>,
+    /// Whether a rank decision lies so near its threshold that rounding may have decided it; default `false`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schema(example = true)]
+    pub rank_uncertain: bool,
+    /// Number of working sets (sets of active limits) that the solver tried.
+    #[serde(default)]
+    pub working_sets: u32,
 }
 
 /// Distance of the tasks from singularities.

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
 use super::{
-    ActiveInequality, ActiveLimit, Axis, Damping, Frame, Inequality, JointVector, Limits, Method, NullSpaceVelocity,
-    Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality, ViolatedLimit,
+    ActiveInequality, ActiveLimit, Axis, Contradiction, Damping, Frame, Inequality, JointVector, Limits, Method,
+    NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
+    ViolatedLimit,
 };
+use super::{bounds, object};
 
 /// Prioritised tasks at one posture, to resolve into joint velocities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -51,7 +52,7 @@ pub struct ResolveRequest {
     pub null_space_velocity: Option<NullSpaceVelocity>,
 }
 
-/// One task: axes of the tool, or its own Jacobian.
+/// One task: axes of the tool or its own Jacobian, and their velocity or bounds of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveTask {
@@ -70,9 +71,17 @@ pub struct ResolveTask {
     /// Task Jacobian J_k, m × n, row by row; instead of `axes`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
-    /// Task velocity ẋ_k, one entry per row, m/s and rad/s.
-    pub velocity: Vec<f64>,
-    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; default `false`.
+    /// Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<Vec<f64>>,
+    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Vec<Option<f64>>>,
+    /// Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
+    pub upper: Option<Vec<Option<f64>>>,
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `velocity`;
+    /// default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
 }
@@ -94,6 +103,11 @@ pub struct ResolveAnswer {
     /// Violated inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub violated_inequalities: Vec<ViolatedInequality>,
+    /// Contradictions: minimal sets of demands that cannot all be kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"task": "height", "members": [
+        {"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]}]))]
+    pub contradictions: Vec<Contradiction>,
     /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
     /// Solver path, status and certificate.

@@ -5,8 +5,8 @@ use utoipa::ToSchema;
 
 use super::object;
 use super::{
-    ActiveInequality, ActiveLimit, Controller, JointVector, Side, Singularity, SolverReport, TaskOutcome,
-    ViolatedInequality, ViolatedLimit,
+    ActiveInequality, ActiveLimit, Contradiction, Controller, JointVector, Side, Singularity, SolverReport,
+    TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 
 /// The measured state of one control period.
@@ -79,7 +79,7 @@ pub struct FramePose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// An active limit: a joint and a side, or an inequality.
+/// An active limit: a joint, an inequality, or a row of a task, and a side.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveLimitName {
@@ -89,6 +89,14 @@ pub struct ActiveLimitName {
     /// Name of the inequality, for an inequality.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inequality: Option<String>,
+    /// Name of the task, for a row of a task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = "height")]
+    pub task: Option<String>,
+    /// Index of the row in its task, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 0)]
+    pub row: Option<usize>,
     /// Lower or upper bound; `upper` for an inequality.
     pub side: Side,
 }
@@ -117,6 +125,11 @@ pub struct StepAnswer {
     /// Violated inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub violated_inequalities: Vec<ViolatedInequality>,
+    /// Contradictions: minimal sets of demands that cannot all be kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"task": "height", "members": [
+        {"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]}]))]
+    pub contradictions: Vec<Contradiction>,
     /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
     /// Solver path, status and certificate.
