@@ -8,7 +8,7 @@ use revprio_core::controller::{
 };
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
-use revprio_core::linalg::{Decomposition, TaskMatrix, TaskVector, Vector};
+use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
@@ -48,25 +48,12 @@ fn kinematics(bencher: Bencher) {
     });
 }
 
-#[divan::bench]
-fn pseudo_inverse_6x7(bencher: Bencher) {
-    let configuration = Configuration::new(&sawyer(), &POSTURE).unwrap();
-    let jacobian = TaskMatrix::from_fn(6, 7, |i, j| configuration.jacobian()[(i, j)]);
-    let velocity = TaskVector::from_slice(&[0.1, 0.2, -0.1, 0.05, 0.0, 0.1]);
-    let mut decomposition = Decomposition::default();
-    bencher.bench_local(|| {
-        decomposition.decompose(black_box(&jacobian), 0, jacobian.norm());
-        decomposition.solve(black_box(&velocity))
-    });
-}
-
 /// Kinematics, the rows of the tasks, reverse priority, ranks, smallest singular value and manipulability.
 #[divan::bench]
-fn closed_form_two_tasks(bencher: Bencher) {
+fn auto_two_tasks_without_limits(bencher: Bencher) {
     let robot = sawyer();
     let mut configuration = Configuration::new(&robot, &POSTURE).unwrap();
     let mut problem = Problem::new(two_tasks(&configuration, 0.05, 0.02));
-    problem.solver = Solver::ClosedForm;
     let (push, hold) = selections();
     let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
     bencher.bench_local(|| {
@@ -84,7 +71,7 @@ fn selections() -> (AxisSelection, AxisSelection) {
 
 fn overwrite(tasks: &mut TaskStack, configuration: &Configuration, push: &AxisSelection, hold: &AxisSelection) {
     tasks
-        .overwrite(|k, jacobian, _| {
+        .overwrite(|k, jacobian, _, _| {
             let axes = if k == 0 { push } else { hold };
             TaskFrame::default().at(configuration).write_rows(axes, jacobian);
         })

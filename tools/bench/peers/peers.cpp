@@ -1,7 +1,6 @@
-// Solves the problems with Pinocchio and Eigen, eiquadprog or DAQP: peers PROBLEMS ARM. Prints one line per peer:
-// name,median_s,p99_s,error,task_1_error. Each call includes kinematics and resolution.
+// Solves the problems with Pinocchio and Eigen, eiquadprog or DAQP: peers PROBLEMS TRAJECTORY ARM. Prints one line per
+// peer: name,median_s,p99_s,error,task_1_error. Each call includes kinematics and resolution.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -16,13 +15,14 @@
 
 #include <eiquadprog/eiquadprog-fast.hpp>
 
+#include "timing.hpp"
+
 extern "C" {
 #include "api.h"
 }
 
 using Jacobian = Eigen::Matrix<double, 6, 7>;
 using Joints = Eigen::Matrix<double, 7, 1>;
-using Clock = std::chrono::steady_clock;
 
 struct Problem {
   Eigen::VectorXd q;
@@ -81,8 +81,8 @@ struct Arm {
 
 constexpr double regularisation = 1e-8;
 
-// Two levels: min |J_1 v - x_1|^2, then min |J_2 v - x_2|^2 with J_1 v fixed. Both add a small multiple of |v|^2, because
-// the solver needs a strictly convex problem.
+// Two levels: min |J_1 v - x_1|^2, then min |J_2 v - x_2|^2 with J_1 v fixed. Both add a small multiple of |v|^2,
+// because the solver needs a strictly convex problem.
 struct Eiquadprog {
   eiquadprog::solvers::EiquadprogFast solver;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(7, 7), CE0 = Eigen::MatrixXd::Zero(0, 7), CE1 = Eigen::MatrixXd::Zero(1, 7);
@@ -174,37 +174,30 @@ static void report(const char* name, Arm& arm, const std::vector<Problem>& probl
     error = std::max(error, (v - exact).cwiseAbs().maxCoeff());
     first = std::max(first, std::abs((J.row(0) * (v - exact)).value()));
   }
-  std::vector<double> times;
-  for (int round = 0; round < 200; ++round)
-    for (const auto& p : problems) {
-      auto start = Clock::now();
-      Joints v = solve(arm.jacobian(p.q), p);
-      asm volatile("" : : "g"(v.data()) : "memory");
-      times.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    }
-  std::sort(times.begin(), times.end());
-  std::printf("%s,%.4e,%.4e,%.1e,%.1e\n", name, times[times.size() / 2], times[times.size() * 99 / 100], error, first);
+  auto [median, p99] = problem_by_problem(200, problems.size(), [&](std::size_t i) {
+    Joints v = solve(arm.jacobian(problems[i].q), problems[i]);
+    asm volatile("" : : "g"(v.data()) : "memory");
+  });
+  std::printf("%s,%.4e,%.4e,%.1e,%.1e\n", name, median, p99, error, first);
 }
 
 int main(int, char** arguments) {
   auto problems = read(arguments[1]);
-  Arm arm(arguments[2]);
+  auto trajectory = read(arguments[2]);
+  Arm arm(arguments[3]);
   Eiquadprog eiquadprog;
   Daqp daqp;
-  std::vector<double> times;
-  for (int round = 0; round < 200; ++round)
-    for (const auto& p : problems) {
-      auto start = Clock::now();
-      Jacobian J = arm.jacobian(p.q);
-      asm volatile("" : : "g"(J.data()) : "memory");
-      times.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    }
-  std::sort(times.begin(), times.end());
-  std::printf("kinematics: Pinocchio (C++),%.4e,%.4e,,\n", times[times.size() / 2], times[times.size() * 99 / 100]);
+  auto [median, p99] = problem_by_problem(200, problems.size(), [&](std::size_t i) {
+    Jacobian J = arm.jacobian(problems[i].q);
+    asm volatile("" : : "g"(J.data()) : "memory");
+  });
+  std::printf("kinematics: Pinocchio (C++),%.4e,%.4e,,\n", median, p99);
   report("closed form: Pinocchio + Eigen LDLT of J J^T", arm, problems, false, normal_equations);
   report("closed form: Pinocchio + Eigen complete orthogonal", arm, problems, false, orthogonal);
   report("limits: Pinocchio + eiquadprog, two levels", arm, problems, true,
          [&](const Jacobian& J, const Problem& p) { return eiquadprog.solve(J, p); });
   report("limits: Pinocchio + DAQP, two levels", arm, problems, true,
+         [&](const Jacobian& J, const Problem& p) { return daqp.solve(J, p); });
+  report("trajectory: Pinocchio + DAQP, two levels, cold", arm, trajectory, true,
          [&](const Jacobian& J, const Problem& p) { return daqp.solve(J, p); });
 }

@@ -31,12 +31,13 @@ def report(name, solve, exact, rounds=5):
         difference = solve(i) - exact[i]
         pinocchio.updateFramePlacements(model, data)
         error, first = max(error, abs(difference).max()), max(first, abs(jacobian(q)[0] @ difference))
-    times = []
-    for _ in range(rounds):
+    times = np.zeros((rounds, len(Q)))
+    for turn in times:
         for i in range(len(Q)):
             start = time.perf_counter()
             solve(i)
-            times.append(time.perf_counter() - start)
+            turn[i] = time.perf_counter() - start
+    times = np.median(times, axis=0)  # other load on the machine does not reach the quantiles
     print(f'{name},{np.median(times):.4e},{np.quantile(times, 0.99):.4e},{error:.1e},{first:.1e}', flush=True)
 
 

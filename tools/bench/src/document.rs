@@ -21,6 +21,10 @@ pub fn read(path: &Path) -> Result<String, BenchError> {
     fs::read_to_string(path).map_err(|source| BenchError::File { path: path.to_owned(), source })
 }
 
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, BenchError> {
+    fs::read(path).map_err(|source| BenchError::File { path: path.to_owned(), source })
+}
+
 pub fn write(path: &Path, text: &str) -> Result<(), BenchError> {
     fs::write(path, text).map_err(|source| BenchError::File { path: path.to_owned(), source })
 }

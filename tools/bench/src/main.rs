@@ -12,6 +12,7 @@
 mod core;
 mod document;
 mod growth;
+mod hierarchies;
 mod http;
 mod load;
 mod options;

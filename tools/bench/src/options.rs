@@ -3,11 +3,10 @@
 use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 
-use crate::BenchError;
 use crate::plan::{Group, Plan};
-use crate::problems::lines as problem_lines;
 use crate::repeat::{Repeated, repeat};
 use crate::report::Report;
+use crate::{BenchError, hierarchies, problems};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -28,6 +27,12 @@ pub struct Options {
     /// File with the problems of `tools/bench/peers` to resolve
     #[arg(long, hide = true, value_name = "FILE")]
     problems: Option<PathBuf>,
+    /// File with the trajectory of `tools/bench/peers` to resolve
+    #[arg(long, hide = true, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
+    /// File with the hierarchies of `tools/bench/peers` to resolve
+    #[arg(long, hide = true, value_name = "FILE")]
+    hierarchies: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -52,9 +57,14 @@ pub fn run(options: &Options) -> Result<(), BenchError> {
     if let Some(what) = options.repeat {
         return repeat(what, options.times.unwrap_or(1));
     }
-    if let Some(problems) = &options.problems {
-        let lines = problem_lines(problems, plan.rows())?.join("\n");
-        return Ok(writeln!(stdout(), "{lines}")?);
+    let files = [&options.problems, &options.trajectory, &options.hierarchies];
+    if files.iter().any(|file| file.is_some()) {
+        let ways = [problems::lines, problems::trajectory_lines, hierarchies::lines];
+        for (file, lines) in files.into_iter().zip(ways) {
+            let lines = file.as_ref().map_or(Ok(Vec::new()), |file| lines(file, plan.rows()))?;
+            lines.iter().try_for_each(|line| writeln!(stdout(), "{line}"))?;
+        }
+        return Ok(());
     }
     let report = Report::measured(&plan, |group| drop(writeln!(stderr(), "measuring: {group:?}")))?;
     if let Some(directory) = &options.figures {

@@ -5,14 +5,14 @@
 use std::path::Path;
 
 use revprio_core::limits::VelocityBox;
-use revprio_core::linalg::Vector;
-use revprio_core::resolution::{Problem, Solver, resolve};
+use revprio_core::linalg::{Matrix, Vector};
+use revprio_core::resolution::{ActiveSet, Problem, Resolution, Resolver, Solver};
 use revprio_core::task::{Task, TaskStack};
-use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
+use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
 use revprio_robot::{RobotModel, built_in};
 
 use super::core::cycle::NOMINAL;
-use super::timing::{Budget, Subject, side_by_side};
+use super::timing::{Budget, Times, problem_by_problem};
 use super::{BenchError, document};
 
 /// Number of values per row: q, ẋ, limit, closed form, solution inside the limits.
@@ -20,22 +20,60 @@ const WIDTHS: [usize; 5] = [7, 6, 7, 7, 7];
 
 /// Returns a line `name,median_s,p99_s,error,task_1_error` for each way to resolve the problems of a file.
 pub fn lines(path: &Path, budget: Budget) -> Result<Vec<String>, BenchError> {
-    let robot = built_in().iter().find(|robot| robot.name() == "sawyer");
-    let robot = robot.ok_or_else(|| BenchError::Defect("there is no robot `sawyer`".to_owned()))?;
-    let rows: Vec<Row> = document::read(path)?.lines().map(Row::read).collect::<Result<_, _>>()?;
+    let robot = sawyer()?;
+    let rows = rows(path)?;
     let mut lines = vec![kinematics(robot, &rows, budget)?];
-    let ways = [("closed form", Solver::ClosedForm), ("limits", Solver::Auto), ("limits, Clarabel", Solver::Qp)];
-    for (name, solver) in ways {
-        lines.push(resolution(robot, &rows, name, solver, budget)?);
+    for (name, solver, limits) in [
+        ("closed form: revprio", Solver::ClosedForm, Limits::Ignored),
+        ("closed form: revprio, auto", Solver::Auto, Limits::Ignored),
+        ("limits: revprio", Solver::Auto, Limits::Kept),
+        ("limits, Clarabel: revprio", Solver::Qp, Limits::Kept),
+    ] {
+        lines.push(resolution(robot, &rows, name, solver, limits, budget)?);
     }
     Ok(lines)
 }
 
+/// Returns the lines for a trajectory: from nothing in each period, and from the active limits of the period before.
+pub fn trajectory_lines(path: &Path, budget: Budget) -> Result<Vec<String>, BenchError> {
+    let robot = sawyer()?;
+    let rows = rows(path)?;
+    let from = |name: &str, warm: bool| {
+        let (mut cycle, mut errors) = (Cycle::new(robot, Solver::Auto)?, Errors::default());
+        let mut guess: Vec<ActiveSet> = Vec::new();
+        let mut period = |index: usize, errors: Option<&mut Errors>| {
+            if index == 0 || !warm {
+                guess.clear();
+            } else {
+                std::mem::swap(&mut guess, &mut cycle.answer.active_set);
+            }
+            cycle.resolve(robot, &rows[index], Limits::Kept, &guess)?;
+            if let Some(errors) = errors {
+                errors.add(&cycle, &rows[index].limited);
+            }
+            Ok(())
+        };
+        let times = problem_by_problem(name, budget, rows.len(), |index| period(index, None))?;
+        (0..rows.len()).try_for_each(|index| period(index, Some(&mut errors)))?;
+        Ok::<_, BenchError>(errors.line(&times))
+    };
+    Ok(vec![from("trajectory: revprio, cold", false)?, from("trajectory: revprio, warm", true)?])
+}
+
+fn sawyer() -> Result<&'static RobotModel, BenchError> {
+    let robot = built_in().iter().find(|robot| robot.name() == "sawyer");
+    Ok(robot.ok_or_else(|| BenchError::Defect("there is no robot `sawyer`".to_owned()))?)
+}
+
+fn rows(path: &Path) -> Result<Vec<Row>, BenchError> {
+    document::read(path)?.lines().map(Row::read).collect()
+}
+
 fn kinematics(robot: &RobotModel, rows: &[Row], budget: Budget) -> Result<String, BenchError> {
-    let mut next = rows.iter().cycle();
-    let step = || Configuration::new(robot, next.next().map_or(&NOMINAL[..], |row| &row.q)).map_err(BenchError::defect);
-    let times = side_by_side(budget, vec![Subject::fallible("kinematics: revprio", step)])?;
-    Ok(format!("{},{:.4e},{:.4e},,", times[0].name, times[0].median(), times[0].quantile(0.99)))
+    let mut configuration = Configuration::new(robot, &NOMINAL).map_err(BenchError::defect)?;
+    let call = |index: usize| configuration.update(robot, &rows[index].q).map_err(BenchError::defect);
+    let times = problem_by_problem("kinematics: revprio", budget, rows.len(), call)?;
+    Ok(format!("{},{:.4e},{:.4e},,", times.name, times.median(), times.quantile(0.99)))
 }
 
 fn resolution(
@@ -43,27 +81,101 @@ fn resolution(
     rows: &[Row],
     name: &str,
     solver: Solver,
+    limits: Limits,
     budget: Budget,
 ) -> Result<String, BenchError> {
-    let (mut error, mut first) = (0.0_f64, 0.0_f64);
+    let (mut cycle, mut errors) = (Cycle::new(robot, solver)?, Errors::default());
     for row in rows {
-        let (qdot, J) = row.resolved(robot, solver)?;
-        let exact = if solver == Solver::ClosedForm { &row.closed_form } else { &row.limited };
-        let difference = qdot - Vector::from_row_slice(exact);
-        error = error.max(difference.amax());
-        first = first.max((J * difference).amax());
+        cycle.resolve(robot, row, limits, &[])?;
+        errors.add(&cycle, if limits == Limits::Kept { &row.limited } else { &row.closed_form });
     }
-    let mut next = rows.iter().cycle();
-    let step = || next.next().map(|row| row.resolved(robot, solver)).transpose();
-    let times = side_by_side(budget, vec![Subject::fallible(format!("{name}: revprio"), step)])?;
-    let (median, p99) = (times[0].median(), times[0].quantile(0.99));
-    Ok(format!("{},{median:.4e},{p99:.4e},{error:.1e},{first:.1e}", times[0].name))
+    let call = |index: usize| cycle.resolve(robot, &rows[index], limits, &[]);
+    Ok(errors.line(&problem_by_problem(name, budget, rows.len(), call)?))
+}
+
+/// Whether a problem has the limits of its row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Limits {
+    Kept,
+    Ignored,
+}
+
+/// Kinematics and resolution with memory that is allocated once, as in a control loop.
+struct Cycle {
+    configuration: Configuration,
+    /// The rows of the tasks: x, and the other five.
+    axes: [AxisSelection; 2],
+    problem: Problem,
+    resolver: Resolver,
+    answer: Resolution,
+}
+
+impl Cycle {
+    fn new(robot: &RobotModel, solver: Solver) -> Result<Self, BenchError> {
+        let axes = |axes: &[Axis]| AxisSelection::new(axes).map_err(BenchError::defect);
+        let axes = [axes(&Axis::ALL[..1])?, axes(&Axis::ALL[1..])?];
+        let n = robot.joint_count();
+        let task = |axes: &AxisSelection| Task::new("", Matrix::zeros(axes.len(), n), Vector::zeros(axes.len()));
+        let tasks = TaskStack::new(axes.iter().map(task).collect()).map_err(BenchError::defect)?;
+        Ok(Self {
+            configuration: Configuration::new(robot, &NOMINAL).map_err(BenchError::defect)?,
+            axes,
+            problem: Problem { solver, ..Problem::new(tasks) },
+            resolver: Resolver::default(),
+            answer: Resolution::default(),
+        })
+    }
+
+    fn resolve(
+        &mut self,
+        robot: &RobotModel,
+        row: &Row,
+        limits: Limits,
+        guess: &[ActiveSet],
+    ) -> Result<(), BenchError> {
+        let Self { configuration, axes, problem, resolver, answer } = self;
+        configuration.update(robot, &row.q).map_err(BenchError::defect)?;
+        let xdot = [&row.xdot[..1], &row.xdot[1..]];
+        let write = |k: usize, jacobian: &mut Matrix, lower: &mut Vector, upper: &mut Vector| {
+            TaskFrame::default().at(configuration).write_rows(&axes[k], jacobian);
+            lower.copy_from_slice(xdot[k]);
+            upper.copy_from_slice(xdot[k]);
+        };
+        problem.tasks.overwrite(write).map_err(BenchError::defect)?;
+        if limits == Limits::Kept {
+            problem.limits.copy_from(&row.limits);
+        }
+        resolver.resolve(problem, guess, answer).map_err(BenchError::defect)
+    }
+}
+
+/// The largest errors of q̇ and of task 1 over the rows with an exact solution.
+#[derive(Default)]
+struct Errors {
+    velocity: f64,
+    first_task: f64,
+}
+
+impl Errors {
+    fn add(&mut self, cycle: &Cycle, exact: &[f64]) {
+        if exact.iter().any(|entry| entry.is_nan()) {
+            return;
+        }
+        let difference = &cycle.answer.joint_velocity - Vector::from_row_slice(exact);
+        self.velocity = self.velocity.max(difference.amax());
+        self.first_task = self.first_task.max((&cycle.problem.tasks.tasks()[0].jacobian * difference).amax());
+    }
+
+    fn line(&self, times: &Times) -> String {
+        let (median, p99) = (times.median(), times.quantile(0.99));
+        format!("{},{median:.4e},{p99:.4e},{:.1e},{:.1e}", times.name, self.velocity, self.first_task)
+    }
 }
 
 struct Row {
     q: Vec<f64>,
     xdot: Vec<f64>,
-    limit: Vec<f64>,
+    limits: VelocityBox,
     closed_form: Vec<f64>,
     limited: Vec<f64>,
 }
@@ -81,27 +193,8 @@ impl Row {
             rest = after;
             part.to_vec()
         });
-        Ok(Self { q, xdot, limit, closed_form, limited })
-    }
-
-    /// Resolves the problem. Returns q̇ and J_1.
-    fn resolved(
-        &self,
-        robot: &RobotModel,
-        solver: Solver,
-    ) -> Result<(Vector, revprio_core::linalg::Matrix), BenchError> {
-        let configuration = Configuration::new(robot, &self.q).map_err(BenchError::defect)?;
-        let task = |name: &str, axes: &[Axis], xdot: &[f64]| {
-            let axes = AxisSelection::new(axes).map_err(BenchError::defect)?;
-            Ok::<_, BenchError>(Task::new(name, axes.rows_of(configuration.jacobian()), Vector::from_row_slice(xdot)))
-        };
-        let tasks = vec![task("1", &Axis::ALL[..1], &self.xdot[..1])?, task("2", &Axis::ALL[1..], &self.xdot[1..])?];
-        let J_1 = tasks[0].jacobian.clone();
-        let lower: Vec<f64> = self.limit.iter().map(|limit| -limit).collect();
-        let limits = VelocityBox::new(&lower, &self.limit).map_err(BenchError::defect)?;
-        let tasks = TaskStack::new(tasks).map_err(BenchError::defect)?;
-        let resolution =
-            resolve(&Problem { limits, solver, ..Problem::new(tasks) }, &[]).map_err(BenchError::defect)?;
-        Ok((resolution.joint_velocity, J_1))
+        let lower: Vec<f64> = limit.iter().map(|limit| -limit).collect();
+        let limits = VelocityBox::new(&lower, &limit).map_err(BenchError::defect)?;
+        Ok(Self { q, xdot, limits, closed_form, limited })
     }
 }

@@ -65,7 +65,7 @@ fn action(what: Repeated) -> Result<Action, BenchError> {
                 .map(|posture| drop(black_box(posture)))
                 .map_err(BenchError::defect)
         })),
-        Repeated::ClosedForm => cycles(wire::Solver::ClosedForm, None),
+        Repeated::ClosedForm => cycles(wire::Solver::Auto, None),
         Repeated::Qp => cycles(wire::Solver::Qp, Some(0.35)),
         Repeated::Certificate => certificate(),
         Repeated::ReadStep | Repeated::ReadState | Repeated::WriteAnswer => codec(what),

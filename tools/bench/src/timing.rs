@@ -95,6 +95,34 @@ impl Times {
     }
 }
 
+/// Times `call(index)` for each problem from 0 to `count`, in order, in as many rounds as the budget allows.
+///
+/// A sample is the median of one problem over all rounds: other load on the machine does not reach the quantiles.
+pub fn problem_by_problem(
+    name: &str,
+    budget: Budget,
+    count: usize,
+    mut call: impl FnMut(usize) -> Result<(), BenchError>,
+) -> Result<Times, BenchError> {
+    if count == 0 {
+        return Err(BenchError::Defect(format!("there are no problems for `{name}`")));
+    }
+    let clock = clock_cost()?;
+    let (start, mut rounds) = (Instant::now(), vec![Vec::new(); count]);
+    while rounds[0].len() < budget.turns || start.elapsed() < budget.turn * 10 {
+        for (index, times) in rounds.iter_mut().enumerate() {
+            let start = Instant::now();
+            call(index)?;
+            times.push((start.elapsed().as_secs_f64() - clock).max(0.0));
+        }
+    }
+    let median = |mut times: Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        quantile(&times, 0.5)
+    };
+    Ok(Times::of(name, rounds.into_iter().map(median).collect()))
+}
+
 /// Times the subjects alternately.
 pub fn side_by_side(budget: Budget, mut subjects: Vec<Subject>) -> Result<Vec<Times>, BenchError> {
     let clock = clock_cost()?;
@@ -142,7 +170,8 @@ fn calls_per_sample(subject: &mut Subject) -> Result<u32, BenchError> {
     Ok(calls)
 }
 
-/// Returns the shortest of some samples. It stops early for slow subjects, so that connections of others do not time out.
+/// Returns the shortest of some samples. It stops early for slow subjects, so that connections of others do not time
+/// out.
 fn shortest(subject: &mut Subject, calls: u32) -> Result<Duration, BenchError> {
     let (start, mut shortest) = (Instant::now(), sample(subject, calls)?);
     for _ in 1..20 {
@@ -188,6 +217,19 @@ mod tests {
         let times = side_by_side(budget, vec![Subject::new("nothing", || ()), sleeping]).unwrap();
         assert_eq!(times[1].turns.len(), 2);
         assert!(times[0].median() < times[1].median() && times[1].quantile(0.0) >= 0.9e-3);
+    }
+
+    #[test]
+    fn a_slow_round_of_a_problem_does_not_count() {
+        let mut round = 0;
+        let call = |index| {
+            round += usize::from(index == 0);
+            std::thread::sleep(Duration::from_micros(if round == 2 { 5000 } else { 100 * index as u64 }));
+            Ok(())
+        };
+        let times = problem_by_problem("", Budget { turns: 3, turn: Duration::ZERO }, 3, call).unwrap();
+        assert_eq!(times.samples().len(), 3);
+        assert!(times.quantile(1.0) >= 2e-4 && times.quantile(1.0) < 5e-3, "{times:?}");
     }
 
     #[test]

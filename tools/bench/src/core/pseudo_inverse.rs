@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_6;
 
 use nalgebra::{DMatrix, SMatrix};
-use revprio_core::linalg::{Decomposition, Matrix, TaskMatrix, TaskVector};
+use revprio_core::linalg::{Matrix, RANK_TOLERANCE, Svd};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::Configuration;
 
@@ -38,9 +38,8 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
 
 /// Computes A⁺ with revprio.
 fn pseudo_inverse(a: &Matrix) -> Matrix {
-    let decomposition = Decomposition::new(&TaskMatrix::from(a));
-    let columns = (0..a.nrows()).map(|i| decomposition.solve(&TaskVector::unit(a.nrows(), i)).to_vector());
-    Matrix::from_columns(&columns.collect::<Vec<_>>())
+    let svd = Svd::new(a);
+    svd.inverse(svd.rank(RANK_TOLERANCE * a.norm()), 0.0)
 }
 
 /// Returns Jacobians of Sawyer, a quarter of them at multiples of 30°, where singular values coincide.
