@@ -24,6 +24,11 @@ impl JointKind {
         }
     }
 
+    /// Returns whether the joint moves along its axis rather than about it.
+    pub(crate) fn is_translation(self) -> bool {
+        self == Self::Prismatic
+    }
+
     /// Returns the kind of a URDF joint type, `None` for a type that has no single position.
     pub(crate) fn from_urdf(joint_type: &str) -> Option<Self> {
         match joint_type {

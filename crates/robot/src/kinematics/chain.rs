@@ -68,7 +68,7 @@ impl Chain {
             rotations: JointRotations::new(joints, &offsets),
             tool_link: link(tool),
             tool_rotation: tool.delta,
-            prismatic: (0..joints.len()).filter(|&joint| joints[joint].kind == JointKind::Prismatic).collect(),
+            prismatic: (0..joints.len()).filter(|&joint| joints[joint].kind.is_translation()).collect(),
         }
     }
 
@@ -87,7 +87,7 @@ impl Chain {
         for (((link, kind), axis), ((q, sine), cosine)) in self.links.iter().zip(axes).zip(motions) {
             frame.follow(link);
             *axis = JointAxis { origin: frame.origin(), direction: frame.z() };
-            if *kind == JointKind::Prismatic {
+            if kind.is_translation() {
                 frame.slide(*q);
             }
             frame.turn(*sine, *cosine);

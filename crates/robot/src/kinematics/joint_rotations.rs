@@ -2,7 +2,7 @@
 
 use super::angle::Angle;
 use super::sin_cos::{MAX_ANGLE, sin_cos};
-use crate::{Joint, JointKind};
+use crate::Joint;
 
 /// The rotations of the joints about their z axes: by q + offset for a revolute joint, by the offset for a prismatic one.
 ///
@@ -19,10 +19,7 @@ pub(super) struct JointRotations {
 
 impl JointRotations {
     pub(super) fn new(joints: &[Joint], offsets: &[Angle]) -> Self {
-        let revolute = |joint: &Joint| match joint.kind {
-            JointKind::Revolute => 1.0,
-            JointKind::Prismatic => 0.0,
-        };
+        let revolute = |joint: &Joint| if joint.kind.is_translation() { 0.0 } else { 1.0 };
         Self {
             offset_sines: offsets.iter().map(|offset| offset.sine).collect(),
             offset_cosines: offsets.iter().map(|offset| offset.cosine).collect(),
@@ -73,7 +70,7 @@ fn sum((sine, cosine): (f64, f64), (offset_sine, offset_cosine): (&f64, &f64)) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::JointLimits;
+    use crate::{JointKind, JointLimits};
 
     fn rotations(kinds: &[JointKind], offset: Angle) -> JointRotations {
         let joint = |kind: &JointKind| Joint {
