@@ -94,7 +94,8 @@ fn a_paused_run_advances_by_steps_and_shows_each_of_them() {
     // Nothing more happens before the next command.
     std::thread::sleep(Duration::from_millis(100));
     let status = control(&service, &run, &json!({"end": true}));
-    assert_eq!(status["progress"], json!(0.001));
+    // The period in which the run ends may already be over.
+    assert!([json!(0.001), json!(0.0012)].contains(&status["progress"]), "{status}");
     let frames = viewer.until(|frame| frame["run"]["state"] == "finished");
     assert!(viewer.next().is_none());
     // The run ends one period after the command.
