@@ -56,43 +56,34 @@ impl<const N: usize> Triangle<N> {
 /// Reflects the first k rows and columns of a symmetric matrix so that row k keeps one entry before the diagonal; returns
 /// the square of that entry.
 fn reduce<const N: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
-    // Only the groups of four that hold the first k entries take part.
-    let width = k.next_multiple_of(4);
-    let mut v = *row;
-    v.0[k..].fill(0.0);
-    let square = dot(&v.0[..width], &v.0[..width]);
+    // Short rows take part with their first group alone.
+    if k <= 4 { reduce_width::<N, 4>(matrix, row, k) } else { reduce_width::<N, N>(matrix, row, k) }
+}
+
+/// The same with the first W entries of each row, k at most.
+fn reduce_width<const N: usize, const W: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
+    let mut v = Row::<W>::from_slice(&row.0[..k]);
+    let square = v.dot(&v);
     if square == 0.0 || k == 1 {
         return square;
     }
     let length = square.sqrt();
     let head = v.0[k - 1];
     v.0[k - 1] += length.copysign(head);
-    let v = &v.0[..width];
     let gain = 1.0 / (length * (length + head.abs()));
     // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
-    let mut w = [0.0; N];
-    let w = &mut w[..width];
-    for (row, w) in matrix.iter().zip(&mut *w) {
-        *w = gain * dot(&row.0[..width], v);
+    let mut w = Row::<W>::ZERO;
+    for (row, w) in matrix.iter().zip(&mut w.0) {
+        *w = gain * Row::<W>::from_slice(&row.0[..W]).dot(&v);
     }
-    let half = 0.5 * gain * dot(w, v);
-    w.iter_mut().zip(v).for_each(|(w, v)| *w -= half * v);
-    for (row, (v_i, w_i)) in matrix.iter_mut().zip(v.iter().zip(&*w)) {
-        let terms = v.iter().zip(&*w);
-        row.0[..width].iter_mut().zip(terms).for_each(|(entry, (v, w))| *entry -= v_i * w + w_i * v);
-    }
-    square
-}
-
-/// Returns Σ a_i b_i of two slices whose length is a multiple of four, in a fixed order.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
-        for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
+    let half = 0.5 * gain * w.dot(&v);
+    w.add_scaled(-half, &v);
+    for (row, (v_i, w_i)) in matrix.iter_mut().zip(v.0.iter().zip(&w.0)) {
+        for (entry, (v, w)) in row.0[..W].iter_mut().zip(v.0.iter().zip(&w.0)) {
+            *entry -= v_i * w + w_i * v;
         }
     }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
+    square
 }
 
 /// Maximum number of Laguerre steps. About four are needed.

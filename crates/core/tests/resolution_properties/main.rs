@@ -4,6 +4,7 @@
 #![allow(non_snake_case)]
 
 mod bulk;
+mod clarabel;
 mod continuity;
 mod equations;
 mod inequalities;
