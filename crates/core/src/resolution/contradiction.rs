@@ -111,10 +111,10 @@ fn demands(
     let n = problem.tasks.joint_count();
     let size = |row: usize| levels.row(row).iter().map(|a| a * a).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
     let own = levels.level_start(level)..levels.level_ends[level];
-    if let Some(row) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
+    if let Some(zero) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
         // A row of zeros contradicts itself.
-        let Origin::Task { task, row } = planned.origins[row] else { return None };
-        let side = solution.working_set.rows[own.start + row]?;
+        let Origin::Task { task, row } = planned.origins[zero] else { return None };
+        let side = solution.working_set.rows[zero]?;
         return Some(vec![demand(Member::Row { task, row, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
     }
     let (rows, unknowns) = proof(solution, level, solver);

@@ -31,12 +31,28 @@ impl Engine {
     }
 }
 
+impl Engine {
+    /// Replaces a solution that is not certified by the one on Clarabel's working set, if that is certified.
+    #[cold]
+    fn ask_clarabel(&mut self, problem: &Hierarchy, solution: &mut Solution) {
+        let mut other = Solution::default();
+        self.clarabel.solve(problem, &mut self.exact, &mut other);
+        if other.is_optimal {
+            other.working_sets += solution.working_sets;
+            *solution = other;
+        }
+    }
+}
+
 impl LevelSolver for Engine {
     fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
         if self.uses_clarabel {
             self.clarabel.solve(problem, &mut self.exact, solution);
         } else {
             self.exact.solve(problem, guess, solution);
+            if !solution.is_optimal {
+                self.ask_clarabel(problem, solution);
+            }
         }
     }
 }

@@ -65,8 +65,14 @@ impl Method {
     }
 
     /// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
-    pub(super) fn meets_independent_tasks(self) -> bool {
-        self != Self::SingularityRobust
+    ///
+    /// Reverse priority corrects ζ̇ for lower inequality tasks before it reaches higher tasks, so it may end elsewhere.
+    pub(super) fn meets_independent_tasks(self, are_equations: bool) -> bool {
+        match self {
+            Self::SingularityRobust => false,
+            Self::ReversePriority => are_equations,
+            _ => true,
+        }
     }
 
     /// Returns whether a level that holds all rows is damped.
@@ -128,6 +134,14 @@ pub struct Aim<'a> {
     pub lower_tasks_are_met: bool,
 }
 
+impl<'a> Aim<'a> {
+    /// Returns the targets of one task.
+    fn of(&self, problem: &Problem, k: usize) -> &'a [f64] {
+        let first = problem.tasks.first_row(k);
+        &self.targets[first..first + problem.tasks.tasks()[k].jacobian.nrows()]
+    }
+}
+
 impl PlannedProblem {
     /// Writes one problem of the plan.
     pub fn write(&mut self, problem: &Problem, step: Step, aim: &Aim) {
@@ -137,7 +151,13 @@ impl PlannedProblem {
             Step::OneLevel => {
                 if let Some(scaled) = aim.scaling.iter().position(|scaling| *scaling != Scaling::Off) {
                     // A stack has one velocity, so that it is scaled as a whole.
-                    self.push_scaled(problem, scaled, norm(aim.targets), aim);
+                    let velocity =
+                        (0..tasks.len()).filter(|&k| tasks[k].is_equation()).flat_map(|k| aim.of(problem, k));
+                    let size = velocity.map(|entry| entry * entry).sum::<f64>().sqrt();
+                    for k in (0..tasks.len()).filter(|&k| !tasks[k].is_equation()) {
+                        self.push_task(problem, k, aim);
+                    }
+                    self.push_scaled(problem, scaled, size, aim);
                 } else {
                     (0..tasks.len()).for_each(|k| self.push_task(problem, k, aim));
                     self.push_damping(aim);
@@ -201,8 +221,7 @@ impl PlannedProblem {
     fn push_level(&mut self, problem: &Problem, k: usize, aim: &Aim) {
         self.task_levels[k] = Some(self.levels.level_ends.len());
         if self.scale_unknowns[k].is_some() {
-            let first = problem.tasks.first_row(k);
-            let size = norm(&aim.targets[first..first + problem.tasks.tasks()[k].jacobian.nrows()]);
+            let size = norm(aim.of(problem, k));
             self.push_scaled(problem, k, size, aim);
         } else {
             self.push_task(problem, k, aim);

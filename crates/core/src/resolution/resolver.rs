@@ -7,6 +7,7 @@ use super::level::{ActiveSet, Solution};
 use super::plan_run::PlanRun;
 use super::problem::{Problem, ProblemError, Solver};
 use super::singularity::Singularities;
+use crate::task::Task;
 
 /// Solves the problem; `guess` are the active limits of the period before (empty: none).
 ///
@@ -66,7 +67,7 @@ fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bo
     let mut inequality_tasks = problem.tasks.tasks().iter().filter(|task| !task.is_equation());
     singularities.is_regular
         && *is_optimal
-        && problem.method.meets_independent_tasks()
+        && problem.method.meets_independent_tasks(problem.tasks.tasks().iter().all(Task::is_equation))
         && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
         && problem.inequalities.iter().all(|inequality| {
             let value = inequality.coefficients().iter().zip(x).map(|(a, x)| a * x).sum();

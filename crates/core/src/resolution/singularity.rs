@@ -97,6 +97,7 @@ impl Singularities {
         let mut level = self.problem.level_ends.len();
         let (mut norm_square, mut rank_below) = (0.0, 0);
         self.all = Singularity::default();
+        self.sigma.clear();
         for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
             level -= 1;
             let norm = tasks[k].jacobian.norm();
@@ -112,7 +113,8 @@ impl Singularities {
             self.all.algorithmic |= algorithmic;
         }
         self.all.smallest_singular_value = smallest(&self.sigma);
-        self.all.manipulability = self.sigma.iter().product::<f64>().min(f64::MAX);
+        let product = self.sigma.iter().product::<f64>().min(f64::MAX);
+        self.all.manipulability = if self.sigma.is_empty() { 0.0 } else { product };
     }
 
     /// Writes the min(m, n) singular values of the rows of these tasks.

@@ -15,13 +15,16 @@ use super::engine::Engine;
 use super::level::{Hierarchy, Solution, refill};
 use super::plan::{Origin, PlannedProblem};
 use super::solver::LevelSolver;
-use crate::linalg::{Damping, write_singular_values};
+use crate::linalg::{Damping, Matrix, write_singular_values};
 
 /// Fraction of half the width between two bounds within which a bound counts as near.
 const NEAR: f64 = 0.1;
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
 const HALF_WIDTH: f64 = 1.0;
+
+/// Matrices above this size get their eigenvalues from nalgebra, which allocates.
+const MAX_JACOBI_SIZE: usize = 32;
 
 /// The workspace of the blend.
 #[derive(Default)]
@@ -163,6 +166,9 @@ impl Smoothing {
     fn row_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
         let Self { room, row_room, gram, counted, .. } = self;
         let rows = counted.partition_point(|&row| row < end);
+        if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > levels.unknowns {
+            return 0.0;
+        }
         gram.clear();
         for &i in &counted[..rows] {
             for &j in &counted[..rows] {
@@ -195,8 +201,13 @@ impl Smoothing {
         if exceeds(factor, size, threshold * threshold) {
             return 1.0;
         }
-        write_singular_values(gram, size, sigma);
-        let smallest = sigma.last().copied().unwrap_or(0.0).max(0.0).sqrt();
+        let smallest = if size > MAX_JACOBI_SIZE {
+            Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min()
+        } else {
+            write_singular_values(gram, size, sigma);
+            sigma.last().copied().unwrap_or(0.0)
+        };
+        let smallest = smallest.max(0.0).sqrt();
         let ratio = (smallest / threshold).min(1.0);
         ratio * ratio * (3.0 - 2.0 * ratio)
     }
@@ -217,7 +228,14 @@ impl Smoothing {
             solution.rank_uncertain |= part.rank_uncertain;
         }
         for (x, (lower, upper)) in solution.x.iter_mut().zip(levels.lower.iter().zip(&levels.upper)) {
-            *x = x.max(*lower).min(*upper);
+            // Not a number stays one: the answer is then refused.
+            *x = if *x < *lower {
+                *lower
+            } else if *x > *upper {
+                *upper
+            } else {
+                *x
+            };
         }
         for row in 0..levels.row_count() {
             solution.row_values[row] = levels.row(row).iter().zip(&solution.x).map(|(a, x)| a * x).sum();

@@ -7,6 +7,7 @@ mod bulk;
 mod clarabel;
 mod continuity;
 mod equations;
+mod extremes;
 mod inequalities;
 mod limits;
 mod problems;

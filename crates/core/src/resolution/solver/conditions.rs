@@ -8,9 +8,6 @@ use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::level::{WorkingSet, refill};
 
-/// Rounding of the targets' speed, as a fraction of the rounding of the answer's own speed.
-const SUM_ROUNDING: f64 = 0.05;
-
 /// The conditions on one working set.
 #[derive(Debug, Default)]
 pub struct Conditions<const N: usize> {
@@ -54,18 +51,14 @@ impl<const N: usize> Conditions<N> {
         solved: &mut Factorization<N>,
         rounding: f64,
     ) {
-        let speed = solved.base_norm + solved.y.norm();
-        // Speeds that the targets ask for: without them an answer of zero speed would never be inside.
-        let asked = problem.levels.iter().filter(|level| level.norm > 0.0).map(|level| level.target / level.norm);
-        let fast = asked.fold(speed, f64::max);
+        let speed = solved.peak_speed;
         self.rounding = rounding;
         self.start(problem, set, solved);
-        let inside = rounding * (speed + SUM_ROUNDING * fast);
-        self.check_bounds(problem, solved, inside, fast);
-        self.check_rows(problem, set, inside, fast);
+        self.check_bounds(problem, solved, rounding * speed, speed);
+        self.check_rows(problem, set, rounding * speed, speed);
         for k in 0..problem.levels.len() {
             let level = problem.levels[k];
-            let size = level.target + level.norm * fast;
+            let size = solved.spans[k].target + level.norm * speed;
             for row in level.start..level.end {
                 if problem.is_active(set, row) {
                     let off = problem.target(set, row) - self.values[row] - solved.residual[row];
@@ -75,11 +68,16 @@ impl<const N: usize> Conditions<N> {
             if solved.spans[k].has_residual {
                 // The rounding of the residual comes from the coordinates that the level sees.
                 let seen = Row::<N>::from_slice(&solved.y.0[..solved.spans[k].rank_end]).norm();
-                self.check_level(problem, set, solved, k, level.target + level.norm * (solved.base_norm + seen));
+                let size = solved.spans[k].target + level.norm * (solved.base_norm + seen);
+                self.check_level(problem, set, solved, k, size);
             }
         }
         if self.undecided > 0 || solved.rank() < solved.free.len() {
-            self.check_level(problem, set, solved, problem.levels.len(), fast);
+            self.check_level(problem, set, solved, problem.levels.len(), speed);
+        }
+        // Where sizes overflow, nothing is certain.
+        if !problem.levels.iter().all(|level| level.square.is_finite()) || !speed.is_finite() {
+            self.residual = f64::INFINITY;
         }
     }
 
@@ -98,7 +96,7 @@ impl<const N: usize> Conditions<N> {
     }
 
     /// Collects free unknowns outside their bounds by more than `rounding`.
-    fn check_bounds(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, rounding: f64, fast: f64) {
+    fn check_bounds(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, rounding: f64, speed: f64) {
         let inside = solved.x.clamp(&problem.lower, &problem.upper);
         let outside = solved.x.minus(&inside);
         let farthest = outside.amax();
@@ -106,17 +104,17 @@ impl<const N: usize> Conditions<N> {
             self.wrong.extend(solved.free.iter().filter(|&&j| outside.0[j].abs() > rounding));
         }
         // The answer is moved to its bounds, which counts as an error.
-        self.residual = if farthest > 0.0 { farthest / fast } else { 0.0 };
+        self.residual = if farthest > 0.0 { farthest / speed } else { 0.0 };
     }
 
     /// Collects inactive rows outside their bounds.
-    fn check_rows(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, rounding: f64, fast: f64) {
+    fn check_rows(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, rounding: f64, speed: f64) {
         for &row in problem.inequalities.iter().filter(|&&row| set.rows[row].is_none()) {
             let (value, norm) = (self.values[row], problem.squares[row].sqrt());
             let missing = (value - problem.row_upper[row]).max(problem.row_lower[row] - value);
             if missing > rounding * norm {
                 self.wrong_rows.push(row);
-                self.note_residual(missing, norm * fast);
+                self.note_residual(missing, norm * speed);
             }
         }
     }

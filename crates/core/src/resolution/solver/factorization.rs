@@ -36,6 +36,8 @@ pub struct Span {
     pub rank_end: usize,
     /// Whether the level leaves a residual.
     pub has_residual: bool,
+    /// ‖b_k‖ of the active rows.
+    pub target: f64,
 }
 
 /// I − gain v vᵀ.
@@ -77,6 +79,8 @@ pub struct Factorization<const N: usize> {
     pub rank_uncertain: bool,
     /// ‖base‖.
     pub base_norm: f64,
+    /// The largest speed on the way to the solution, ‖base‖ + ‖y‖: the size of the terms whose difference x is.
+    pub peak_speed: f64,
     /// What reflections have left of each row, over the unknowns.
     rest: Vec<Row<N>>,
     rest_square: Vec<f64>,
@@ -114,6 +118,7 @@ impl<const N: usize> Factorization<N> {
             }
         }
         self.place_reference(problem);
+        self.peak_speed = self.peak_speed.max(self.base_norm + self.y.norm());
         self.x = self.base.plus(&self.apply_q(&self.y));
     }
 
@@ -160,6 +165,7 @@ impl<const N: usize> Factorization<N> {
             mask.0[j] = 0.0;
         }
         self.base_norm = self.base.norm();
+        self.peak_speed = self.base_norm;
         let m = problem.rows.len();
         self.rest.resize(m, Row::ZERO);
         self.coordinates.resize(m, Row::ZERO);
@@ -169,6 +175,7 @@ impl<const N: usize> Factorization<N> {
         self.spans.clear();
         for level in &problem.levels[..levels] {
             let start = self.order.len();
+            let mut target_square = 0.0;
             for row in level.start..level.end {
                 self.coordinates[row] = Row::ZERO;
                 self.residual[row] = 0.0;
@@ -176,6 +183,7 @@ impl<const N: usize> Factorization<N> {
                     self.order.push(row);
                     let coefficients = &problem.rows[row];
                     let target = problem.target(set, row);
+                    target_square += target * target;
                     if self.held.is_empty() {
                         self.rest[row] = *coefficients;
                         self.rest_square[row] = problem.squares[row];
@@ -188,7 +196,8 @@ impl<const N: usize> Factorization<N> {
                     }
                 }
             }
-            self.spans.push(Span { start, end: self.order.len(), ..Span::default() });
+            let target = target_square.sqrt();
+            self.spans.push(Span { start, end: self.order.len(), target, ..Span::default() });
         }
         self.summed_square.clone_from(&self.rest_square);
         self.pivots.clear();
@@ -321,9 +330,8 @@ impl<const N: usize> Factorization<N> {
     /// With c the residuals of the dependent rows after the pivots are met: r = (I + F Fᵀ)⁻¹ c remains, the pivots give up
     /// e = Fᵀ r, and the coordinates change by δ, T δ = e.
     fn solve_dependent_rows(&mut self, problem: &ProblemRows<N>, k: usize) {
-        let Span { start, pivots_end, end, first, rank_end, .. } = self.spans[k];
-        let level = problem.levels[k];
-        let rounding = ROUNDING * (level.target + level.norm * (self.base_norm + self.y.norm()));
+        let Span { start, pivots_end, end, first, rank_end, target, .. } = self.spans[k];
+        let rounding = ROUNDING * (target + problem.levels[k].norm * (self.base_norm + self.y.norm()));
         if self.order[pivots_end..end].iter().all(|&row| self.residual[row].abs() <= rounding) {
             self.order[pivots_end..end].iter().for_each(|&row| self.residual[row] = 0.0);
             return;
@@ -341,6 +349,7 @@ impl<const N: usize> Factorization<N> {
             change.0[c] = (given_up.0[c] - self.coordinates[row].dot(&change)) * self.inverse[c];
             self.residual[row] = -given_up.0[c];
         }
+        self.peak_speed = self.peak_speed.max(self.base_norm + self.y.norm() + change.norm());
         self.y = self.y.plus(&change);
         for &row in &self.order[end..] {
             self.residual[row] -= self.coordinates[row].dot(&change);

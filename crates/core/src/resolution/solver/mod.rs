@@ -44,6 +44,8 @@ pub struct ActiveSetSolver<const N: usize> {
     conditions: Conditions<N>,
     search: Search<N>,
     primal: PrimalPoint<N>,
+    /// Whether the last factorisation is that of the empty set of this problem.
+    keeps_factorization: bool,
 }
 
 /// How the next working set is found.
@@ -63,12 +65,18 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
     pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.problem.load(problem);
+        let is_same = self.problem.load(problem);
+        // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
+        let reuses = is_same
+            && self.set.is_empty()
+            && self.solved.held.is_empty()
+            && self.solved.rank_tolerance == RANK_TOLERANCE;
+        self.keeps_factorization = reuses && !(0..problem.unknowns).any(|j| self.problem.is_pinned(j));
         self.solved.rank_tolerance = RANK_TOLERANCE;
         let mut met_uncertain_rank = self.solve_from(guess, solution);
         let mut tried = solution.working_sets;
         let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
-        if met_uncertain_rank && is_guessed {
+        if is_guessed && (met_uncertain_rank || !solution.is_optimal) {
             met_uncertain_rank = self.solve_from(None, solution);
             tried += solution.working_sets;
         }
@@ -96,7 +104,10 @@ impl<const N: usize> ActiveSetSolver<N> {
         let (mut rounding, mut roundings) = (ROUNDING, OTHER_ROUNDINGS.into_iter());
         loop {
             tried += 1;
-            self.solved.solve(&self.problem, &self.set, levels);
+            if !(self.keeps_factorization && self.set.is_empty()) {
+                self.solved.solve(&self.problem, &self.set, levels);
+            }
+            self.keeps_factorization = false;
             met_uncertain_rank |= self.solved.rank_uncertain;
             self.conditions.evaluate(&self.problem, &self.set, &mut self.solved, rounding);
             if self.conditions.hold() || tried >= max_sets {
@@ -206,7 +217,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.row_multipliers.clone_from(&conditions.row_multipliers);
         solution.level_ranks.clear();
         solution.level_ranks.extend(solved.spans.iter().map(|span| span.rank_end - span.first));
-        solution.is_optimal = conditions.hold();
+        solution.is_optimal = conditions.hold() && x.0.iter().all(|x| x.is_finite());
         solution.kkt_residual = conditions.residual;
         solution.working_sets = tried;
     }

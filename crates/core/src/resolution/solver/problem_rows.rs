@@ -14,8 +14,6 @@ pub struct LevelSize {
     pub square: f64,
     /// ‖A_k‖.
     pub norm: f64,
-    /// ‖b_k‖, of the larger bound where a row has two.
-    pub target: f64,
 }
 
 /// A [`Hierarchy`] in rows of N numbers.
@@ -38,11 +36,14 @@ pub struct ProblemRows<const N: usize> {
 }
 
 impl<const N: usize> ProblemRows<N> {
-    /// Copies a problem of up to N unknowns.
-    pub fn load(&mut self, problem: &Hierarchy) {
-        self.unknowns = problem.unknowns;
+    /// Copies a problem of up to N unknowns; returns whether it differs from the problem before in its bounds at most.
+    pub fn load(&mut self, problem: &Hierarchy) -> bool {
         self.lower = Row::from_slice(&problem.lower);
         self.upper = Row::from_slice(&problem.upper);
+        if self.has_rows_of(problem) {
+            return true;
+        }
+        self.unknowns = problem.unknowns;
         self.reference = Row::from_slice(&problem.reference);
         refill(&mut self.rows, problem.rows.chunks_exact(problem.unknowns).map(Row::from_slice));
         self.row_lower.clone_from(&problem.row_lower);
@@ -53,16 +54,22 @@ impl<const N: usize> ProblemRows<N> {
         let mut start = 0;
         for &end in &problem.level_ends {
             let square = self.squares[start..end].iter().sum::<f64>();
-            let target = (start..end).map(|row| self.largest_bound(row).powi(2)).sum::<f64>().sqrt();
-            self.levels.push(LevelSize { start, end, square, norm: square.sqrt(), target });
+            self.levels.push(LevelSize { start, end, square, norm: square.sqrt() });
             start = end;
         }
+        false
     }
 
-    /// Returns the larger of the absolute values of a row's finite bounds.
-    fn largest_bound(&self, row: usize) -> f64 {
-        let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
-        size(self.row_lower[row]).max(size(self.row_upper[row]))
+    /// Returns whether levels, rows and reference are those of a problem.
+    fn has_rows_of(&self, problem: &Hierarchy) -> bool {
+        let n = problem.unknowns;
+        self.unknowns == n
+            && self.rows.len() == problem.row_count()
+            && self.row_lower == problem.row_lower
+            && self.row_upper == problem.row_upper
+            && self.levels.iter().map(|level| level.end).eq(problem.level_ends.iter().copied())
+            && self.reference.0[..n] == problem.reference
+            && self.rows.iter().zip(problem.rows.chunks_exact(n)).all(|(row, entries)| row.0[..n] == *entries)
     }
 
     /// Returns the bound that an active row is held at; equations have one.

@@ -12,6 +12,9 @@ use crate::resolution::level::{Side, WorkingSet, refill};
 /// Fraction of a diagonal entry of K at the start below which nothing but rounding is left of it.
 const LOST_PIVOT: f64 = 1e-13;
 
+/// The smallest weight of a level relative to the last objective.
+const MIN_WEIGHT: f64 = 1e-40;
+
 /// The tableau: constraints are the unknowns, then the inequality rows.
 #[derive(Debug, Default)]
 pub struct Search<const N: usize> {
@@ -44,6 +47,8 @@ impl<const N: usize> Search<N> {
         set: &mut WorkingSet,
     ) -> bool {
         self.load(problem, solved);
+        // The weights of many levels must not vanish.
+        let spacing = spacing.max(MIN_WEIGHT.powf(1.0 / problem.levels.len() as f64));
         self.tabulate(problem, solved, spacing);
         let finished = self.run();
         let n = problem.unknowns;
