@@ -30,7 +30,7 @@
 //!
 //! # Inequalities besides the box
 //!
-//! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The QP cascade treats it like a
+//! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The solver treats it like a
 //! joint limit. If inequalities contradict the box or each other, the box holds, their violation is as small as
 //! possible, and the answer names them.
 

@@ -209,8 +209,11 @@ fn reduce(demands: &mut Vec<Demand>) {
 }
 
 /// Returns a dependency Σ d_i a_i = 0 of the vectors other than their weights; `None` if there is no other.
+///
+/// n + 2 vectors with n entries always have one, so that the first ones are enough: many members cost no large matrix.
 fn second_dependency(demands: &[Demand]) -> Option<Vec<f64>> {
-    let (count, n) = (demands.len(), demands.first()?.coefficients.len());
+    let n = demands.first()?.coefficients.len();
+    let count = demands.len().min(n + 2);
     // Columns a_i, and one row that asks for Σ d_i w_i = 0.
     let total = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
     let matrix =

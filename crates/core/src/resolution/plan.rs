@@ -113,8 +113,6 @@ pub struct PlannedProblem {
     pub levels: Hierarchy,
     /// Per row.
     pub origins: Vec<Origin>,
-    /// First level of each task that has a level of its own.
-    pub task_levels: Vec<Option<usize>>,
     /// The unknown s of each scaled task.
     pub scale_unknowns: Vec<Option<usize>>,
 }
@@ -191,7 +189,6 @@ impl PlannedProblem {
         let n = aim.before.len();
         self.levels.clear(aim.before);
         self.origins.clear();
-        refill(&mut self.task_levels, std::iter::repeat_n(None, aim.scaling.len()));
         refill(&mut self.scale_unknowns, std::iter::repeat_n(None, aim.scaling.len()));
         if !step.is_last() {
             return;
@@ -219,7 +216,6 @@ impl PlannedProblem {
 
     /// Adds a task as a level of its own, or as two where it is scaled.
     fn push_level(&mut self, problem: &Problem, k: usize, aim: &Aim) {
-        self.task_levels[k] = Some(self.levels.level_ends.len());
         if self.scale_unknowns[k].is_some() {
             let size = norm(aim.of(problem, k));
             self.push_scaled(problem, k, size, aim);
