@@ -130,7 +130,7 @@ impl Outcome<'_> {
     pub fn singularity(&self) -> wire::Singularity {
         let singularity = &self.resolution.singularity;
         wire::Singularity {
-            smallest_singular_value: singularity.smallest_singular_value,
+            smallest_singular_value: singularity.smallest_singular_value(),
             manipulability: singularity.manipulability,
             algorithmic: singularity.algorithmic,
         }

@@ -13,7 +13,7 @@ pub use row::Row;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::{Svd, write_singular_values};
 pub use task_vector::TaskVector;
-pub use triangle::Triangle;
+pub use triangle::{Triangle, smallest_singular_value_bound, write_inverse};
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;
@@ -22,6 +22,29 @@ pub const RANK_TOLERANCE: f64 = 1e-10;
 pub type Matrix = nalgebra::DMatrix<f64>;
 /// A column of any length.
 pub type Vector = nalgebra::DVector<f64>;
+
+/// Returns whether all entries are finite numbers.
+#[inline]
+pub fn all_finite(entries: &[f64]) -> bool {
+    // 0 times infinity or NaN is NaN.
+    let (chunks, rest) = entries.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for chunk in chunks {
+        for lane in 0..4 {
+            sums[lane] += 0.0 * chunk[lane];
+        }
+    }
+    let sum = rest.iter().fold(0.0, |sum, entry| sum + 0.0 * entry);
+    sums.iter().sum::<f64>() + sum == 0.0
+}
+
+/// Returns a·x for one row a of a matrix.
+#[inline]
+pub fn row_times(matrix: &Matrix, row: usize, x: &[f64]) -> f64 {
+    // Columns are contiguous.
+    let columns = matrix.as_slice().chunks_exact(matrix.nrows());
+    columns.zip(x).map(|(column, x)| column[row] * x).sum()
+}
 
 /// Puts `top` over `bottom`. Both have the same number of columns.
 pub fn stack(top: &Matrix, bottom: &Matrix) -> Matrix {

@@ -2,55 +2,109 @@
 
 use super::Row;
 
-/// A lower triangle's inverse, and room for its tridiagonal form.
-#[derive(Debug, Default)]
-pub struct Triangle<const N: usize> {
-    inverse: Vec<Row<N>>,
-    gram: Vec<Row<N>>,
+/// A regular lower triangle L.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Triangle {
+    size: usize,
+    /// The rows up to the diagonal, one after the other.
+    entries: Vec<f64>,
 }
 
-impl<const N: usize> Triangle<N> {
-    /// Inverts the triangle L with these rows and reciprocal diagonal entries; returns the lower bound 1/‖L⁻¹‖_F of σ_min.
-    pub fn invert<'a>(&mut self, rows: impl Iterator<Item = &'a Row<N>>, reciprocals: &[f64]) -> f64 {
-        self.inverse.clear();
-        let mut square = 0.0;
-        for (i, (row, reciprocal)) in rows.zip(reciprocals).enumerate() {
-            let mut inverse = Row::ZERO;
-            for (above, entry) in self.inverse.iter().zip(&row.0) {
-                inverse.add_scaled(-reciprocal * entry, above);
-            }
-            inverse.0[i] = *reciprocal;
-            square += inverse.dot(&inverse);
-            self.inverse.push(inverse);
+impl Triangle {
+    /// Overwrites the triangle with the first i + 1 entries of each row i.
+    pub fn set<'a, const N: usize>(&mut self, rows: impl Iterator<Item = &'a Row<N>>) {
+        self.size = 0;
+        self.entries.clear();
+        for row in rows {
+            self.size += 1;
+            self.entries.extend_from_slice(&row.0[..self.size]);
         }
-        1.0 / square.sqrt()
     }
 
-    /// Returns σ_min = 1/‖L⁻¹‖₂ of the triangle inverted last, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits
-    /// of small values only, so it is exact to rounding.
-    pub fn smallest_singular_value(&mut self) -> f64 {
-        let n = self.inverse.len();
-        let size = self.inverse.iter().map(|row| row.dot(row)).sum::<f64>().sqrt();
+    /// Copies another triangle without giving up the memory of this one.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.size = other.size;
+        self.entries.clone_from(&other.entries);
+    }
+
+    /// Returns σ_min = 1/‖L⁻¹‖₂, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits of small values only, so it is
+    /// exact to rounding. A triangle without rows has none, 0.
+    pub fn smallest_singular_value(&self) -> f64 {
+        match self.size {
+            0 => 0.0,
+            1..=8 => self.smallest_of_width::<8>(),
+            9..=40 => self.smallest_of_width::<40>(),
+            _ => self.smallest_of_width::<136>(),
+        }
+    }
+
+    fn smallest_of_width<const N: usize>(&self) -> f64 {
+        let n = self.size;
+        let starts = (0..n).scan(0, |start, i| Some(std::mem::replace(start, *start + i + 1)));
+        let rows: Vec<Row<N>> = starts.zip(1..).map(|(at, len)| Row::from_slice(&self.entries[at..at + len])).collect();
+        let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
+        let mut inverse = Vec::with_capacity(n);
+        let size = write_inverse(with_reciprocals, &mut inverse);
         if !(size.is_normal() && n > 1) {
             return 1.0 / size;
         }
         let unit = 1.0 / size;
-        self.gram.clear();
-        self.gram.resize(n, Row::ZERO);
-        for (i, row) in self.inverse.iter().enumerate() {
-            for (gram, entry) in self.gram.iter_mut().zip(&row.0[..=i]) {
+        let mut gram = vec![Row::<N>::ZERO; n];
+        for (i, row) in inverse.iter().enumerate() {
+            for (gram, entry) in gram.iter_mut().zip(&row.0[..=i]) {
                 gram.add_scaled(entry * unit * unit, row);
             }
         }
         let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
         for k in (1..n).rev() {
-            let (before, row) = self.gram.split_at_mut(k);
+            let (before, row) = gram.split_at_mut(k);
             diagonal.0[k] = row[0].0[k];
             off_square.0[k - 1] = reduce(before, &row[0], k);
         }
-        diagonal.0[0] = self.gram[0].0[0];
+        diagonal.0[0] = gram[0].0[0];
         1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
     }
+}
+
+/// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.
+pub fn write_inverse<'a, const N: usize>(
+    rows: impl Iterator<Item = (&'a Row<N>, f64)>,
+    inverse: &mut Vec<Row<N>>,
+) -> f64 {
+    inverse.clear();
+    let mut square = 0.0;
+    for (i, (row, reciprocal)) in rows.enumerate() {
+        let mut inverse_row = Row::ZERO;
+        for (above, entry) in inverse.iter().zip(&row.0) {
+            inverse_row.add_scaled(-reciprocal * entry, above);
+        }
+        inverse_row.0[i] = reciprocal;
+        square += inverse_row.dot(&inverse_row);
+        inverse.push(inverse_row);
+    }
+    square.sqrt()
+}
+
+/// Returns a lower bound of the smallest singular value of the lower triangle L with these rows and reciprocal diagonal
+/// entries.
+///
+/// The comparison matrix M has |L_ii| on and −|L_ij| off the diagonal. M⁻¹ is at least |L⁻¹| entry by entry, so that
+/// σ_min ≥ (‖M⁻¹‖_∞ ‖M⁻¹‖_1)^(−½). The norms are the largest entries of the solutions of M u = 1 and Mᵀ w = 1.
+pub fn smallest_singular_value_bound<'a, const N: usize>(
+    rows: impl DoubleEndedIterator<Item = (&'a Row<N>, f64)> + ExactSizeIterator + Clone,
+) -> f64 {
+    let (mut u, mut largest_u) = (Row::<N>::ZERO, 0.0_f64);
+    for (i, (row, reciprocal)) in rows.clone().enumerate() {
+        u.0[i] = (1.0 + row.abs().dot(&u)) * reciprocal.abs();
+        largest_u = largest_u.max(u.0[i]);
+    }
+    let (mut sums, mut largest_w) = (Row([1.0; N]), 0.0_f64);
+    for (i, (row, reciprocal)) in rows.enumerate().rev() {
+        let w = sums.0[i] * reciprocal.abs();
+        largest_w = largest_w.max(w);
+        sums.add_scaled(w, &row.abs());
+    }
+    1.0 / (largest_u * largest_w).sqrt()
 }
 
 /// Reflects the first k rows and columns of a symmetric matrix so that row k keeps one entry before the diagonal; returns

@@ -8,7 +8,7 @@ use super::plan::{Origin, PlannedProblem};
 use super::plan_run::PlanRun;
 use super::problem::Problem;
 use super::singularity::{Singularities, Singularity, TaskSingularity};
-use crate::linalg::Vector;
+use crate::linalg::{Vector, all_finite, row_times};
 use crate::task::Task;
 
 /// Relative optimality residual up to which an answer counts as optimal.
@@ -229,17 +229,17 @@ impl Resolution {
             self.joint_velocity = Vector::zeros(n);
         }
         self.joint_velocity.copy_from_slice(&x[..n]);
-        self.singularity = singularities.all;
-        let is_finite = x[..n].iter().all(|x| x.is_finite());
+        self.singularity.copy_from(&singularities.all);
+        let is_finite = all_finite(&x[..n]);
         self.solver.status = if is_finite { Status::NotCertified } else { Status::Failed };
         if !is_finite {
             self.joint_velocity = problem.limits.clamp(&Vector::zeros(n));
-            self.singularity = Singularity::default();
+            self.singularity.copy_from(&Singularity::default());
         }
         let tasks = problem.tasks.tasks();
         self.tasks.resize_with(tasks.len(), TaskOutcome::default);
         for ((outcome, task), known) in self.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-            outcome.report(task, *known, &self.joint_velocity);
+            outcome.report(task, *known, self.joint_velocity.as_slice());
             if !is_finite {
                 (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
             }
@@ -264,7 +264,7 @@ impl Resolution {
 
     /// Lists joints whose bounds coincide.
     fn report_pinned(&mut self, problem: &Problem) {
-        let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
+        let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
         for joint in (0..lower.len()).filter(|&joint| lower[joint] == upper[joint]) {
             self.active_limits.push(ActiveLimit { joint, side: Side::Upper, value: upper[joint], multiplier: 0.0 });
         }
@@ -272,7 +272,7 @@ impl Resolution {
 
     /// Sets active limits, inequalities and rows from the multipliers.
     fn report_bounds(&mut self, problem: &Problem, planned: &PlannedProblem, solution: &Solution) {
-        let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
+        let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
         let active = |(joint, &multiplier): (usize, &f64)| {
             let (side, bounds) = if multiplier < 0.0 { (Side::Lower, lower) } else { (Side::Upper, upper) };
             let is_active = lower[joint] == upper[joint] || multiplier != 0.0;
@@ -320,19 +320,18 @@ impl Resolution {
 
 impl TaskOutcome {
     /// Sets the outcome at q̇; a scaled task that no limit cuts has the scale 1.
-    fn report(&mut self, task: &Task, known: TaskSingularity, joint_velocity: &Vector) {
+    fn report(&mut self, task: &Task, known: TaskSingularity, joint_velocity: &[f64]) {
         let rows = task.jacobian.nrows();
         if self.achieved.len() != rows {
             self.achieved = Vector::zeros(rows);
         }
-        let achieved = self.achieved.as_mut_slice();
-        achieved.fill(0.0);
-        for (column, x) in task.jacobian.as_slice().chunks_exact(rows).zip(joint_velocity.as_slice()) {
-            achieved.iter_mut().zip(column).for_each(|(achieved, a)| *achieved += a * x);
-        }
         let bounds = task.lower.as_slice().iter().zip(task.upper.as_slice());
-        let missing = |(value, (lower, upper)): (&f64, (&f64, &f64))| (value - upper).max(lower - value).max(0.0);
-        let square: f64 = achieved.iter().zip(bounds).map(missing).map(|missing| missing * missing).sum();
+        let mut square = 0.0;
+        for (row, (achieved, (lower, upper))) in self.achieved.as_mut_slice().iter_mut().zip(bounds).enumerate() {
+            *achieved = row_times(&task.jacobian, row, joint_velocity);
+            let missing = (*achieved - upper).max(lower - *achieved).max(0.0);
+            square += missing * missing;
+        }
         self.residual_norm = square.sqrt();
         self.rank = known.rank;
         self.algorithmic = known.algorithmic;
@@ -342,12 +341,11 @@ impl TaskOutcome {
 }
 
 /// Returns the limits that a velocity breaks.
-fn violations(problem: &Problem, joint_velocity: &Vector) -> impl Iterator<Item = LimitViolation> {
-    let (lower, upper) = (problem.limits.lower(), problem.limits.upper());
-    let broken = move |(joint, &value): (usize, &f64)| {
-        let limit = value.max(lower[joint]).min(upper[joint]);
-        let side = if value > limit { Side::Upper } else { Side::Lower };
-        ((value - limit).abs() > 0.0).then_some(LimitViolation { joint, side, limit, value })
+fn violations<'a>(problem: &'a Problem, joint_velocity: &'a Vector) -> impl Iterator<Item = LimitViolation> + 'a {
+    let bounds = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice());
+    let broken = |(joint, (&value, (&lower, &upper))): (usize, (&f64, (&f64, &f64)))| {
+        let (side, limit) = if value > upper { (Side::Upper, upper) } else { (Side::Lower, lower) };
+        (value > upper || value < lower).then_some(LimitViolation { joint, side, limit, value })
     };
-    joint_velocity.iter().enumerate().filter_map(broken)
+    joint_velocity.as_slice().iter().zip(bounds).enumerate().filter_map(broken)
 }

@@ -77,8 +77,7 @@ impl Hierarchy {
     /// Adds a row of a matrix with one column per unknown.
     pub fn push_matrix_row(&mut self, matrix: &Matrix, row: usize, lower: f64, upper: f64) {
         // Columns are contiguous.
-        let (rows, entries) = (matrix.nrows(), matrix.as_slice());
-        self.rows.extend((0..matrix.ncols()).map(|j| entries[row + j * rows]));
+        self.rows.extend(matrix.as_slice().chunks_exact(matrix.nrows()).map(|column| column[row]));
         self.row_lower.push(lower);
         self.row_upper.push(upper);
     }

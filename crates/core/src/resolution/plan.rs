@@ -15,7 +15,7 @@
 
 use super::level::{ActiveSet, Hierarchy, WorkingSet, refill};
 use super::problem::{Method, Problem};
-use crate::linalg::Matrix;
+use crate::linalg::row_times;
 use crate::task::Task;
 
 /// One problem of a plan.
@@ -337,12 +337,6 @@ impl PlannedProblem {
             }
         }
     }
-}
-
-/// Returns a·x for one row of a matrix.
-fn row_times(matrix: &Matrix, row: usize, x: &[f64]) -> f64 {
-    let (rows, entries) = (matrix.nrows(), matrix.as_slice());
-    x.iter().enumerate().map(|(j, x)| entries[row + j * rows] * x).sum()
 }
 
 fn norm(entries: &[f64]) -> f64 {

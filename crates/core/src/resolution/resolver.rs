@@ -3,7 +3,7 @@
 use super::answer::Resolution;
 use super::closed_form::closed_form;
 use super::engine::Engine;
-use super::level::{ActiveSet, Solution};
+use super::level::ActiveSet;
 use super::plan_run::PlanRun;
 use super::problem::{Problem, ProblemError, Solver};
 use super::singularity::Singularities;
@@ -45,7 +45,9 @@ impl Resolver {
         singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact());
         match problem.solver {
             Solver::ClosedForm => answer.report_closed_form(problem, &closed_form(problem), singularities),
-            Solver::Auto if is_met_without_limits(problem, singularities) => {
+            Solver::Auto
+                if is_met_without_limits(problem, singularities) && singularities.is_certified(engine.exact()) =>
+            {
                 answer.report_unlimited(problem, singularities);
             }
             Solver::Auto | Solver::Qp => {
@@ -61,12 +63,11 @@ impl Resolver {
 
 /// Returns whether the solution without limits solves the problem: all tasks are independent and met, inside all bounds.
 fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bool {
-    let Solution { x, is_optimal, .. } = &singularities.unlimited;
+    let x = &singularities.unlimited.x;
     let within = |value: f64, lower: f64, upper: f64| lower <= value && value <= upper;
-    let mut limits = problem.limits.lower().iter().zip(problem.limits.upper()).zip(x);
+    let mut limits = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice()).zip(x);
     let mut inequality_tasks = problem.tasks.tasks().iter().filter(|task| !task.is_equation());
     singularities.is_regular
-        && *is_optimal
         && problem.method.meets_independent_tasks(problem.tasks.tasks().iter().all(Task::is_equation))
         && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
         && problem.inequalities.iter().all(|inequality| {

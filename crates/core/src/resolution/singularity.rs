@@ -1,22 +1,44 @@
 //! How near the tasks are to singularities, and how much damping that asks for.
 
 use super::level::{Hierarchy, Solution, refill};
-use super::solver::{HierarchicalSolver, LevelSolver};
-use crate::linalg::{Damping, RANK_TOLERANCE, write_singular_values};
+use super::solver::HierarchicalSolver;
+use crate::linalg::{Damping, RANK_TOLERANCE, Triangle, write_singular_values};
 use crate::task::{Task, TaskStack};
 
 /// Fraction of ‖J‖ above which a smallest singular value makes all rows certainly independent.
 const WELL_CONDITIONED: f64 = 1e-3;
 
 /// How near the tasks are to singularities. Inequality tasks do not count.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Singularity {
-    /// σ_min of all rows together.
-    pub smallest_singular_value: f64,
     /// Product of the singular values of all rows together.
     pub manipulability: f64,
     /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
     pub algorithmic: bool,
+    /// σ_min where it is known; otherwise `triangle` has the singular values.
+    known: Option<f64>,
+    triangle: Triangle,
+}
+
+impl Singularity {
+    /// Computes σ_min of all rows together; 0 without rows. No decision of the resolution needs the value where it is far from
+    /// zero, so it is computed on demand.
+    pub fn smallest_singular_value(&self) -> f64 {
+        self.known.unwrap_or_else(|| self.triangle.smallest_singular_value())
+    }
+
+    /// Copies without giving up memory.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        (self.manipulability, self.algorithmic, self.known) = (other.manipulability, other.algorithmic, other.known);
+        self.triangle.copy_from(&other.triangle);
+    }
+}
+
+impl PartialEq for Singularity {
+    fn eq(&self, other: &Self) -> bool {
+        let values = |it: &Self| (it.manipulability, it.algorithmic, it.smallest_singular_value());
+        values(self) == values(other)
+    }
 }
 
 /// The singularities of one task, and the damping factors that they give.
@@ -66,18 +88,17 @@ impl Singularities {
             push_task(&mut self.problem, task);
             self.problem.end_level();
         }
-        solver.solve(&self.problem, None, &mut self.unlimited);
+        solver.solve_without_bounds(&self.problem, &mut self.unlimited);
         refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
         let norm = self.problem.rows.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
         let rank: usize = self.unlimited.level_ranks.iter().sum();
-        self.is_regular = rank == self.problem.row_count()
-            && rank > 0
-            && solver.invert_triangle() >= threshold.max(WELL_CONDITIONED * norm);
+        self.is_regular =
+            rank == self.problem.row_count() && rank > 0 && solver.exceeds(threshold.max(WELL_CONDITIONED * norm));
         if self.is_regular {
-            let smallest_singular_value = solver.smallest_singular_value();
-            let manipulability = solver.pivot_product().min(f64::MAX);
-            self.all = Singularity { smallest_singular_value, manipulability, algorithmic: false };
+            self.all.manipulability = solver.pivot_product().min(f64::MAX);
+            (self.all.algorithmic, self.all.known) = (false, None);
+            solver.write_triangle(&mut self.all.triangle);
             for (known, task) in self.tasks.iter_mut().zip(list) {
                 known.rank = task.jacobian.nrows();
             }
@@ -90,13 +111,19 @@ impl Singularities {
         }
     }
 
+    /// Returns whether the optimality conditions of [`Self::unlimited`] hold, right after [`Self::examine`].
+    pub fn is_certified(&mut self, solver: &mut HierarchicalSolver) -> bool {
+        solver.certify(&mut self.unlimited);
+        self.unlimited.is_optimal
+    }
+
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
     fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>, solver: &mut HierarchicalSolver) {
         let factor = |sigma: f64| damping.map_or(0.0, |damping| damping.factor(sigma));
         let n = self.problem.unknowns;
         let mut level = self.problem.level_ends.len();
         let (mut norm_square, mut rank_below) = (0.0, 0);
-        self.all = Singularity::default();
+        self.all.algorithmic = false;
         self.sigma.clear();
         for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
             level -= 1;
@@ -112,7 +139,7 @@ impl Singularities {
             rank_below = rank_all;
             self.all.algorithmic |= algorithmic;
         }
-        self.all.smallest_singular_value = smallest(&self.sigma);
+        self.all.known = Some(smallest(&self.sigma));
         let product = self.sigma.iter().product::<f64>().min(f64::MAX);
         self.all.manipulability = if self.sigma.is_empty() { 0.0 } else { product };
     }

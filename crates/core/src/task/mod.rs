@@ -1,6 +1,6 @@
 //! Tasks in their order of priority.
 
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, all_finite};
 
 /// One task lower ≤ J_k q̇ ≤ upper. Rows whose bounds are equal are equations J_k q̇ = ẋ_k.
 ///
@@ -34,7 +34,7 @@ impl Task {
 
     /// Returns whether all rows are equations.
     pub fn is_equation(&self) -> bool {
-        self.lower == self.upper
+        self.lower.as_slice() == self.upper.as_slice()
     }
 
     /// Returns the index of the first row that no finite velocity satisfies, or whose bound is NaN.
@@ -42,12 +42,12 @@ impl Task {
         // False for NaN.
         let allows =
             |(lower, upper): (&f64, &f64)| lower <= upper && *lower < f64::INFINITY && *upper > f64::NEG_INFINITY;
-        self.lower.iter().zip(self.upper.iter()).position(|row| !allows(row))
+        self.lower.as_slice().iter().zip(self.upper.as_slice()).position(|row| !allows(row))
     }
 
     /// Checks the numbers of the task with this index.
     fn check_numbers(&self, task: usize) -> Result<(), TaskError> {
-        if !self.jacobian.iter().all(|entry| entry.is_finite()) {
+        if !all_finite(self.jacobian.as_slice()) {
             return Err(TaskError::NotFinite { task });
         }
         match self.empty_row() {

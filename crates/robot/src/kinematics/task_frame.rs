@@ -65,7 +65,7 @@ impl PlacedFrame<'_> {
     /// Returns J at the frame's point along its axes, 6 × n.
     pub fn jacobian(&self) -> Cow<'_, Jacobian> {
         let at_tool_point = self.configuration.jacobian();
-        if self.axes.is_none() && self.lever.is_none() {
+        if self.is_at_tool_along_base() {
             return Cow::Borrowed(at_tool_point);
         }
         let mut jacobian = at_tool_point.clone();
@@ -80,9 +80,14 @@ impl PlacedFrame<'_> {
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
         let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
         for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
-            let twist = self.twist(column);
+            let twist = if self.is_at_tool_along_base() { *column } else { self.twist(column) };
             entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
         }
+    }
+
+    /// Returns whether nothing has to be converted.
+    fn is_at_tool_along_base(&self) -> bool {
+        self.axes.is_none() && self.lever.is_none()
     }
 
     /// Converts a twist (m/s, rad/s) from base axes at the tool point to this frame: v + ω × r, ω.

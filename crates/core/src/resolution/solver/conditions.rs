@@ -3,7 +3,8 @@
 //! Everything is evaluated with the rows of the problem, not with those of the factorisation. Section numbers refer to
 //! `docs/solver.md`.
 
-use super::factorization::Factorization;
+use super::dependent_rows::DependentRows;
+use super::factorization::{Factorization, Span};
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::level::{WorkingSet, refill};
@@ -34,6 +35,7 @@ pub struct Conditions<const N: usize> {
     /// Size of the terms whose sum a multiplier is: of unknowns, and of rows times their length.
     sizes: Row<N>,
     row_sizes: Vec<f64>,
+    shares: DependentRows<N>,
 }
 
 impl<const N: usize> Conditions<N> {
@@ -44,32 +46,24 @@ impl<const N: usize> Conditions<N> {
     }
 
     /// Evaluates all conditions (section 5). `rounding` is the relative size below which a number is zero.
-    pub fn evaluate(
-        &mut self,
-        problem: &ProblemRows<N>,
-        set: &WorkingSet,
-        solved: &mut Factorization<N>,
-        rounding: f64,
-    ) {
+    pub fn evaluate(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>, rounding: f64) {
         let speed = solved.peak_speed;
         self.rounding = rounding;
         self.start(problem, set, solved);
         self.check_bounds(problem, solved, rounding * speed, speed);
         self.check_rows(problem, set, rounding * speed, speed);
         for k in 0..problem.levels.len() {
-            let level = problem.levels[k];
-            let size = solved.spans[k].target + level.norm * speed;
-            for row in level.start..level.end {
-                if problem.is_active(set, row) {
-                    let off = problem.target(set, row) - self.values[row] - solved.residual[row];
-                    self.note_residual(off.abs(), size);
-                }
+            let (span, norm) = (solved.spans[k], problem.levels[k].norm);
+            let mut farthest = 0.0;
+            for row in &solved.rows[span.start..span.end] {
+                let off = (row.target - self.values[row.index] - row.residual).abs();
+                farthest = if off > farthest { off } else { farthest };
             }
-            if solved.spans[k].has_residual {
+            self.note_residual(farthest, span.target + norm * speed);
+            if span.has_residual {
                 // The rounding of the residual comes from the coordinates that the level sees.
-                let seen = Row::<N>::from_slice(&solved.y.0[..solved.spans[k].rank_end]).norm();
-                let size = solved.spans[k].target + level.norm * (solved.base_norm + seen);
-                self.check_level(problem, set, solved, k, size);
+                let seen = Row::<N>::from_slice(&solved.y.0[..span.rank_end]).norm();
+                self.check_level(problem, set, solved, k, span.target + norm * (solved.base_norm + seen));
             }
         }
         if self.undecided > 0 || solved.rank() < solved.free.len() {
@@ -88,11 +82,13 @@ impl<const N: usize> Conditions<N> {
         let m = problem.rows.len();
         refill(&mut self.row_multipliers, std::iter::repeat_n(0.0, m));
         refill(&mut self.values, problem.rows.iter().map(|row| row.dot(&solved.x)));
-        refill(&mut self.decided, std::iter::repeat_n(false, problem.unknowns));
-        refill(&mut self.row_decided, std::iter::repeat_n(false, m));
         // A pinned unknown stays, whatever its multiplier is.
         let loose = solved.held.iter().filter(|&&j| !problem.is_pinned(j)).count();
         self.undecided = loose + problem.inequalities.iter().filter(|&&row| set.rows[row].is_some()).count();
+        if !solved.held.is_empty() || self.undecided > 0 {
+            refill(&mut self.decided, std::iter::repeat_n(false, problem.unknowns));
+            refill(&mut self.row_decided, std::iter::repeat_n(false, m));
+        }
     }
 
     /// Collects free unknowns outside their bounds by more than `rounding`.
@@ -124,21 +120,20 @@ impl<const N: usize> Conditions<N> {
         &mut self,
         problem: &ProblemRows<N>,
         set: &WorkingSet,
-        solved: &mut Factorization<N>,
+        solved: &Factorization<N>,
         k: usize,
         size: f64,
     ) {
         let LevelMultipliers { h, length, amount, norm } = self.multipliers_of(problem, solved, k, None);
-        self.sizes = Row([amount; N]);
-        refill(&mut self.row_sizes, std::iter::repeat_n(amount, problem.rows.len()));
-        if self.undecided > 0 && length > 0.0 {
-            self.add_residual_sizes(problem, set, solved, k, size, &h, length, amount);
+        if !solved.held.is_empty() || self.undecided > 0 {
+            self.sizes = Row([amount; N]);
+            refill(&mut self.row_sizes, std::iter::repeat_n(amount, problem.rows.len()));
+            if self.undecided > 0 && length > 0.0 {
+                self.add_residual_sizes(problem, set, solved, k, size, &h, length, amount);
+            }
+            self.decide(problem, set, solved, &h);
         }
-        self.decide(problem, set, solved, &h);
-        let mut stationarity = 0.0_f64;
-        for &j in &solved.free {
-            stationarity = stationarity.max(h.0[j].abs());
-        }
+        let stationarity = h.times(&solved.is_free).amax();
         self.note_residual(stationarity, amount.max(size * norm));
     }
 
@@ -151,7 +146,7 @@ impl<const N: usize> Conditions<N> {
         &mut self,
         problem: &ProblemRows<N>,
         set: &WorkingSet,
-        solved: &mut Factorization<N>,
+        solved: &Factorization<N>,
         k: usize,
         size: f64,
         h: &Row<N>,
@@ -190,47 +185,52 @@ impl<const N: usize> Conditions<N> {
     fn multipliers_of(
         &mut self,
         problem: &ProblemRows<N>,
-        solved: &mut Factorization<N>,
+        solved: &Factorization<N>,
         k: usize,
         dependent: Option<usize>,
     ) -> LevelMultipliers<N> {
         refill(&mut self.w, std::iter::repeat_n(0.0, problem.rows.len()));
         let w = &mut self.w;
-        let (mut h, mut g, norm, length, mut c, end);
+        let (mut h, mut g, norm, length, end);
         if k == problem.levels.len() {
             h = problem.reference.minus(&solved.x);
             g = solved.reference.minus(&solved.y);
-            (norm, length, c, end) = (1.0, h.norm(), solved.rank(), solved.order.len());
+            (norm, length, end) = (1.0, h.norm(), solved.rows.len());
         } else {
-            let span = solved.spans[k];
-            (h, g, norm, c, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, span.first, span.end);
-            match dependent {
-                Some(dependent) => solved.write_left_null_vector(k, dependent, w),
-                None => solved.order[span.start..span.end].iter().for_each(|&row| w[row] = solved.residual[row]),
+            let Span { start, first, .. } = solved.spans[k];
+            (h, g, norm, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, solved.spans[k].end);
+            if let Some(dependent) = dependent {
+                self.shares.write_left_null_vector(solved.level(k), first, dependent, w);
+            } else {
+                solved.rows[start..end].iter().for_each(|row| w[row.index] = row.residual);
             }
             let mut square = 0.0;
-            for &row in &solved.order[span.start..span.end] {
-                square += w[row] * w[row];
-                g.add_scaled(w[row], &solved.coordinates[row]);
+            for row in &solved.rows[start..end] {
+                square += w[row.index] * w[row.index];
+                g.add_scaled(w[row.index], &row.coordinates);
             }
             length = square.sqrt();
         }
         let mut amount = length * norm;
         for level in (0..k).rev() {
-            let span = solved.spans[level];
-            while c > span.first {
-                c -= 1;
-                let row = solved.pivots[c];
-                w[row] = -g.0[c] * solved.inverse[c];
-                g.add_scaled(w[row], &solved.coordinates[row]);
+            let (pivots, dependents) = solved.level(level);
+            let first = solved.spans[level].first;
+            let mut sum = 0.0;
+            for (place, row) in pivots.iter().enumerate().rev() {
+                let multiplier = -g.0[first + place] * row.inverse;
+                w[row.index] = multiplier;
+                g.add_scaled(multiplier, &row.coordinates);
+                sum += multiplier.abs();
             }
-            if span.pivots_end < span.end {
-                solved.shorten_multipliers(level, w, &mut g);
+            if !dependents.is_empty() {
+                self.shares.shorten_multipliers((pivots, dependents), first, w, &mut g);
+                sum = pivots.iter().chain(dependents).map(|row| w[row.index].abs()).sum();
             }
-            let sum: f64 = solved.order[span.start..span.end].iter().map(|&row| w[row].abs()).sum();
             amount += sum * problem.levels[level].norm;
         }
-        solved.order[..end].iter().for_each(|&row| h.add_scaled(w[row], &problem.rows[row]));
+        for row in &solved.rows[..end] {
+            h.add_scaled(w[row.index], &problem.rows[row.index]);
+        }
         LevelMultipliers { h, length, amount, norm }
     }
 
@@ -282,7 +282,7 @@ impl<const N: usize> Conditions<N> {
     pub fn write_level_multipliers(
         &mut self,
         problem: &ProblemRows<N>,
-        solved: &mut Factorization<N>,
+        solved: &Factorization<N>,
         k: usize,
     ) -> (&[f64], Row<N>) {
         let h = self.multipliers_of(problem, solved, k, None).h;

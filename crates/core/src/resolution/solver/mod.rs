@@ -4,6 +4,7 @@
 //! are those of that page. The answer is exact: no regularisation and no weights enter it.
 
 mod conditions;
+mod dependent_rows;
 mod factorization;
 mod primal;
 mod problem_rows;
@@ -18,8 +19,8 @@ use primal::PrimalPoint;
 use problem_rows::ProblemRows;
 use search::Search;
 
-use super::level::{Hierarchy, Side, Solution, WorkingSet};
-use crate::linalg::RANK_TOLERANCE;
+use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
+use crate::linalg::{RANK_TOLERANCE, all_finite};
 
 /// Ratios of the weights of adjacent levels while the search looks for a working set.
 const SPACINGS: [f64; 2] = [1e-6, 1e-4];
@@ -92,6 +93,23 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.working_sets = tried;
     }
 
+    /// Solves a problem of equations without bounds; sets x, the ranks and whether they are uncertain.
+    pub fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
+        self.problem.load(problem);
+        self.solved.rank_tolerance = RANK_TOLERANCE;
+        self.start_from(None);
+        self.solved.solve(&self.problem, &self.set, self.problem.levels.len());
+        refill(&mut solution.x, self.solved.x.0[..problem.unknowns].iter().copied());
+        self.write_ranks(solution);
+    }
+
+    /// Evaluates the optimality conditions after [`Self::solve_without_bounds`].
+    pub fn certify(&mut self, solution: &mut Solution) {
+        self.conditions.evaluate(&self.problem, &self.set, &self.solved, ROUNDING);
+        self.write(solution, 1);
+        self.write_ranks(solution);
+    }
+
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
     fn solve_from(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) -> bool {
         self.start_from(guess);
@@ -109,7 +127,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             self.keeps_factorization = false;
             met_uncertain_rank |= self.solved.rank_uncertain;
-            self.conditions.evaluate(&self.problem, &self.set, &mut self.solved, rounding);
+            self.conditions.evaluate(&self.problem, &self.set, &self.solved, rounding);
             if self.conditions.hold() || tried >= max_sets {
                 break;
             }
@@ -140,7 +158,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
         }
         self.write(solution, tried);
-        solution.rank_uncertain = self.solved.rank_uncertain;
+        self.write_ranks(solution);
         met_uncertain_rank
     }
 
@@ -207,19 +225,20 @@ impl<const N: usize> ActiveSetSolver<N> {
         let Self { problem, set, solved, conditions, .. } = self;
         let x = solved.x.clamp(&problem.lower, &problem.upper);
         let n = problem.unknowns;
-        solution.x.clear();
-        solution.x.extend_from_slice(&x.0[..n]);
+        refill(&mut solution.x, x.0[..n].iter().copied());
         solution.row_values.clone_from(&conditions.values);
         solution.working_set.unknowns.clone_from(&set.unknowns);
         solution.working_set.rows.clone_from(&set.rows);
-        solution.multipliers.clear();
-        solution.multipliers.extend_from_slice(&conditions.multipliers.0[..n]);
+        refill(&mut solution.multipliers, conditions.multipliers.0[..n].iter().copied());
         solution.row_multipliers.clone_from(&conditions.row_multipliers);
-        solution.level_ranks.clear();
-        solution.level_ranks.extend(solved.spans.iter().map(|span| span.rank_end - span.first));
-        solution.is_optimal = conditions.hold() && x.0.iter().all(|x| x.is_finite());
+        solution.is_optimal = conditions.hold() && all_finite(&x.0);
         solution.kkt_residual = conditions.residual;
         solution.working_sets = tried;
+    }
+
+    fn write_ranks(&self, solution: &mut Solution) {
+        refill(&mut solution.level_ranks, self.solved.spans.iter().map(|span| span.rank_end - span.first));
+        solution.rank_uncertain = self.solved.rank_uncertain;
     }
 }
 

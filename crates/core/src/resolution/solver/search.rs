@@ -111,19 +111,13 @@ impl<const N: usize> Search<N> {
 
     /// Writes the columns of G.
     fn write_generator(&mut self, solved: &Factorization<N>) {
-        let mut unit = Row::ZERO;
-        self.generator.clear();
-        for c in 0..solved.free.len() {
-            unit.0[c] = 1.0;
-            self.generator.push(solved.apply_q(&unit));
-            unit.0[c] = 0.0;
-        }
+        refill(&mut self.generator, (0..solved.free.len()).map(|c| solved.q_column(c)));
         for c in (0..solved.rank()).rev() {
             let mut column = self.generator[c];
             for d in c + 1..solved.rank() {
-                column.add_scaled(-solved.coordinates[solved.pivots[d]].0[c], &self.generator[d]);
+                column.add_scaled(-solved.rows[solved.pivots[d]].coordinates.0[c], &self.generator[d]);
             }
-            column.0.iter_mut().for_each(|entry| *entry *= solved.inverse[c]);
+            column.0.iter_mut().for_each(|entry| *entry *= solved.rows[solved.pivots[c]].inverse);
             self.generator[c] = column;
         }
     }

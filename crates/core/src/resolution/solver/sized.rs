@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Row, Triangle, write_singular_values};
+use crate::linalg::{Row, Triangle, smallest_singular_value_bound, write_inverse, write_singular_values};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -15,8 +15,10 @@ pub trait LevelSolver {
 
 /// What the last factorisation of a solver can tell, whatever its width is.
 trait SizedSolver: LevelSolver {
-    fn invert_triangle(&mut self) -> f64;
-    fn smallest_singular_value(&mut self) -> f64;
+    fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution);
+    fn certify(&mut self, solution: &mut Solution);
+    fn exceeds(&mut self, threshold: f64) -> bool;
+    fn write_triangle(&self, triangle: &mut Triangle);
     fn pivot_product(&self) -> f64;
     fn smallest_of_level(&mut self, level: usize) -> f64;
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>);
@@ -27,7 +29,7 @@ trait SizedSolver: LevelSolver {
 #[derive(Default)]
 struct Sized<const N: usize> {
     solver: ActiveSetSolver<N>,
-    triangle: Triangle<N>,
+    inverse: Vec<Row<N>>,
     block: Vec<f64>,
     sigma: Vec<f64>,
 }
@@ -39,17 +41,26 @@ impl<const N: usize> LevelSolver for Sized<N> {
 }
 
 impl<const N: usize> SizedSolver for Sized<N> {
-    fn invert_triangle(&mut self) -> f64 {
-        let solved = &self.solver.solved;
-        self.triangle.invert(solved.pivots.iter().map(|&row| &solved.coordinates[row]), &solved.inverse)
+    fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
+        self.solver.solve_without_bounds(problem, solution);
     }
 
-    fn smallest_singular_value(&mut self) -> f64 {
-        self.triangle.smallest_singular_value()
+    fn certify(&mut self, solution: &mut Solution) {
+        self.solver.certify(solution);
+    }
+
+    fn exceeds(&mut self, threshold: f64) -> bool {
+        let rows = self.solver.solved.triangle().map(|row| (&row.coordinates, row.inverse));
+        smallest_singular_value_bound(rows.clone()) >= threshold
+            || write_inverse(rows, &mut self.inverse) * threshold <= 1.0
+    }
+
+    fn write_triangle(&self, triangle: &mut Triangle) {
+        triangle.set(self.solver.solved.triangle().map(|row| &row.coordinates));
     }
 
     fn pivot_product(&self) -> f64 {
-        self.solver.solved.inverse.iter().map(|inverse| 1.0 / inverse.abs()).product()
+        self.solver.solved.triangle().map(|row| 1.0 / row.inverse.abs()).product()
     }
 
     fn smallest_of_level(&mut self, level: usize) -> f64 {
@@ -61,8 +72,7 @@ impl<const N: usize> SizedSolver for Sized<N> {
             return 0.0;
         }
         // The block has `rank` columns that are not zero; singular values are taken on its shorter side.
-        let entry =
-            |row: usize, column: usize| solved.coordinates[solved.order[span.start + row]].0[span.first + column];
+        let entry = |row: usize, column: usize| solved.rows[span.start + row].coordinates.0[span.first + column];
         let (count, width) = (rows.min(rank), rows.max(rank));
         let at = |i: usize, j: usize| if rows <= rank { entry(i, j) } else { entry(j, i) };
         refill(&mut self.block, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
@@ -81,9 +91,7 @@ impl<const N: usize> SizedSolver for Sized<N> {
         let ActiveSetSolver { problem, solved, .. } = &self.solver;
         basis.clear();
         for c in solved.rank()..solved.free.len() {
-            let mut unit = Row::ZERO;
-            unit.0[c] = 1.0;
-            basis.extend_from_slice(&solved.apply_q(&unit).0[..problem.unknowns]);
+            basis.extend_from_slice(&solved.q_column(c).0[..problem.unknowns]);
         }
     }
 }
@@ -122,14 +130,25 @@ impl HierarchicalSolver {
         &mut **self.solvers[self.last].as_mut().expect("a problem was solved before")
     }
 
-    /// Inverts the triangle of the last working set; returns a lower bound of its smallest singular value.
-    pub fn invert_triangle(&mut self) -> f64 {
-        self.last().invert_triangle()
+    /// Solves a problem of equations without bounds and does not evaluate the optimality conditions. Only x, the ranks and
+    /// whether they are uncertain are set.
+    pub fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
+        self.of_width(problem.unknowns).solve_without_bounds(problem, solution);
     }
 
-    /// Returns the smallest singular value of the triangle that was inverted last.
-    pub fn smallest_singular_value(&mut self) -> f64 {
-        self.last().smallest_singular_value()
+    /// Evaluates the optimality conditions of the last [`Self::solve_without_bounds`] and sets the rest of the solution.
+    pub fn certify(&mut self, solution: &mut Solution) {
+        self.last().certify(solution);
+    }
+
+    /// Returns whether all singular values of the last triangle certainly exceed `threshold`.
+    pub fn exceeds(&mut self, threshold: f64) -> bool {
+        self.last().exceeds(threshold)
+    }
+
+    /// Copies the last triangle.
+    pub fn write_triangle(&mut self, triangle: &mut Triangle) {
+        self.last().write_triangle(triangle);
     }
 
     /// Returns the product of the singular values of the last triangle.

@@ -1,0 +1,126 @@
+//! The rows of a level that depend on its pivots: least squares and shortest multipliers (Peters and Wilkinson).
+//!
+//! With T the pivots' own triangle and E the dependent rows' own coordinates, F T = E. F is bounded, since pivots are the
+//! longest rows, so that nothing is squared that could be small. Section numbers refer to `docs/solver.md`.
+
+use super::factorization::ActiveRow;
+use crate::linalg::Row;
+use crate::resolution::level::refill;
+
+/// Room for one level.
+#[derive(Debug, Default)]
+pub struct DependentRows<const N: usize> {
+    /// The rows of F.
+    combinations: Vec<Row<N>>,
+    /// Cholesky factor of I + F Fᵀ.
+    gram: Vec<f64>,
+    /// One number for each dependent row.
+    shares: Vec<f64>,
+}
+
+impl<const N: usize> DependentRows<N> {
+    /// Solves least squares and returns the change of the coordinates; `first` is the level's first one (section 4).
+    ///
+    /// With c the residuals of the dependent rows after the pivots are met: r = (I + F Fᵀ)⁻¹ c remains, the pivots give up
+    /// e = Fᵀ r, and the coordinates change by δ, T δ = e.
+    pub fn solve(&mut self, pivots: &mut [ActiveRow<N>], dependents: &mut [ActiveRow<N>], first: usize) -> Row<N> {
+        self.write_combinations(pivots, dependents, first);
+        refill(&mut self.shares, dependents.iter().map(|row| row.residual));
+        let given_up = self.share();
+        let mut change = Row::ZERO;
+        for (c, row) in (first..).zip(pivots) {
+            change.0[c] = (given_up.0[c] - row.coordinates.dot(&change)) * row.inverse;
+            row.residual = -given_up.0[c];
+        }
+        dependents.iter_mut().zip(&self.shares).for_each(|(row, share)| row.residual = *share);
+        change
+    }
+
+    /// Makes the multipliers w of a level the shortest ones with the same Aᵀw, and updates their sum g = Σ w_i coordinates[i]
+    /// (section 5).
+    pub fn shorten_multipliers(
+        &mut self,
+        (pivots, dependents): (&[ActiveRow<N>], &[ActiveRow<N>]),
+        first: usize,
+        w: &mut [f64],
+        g: &mut Row<N>,
+    ) {
+        for row in dependents {
+            w[row.index] = 0.0;
+        }
+        if pivots.is_empty() {
+            return;
+        }
+        self.write_combinations(pivots, dependents, first);
+        let mut basic = Row::ZERO;
+        (first..).zip(pivots).for_each(|(c, row)| basic.0[c] = w[row.index]);
+        refill(&mut self.shares, self.combinations.iter().map(|f| f.dot(&basic)));
+        let shared = self.share();
+        for (c, row) in (first..).zip(pivots) {
+            w[row.index] -= shared.0[c];
+            g.add_scaled(-shared.0[c], &row.coordinates);
+        }
+        for (row, &share) in dependents.iter().zip(&self.shares) {
+            w[row.index] = share;
+            g.add_scaled(share, &row.coordinates);
+        }
+    }
+
+    /// Writes w of a level with Aᵀw = 0 over the level's coordinates: 1 at one dependent row, −F at the pivots.
+    pub fn write_left_null_vector(
+        &mut self,
+        (pivots, dependents): (&[ActiveRow<N>], &[ActiveRow<N>]),
+        first: usize,
+        dependent: usize,
+        w: &mut [f64],
+    ) {
+        self.write_combinations(pivots, dependents, first);
+        for row in dependents {
+            w[row.index] = 0.0;
+        }
+        (first..).zip(pivots).for_each(|(c, row)| w[row.index] = -self.combinations[dependent].0[c]);
+        w[dependents[dependent].index] = 1.0;
+    }
+
+    /// Writes F.
+    fn write_combinations(&mut self, pivots: &[ActiveRow<N>], dependents: &[ActiveRow<N>], first: usize) {
+        self.combinations.clear();
+        for row in dependents {
+            let (mut rest, mut combination) = (row.coordinates, Row::ZERO);
+            for (place, pivot) in pivots.iter().enumerate().rev() {
+                let factor = rest.0[first + place] * pivot.inverse;
+                combination.0[first + place] = factor;
+                rest.add_scaled(-factor, &pivot.coordinates);
+            }
+            self.combinations.push(combination);
+        }
+    }
+
+    /// Replaces c in `shares` by r = (I + F Fᵀ)⁻¹ c; returns Fᵀ r.
+    fn share(&mut self) -> Row<N> {
+        let (f, r, count) = (&self.combinations, &mut self.shares, self.combinations.len());
+        if let [single] = f.as_slice() {
+            r[0] /= 1.0 + single.dot(single);
+        } else {
+            let g = &mut self.gram;
+            g.resize(count * count, 0.0);
+            for i in 0..count {
+                for j in 0..=i {
+                    let sum = f[i].dot(&f[j]) - (0..j).map(|l| g[i * count + l] * g[j * count + l]).sum::<f64>();
+                    g[i * count + j] = if i == j { (1.0 + sum).sqrt() } else { sum / g[j * count + j] };
+                }
+            }
+            for i in 0..count {
+                let sum: f64 = (0..i).map(|j| g[i * count + j] * r[j]).sum();
+                r[i] = (r[i] - sum) / g[i * count + i];
+            }
+            for i in (0..count).rev() {
+                let sum: f64 = (i + 1..count).map(|j| g[j * count + i] * r[j]).sum();
+                r[i] = (r[i] - sum) / g[i * count + i];
+            }
+        }
+        let mut given_up = Row::ZERO;
+        f.iter().zip(r).for_each(|(f, r)| given_up.add_scaled(*r, f));
+        given_up
+    }
+}
