@@ -18,7 +18,7 @@ const MIN_WEIGHT: f64 = 1e-40;
 /// The tableau: constraints are the unknowns, then the inequality rows.
 #[derive(Debug, Default)]
 pub struct Search<const N: usize> {
-    /// Entries per row of `table`, a multiple of four.
+    /// Entries per row of `table`, a multiple of N.
     stride: usize,
     /// K, later swept: how values and multipliers fall with each multiplier.
     table: Vec<f64>,
@@ -64,7 +64,7 @@ impl<const N: usize> Search<N> {
         let n = problem.unknowns;
         let rows = || problem.inequalities.iter().copied();
         let count = n + problem.inequalities.len();
-        self.stride = count.next_multiple_of(4);
+        self.stride = count.next_multiple_of(N);
         let bound = |j: usize, bound: f64, none: f64| if problem.is_pinned(j) { none } else { bound };
         let lower = (0..n).map(|j| bound(j, problem.lower.0[j], f64::NEG_INFINITY));
         refill(&mut self.lower, lower.chain(rows().map(|row| problem.row_lower[row])));
@@ -93,11 +93,13 @@ impl<const N: usize> Search<N> {
             }
             let scale = if level < solved.spans.len() { inverse_weight(level) } else { 1.0 };
             let rows = problem.inequalities.iter().map(|&row| problem.rows[row].dot(column));
-            refill(&mut self.row, column.0[..n].iter().copied().chain(rows));
+            self.row.clear();
+            self.row.extend_from_slice(&column.0[..n]);
+            self.row.extend(rows);
             self.row.resize(stride, 0.0);
             for (entries, &factor) in self.table.chunks_exact_mut(stride).zip(&self.row) {
                 if factor != 0.0 {
-                    add_scaled(entries, scale * factor, &self.row);
+                    add_scaled::<N>(entries, scale * factor, &self.row);
                 }
             }
         }
@@ -174,7 +176,7 @@ impl<const N: usize> Search<N> {
                 }
             }
             multiplier += side.sign() * step;
-            add_scaled(&mut self.state, -side.sign() * step, &self.row);
+            add_scaled::<N>(&mut self.state, -side.sign() * step, &self.row);
             let Some((leaving, its_side)) = leaving else {
                 self.sweep(entering, 1.0);
                 self.active[entering] = Some(side);
@@ -205,7 +207,7 @@ impl<const N: usize> Search<N> {
         for (_, entries) in self.table.chunks_exact_mut(stride).enumerate().filter(|(j, _)| *j != k) {
             let entry = entries[k];
             if entry != 0.0 {
-                add_scaled(entries, -entry, &self.row);
+                add_scaled::<N>(entries, -entry, &self.row);
                 entries[k] = direction * entry * inverse;
             }
         }
@@ -215,11 +217,12 @@ impl<const N: usize> Search<N> {
     }
 }
 
-/// Adds `factor` · `other`; both have the same length, a multiple of four.
-fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
-    for (entries, other) in entries.as_chunks_mut::<4>().0.iter_mut().zip(other.as_chunks::<4>().0) {
-        for lane in 0..4 {
-            entries[lane] += factor * other[lane];
+/// Adds `factor` · `other`; both have the same length, a multiple of N.
+#[inline]
+fn add_scaled<const N: usize>(entries: &mut [f64], factor: f64, other: &[f64]) {
+    for (entries, other) in entries.as_chunks_mut::<N>().0.iter_mut().zip(other.as_chunks::<N>().0) {
+        for (entry, other) in entries.iter_mut().zip(other) {
+            *entry += factor * other;
         }
     }
 }
