@@ -62,7 +62,6 @@ const QUESTION: [&str; 3] = [
      control. This page shows in which situations this is the case.",
     "A simulated Sawyer pushes against springs and against a stiff wall. In every control period of 1 ms the simulator \
      sends the measured state to the service over HTTP and moves with the joint velocities in the answer.",
-    "Reverse priority is computed in closed form and as a cascade of quadratic programs with joint limits. The classical \
-     control is damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor \
-     0.1.",
+    "Reverse priority is computed in closed form and, within joint limits, by quadratic programs. The classical control is \
+     damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor 0.1.",
 ];

@@ -25,7 +25,7 @@ pub enum Repeated {
     Nothing,
     /// Pose and Jacobian of Sawyer
     Kinematics,
-    /// A control period in closed form, two tasks
+    /// A control period that no limit restricts, two tasks
     ClosedForm,
     /// A resolution whose active limits are those of the guess
     Certificate,
@@ -60,11 +60,15 @@ type Action = Box<dyn FnMut() -> Result<(), BenchError>>;
 fn action(what: Repeated) -> Result<Action, BenchError> {
     match what {
         Repeated::Nothing => Ok(Box::new(|| Ok(()))),
-        Repeated::Kinematics => Ok(Box::new(|| {
-            Configuration::new(&built_in()[0], black_box(&NOMINAL))
-                .map(|posture| drop(black_box(posture)))
-                .map_err(BenchError::defect)
-        })),
+        Repeated::Kinematics => {
+            let robot = &built_in()[0];
+            let mut posture = Configuration::new(robot, &NOMINAL).map_err(BenchError::defect)?;
+            Ok(Box::new(move || {
+                posture.update(robot, black_box(&NOMINAL)).map_err(BenchError::defect)?;
+                black_box(&posture);
+                Ok(())
+            }))
+        }
         Repeated::ClosedForm => cycles(wire::Solver::Auto, None),
         Repeated::Qp => cycles(wire::Solver::Qp, Some(0.35)),
         Repeated::Certificate => certificate(),

@@ -89,13 +89,6 @@ impl<const N: usize> Row<N> {
         Self(array::from_fn(|i| self.0[i] * other.0[i]))
     }
 
-    /// Returns the absolute values.
-    #[inline]
-    #[must_use]
-    pub fn abs(&self) -> Self {
-        Self(array::from_fn(|i| self.0[i].abs()))
-    }
-
     /// Returns the entries moved into [lower, upper].
     #[inline]
     #[must_use]

@@ -131,7 +131,7 @@ pub enum Path {
     ClosedForm,
     /// Working sets that start from the last one, until the optimality conditions hold.
     ActiveSet,
-    /// Clarabel, refined to full accuracy.
+    /// Clarabel's active bounds, evaluated and corrected by the hierarchical solver.
     Qp,
 }
 
@@ -187,9 +187,14 @@ impl Resolution {
         for (task, (scale, stated)) in self.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
             task.scale = scale.filter(|_| stated.scaled);
         }
+        let is_failed = self.solver.status == Status::Failed;
+        self.report_solver(path, solution);
+        if is_failed {
+            self.clear_bounds();
+            return;
+        }
         self.report_bounds(problem, planned, solution);
         std::mem::swap(&mut self.contradictions, contradictions);
-        self.report_solver(path, solution);
         self.solver.rank_uncertain |= singularities.unlimited.rank_uncertain;
         if let Some(counts) = counts {
             (self.solver.iterations, self.solver.failures) = (counts.iterations, counts.failures);
@@ -214,11 +219,13 @@ impl Resolution {
         self.clear_bounds();
         let residual = closed.kkt_residual;
         let status = if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified };
-        if self.solver.status != Status::Failed {
-            let rank_uncertain = singularities.unlimited.rank_uncertain;
-            let kkt_residual = Some(residual).filter(|residual| residual.is_finite());
-            self.solver = SolverReport { status, kkt_residual, rank_uncertain, ..SolverReport::default() };
-        }
+        let rank_uncertain = singularities.unlimited.rank_uncertain;
+        let kkt_residual = Some(residual).filter(|residual| residual.is_finite());
+        self.solver = if self.solver.status == Status::Failed {
+            SolverReport::default()
+        } else {
+            SolverReport { status, kkt_residual, rank_uncertain, ..SolverReport::default() }
+        };
     }
 
     /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the

@@ -10,7 +10,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
 use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
-use super::solver::{HierarchicalSolver, LevelSolver};
+use super::solver::HierarchicalSolver;
 
 /// A cap far above the 5 to 15 iterations that levels take: a failing problem would go on.
 const MAX_ITERATIONS: u32 = 40;
@@ -51,7 +51,7 @@ pub struct ClarabelLevels<S = Clarabel> {
     x: Vec<f64>,
     /// Z, column by column.
     null_space: Vec<f64>,
-    /// The working set of each constraint of the program.
+    /// The bound that each constraint of the program stands for.
     bounds: Vec<Bound>,
 }
 
@@ -75,8 +75,9 @@ impl<S: QpSolver> ClarabelLevels<S> {
     fn find_working_set(&mut self, problem: &Hierarchy, exact: &mut HierarchicalSolver) {
         self.start(problem);
         for level in 0..=problem.level_ends.len() {
-            exact.solve(&self.kept, None, &mut self.kept_solution);
-            exact.write_null_space(&mut self.null_space);
+            let kept = exact.of_width(problem.unknowns);
+            kept.solve_without_bounds(&self.kept, &mut self.kept_solution);
+            kept.write_null_space(&mut self.null_space);
             if self.null_space.is_empty() {
                 break;
             }

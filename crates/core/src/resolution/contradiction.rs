@@ -8,10 +8,13 @@ use super::level::{Hierarchy, Side, Solution};
 use super::plan::{Origin, PlannedProblem};
 use super::problem::Problem;
 use super::solver::HierarchicalSolver;
-use crate::linalg::{Matrix, Svd};
+use crate::linalg::Matrix;
 
 /// A weight below this fraction of the largest one is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
+
+/// A dependency that differs from the weights by less than this fraction is the same one.
+const DISTINCT: f64 = 1e-6;
 
 /// A minimal set of demands that contradict each other: without any one of them the rest can be kept together.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -109,7 +112,7 @@ fn demands(
 ) -> Option<Vec<Demand>> {
     let levels = &planned.levels;
     let n = problem.tasks.joint_count();
-    let size = |row: usize| levels.row(row).iter().map(|a| a * a).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    let size = |row: usize| norm(levels.row(row)).max(f64::MIN_POSITIVE);
     let own = levels.level_start(level)..levels.level_ends[level];
     if let Some(zero) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
         // A row of zeros contradicts itself.
@@ -156,10 +159,10 @@ fn demands(
 /// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
 fn proof(solution: &Solution, level: usize, solver: &mut HierarchicalSolver) -> (Vec<f64>, Vec<f64>) {
     let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
-    solver.write_level_multipliers(level, &mut rows, &mut unknowns);
+    solver.last().write_level_multipliers(level, &mut rows, &mut unknowns);
     let set = &solution.working_set;
     for higher in (0..level).rev() {
-        solver.write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
+        solver.last().write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
         // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
         let needed = |side: Option<Side>, own: f64, higher: f64| {
             let sign = side.map_or(0.0, Side::sign);
@@ -176,7 +179,7 @@ fn proof(solution: &Solution, level: usize, solver: &mut HierarchicalSolver) -> 
 
 /// Turns a demand into side · a·x ≤ side · b with a of length one.
 fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
-    let length = coefficients.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let length = norm(coefficients);
     let length = if length > 0.0 { length } else { 1.0 };
     let coefficients = coefficients.iter().map(|a| side.sign() * a / length).collect();
     Demand { member, coefficients, bound: side.sign() * bound / length, weight: weight * length }
@@ -184,7 +187,8 @@ fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: S
 
 /// Takes members away until the vectors a_i depend on each other in one way only.
 fn reduce(demands: &mut Vec<Demand>) {
-    while let Some(mut dependency) = second_dependency(demands) {
+    let mut dependencies = dependencies(demands);
+    while let Some(mut dependency) = other_dependency(&dependencies, demands) {
         // Along the dependency Σ w_i b_i must not rise.
         let gain: f64 = dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound).sum();
         if gain < 0.0 {
@@ -202,35 +206,62 @@ fn reduce(demands: &mut Vec<Demand>) {
         for (demand, d) in demands.iter_mut().zip(&dependency) {
             demand.weight -= length * d;
         }
-        demands.remove(vanishing);
+        demands[vanishing].weight = 0.0;
         let largest = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
-        demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+        for member in (0..demands.len()).rev() {
+            if demands[member].weight > NEGLIGIBLE * largest {
+                continue;
+            }
+            demands.remove(member);
+            drop_member(&mut dependencies, member);
+        }
     }
 }
 
-/// Returns a dependency Σ d_i a_i = 0 of the vectors other than their weights; `None` if there is no other.
-///
-/// n + 2 vectors with n entries always have one, so that the first ones are enough: many members cost no large matrix.
-fn second_dependency(demands: &[Demand]) -> Option<Vec<f64>> {
-    let n = demands.first()?.coefficients.len();
-    let count = demands.len().min(n + 2);
-    // Columns a_i, and one row that asks for Σ d_i w_i = 0.
-    let total = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
-    let matrix =
-        Matrix::from_fn(
-            n + 1,
-            count,
-            |i, j| {
-                if i < n { demands[j].coefficients[i] } else { demands[j].weight / total }
-            },
-        );
-    let svd = Svd::new(&matrix);
-    let rank = svd.rank(NEGLIGIBLE * matrix.norm());
-    if rank >= count {
-        return None;
+/// Returns a basis of all dependencies Σ d_i a_i = 0, from a factorisation A P = Q [R_1, R_2]: the columns of
+/// P [−R_1⁻¹R_2; I].
+fn dependencies(demands: &[Demand]) -> Vec<Vec<f64>> {
+    let Some(first) = demands.first() else { return Vec::new() };
+    let (n, count) = (first.coefficients.len(), demands.len());
+    let factors = Matrix::from_fn(n, count, |i, j| demands[j].coefficients[i]).col_piv_qr();
+    let r = factors.r();
+    let is_pivot = |&i: &usize| r[(i, i)].abs() > NEGLIGIBLE * r[(0, 0)].abs();
+    let rank = (0..n.min(count)).take_while(is_pivot).count();
+    let others = -r.view((0, rank), (rank, count - rank));
+    let Some(top) = r.view((0, 0), (rank, rank)).solve_upper_triangular(&others) else { return Vec::new() };
+    let mut basis = Matrix::identity(count, count).columns(rank, count - rank).into_owned();
+    basis.rows_mut(0, rank).copy_from(&top);
+    factors.p().inv_permute_rows(&mut basis);
+    basis.column_iter().map(|column| column.iter().copied().collect()).collect()
+}
+
+/// Returns a dependency without its part along the weights, which are a dependency themselves; `None` if there is no other.
+fn other_dependency(dependencies: &[Vec<f64>], demands: &[Demand]) -> Option<Vec<f64>> {
+    let weight_square: f64 = demands.iter().map(|demand| demand.weight * demand.weight).sum();
+    dependencies.iter().find_map(|dependency| {
+        let along = dependency.iter().zip(demands).map(|(d, demand)| d * demand.weight).sum::<f64>() / weight_square;
+        let other: Vec<f64> = dependency.iter().zip(demands).map(|(d, demand)| d - along * demand.weight).collect();
+        (norm(&other) > DISTINCT * norm(dependency)).then_some(other)
+    })
+}
+
+/// Removes a member from the dependencies: those that are left do not contain it.
+fn drop_member(dependencies: &mut Vec<Vec<f64>>, member: usize) {
+    let share = |dependency: &[f64]| dependency[member].abs() / norm(dependency);
+    let by_share = |a: &usize, b: &usize| share(&dependencies[*a]).total_cmp(&share(&dependencies[*b]));
+    let most = (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > NEGLIGIBLE);
+    if let Some(most) = most {
+        let pivot = dependencies.swap_remove(most);
+        for dependency in &mut *dependencies {
+            let factor = dependency[member] / pivot[member];
+            dependency.iter_mut().zip(&pivot).for_each(|(d, pivot)| *d -= factor * pivot);
+        }
     }
-    // A unit vector's part outside the row space; the largest one is far from rounding.
-    let projector = Matrix::identity(count, count) - svd.inverse(rank, 0.0) * &matrix;
-    let best = (0..count).max_by(|&a, &b| projector[(a, a)].total_cmp(&projector[(b, b)]))?;
-    Some(projector.column(best).iter().copied().collect())
+    for dependency in dependencies {
+        dependency.remove(member);
+    }
+}
+
+fn norm(entries: &[f64]) -> f64 {
+    entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }

@@ -5,17 +5,25 @@ use std::ops::Range;
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution, refill};
 use super::problem::Problem;
-use super::solver::LevelSolver;
+use crate::linalg::row_times;
 
 /// Damps one task after the other; each one starts from the point of the one before.
 #[derive(Default)]
 pub struct DampedTargets {
+    /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual.
+    pub is_optimal: bool,
+    pub kkt_residual: f64,
     point: Vec<f64>,
     problem: Hierarchy,
     solution: Solution,
 }
 
 impl DampedTargets {
+    /// Forgets how sure earlier answers were.
+    pub fn clear(&mut self) {
+        (self.is_optimal, self.kkt_residual) = (true, 0.0);
+    }
+
     /// Sets the point x from which damping counts.
     pub fn start(&mut self, point: impl Iterator<Item = f64>) {
         refill(&mut self.point, point);
@@ -32,7 +40,7 @@ impl DampedTargets {
         targets: &mut [f64],
         engine: &mut Engine,
     ) {
-        let Self { point, problem: levels, solution } = self;
+        let Self { point, problem: levels, solution, .. } = self;
         levels.clear(point);
         for k in kept {
             push_targets(problem, k, targets, levels);
@@ -49,11 +57,13 @@ impl DampedTargets {
         }
         levels.end_level();
         engine.solve(levels, None, solution);
+        self.is_optimal &= solution.is_optimal;
+        self.kkt_residual = self.kkt_residual.max(solution.kkt_residual);
         refill(point, solution.x.iter().copied());
         for task in tasks.map(|k| (&problem.tasks.tasks()[k], problem.tasks.first_row(k))) {
             let (task, first) = task;
             for row in (0..task.jacobian.nrows()).filter(|_| task.is_equation()) {
-                targets[first + row] = task.jacobian.row(row).iter().zip(point.iter()).map(|(a, x)| a * x).sum();
+                targets[first + row] = row_times(&task.jacobian, row, point);
             }
         }
     }

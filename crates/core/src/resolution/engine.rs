@@ -3,7 +3,11 @@
 use super::clarabel::{ClarabelCounts, ClarabelLevels};
 use super::level::{Hierarchy, Solution, WorkingSet};
 use super::problem::Solver;
-use super::solver::{HierarchicalSolver, LevelSolver};
+use super::solver::HierarchicalSolver;
+
+/// Working sets after which Clarabel's working set is tried. Few problems need more than ten, and those that do have many
+/// levels of inequality rows, for which Clarabel is faster.
+const MAX_SETS_BEFORE_CLARABEL: u32 = 60;
 
 /// The hierarchical solver, or Clarabel level by level in front of it.
 #[derive(Default)]
@@ -29,29 +33,34 @@ impl Engine {
     pub fn clarabel_counts(&self) -> Option<ClarabelCounts> {
         self.uses_clarabel.then_some(self.clarabel.counts)
     }
-}
 
-impl Engine {
-    /// Replaces a solution that is not certified by the one on Clarabel's working set, if that is certified.
-    #[cold]
-    fn ask_clarabel(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        let mut other = Solution::default();
-        self.clarabel.solve(problem, &mut self.exact, &mut other);
-        if other.is_optimal {
-            other.working_sets += solution.working_sets;
-            *solution = other;
-        }
-    }
-}
-
-impl LevelSolver for Engine {
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
+    /// Solves a problem; `guess` is the working set that the hierarchical solver starts from.
+    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
         if self.uses_clarabel {
             self.clarabel.solve(problem, &mut self.exact, solution);
-        } else {
-            self.exact.solve(problem, guess, solution);
-            if !solution.is_optimal {
-                self.ask_clarabel(problem, solution);
+            return;
+        }
+        let exact = self.exact.of_width(problem.unknowns);
+        exact.solve(problem, guess, MAX_SETS_BEFORE_CLARABEL, solution);
+        if !solution.is_optimal {
+            self.try_harder(problem, solution);
+        }
+    }
+
+    /// Solves a problem from Clarabel's working set, and from nothing with all working sets that it may take. Where rounding
+    /// may have decided a rank, the second one comes first: `auto` and `qp` then decide alike.
+    #[cold]
+    fn try_harder(&mut self, problem: &Hierarchy, solution: &mut Solution) {
+        for is_clarabel in [!solution.rank_uncertain, solution.rank_uncertain] {
+            let tried = solution.working_sets;
+            if is_clarabel {
+                self.clarabel.solve(problem, &mut self.exact, solution);
+            } else {
+                self.exact.solve(problem, None, solution);
+            }
+            solution.working_sets += tried;
+            if solution.is_optimal {
+                return;
             }
         }
     }

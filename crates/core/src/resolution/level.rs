@@ -104,9 +104,9 @@ impl Hierarchy {
         &self.rows[row * self.unknowns..(row + 1) * self.unknowns]
     }
 
-    /// Returns whether a row is an equation.
+    /// Returns whether a row is an equation. A row whose target is not a number is one, so that the answer fails.
     pub fn is_equation(&self, row: usize) -> bool {
-        self.row_lower[row] == self.row_upper[row]
+        !(self.row_lower[row] < self.row_upper[row])
     }
 }
 

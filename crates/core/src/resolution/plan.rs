@@ -11,7 +11,7 @@
 //! | `pseudoinverse`, `damped_least_squares` | one: all rows as one level, with limits |
 //!
 //! Hard inequalities are a level above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
-//! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') beside the rows of the level.
+//! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') next to the rows of the level.
 
 use super::level::{ActiveSet, Hierarchy, WorkingSet, refill};
 use super::problem::{Method, Problem};

@@ -9,7 +9,6 @@ use super::problem::Problem;
 use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
-use super::solver::LevelSolver;
 use crate::task::Task;
 
 /// A run of a plan and its result.
@@ -59,6 +58,8 @@ impl PlanRun {
         let skips_stages = self.lower_tasks_are_met;
         for step in problem.method.steps(tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
+            is_optimal &= self.damped.is_optimal;
+            kkt_residual = kkt_residual.max(self.damped.kkt_residual);
             self.write(problem, step, damping);
             self.planned.write_guess(problem, guess, &mut self.guess);
             engine.solve(&self.planned.levels, Some(&self.guess), &mut self.solution);
@@ -81,7 +82,9 @@ impl PlanRun {
         if problem.tasks.tasks().iter().any(|task| task.scaled) {
             self.scale(problem, step, damping, engine);
         }
-        write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
+        if self.solution.is_optimal {
+            write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
+        }
         if let Some(factors) = problem.damping {
             self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
@@ -97,6 +100,7 @@ impl PlanRun {
     fn damp(&mut self, problem: &Problem, step: Step, singularities: &Singularities, engine: &mut Engine) -> f64 {
         let (known, tasks) = (&singularities.tasks, problem.tasks.tasks());
         let Self { damped, targets, before, .. } = self;
+        damped.clear();
         match step {
             Step::OneLevel => {
                 let all = tasks.iter().position(Task::is_equation).map_or(0.0, |first| known[first].lambda);
@@ -156,8 +160,10 @@ impl PlanRun {
     }
 
     fn solve_again(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+        let tried = self.solution.working_sets;
         self.write(problem, step, damping);
         engine.solve(&self.planned.levels, None, &mut self.solution);
+        self.solution.working_sets += tried;
     }
 
     /// Sets the scale of a task, or of all scaled tasks of one level.

@@ -45,7 +45,7 @@ pub struct Problem {
     pub tasks: TaskStack,
     /// lo ≤ q̇ ≤ hi, n joints, rad/s.
     pub limits: VelocityBox,
-    /// a·q̇ ≤ b beside the box; where the box contradicts them, they are broken as little as possible and reported.
+    /// a·q̇ ≤ b next to the box; where the box contradicts them, they are broken as little as possible and reported.
     pub inequalities: Vec<Inequality>,
     /// The resolution method.
     pub method: Method,

@@ -7,6 +7,7 @@ use super::level::ActiveSet;
 use super::plan_run::PlanRun;
 use super::problem::{Problem, ProblemError, Solver};
 use super::singularity::Singularities;
+use crate::linalg::row_times;
 use crate::task::Task;
 
 /// Solves the problem; `guess` are the active limits of the period before (empty: none).
@@ -45,9 +46,7 @@ impl Resolver {
         singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact());
         match problem.solver {
             Solver::ClosedForm => answer.report_closed_form(problem, &closed_form(problem), singularities),
-            Solver::Auto
-                if is_met_without_limits(problem, singularities) && singularities.is_certified(engine.exact()) =>
-            {
+            Solver::Auto if is_met_without_limits(problem, singularities) && singularities.certify(engine.exact()) => {
                 answer.report_unlimited(problem, singularities);
             }
             Solver::Auto | Solver::Qp => {
@@ -71,13 +70,11 @@ fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bo
         && problem.method.meets_independent_tasks(problem.tasks.tasks().iter().all(Task::is_equation))
         && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
         && problem.inequalities.iter().all(|inequality| {
-            let value = inequality.coefficients().iter().zip(x).map(|(a, x)| a * x).sum();
+            let value = inequality.coefficients().as_slice().iter().zip(x).map(|(a, x)| a * x).sum();
             within(value, f64::NEG_INFINITY, inequality.bound())
         })
         && inequality_tasks.all(|task| {
-            (0..task.jacobian.nrows()).all(|row| {
-                let value = task.jacobian.row(row).iter().zip(x).map(|(a, x)| a * x).sum();
-                within(value, task.lower[row], task.upper[row])
-            })
+            (0..task.jacobian.nrows())
+                .all(|row| within(row_times(&task.jacobian, row, x), task.lower[row], task.upper[row]))
         })
 }

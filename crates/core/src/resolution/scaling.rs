@@ -1,6 +1,6 @@
 //! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
 //!
-//! With an orthonormal basis U of the velocities that J_k can reach beside the higher tasks without limits, the unknowns
+//! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits, the unknowns
 //! (q̇, s) obey Uᵀ(J_k q̇ − s ẋ_k) = 0, and then s is as large as possible: two levels in place of one.
 
 use super::plan::Step;

@@ -2,7 +2,7 @@
 
 use super::level::{Hierarchy, Solution, refill};
 use super::solver::HierarchicalSolver;
-use crate::linalg::{Damping, RANK_TOLERANCE, Triangle, write_singular_values};
+use crate::linalg::{Damping, RANK_TOLERANCE, write_singular_values};
 use crate::task::{Task, TaskStack};
 
 /// Fraction of ‖J‖ above which a smallest singular value makes all rows certainly independent.
@@ -15,22 +15,28 @@ pub struct Singularity {
     pub manipulability: f64,
     /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
     pub algorithmic: bool,
-    /// σ_min where it is known; otherwise `triangle` has the singular values.
+    /// σ_min where it is known; otherwise a square matrix with the same singular values has it.
     known: Option<f64>,
-    triangle: Triangle,
+    matrix: Vec<f64>,
+    size: usize,
 }
 
 impl Singularity {
     /// Computes σ_min of all rows together; 0 without rows. No decision of the resolution needs the value where it is far from
     /// zero, so it is computed on demand.
     pub fn smallest_singular_value(&self) -> f64 {
-        self.known.unwrap_or_else(|| self.triangle.smallest_singular_value())
+        self.known.unwrap_or_else(|| {
+            let mut sigma = Vec::new();
+            write_singular_values(&mut self.matrix.clone(), self.size, &mut sigma);
+            smallest(&sigma)
+        })
     }
 
     /// Copies without giving up memory.
     pub(super) fn copy_from(&mut self, other: &Self) {
         (self.manipulability, self.algorithmic, self.known) = (other.manipulability, other.algorithmic, other.known);
-        self.triangle.copy_from(&other.triangle);
+        self.matrix.clone_from(&other.matrix);
+        self.size = other.size;
     }
 }
 
@@ -63,8 +69,8 @@ pub struct Singularities {
     pub tasks: Vec<TaskSingularity>,
     /// Of all tasks together.
     pub all: Singularity,
-    /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust` ends at the
-    /// same velocity, and that is the solution of [`Self::unlimited`].
+    /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
+    /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution of [`Self::unlimited`].
     pub is_regular: bool,
     /// All equations as a strict hierarchy without limits, and its solution.
     pub problem: Hierarchy,
@@ -88,17 +94,19 @@ impl Singularities {
             push_task(&mut self.problem, task);
             self.problem.end_level();
         }
-        solver.solve_without_bounds(&self.problem, &mut self.unlimited);
+        solver.of_width(self.problem.unknowns).solve_without_bounds(&self.problem, &mut self.unlimited);
         refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
         let norm = self.problem.rows.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
         let rank: usize = self.unlimited.level_ranks.iter().sum();
-        self.is_regular =
-            rank == self.problem.row_count() && rank > 0 && solver.exceeds(threshold.max(WELL_CONDITIONED * norm));
+        self.is_regular = rank == self.problem.row_count()
+            && rank > 0
+            && solver.last().exceeds(threshold.max(WELL_CONDITIONED * norm));
         if self.is_regular {
-            self.all.manipulability = solver.pivot_product().min(f64::MAX);
+            self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
             (self.all.algorithmic, self.all.known) = (false, None);
-            solver.write_triangle(&mut self.all.triangle);
+            self.all.size = rank;
+            solver.last().write_triangle(&mut self.all.matrix);
             for (known, task) in self.tasks.iter_mut().zip(list) {
                 known.rank = task.jacobian.nrows();
             }
@@ -111,9 +119,9 @@ impl Singularities {
         }
     }
 
-    /// Returns whether the optimality conditions of [`Self::unlimited`] hold, right after [`Self::examine`].
-    pub fn is_certified(&mut self, solver: &mut HierarchicalSolver) -> bool {
-        solver.certify(&mut self.unlimited);
+    /// Evaluates the optimality conditions of [`Self::unlimited`] right after [`Self::examine`]; returns whether they hold.
+    pub fn certify(&mut self, solver: &mut HierarchicalSolver) -> bool {
+        solver.last().certify(&mut self.unlimited);
         self.unlimited.is_optimal
     }
 
@@ -134,7 +142,7 @@ impl Singularities {
             self.write_sigma(n, tasks[k..].iter().filter(|task| task.is_equation()));
             let rank_all = rank_of(&self.sigma, norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
-            let strict = damping.map_or(0.0, |_| factor(solver.smallest_of_level(level)));
+            let strict = damping.map_or(0.0, |_| factor(solver.last().smallest_of_level(level)));
             self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(smallest(&self.sigma)), strict };
             rank_below = rank_all;
             self.all.algorithmic |= algorithmic;

@@ -14,7 +14,6 @@
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution, refill};
 use super::plan::{Origin, PlannedProblem};
-use super::solver::LevelSolver;
 use crate::linalg::{Damping, Matrix, write_singular_values};
 
 /// Fraction of half the width between two bounds within which a bound counts as near.
@@ -221,7 +220,7 @@ impl Smoothing {
                 *x += weight * (other - *x);
             }
         }
-        for part in &self.parts[1..=last] {
+        for part in self.parts[1..=last].iter().chain([&self.free]) {
             solution.is_optimal &= part.is_optimal;
             solution.kkt_residual = solution.kkt_residual.max(part.kkt_residual);
             solution.working_sets += part.working_sets;
@@ -245,6 +244,12 @@ impl Smoothing {
             let reaches = solution.x[j] <= levels.lower[j] || solution.x[j] >= levels.upper[j];
             let known = if *multiplier == 0.0 { self.parts[last].multipliers[j] } else { *multiplier };
             *multiplier = if reaches { known } else { 0.0 };
+        }
+        for (row, multiplier) in solution.row_multipliers.iter_mut().enumerate() {
+            let value = solution.row_values[row];
+            if levels.row_lower[row] < value && value < levels.row_upper[row] {
+                *multiplier = 0.0;
+            }
         }
     }
 }

@@ -106,3 +106,15 @@ fn a_resolver_that_solved_other_problems_reports_the_same_singularities() {
     assert_eq!(first.singularity, second.singularity);
     assert_eq!(first.singularity, resolve(&bounded, &[]).unwrap().singularity);
 }
+
+#[test]
+fn a_target_whose_square_overflows_gives_no_false_certificate() {
+    let jacobian = Matrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, 0.0, 2.0]);
+    let task = Task::new("", jacobian, Vector::from_vec(vec![1e200, 1.0, 3.0]));
+    let limits = VelocityBox::new(&[0.0, -10.0], &[0.0, 10.0]).unwrap();
+    let problem = Problem { limits, ..Problem::new(TaskStack::new(vec![task]).unwrap()) };
+    let answer = resolve(&problem, &[]).unwrap();
+    // Least squares of q̇_2 = 1 and 2 q̇_2 = 3.
+    let is_right = (answer.joint_velocity[1] - 1.4).abs() < 1e-9;
+    assert!(is_right || answer.solver.status != Status::Optimal, "{answer:?}");
+}

@@ -99,8 +99,8 @@ fn certificate(qp: &Recording, closed_form: &Recording) -> String {
     let certified = qp.samples.iter().filter(optimal).count();
     let residual = largest(qp.samples.iter().filter_map(|sample| sample.kkt_residual));
     format!(
-        "The QP cascade is certified optimal in {certified} of {} periods (largest KKT residual {}). It differs from the \
-         closed form by at most {} rad/s.",
+        "The answer of the solver `qp` is certified optimal in {certified} of {} periods (largest KKT residual {}). It \
+         differs from the closed form by at most {} rad/s.",
         qp.samples.len(),
         significant(residual, 2),
         significant(largest_difference(qp, closed_form), 2)

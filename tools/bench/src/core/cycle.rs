@@ -92,14 +92,14 @@ impl Cycle {
 }
 
 pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
-    let mut rows = closed_form(budget)?;
+    let mut rows = without_limits(budget)?;
     rows.extend(with_limits(budget)?);
     Ok(rows)
 }
 
 /// Push along x, hold the rest, without damping and limits; compared with the printed formula.
-fn closed_form(budget: Budget) -> Result<Vec<Row>, BenchError> {
-    let mut ours = Cycle::along(&swing(wire::Solver::ClosedForm, None)?, &Robots::built_in(), &NOMINAL, PERIODS)?;
+fn without_limits(budget: Budget) -> Result<Vec<Row>, BenchError> {
+    let mut ours = Cycle::along(&swing(wire::Solver::Auto, None)?, &Robots::built_in(), &NOMINAL, PERIODS)?;
     let chain = Chain::of(&ours.stepper.controller().config().robot);
     let states = ours.states.clone();
     let mut states = states.iter().cycle();
@@ -110,7 +110,7 @@ fn closed_form(budget: Budget) -> Result<Vec<Row>, BenchError> {
     let times = side_by_side(
         budget,
         vec![
-            Subject::fallible("cycle, closed form, two tasks", || ours.repeat()),
+            Subject::fallible("cycle, auto, nothing limited, two tasks", || ours.repeat()),
             Subject::new("4 × 4 matrices, Eq. (29) as printed, faer's pseudo-inverses", || {
                 states
                     .next()

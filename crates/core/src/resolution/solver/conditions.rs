@@ -9,6 +9,14 @@ use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::level::{WorkingSet, refill};
 
+/// A working set and the least-squares solution on it.
+#[derive(Clone, Copy)]
+pub struct Trial<'a, const N: usize> {
+    pub problem: &'a ProblemRows<N>,
+    pub set: &'a WorkingSet,
+    pub solved: &'a Factorization<N>,
+}
+
 /// The conditions on one working set.
 #[derive(Debug, Default)]
 pub struct Conditions<const N: usize> {
@@ -32,26 +40,29 @@ pub struct Conditions<const N: usize> {
     row_decided: Vec<bool>,
     /// Multipliers of the rows for one level, with the sign of r = b − A x.
     w: Vec<f64>,
+    /// Keeps w while it is computed for another right-hand side.
+    kept_w: Vec<f64>,
     /// Size of the terms whose sum a multiplier is: of unknowns, and of rows times their length.
     sizes: Row<N>,
     row_sizes: Vec<f64>,
-    shares: DependentRows<N>,
+    dependent: DependentRows<N>,
 }
 
 impl<const N: usize> Conditions<N> {
     /// Returns whether the working set is the right one.
     #[inline]
-    pub fn hold(&self) -> bool {
+    pub fn are_met(&self) -> bool {
         self.wrong.is_empty() && self.wrong_rows.is_empty()
     }
 
     /// Evaluates all conditions (section 5). `rounding` is the relative size below which a number is zero.
-    pub fn evaluate(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>, rounding: f64) {
+    pub fn evaluate(&mut self, trial: Trial<N>, rounding: f64) {
+        let Trial { problem, solved, .. } = trial;
         let speed = solved.peak_speed;
         self.rounding = rounding;
-        self.start(problem, set, solved);
-        self.check_bounds(problem, solved, rounding * speed, speed);
-        self.check_rows(problem, set, rounding * speed, speed);
+        self.start(trial);
+        self.check_bounds(trial);
+        self.check_rows(trial);
         for k in 0..problem.levels.len() {
             let (span, norm) = (solved.spans[k], problem.levels[k].norm);
             let mut farthest = 0.0;
@@ -62,20 +73,21 @@ impl<const N: usize> Conditions<N> {
             self.note_residual(farthest, span.target + norm * speed);
             if span.has_residual {
                 // The rounding of the residual comes from the coordinates that the level sees.
-                let seen = Row::<N>::from_slice(&solved.y.0[..span.rank_end]).norm();
-                self.check_level(problem, set, solved, k, span.target + norm * (solved.base_norm + seen));
+                let seen = Row::<N>::from_slice(&solved.y.0[..span.rank_end()]).norm();
+                self.check_level(trial, k, span.target + norm * (solved.base_norm + seen));
             }
         }
         if self.undecided > 0 || solved.rank() < solved.free.len() {
-            self.check_level(problem, set, solved, problem.levels.len(), speed);
+            self.check_level(trial, problem.levels.len(), speed);
         }
         // Where sizes overflow, nothing is certain.
-        if !problem.levels.iter().all(|level| level.square.is_finite()) || !speed.is_finite() {
+        let mut levels = problem.levels.iter().zip(&solved.spans);
+        if !levels.all(|(level, span)| level.square.is_finite() && span.target.is_finite()) || !speed.is_finite() {
             self.residual = f64::INFINITY;
         }
     }
 
-    fn start(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>) {
+    fn start(&mut self, Trial { problem, set, solved }: Trial<N>) {
         self.wrong.clear();
         self.wrong_rows.clear();
         self.multipliers = Row::ZERO;
@@ -91,8 +103,9 @@ impl<const N: usize> Conditions<N> {
         }
     }
 
-    /// Collects free unknowns outside their bounds by more than `rounding`.
-    fn check_bounds(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, rounding: f64, speed: f64) {
+    /// Collects free unknowns outside their bounds by more than rounding.
+    fn check_bounds(&mut self, Trial { problem, solved, .. }: Trial<N>) {
+        let (speed, rounding) = (solved.peak_speed, self.rounding * solved.peak_speed);
         let inside = solved.x.clamp(&problem.lower, &problem.upper);
         let outside = solved.x.minus(&inside);
         let farthest = outside.amax();
@@ -104,34 +117,29 @@ impl<const N: usize> Conditions<N> {
     }
 
     /// Collects inactive rows outside their bounds.
-    fn check_rows(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, rounding: f64, speed: f64) {
+    fn check_rows(&mut self, Trial { problem, set, solved }: Trial<N>) {
         for &row in problem.inequalities.iter().filter(|&&row| set.rows[row].is_none()) {
             let (value, norm) = (self.values[row], problem.squares[row].sqrt());
             let missing = (value - problem.row_upper[row]).max(problem.row_lower[row] - value);
-            if missing > rounding * norm {
+            self.note_residual(missing, norm * solved.peak_speed);
+            if missing > self.rounding * solved.peak_speed * norm {
                 self.wrong_rows.push(row);
-                self.note_residual(missing, norm * speed);
             }
         }
     }
 
     /// Evaluates stationarity and multipliers of level k, or of the last objective min ‖x − ζ‖² (k = number of levels).
-    fn check_level(
-        &mut self,
-        problem: &ProblemRows<N>,
-        set: &WorkingSet,
-        solved: &Factorization<N>,
-        k: usize,
-        size: f64,
-    ) {
-        let LevelMultipliers { h, length, amount, norm } = self.multipliers_of(problem, solved, k, None);
+    fn check_level(&mut self, trial: Trial<N>, k: usize, size: f64) {
+        let Trial { problem, solved, .. } = trial;
+        let multipliers = self.multipliers_of(problem, solved, k, None);
+        let LevelMultipliers { h, length, amount, norm } = multipliers;
         if !solved.held.is_empty() || self.undecided > 0 {
             self.sizes = Row([amount; N]);
             refill(&mut self.row_sizes, std::iter::repeat_n(amount, problem.rows.len()));
             if self.undecided > 0 && length > 0.0 {
-                self.add_residual_sizes(problem, set, solved, k, size, &h, length, amount);
+                self.add_residual_sizes(trial, k, size, &multipliers);
             }
-            self.decide(problem, set, solved, &h);
+            self.decide(trial, &h);
         }
         let stationarity = h.times(&solved.is_free).amax();
         self.note_residual(stationarity, amount.max(size * norm));
@@ -141,18 +149,8 @@ impl<const N: usize> Conditions<N> {
     ///
     /// r has one degree of freedom for each dependent row, and h = Σ_d r_d e_d. The size of an error in h_j is therefore
     /// `size` · Σ_d |e_dj|: with one dependent row no sign is in doubt. With more, a coarse bound is enough for most signs.
-    #[expect(clippy::too_many_arguments, reason = "the sizes of one level")]
-    fn add_residual_sizes(
-        &mut self,
-        problem: &ProblemRows<N>,
-        set: &WorkingSet,
-        solved: &Factorization<N>,
-        k: usize,
-        size: f64,
-        h: &Row<N>,
-        length: f64,
-        amount: f64,
-    ) {
+    fn add_residual_sizes(&mut self, trial: Trial<N>, k: usize, size: f64, multipliers: &LevelMultipliers<N>) {
+        let (Trial { problem, set, solved }, &LevelMultipliers { h, length, amount, .. }) = (trial, multipliers);
         let dependent = solved.spans.get(k).map_or(0, |span| span.end - span.pivots_end);
         if dependent == 1 {
             return;
@@ -168,16 +166,15 @@ impl<const N: usize> Conditions<N> {
             self.row_sizes.fill(coarse);
             return;
         }
-        let multipliers = std::mem::take(&mut self.w);
+        std::mem::swap(&mut self.w, &mut self.kept_w);
         for d in 0..dependent {
             let e = self.multipliers_of(problem, solved, k, Some(d)).h;
-            self.sizes = Row(std::array::from_fn(|j| self.sizes.0[j] + size * e.0[j].abs()));
-            for (row, w) in self.row_sizes.iter_mut().zip(&self.w).enumerate().map(|(row, (size, w))| ((row, size), w))
-            {
-                *row.1 += size * w.abs() * problem.squares[row.0].sqrt();
+            self.sizes.add_scaled(size, &Row(e.0.map(f64::abs)));
+            for (row, row_size) in self.row_sizes.iter_mut().enumerate() {
+                *row_size += size * self.w[row].abs() * problem.squares[row].sqrt();
             }
         }
-        self.w = multipliers;
+        std::mem::swap(&mut self.w, &mut self.kept_w);
     }
 
     /// Computes the gradient h = Σ w_i a_i of level k with the shortest multipliers w of all higher levels; leaves w. The
@@ -200,7 +197,7 @@ impl<const N: usize> Conditions<N> {
             let Span { start, first, .. } = solved.spans[k];
             (h, g, norm, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, solved.spans[k].end);
             if let Some(dependent) = dependent {
-                self.shares.write_left_null_vector(solved.level(k), first, dependent, w);
+                self.dependent.write_left_null_vector(solved.level(k), first, dependent, w);
             } else {
                 solved.rows[start..end].iter().for_each(|row| w[row.index] = row.residual);
             }
@@ -223,7 +220,7 @@ impl<const N: usize> Conditions<N> {
                 sum += multiplier.abs();
             }
             if !dependents.is_empty() {
-                self.shares.shorten_multipliers((pivots, dependents), first, w, &mut g);
+                self.dependent.shorten_multipliers((pivots, dependents), first, w, &mut g);
                 sum = pivots.iter().chain(dependents).map(|row| w[row.index].abs()).sum();
             }
             amount += sum * problem.levels[level].norm;
@@ -235,19 +232,24 @@ impl<const N: usize> Conditions<N> {
     }
 
     /// Decides the sign of every bound whose multiplier is not zero here and was zero at all higher levels.
-    fn decide(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, solved: &Factorization<N>, h: &Row<N>) {
+    fn decide(&mut self, Trial { problem, set, solved }: Trial<N>, h: &Row<N>) {
         for &j in &solved.held {
-            if self.decided[j] || h.0[j].abs() <= self.rounding * self.sizes.0[j] {
+            if self.decided[j] {
+                continue;
+            }
+            let points_inwards =
+                set.unknowns[j].is_some_and(|side| side.sign() * h.0[j] < 0.0) && !problem.is_pinned(j);
+            if points_inwards {
+                self.note_residual(h.0[j].abs(), self.sizes.0[j]);
+            }
+            if h.0[j].abs() <= self.rounding * self.sizes.0[j] {
                 continue;
             }
             self.decided[j] = true;
             self.multipliers.0[j] = h.0[j];
             if !problem.is_pinned(j) {
                 self.undecided -= 1;
-                if set.unknowns[j].is_some_and(|side| side.sign() * h.0[j] < 0.0) {
-                    self.wrong.push(j);
-                    self.note_residual(h.0[j].abs(), self.sizes.0[j]);
-                }
+                self.wrong.extend(points_inwards.then_some(j));
             }
         }
         if self.undecided == 0 {
@@ -257,16 +259,17 @@ impl<const N: usize> Conditions<N> {
             let (Some(side), false) = (set.rows[row], self.row_decided[row]) else { continue };
             let multiplier = -self.w[row];
             let force = multiplier.abs() * problem.squares[row].sqrt();
+            let points_inwards = side.sign() * multiplier < 0.0;
+            if points_inwards {
+                self.note_residual(force, self.row_sizes[row]);
+            }
             if !(force > self.rounding * self.row_sizes[row]) {
                 continue;
             }
             self.row_decided[row] = true;
             self.undecided -= 1;
             self.row_multipliers[row] = multiplier;
-            if side.sign() * multiplier < 0.0 {
-                self.wrong_rows.push(row);
-                self.note_residual(force, self.row_sizes[row]);
-            }
+            self.wrong_rows.extend(points_inwards.then_some(row));
         }
     }
 
@@ -278,8 +281,8 @@ impl<const N: usize> Conditions<N> {
         }
     }
 
-    /// Writes the multipliers of one level: of the rows (sign of b − A x) and of the unknowns.
-    pub fn write_level_multipliers(
+    /// Returns the multipliers of one level: of the rows (sign of b − A x) and of the unknowns.
+    pub fn level_multipliers(
         &mut self,
         problem: &ProblemRows<N>,
         solved: &Factorization<N>,

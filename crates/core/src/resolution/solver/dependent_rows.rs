@@ -1,21 +1,21 @@
 //! The rows of a level that depend on its pivots: least squares and shortest multipliers (Peters and Wilkinson).
 //!
-//! With T the pivots' own triangle and E the dependent rows' own coordinates, F T = E. F is bounded, since pivots are the
-//! longest rows, so that nothing is squared that could be small. Section numbers refer to `docs/solver.md`.
+//! With T the pivots' own triangle and E the dependent rows' own coordinates, F T = E. F is bounded, because pivots are the
+//! longest rows, so I + F Fᵀ is well conditioned. Section numbers refer to `docs/solver.md`.
 
-use super::factorization::ActiveRow;
+use super::factorization::FactorRow;
 use crate::linalg::Row;
 use crate::resolution::level::refill;
 
-/// Room for one level.
+/// Workspace for one level.
 #[derive(Debug, Default)]
 pub struct DependentRows<const N: usize> {
     /// The rows of F.
     combinations: Vec<Row<N>>,
     /// Cholesky factor of I + F Fᵀ.
-    gram: Vec<f64>,
-    /// One number for each dependent row.
-    shares: Vec<f64>,
+    cholesky: Vec<f64>,
+    /// c, then r: one number for each dependent row.
+    r: Vec<f64>,
 }
 
 impl<const N: usize> DependentRows<N> {
@@ -23,16 +23,18 @@ impl<const N: usize> DependentRows<N> {
     ///
     /// With c the residuals of the dependent rows after the pivots are met: r = (I + F Fᵀ)⁻¹ c remains, the pivots give up
     /// e = Fᵀ r, and the coordinates change by δ, T δ = e.
-    pub fn solve(&mut self, pivots: &mut [ActiveRow<N>], dependents: &mut [ActiveRow<N>], first: usize) -> Row<N> {
+    pub fn solve(&mut self, pivots: &mut [FactorRow<N>], dependents: &mut [FactorRow<N>], first: usize) -> Row<N> {
         self.write_combinations(pivots, dependents, first);
-        refill(&mut self.shares, dependents.iter().map(|row| row.residual));
-        let given_up = self.share();
+        refill(&mut self.r, dependents.iter().map(|row| row.residual));
+        let pivot_part = self.solve_normal_equations();
         let mut change = Row::ZERO;
         for (c, row) in (first..).zip(pivots) {
-            change.0[c] = (given_up.0[c] - row.coordinates.dot(&change)) * row.inverse;
-            row.residual = -given_up.0[c];
+            change.0[c] = (pivot_part.0[c] - row.coordinates.dot(&change)) * row.inverse;
+            row.residual = -pivot_part.0[c];
         }
-        dependents.iter_mut().zip(&self.shares).for_each(|(row, share)| row.residual = *share);
+        for (row, r) in dependents.iter_mut().zip(&self.r) {
+            row.residual = *r;
+        }
         change
     }
 
@@ -40,7 +42,7 @@ impl<const N: usize> DependentRows<N> {
     /// (section 5).
     pub fn shorten_multipliers(
         &mut self,
-        (pivots, dependents): (&[ActiveRow<N>], &[ActiveRow<N>]),
+        (pivots, dependents): (&[FactorRow<N>], &[FactorRow<N>]),
         first: usize,
         w: &mut [f64],
         g: &mut Row<N>,
@@ -54,22 +56,22 @@ impl<const N: usize> DependentRows<N> {
         self.write_combinations(pivots, dependents, first);
         let mut basic = Row::ZERO;
         (first..).zip(pivots).for_each(|(c, row)| basic.0[c] = w[row.index]);
-        refill(&mut self.shares, self.combinations.iter().map(|f| f.dot(&basic)));
-        let shared = self.share();
+        refill(&mut self.r, self.combinations.iter().map(|f| f.dot(&basic)));
+        let pivot_part = self.solve_normal_equations();
         for (c, row) in (first..).zip(pivots) {
-            w[row.index] -= shared.0[c];
-            g.add_scaled(-shared.0[c], &row.coordinates);
+            w[row.index] -= pivot_part.0[c];
+            g.add_scaled(-pivot_part.0[c], &row.coordinates);
         }
-        for (row, &share) in dependents.iter().zip(&self.shares) {
-            w[row.index] = share;
-            g.add_scaled(share, &row.coordinates);
+        for (row, &r) in dependents.iter().zip(&self.r) {
+            w[row.index] = r;
+            g.add_scaled(r, &row.coordinates);
         }
     }
 
     /// Writes w of a level with Aᵀw = 0 over the level's coordinates: 1 at one dependent row, −F at the pivots.
     pub fn write_left_null_vector(
         &mut self,
-        (pivots, dependents): (&[ActiveRow<N>], &[ActiveRow<N>]),
+        (pivots, dependents): (&[FactorRow<N>], &[FactorRow<N>]),
         first: usize,
         dependent: usize,
         w: &mut [f64],
@@ -83,7 +85,7 @@ impl<const N: usize> DependentRows<N> {
     }
 
     /// Writes F.
-    fn write_combinations(&mut self, pivots: &[ActiveRow<N>], dependents: &[ActiveRow<N>], first: usize) {
+    fn write_combinations(&mut self, pivots: &[FactorRow<N>], dependents: &[FactorRow<N>], first: usize) {
         self.combinations.clear();
         for row in dependents {
             let (mut rest, mut combination) = (row.coordinates, Row::ZERO);
@@ -96,13 +98,13 @@ impl<const N: usize> DependentRows<N> {
         }
     }
 
-    /// Replaces c in `shares` by r = (I + F Fᵀ)⁻¹ c; returns Fᵀ r.
-    fn share(&mut self) -> Row<N> {
-        let (f, r, count) = (&self.combinations, &mut self.shares, self.combinations.len());
+    /// Replaces c in `r` by r = (I + F Fᵀ)⁻¹ c; returns Fᵀ r.
+    fn solve_normal_equations(&mut self) -> Row<N> {
+        let (f, r, count) = (&self.combinations, &mut self.r, self.combinations.len());
         if let [single] = f.as_slice() {
             r[0] /= 1.0 + single.dot(single);
         } else {
-            let g = &mut self.gram;
+            let g = &mut self.cholesky;
             g.resize(count * count, 0.0);
             for i in 0..count {
                 for j in 0..=i {
@@ -119,8 +121,8 @@ impl<const N: usize> DependentRows<N> {
                 r[i] = (r[i] - sum) / g[i * count + i];
             }
         }
-        let mut given_up = Row::ZERO;
-        f.iter().zip(r).for_each(|(f, r)| given_up.add_scaled(*r, f));
-        given_up
+        let mut pivot_part = Row::ZERO;
+        f.iter().zip(r).for_each(|(f, r)| pivot_part.add_scaled(*r, f));
+        pivot_part
     }
 }

@@ -33,17 +33,27 @@ pub struct Span {
     pub end: usize,
     /// First coordinate of the level.
     pub first: usize,
-    /// One after its last coordinate.
-    pub rank_end: usize,
     /// Whether the level leaves a residual.
     pub has_residual: bool,
     /// ‖b_k‖ of the active rows.
     pub target: f64,
 }
 
-/// An active row.
+impl Span {
+    /// Returns the number of coordinates of the level.
+    pub fn rank(&self) -> usize {
+        self.pivots_end - self.start
+    }
+
+    /// Returns one after the level's last coordinate.
+    pub fn rank_end(&self) -> usize {
+        self.first + self.rank()
+    }
+}
+
+/// An active row: its part of the triangle, and what belongs to it in the problem.
 #[derive(Debug, Clone)]
-pub struct ActiveRow<const N: usize> {
+pub struct FactorRow<const N: usize> {
     /// The row over the coordinates, a row of L.
     pub coordinates: Row<N>,
     /// What reflections have left of the row, over the unknowns.
@@ -83,7 +93,7 @@ pub struct Factorization<const N: usize> {
     /// Coordinates of the reference, Qᵀ ζ over the free unknowns.
     pub reference: Row<N>,
     /// The active rows, level by level, pivots first.
-    pub rows: Vec<ActiveRow<N>>,
+    pub rows: Vec<FactorRow<N>>,
     pub spans: Vec<Span>,
     /// The place in `rows` that each coordinate was taken from.
     pub pivots: Vec<usize>,
@@ -116,23 +126,23 @@ impl<const N: usize> Factorization<N> {
     }
 
     /// Returns the rows of the triangle, one per coordinate.
-    pub fn triangle(&self) -> impl DoubleEndedIterator<Item = &ActiveRow<N>> + ExactSizeIterator + Clone {
+    pub fn triangle(&self) -> impl DoubleEndedIterator<Item = &FactorRow<N>> + ExactSizeIterator + Clone {
         self.pivots.iter().map(|&place| &self.rows[place])
     }
 
     /// Returns the pivots of a level, and the rows that depend on them.
     #[inline]
-    pub fn level(&self, k: usize) -> (&[ActiveRow<N>], &[ActiveRow<N>]) {
+    pub fn level(&self, k: usize) -> (&[FactorRow<N>], &[FactorRow<N>]) {
         let Span { start, pivots_end, end, .. } = self.spans[k];
         self.rows[start..end].split_at(pivots_end - start)
     }
 
-    /// Factorises the active rows of the first `levels` levels over the free unknowns and solves (section 4).
-    pub fn solve(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, levels: usize) {
+    /// Factorises the active rows over the free unknowns and solves (section 4).
+    pub fn solve(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
         self.rank_uncertain = false;
-        refill(&mut self.max_rank, std::iter::repeat_n(usize::MAX, levels));
+        refill(&mut self.max_rank, std::iter::repeat_n(usize::MAX, problem.levels.len()));
         loop {
-            self.start(problem, set, levels);
+            self.start(problem, set);
             if self.factorize(problem) {
                 break;
             }
@@ -149,8 +159,7 @@ impl<const N: usize> Factorization<N> {
         if problem.reference == Row::ZERO {
             return;
         }
-        let mut zeta = Row::ZERO;
-        self.free.iter().for_each(|&j| zeta.0[j] = problem.reference.0[j]);
+        let mut zeta = problem.reference.times(&self.is_free);
         for Reflection { v, gain } in &self.reflections {
             zeta.add_scaled(-gain * v.dot(&zeta), v);
         }
@@ -164,14 +173,14 @@ impl<const N: usize> Factorization<N> {
     }
 
     /// Writes the active rows over the free unknowns, and what held unknowns leave of their targets.
-    fn start(&mut self, problem: &ProblemRows<N>, set: &WorkingSet, levels: usize) {
-        self.hold(problem, set);
+    fn start(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
+        self.split_unknowns(problem, set);
         self.rows.clear();
         self.spans.clear();
         self.pivots.clear();
         self.reflections.clear();
         self.y = Row::ZERO;
-        for level in &problem.levels[..levels] {
+        for level in &problem.levels {
             let start = self.rows.len();
             let mut target_square = 0.0;
             for index in level.start..level.end {
@@ -188,7 +197,7 @@ impl<const N: usize> Factorization<N> {
                 }
                 let coordinates = Row::ZERO;
                 let (inverse, summed_square) = (0.0, square);
-                self.rows.push(ActiveRow {
+                self.rows.push(FactorRow {
                     coordinates,
                     rest,
                     index,
@@ -205,7 +214,7 @@ impl<const N: usize> Factorization<N> {
     }
 
     /// Sorts the unknowns into free and held ones.
-    fn hold(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
+    fn split_unknowns(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
         self.free.clear();
         self.held.clear();
         self.base = Row::ZERO;
@@ -251,7 +260,7 @@ impl<const N: usize> Factorization<N> {
                 place += 1;
             }
             let span = &mut self.spans[k];
-            (span.first, span.rank_end, span.pivots_end) = (first, first + place - start, place);
+            (span.first, span.pivots_end) = (first, place);
             let suspicious = SUSPICIOUS_PIVOT * SUSPICIOUS_PIVOT * square;
             if (smallest < suspicious || refused > ROUNDING * ROUNDING * square)
                 && !self.confirm_rank(k, tolerance * square.sqrt(), square.sqrt(), refused)
@@ -271,42 +280,44 @@ impl<const N: usize> Factorization<N> {
     /// Compares a level's rank with its singular values: all of its pivots, or the number that `max_rank` then holds.
     #[cold]
     fn confirm_rank(&mut self, k: usize, tolerance: f64, norm: f64, refused: f64) -> bool {
-        let Span { start, pivots_end, first, rank_end, .. } = self.spans[k];
-        let own = self.rows[start..pivots_end].iter().flat_map(|row| &row.coordinates.0[first..rank_end]);
+        let span = self.spans[k];
+        let pivots = &self.rows[span.start..span.pivots_end];
+        let own = pivots.iter().flat_map(|row| &row.coordinates.0[span.first..span.rank_end()]);
         refill(&mut self.block, own.copied());
-        write_singular_values(&mut self.block, rank_end - first, &mut self.sigma);
+        write_singular_values(&mut self.block, span.rank(), &mut self.sigma);
         let sigma = &self.sigma;
         let is_uncertain = |sigma: f64| sigma > ROUNDING * norm && sigma < CERTAIN_RANK * norm;
         self.rank_uncertain |= sigma.iter().any(|&sigma| is_uncertain(sigma)) || is_uncertain(refused.sqrt());
         let rank = sigma.iter().filter(|&&sigma| sigma > tolerance).count();
-        let is_confirmed = rank == rank_end - first;
+        let is_confirmed = rank == span.rank();
         if !is_confirmed {
             self.max_rank[k] = rank;
         }
         is_confirmed
     }
 
-    /// Takes the row x at `place` as the next coordinate and removes that coordinate from all later rows.
+    /// Takes the row p at `place` as the next coordinate and removes that coordinate from all later rows.
     ///
-    /// With α = ∓‖x‖ and v = x − α e, H = I − g v vᵀ gives H x = α e. A row r gets the coordinate x·r/α, and v·r = x·r − α r_e,
-    /// so that the products x·r do not wait for the square root.
+    /// With α = ∓‖p‖ and v = p − α e, H = I − g v vᵀ gives H p = α e. A row r gets the coordinate p·r/α, and v·r = p·r − α r_e,
+    /// so that the products p·r do not wait for the square root.
     #[inline]
     fn reflect(&mut self, place: usize, square: f64) {
         let c = self.pivots.len();
         let head = self.free[c];
         let (pivots, later) = self.rows.split_at_mut(place + 1);
         let pivot = &mut pivots[place];
-        let x = pivot.rest;
+        let p = pivot.rest;
         let length = square.sqrt();
-        let entry = x.0[head];
+        // −0 counts as 0: the sign of α decides the last bits.
+        let entry = p.0[head] + 0.0;
         let alpha = -length.copysign(entry);
         let inverse = 1.0 / alpha;
-        let mut v = x;
+        let mut v = p;
         v.add_at(head, -alpha);
         let gain = 1.0 / (length * (length + entry.abs()));
         let y = pivot.residual * inverse;
         for row in later {
-            let (product, at_head) = (x.dot(&row.rest), row.rest.0[head]);
+            let (product, at_head) = (p.dot(&row.rest), row.rest.0[head]);
             row.rest.add_scaled(gain * (alpha * at_head - product), &v);
             row.rest.0[head] = 0.0;
             let coordinate = product * inverse;
@@ -355,7 +366,7 @@ impl<const N: usize> Factorization<N> {
         reflect_back(&self.reflections, u)
     }
 
-    /// Returns a column of Q, the direction of one coordinate. Later reflections do not see it.
+    /// Returns a column of Q, the direction of one coordinate. Reflections after the c-th leave e_c unchanged.
     pub fn q_column(&self, c: usize) -> Row<N> {
         let mut unit = Row::ZERO;
         unit.0[self.free[c]] = 1.0;
@@ -374,7 +385,7 @@ fn reflect_back<const N: usize>(reflections: &[Reflection<N>], mut u: Row<N>) ->
 
 /// Moves the longest of these rows to the front; returns its squared length.
 #[inline]
-fn bring_longest<const N: usize>(rows: &mut [ActiveRow<N>]) -> f64 {
+fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
     let mut longest = longest(rows);
     if rows[longest].square <= TRUSTED_SQUARE * rows[longest].summed_square {
         for row in &mut *rows {
@@ -390,7 +401,7 @@ fn bring_longest<const N: usize>(rows: &mut [ActiveRow<N>]) -> f64 {
 }
 
 #[inline]
-fn longest<const N: usize>(rows: &[ActiveRow<N>]) -> usize {
+fn longest<const N: usize>(rows: &[FactorRow<N>]) -> usize {
     let (mut longest, mut most) = (0, rows[0].square);
     for (place, row) in rows.iter().enumerate() {
         if row.square > most {

@@ -11,16 +11,16 @@ mod problem_rows;
 mod search;
 mod sized;
 
-pub use sized::{HierarchicalSolver, LevelSolver, MAX_UNKNOWNS};
+pub use sized::{HierarchicalSolver, MAX_UNKNOWNS};
 
-use conditions::Conditions;
-use factorization::{Factorization, ROUNDING};
+use conditions::{Conditions, Trial};
+use factorization::{Factorization, ROUNDING, Span};
 use primal::PrimalPoint;
 use problem_rows::ProblemRows;
 use search::Search;
 
 use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
-use crate::linalg::{RANK_TOLERANCE, all_finite};
+use crate::linalg::{RANK_TOLERANCE, Row, all_finite};
 
 /// Ratios of the weights of adjacent levels while the search looks for a working set.
 const SPACINGS: [f64; 2] = [1e-6, 1e-4];
@@ -33,8 +33,8 @@ const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
 /// no certain answer.
 const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 
-/// Working sets that are corrected in all wrong places at once before the primal method takes over.
-const MAX_CORRECTIONS: u32 = 3;
+/// From this trial on, the primal method corrects a guess; before, everything that is wrong changes at once.
+const FIRST_PRIMAL_TRIAL: u32 = 3;
 
 /// The solver for problems of up to N unknowns; it keeps its memory from call to call.
 #[derive(Debug, Default)]
@@ -45,8 +45,10 @@ pub struct ActiveSetSolver<const N: usize> {
     conditions: Conditions<N>,
     search: Search<N>,
     primal: PrimalPoint<N>,
-    /// Whether the last factorisation is that of the empty set of this problem.
-    keeps_factorization: bool,
+    /// Room for what is asked about the last factorisation: the inverse triangle, and singular values of a block.
+    inverse: Vec<Row<N>>,
+    block: Vec<f64>,
+    sigma: Vec<f64>,
 }
 
 /// How the next working set is found.
@@ -61,32 +63,32 @@ enum Phase {
 }
 
 impl<const N: usize> ActiveSetSolver<N> {
-    /// Solves the problem from the working set `guess` on (section 6).
+    /// Solves the problem from the working set `guess` on, in at most `max_sets` sets per attempt (section 6).
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        let is_same = self.problem.load(problem);
+    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
+        let only_bounds_changed = self.problem.load(problem);
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
-        let reuses = is_same
+        let is_factorized = only_bounds_changed
             && self.set.is_empty()
             && self.solved.held.is_empty()
-            && self.solved.rank_tolerance == RANK_TOLERANCE;
-        self.keeps_factorization = reuses && !(0..problem.unknowns).any(|j| self.problem.is_pinned(j));
+            && self.solved.rank_tolerance == RANK_TOLERANCE
+            && !(0..problem.unknowns).any(|j| self.problem.is_pinned(j));
         self.solved.rank_tolerance = RANK_TOLERANCE;
-        let mut met_uncertain_rank = self.solve_from(guess, solution);
+        let mut met_uncertain_rank = self.solve_from(guess, is_factorized, max_sets, solution);
         let mut tried = solution.working_sets;
         let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
         if is_guessed && (met_uncertain_rank || !solution.is_optimal) {
-            met_uncertain_rank = self.solve_from(None, solution);
+            met_uncertain_rank = self.solve_from(None, false, max_sets, solution);
             tried += solution.working_sets;
         }
         for tolerance in UNCERTAIN_RANK_TOLERANCES {
-            if solution.is_optimal || !met_uncertain_rank {
+            if solution.is_optimal || !met_uncertain_rank || solution.working_sets >= max_sets {
                 break;
             }
             self.solved.rank_tolerance = tolerance;
-            self.solve_from(None, solution);
+            self.solve_from(None, false, max_sets, solution);
             tried += solution.working_sets;
             solution.rank_uncertain = true;
         }
@@ -98,37 +100,46 @@ impl<const N: usize> ActiveSetSolver<N> {
         self.problem.load(problem);
         self.solved.rank_tolerance = RANK_TOLERANCE;
         self.start_from(None);
-        self.solved.solve(&self.problem, &self.set, self.problem.levels.len());
+        self.solved.solve(&self.problem, &self.set);
         refill(&mut solution.x, self.solved.x.0[..problem.unknowns].iter().copied());
         self.write_ranks(solution);
     }
 
     /// Evaluates the optimality conditions after [`Self::solve_without_bounds`].
     pub fn certify(&mut self, solution: &mut Solution) {
-        self.conditions.evaluate(&self.problem, &self.set, &self.solved, ROUNDING);
+        self.evaluate_conditions(ROUNDING);
         self.write(solution, 1);
-        self.write_ranks(solution);
+    }
+
+    fn evaluate_conditions(&mut self, rounding: f64) {
+        let Self { problem, set, solved, conditions, .. } = self;
+        conditions.evaluate(Trial { problem, set, solved }, rounding);
     }
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
-    fn solve_from(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) -> bool {
+    /// `is_factorized`: the last factorisation is that of the empty set of this problem.
+    fn solve_from(
+        &mut self,
+        guess: Option<&WorkingSet>,
+        is_factorized: bool,
+        max_sets: u32,
+        solution: &mut Solution,
+    ) -> bool {
         self.start_from(guess);
         let mut met_uncertain_rank = false;
-        let levels = self.problem.levels.len();
         let constraints = self.problem.unknowns + self.problem.rows.len();
-        let max_sets = u32::try_from(40 * constraints + 50).unwrap_or(u32::MAX);
+        let max_sets = u32::try_from(40 * constraints + 50).unwrap_or(u32::MAX).min(max_sets);
         let mut phase = Phase::Guess;
         let (mut tried, mut searches) = (0, 0);
         let (mut rounding, mut roundings) = (ROUNDING, OTHER_ROUNDINGS.into_iter());
         loop {
             tried += 1;
-            if !(self.keeps_factorization && self.set.is_empty()) {
-                self.solved.solve(&self.problem, &self.set, levels);
+            if !(is_factorized && tried == 1 && self.set.is_empty()) {
+                self.solved.solve(&self.problem, &self.set);
             }
-            self.keeps_factorization = false;
             met_uncertain_rank |= self.solved.rank_uncertain;
-            self.conditions.evaluate(&self.problem, &self.set, &self.solved, rounding);
-            if self.conditions.hold() || tried >= max_sets {
+            self.evaluate_conditions(rounding);
+            if self.conditions.are_met() || tried >= max_sets {
                 break;
             }
             match phase {
@@ -137,7 +148,7 @@ impl<const N: usize> ActiveSetSolver<N> {
                 // The proposal was wrong: the weights were too close to each other, or too far apart.
                 Phase::Guess if searches == 1 => self.set.clear(self.problem.unknowns, self.problem.rows.len()),
                 // A guess from the call before: most are wrong in one place or two.
-                Phase::Guess if searches == 0 && tried < MAX_CORRECTIONS => self.correct_all(),
+                Phase::Guess if searches == 0 && tried < FIRST_PRIMAL_TRIAL => self.correct_all(),
                 Phase::LeastIndex => self.correct_least(),
                 _ => {
                     if phase == Phase::Guess {
@@ -158,7 +169,6 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
         }
         self.write(solution, tried);
-        self.write_ranks(solution);
         met_uncertain_rank
     }
 
@@ -231,13 +241,14 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.working_set.rows.clone_from(&set.rows);
         refill(&mut solution.multipliers, conditions.multipliers.0[..n].iter().copied());
         solution.row_multipliers.clone_from(&conditions.row_multipliers);
-        solution.is_optimal = conditions.hold() && all_finite(&x.0);
+        solution.is_optimal = conditions.are_met() && all_finite(&x.0);
         solution.kkt_residual = conditions.residual;
         solution.working_sets = tried;
+        self.write_ranks(solution);
     }
 
     fn write_ranks(&self, solution: &mut Solution) {
-        refill(&mut solution.level_ranks, self.solved.spans.iter().map(|span| span.rank_end - span.first));
+        refill(&mut solution.level_ranks, self.solved.spans.iter().map(Span::rank));
         solution.rank_uncertain = self.solved.rank_uncertain;
     }
 }

@@ -84,7 +84,7 @@ impl<const N: usize> ProblemRows<N> {
     /// Returns whether a row takes part in least squares on a working set.
     #[inline]
     pub fn is_active(&self, set: &WorkingSet, row: usize) -> bool {
-        set.rows[row].is_some() || self.row_lower[row] == self.row_upper[row]
+        set.rows[row].is_some() || !(self.row_lower[row] < self.row_upper[row])
     }
 
     /// Returns whether the bounds of an unknown coincide.

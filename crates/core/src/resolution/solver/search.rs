@@ -88,7 +88,7 @@ impl<const N: usize> Search<N> {
         let inverse_weight = |k: usize| spacing.powi(exponent(k)) * problem.levels[k].square;
         let mut level = 0;
         for (c, column) in self.generator.iter().enumerate() {
-            while level < solved.spans.len() && c >= solved.spans[level].rank_end {
+            while level < solved.spans.len() && c >= solved.spans[level].rank_end() {
                 level += 1;
             }
             let scale = if level < solved.spans.len() { inverse_weight(level) } else { 1.0 };
@@ -135,7 +135,7 @@ impl<const N: usize> Search<N> {
         false
     }
 
-    /// Returns the inactive constraint that is broken most for what it takes to correct it, and its broken bound.
+    /// Returns the inactive constraint with the largest (violation)²/K_ii, and the bound that it violates.
     fn most_broken(&self) -> Option<(usize, Side)> {
         let (mut worst, mut most) = (None, 0.0);
         for (i, &value) in self.state[..self.active.len()].iter().enumerate() {
@@ -155,7 +155,7 @@ impl<const N: usize> Search<N> {
     }
 
     /// Raises the multiplier of a broken constraint until it meets its bound; active constraints whose multipliers vanish on
-    /// the way leave. Returns `false` if rounding has eaten its pivot.
+    /// the way leave. Returns `false` if its pivot is lost to rounding.
     fn enter(&mut self, entering: usize, side: Side) -> bool {
         let bound = self.bound(entering, side);
         let mut multiplier = 0.0;

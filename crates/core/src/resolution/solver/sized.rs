@@ -1,78 +1,91 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Row, Triangle, smallest_singular_value_bound, write_inverse, write_singular_values};
+use crate::linalg::{Row, write_singular_values};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
 pub const MAX_UNKNOWNS: usize = 136;
 
-/// A solver of hierarchical problems: a problem in, a solution with its optimality conditions out.
-pub trait LevelSolver {
-    /// Solves a problem of up to [`MAX_UNKNOWNS`] unknowns; `guess` is the working set to start from.
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution);
-}
+/// A solver, whatever its width is, and what its last factorisation can tell.
+pub trait SizedSolver {
+    /// Solves a problem in at most `max_sets` working sets; `guess` is the one to start from.
+    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution);
 
-/// What the last factorisation of a solver can tell, whatever its width is.
-trait SizedSolver: LevelSolver {
+    /// Solves a problem of equations without bounds and does not evaluate the optimality conditions. Only x, the ranks and
+    /// whether they are uncertain are set.
     fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution);
+
+    /// Evaluates the optimality conditions after [`Self::solve_without_bounds`] and sets the rest of the solution.
     fn certify(&mut self, solution: &mut Solution);
+
+    /// Returns whether all singular values of the last triangle certainly exceed `threshold`: 1/‖L⁻¹‖_F ≤ σ_min.
     fn exceeds(&mut self, threshold: f64) -> bool;
-    fn write_triangle(&self, triangle: &mut Triangle);
+
+    /// Copies the last triangle, with zeros above its diagonal.
+    fn write_triangle(&self, entries: &mut Vec<f64>);
+
+    /// Returns the product of the singular values of the last triangle.
     fn pivot_product(&self) -> f64;
+
+    /// Returns the smallest singular value of a level of the last problem, restricted to what higher levels leave free.
     fn smallest_of_level(&mut self, level: usize) -> f64;
+
+    /// Writes the multipliers of one level of the last problem: of the rows (sign of b − A x), and of the unknowns.
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>);
+
+    /// Writes an orthonormal basis of what the active rows of the last problem leave free, column by column.
     fn write_null_space(&self, basis: &mut Vec<f64>);
 }
 
-/// A solver of one width with room for the examination of its triangle.
-#[derive(Default)]
-struct Sized<const N: usize> {
-    solver: ActiveSetSolver<N>,
-    inverse: Vec<Row<N>>,
-    block: Vec<f64>,
-    sigma: Vec<f64>,
-}
-
-impl<const N: usize> LevelSolver for Sized<N> {
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.solver.solve(problem, guess, solution);
+impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
+    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
+        self.solve(problem, guess, max_sets, solution);
     }
-}
 
-impl<const N: usize> SizedSolver for Sized<N> {
     fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        self.solver.solve_without_bounds(problem, solution);
+        self.solve_without_bounds(problem, solution);
     }
 
     fn certify(&mut self, solution: &mut Solution) {
-        self.solver.certify(solution);
+        self.certify(solution);
     }
 
     fn exceeds(&mut self, threshold: f64) -> bool {
-        let rows = self.solver.solved.triangle().map(|row| (&row.coordinates, row.inverse));
-        smallest_singular_value_bound(rows.clone()) >= threshold
-            || write_inverse(rows, &mut self.inverse) * threshold <= 1.0
+        self.inverse.clear();
+        let mut square = 0.0;
+        for (c, row) in self.solved.triangle().enumerate() {
+            let mut inverse = Row::ZERO;
+            for (above, entry) in self.inverse.iter().zip(&row.coordinates.0) {
+                inverse.add_scaled(-row.inverse * entry, above);
+            }
+            inverse.0[c] = row.inverse;
+            square += inverse.dot(&inverse);
+            self.inverse.push(inverse);
+        }
+        square.sqrt() * threshold <= 1.0
     }
 
-    fn write_triangle(&self, triangle: &mut Triangle) {
-        triangle.set(self.solver.solved.triangle().map(|row| &row.coordinates));
+    fn write_triangle(&self, entries: &mut Vec<f64>) {
+        entries.clear();
+        for row in self.solved.triangle() {
+            entries.extend_from_slice(&row.coordinates.0[..self.solved.rank()]);
+        }
     }
 
     fn pivot_product(&self) -> f64 {
-        self.solver.solved.triangle().map(|row| 1.0 / row.inverse.abs()).product()
+        self.solved.triangle().map(|row| 1.0 / row.inverse.abs()).product()
     }
 
     fn smallest_of_level(&mut self, level: usize) -> f64 {
-        let solved = &self.solver.solved;
-        let span = solved.spans[level];
-        let (rows, columns) = (span.end - span.start, solved.free.len() - span.first);
-        let rank = span.rank_end - span.first;
+        let span = self.solved.spans[level];
+        let (rows, columns) = (span.end - span.start, self.solved.free.len() - span.first);
+        let rank = span.rank();
         if rank < rows.min(columns) {
             return 0.0;
         }
         // The block has `rank` columns that are not zero; singular values are taken on its shorter side.
-        let entry = |row: usize, column: usize| solved.rows[span.start + row].coordinates.0[span.first + column];
+        let entry = |row: usize, column: usize| self.solved.rows[span.start + row].coordinates.0[span.first + column];
         let (count, width) = (rows.min(rank), rows.max(rank));
         let at = |i: usize, j: usize| if rows <= rank { entry(i, j) } else { entry(j, i) };
         refill(&mut self.block, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
@@ -81,17 +94,15 @@ impl<const N: usize> SizedSolver for Sized<N> {
     }
 
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
-        let ActiveSetSolver { problem, solved, conditions, .. } = &mut self.solver;
-        let (w, h) = conditions.write_level_multipliers(problem, solved, level);
+        let (w, h) = self.conditions.level_multipliers(&self.problem, &self.solved, level);
         refill(rows, w.iter().copied());
-        refill(unknowns, h.0[..problem.unknowns].iter().copied());
+        refill(unknowns, h.0[..self.problem.unknowns].iter().copied());
     }
 
     fn write_null_space(&self, basis: &mut Vec<f64>) {
-        let ActiveSetSolver { problem, solved, .. } = &self.solver;
         basis.clear();
-        for c in solved.rank()..solved.free.len() {
-            basis.extend_from_slice(&solved.q_column(c).0[..problem.unknowns]);
+        for c in self.solved.rank()..self.solved.free.len() {
+            basis.extend_from_slice(&self.solved.q_column(c).0[..self.problem.unknowns]);
         }
     }
 }
@@ -103,71 +114,30 @@ pub struct HierarchicalSolver {
     last: usize,
 }
 
-impl LevelSolver for HierarchicalSolver {
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.of_width(problem.unknowns).solve(problem, guess, solution);
-    }
-}
-
 impl HierarchicalSolver {
-    /// Returns the solver whose rows hold n numbers.
-    fn of_width(&mut self, n: usize) -> &mut (dyn SizedSolver + Send) {
+    /// Solves a problem of up to [`MAX_UNKNOWNS`] unknowns; `guess` is the working set to start from.
+    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
+        self.of_width(problem.unknowns).solve(problem, guess, u32::MAX, solution);
+    }
+
+    /// Returns the solver for n unknowns.
+    pub fn of_width(&mut self, n: usize) -> &mut (dyn SizedSolver + Send) {
         let (place, make): (usize, fn() -> Box<dyn SizedSolver + Send>) = match n {
-            0..=4 => (0, || Box::<Sized<4>>::default()),
-            5..=8 => (1, || Box::<Sized<8>>::default()),
-            9..=16 => (2, || Box::<Sized<16>>::default()),
-            17..=24 => (3, || Box::<Sized<24>>::default()),
-            25..=40 => (4, || Box::<Sized<40>>::default()),
-            41..=72 => (5, || Box::<Sized<72>>::default()),
-            73..=MAX_UNKNOWNS => (6, || Box::<Sized<136>>::default()),
+            0..=4 => (0, || Box::<ActiveSetSolver<4>>::default()),
+            5..=8 => (1, || Box::<ActiveSetSolver<8>>::default()),
+            9..=16 => (2, || Box::<ActiveSetSolver<16>>::default()),
+            17..=24 => (3, || Box::<ActiveSetSolver<24>>::default()),
+            25..=40 => (4, || Box::<ActiveSetSolver<40>>::default()),
+            41..=72 => (5, || Box::<ActiveSetSolver<72>>::default()),
+            73..=MAX_UNKNOWNS => (6, || Box::<ActiveSetSolver<136>>::default()),
             _ => panic!("{n} unknowns; problems are checked for at most {MAX_UNKNOWNS}"),
         };
         self.last = place;
         &mut **self.solvers[place].get_or_insert_with(make)
     }
 
-    fn last(&mut self) -> &mut (dyn SizedSolver + Send) {
+    /// Returns the solver of the last problem.
+    pub fn last(&mut self) -> &mut (dyn SizedSolver + Send) {
         &mut **self.solvers[self.last].as_mut().expect("a problem was solved before")
-    }
-
-    /// Solves a problem of equations without bounds and does not evaluate the optimality conditions. Only x, the ranks and
-    /// whether they are uncertain are set.
-    pub fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        self.of_width(problem.unknowns).solve_without_bounds(problem, solution);
-    }
-
-    /// Evaluates the optimality conditions of the last [`Self::solve_without_bounds`] and sets the rest of the solution.
-    pub fn certify(&mut self, solution: &mut Solution) {
-        self.last().certify(solution);
-    }
-
-    /// Returns whether all singular values of the last triangle certainly exceed `threshold`.
-    pub fn exceeds(&mut self, threshold: f64) -> bool {
-        self.last().exceeds(threshold)
-    }
-
-    /// Copies the last triangle.
-    pub fn write_triangle(&mut self, triangle: &mut Triangle) {
-        self.last().write_triangle(triangle);
-    }
-
-    /// Returns the product of the singular values of the last triangle.
-    pub fn pivot_product(&mut self) -> f64 {
-        self.last().pivot_product()
-    }
-
-    /// Returns the smallest singular value of a level of the last problem, restricted to what higher levels leave free.
-    pub fn smallest_of_level(&mut self, level: usize) -> f64 {
-        self.last().smallest_of_level(level)
-    }
-
-    /// Writes the multipliers of one level of the last problem: of the rows (sign of b − A x), and of the unknowns.
-    pub fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
-        self.last().write_level_multipliers(level, rows, unknowns);
-    }
-
-    /// Writes an orthonormal basis of what the active rows of the last problem leave free, column by column.
-    pub fn write_null_space(&mut self, basis: &mut Vec<f64>) {
-        self.last().write_null_space(basis);
     }
 }
