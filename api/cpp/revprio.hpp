@@ -12,6 +12,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -80,12 +81,21 @@ private:
     static bool is_temporary(int status) { return status >= 500 || status == 408 || status == 429; }
 };
 
+/// Returns a random word for an owner token or an idempotency key.
+inline std::string random_word() {
+    std::random_device source;
+    std::string word;
+    for (int i = 0; i < 32; ++i) word += "0123456789abcdef"[source() % 16];
+    return word;
+}
+
 /// Options of a client.
 struct Options {
     std::string token;                 ///< Content of the service's --token-file.
     Seconds timeout{10.0};             ///< Time limit of one attempt of a call.
     Seconds step_timeout{0.1};         ///< Time limit of one attempt of a control period.
     int retries = 2;                   ///< Maximum number of retries; only calls that are safe to repeat are retried.
+    std::string owner = random_word(); ///< Owner token of the sessions of this client; other clients cannot step them.
 };
 
 /// A client of one service. It keeps one connection open. Only one thread at a time may use it.
@@ -95,7 +105,7 @@ public:
         : url_(std::move(url)), options_(std::move(options)), http_(url_) {
         http_.set_keep_alive(true);
         http_.set_tcp_nodelay(true);
-        http_.set_default_headers({{"Accept", "application/json"}});
+        http_.set_default_headers({{"Accept", "application/json"}, {"Revprio-Owner", options_.owner}});
         if (!options_.token.empty()) http_.set_bearer_token_auth(options_.token);
     }
 
@@ -111,14 +121,14 @@ public:
     Json robot(const std::string& name) { return call("GET", "/v1/robots/" + name); }
 
     /// Sends any other call; `body` is sent unless it is null. `repeatable`: whether the call may be sent again when it
-    /// is unknown if the service received it.
+    /// is unknown if the service received it. `headers`: additional headers.
     Json call(const std::string& method, const std::string& path, const Json& body = nullptr, bool repeatable = true,
-              std::optional<Seconds> timeout = {}) {
+              std::optional<Seconds> timeout = {}, const httplib::Headers& headers = {}) {
         const std::string content = body.is_null() ? "" : require_finite(body).dump();
         auto pause = Seconds(0.02);
         for (int left = options_.retries;; --left, pause *= 2) {
             try {
-                return send(method, path, content, timeout.value_or(options_.timeout));
+                return send(method, path, content, timeout.value_or(options_.timeout), headers);
             } catch (const Problem& problem) {
                 const Seconds wait = problem.retry_after_s ? Seconds(*problem.retry_after_s) : pause;
                 const bool is_busy = problem.status == 503 || problem.status == 429;
@@ -137,15 +147,16 @@ public:
 private:
     Json post(const std::string& path, const Json& body) { return call("POST", path, body); }
 
-    Json send(const std::string& method, const std::string& path, const std::string& content, Seconds timeout) {
+    Json send(const std::string& method, const std::string& path, const std::string& content, Seconds timeout,
+              const httplib::Headers& headers) {
         const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(timeout);
         http_.set_connection_timeout(micros);
         http_.set_read_timeout(micros);
         http_.set_write_timeout(micros);
         const auto start = Clock::now();
-        const httplib::Result result = method == "POST"     ? http_.Post(path, content, "application/json")
-                                       : method == "DELETE" ? http_.Delete(path)
-                                                            : http_.Get(path);
+        const httplib::Result result = method == "POST"     ? http_.Post(path, headers, content, "application/json")
+                                       : method == "DELETE" ? http_.Delete(path, headers)
+                                                            : http_.Get(path, headers);
         if (!result) throw NoAnswer(url_, httplib::to_string(result.error()), Clock::now() - start >= timeout);
         return read(*result);
     }
@@ -191,7 +202,8 @@ class Session {
 public:
     Session(Client& client, const Json& controller)
         : client_(client), period_s_(controller.at("period_s")),
-          created_(client.call("POST", "/v1/controllers", controller, false)), path_("/v1/controllers/" + id()) {}
+          created_(client.call("POST", "/v1/controllers", controller, true, {}, {{"Idempotency-Key", random_word()}})),
+          path_("/v1/controllers/" + id()) {}
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
     ~Session() {
@@ -230,21 +242,26 @@ private:
 /// Computes the joint velocities to command at any time, also when no answers come.
 ///
 /// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
-/// slows down to rest at its maximum acceleration and stays at rest until a newer answer comes.
+/// brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits
+/// include positions, every joint then stops inside its range.
 class Watchdog {
 public:
-    /// `acceleration_limit`: maximum acceleration of each joint, n, rad/s² or m/s².
+    /// `acceleration_limit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The
+    /// answer has precedence, because its `valid_for_ms` is correct for its own deceleration only.
     explicit Watchdog(std::vector<double> acceleration_limit)
-        : acceleration_(std::move(acceleration_limit)), velocity_(acceleration_.size(), 0.0) {
+        : acceleration_(std::move(acceleration_limit)), deceleration_(acceleration_),
+          velocity_(acceleration_.size(), 0.0) {
         for (double limit : acceleration_)
             if (!(limit > 0)) throw std::invalid_argument("acceleration_limit: give one positive number per joint");
         if (acceleration_.empty()) throw std::invalid_argument("acceleration_limit: give one number per joint");
     }
 
-    /// Creates a watchdog with the acceleration limits of a robot, as Client::robot returns it.
+    /// Creates a watchdog for a robot, as Client::robot returns it. A joint without any deceleration, in the answer or in
+    /// the robot, stops at once.
     static Watchdog of(const Json& robot) {
         std::vector<double> limits;
-        for (const Json& joint : robot.at("joints")) limits.push_back(joint.at("acceleration_limit"));
+        for (const Json& joint : robot.at("joints"))
+            limits.push_back(number_or(joint.value("acceleration_limit", Json()), HUGE_VAL));
         return Watchdog(std::move(limits));
     }
 
@@ -260,15 +277,21 @@ public:
         velocity_ = std::move(velocity);
         measured_at_ = measured_at;
         expires_at_ = expires_at;
+        const Json given = answer.value("braking_deceleration", Json::array());
+        for (std::size_t joint = 0; joint < deceleration_.size(); ++joint)
+            deceleration_[joint] = number_or(joint < given.size() ? given[joint] : Json(), acceleration_[joint]);
         return true;
     }
 
-    /// Returns the joint velocities to command at `now`: n, rad/s or m/s.
+    /// Returns the joint velocities to command at `now`: n, rad/s or m/s. The arm keeps a command until the next one. In a
+    /// loop, use the time of the next command instead of the present time: then the arm is never faster than the ramp.
+    /// `Loop` does so.
     std::vector<double> command(Clock::time_point now) const {
-        const double silence_s = std::max(Seconds(now - expires_at_).count(), 0.0);
+        if (now <= expires_at_) return velocity_;
+        const double silence_s = Seconds(now - expires_at_).count();
         std::vector<double> velocity(velocity_.size());
         for (std::size_t joint = 0; joint < velocity.size(); ++joint) {
-            const double speed = std::max(std::abs(velocity_[joint]) - acceleration_[joint] * silence_s, 0.0);
+            const double speed = std::max(std::abs(velocity_[joint]) - deceleration_[joint] * silence_s, 0.0);
             velocity[joint] = std::copysign(speed, velocity_[joint]);
         }
         return velocity;
@@ -284,7 +307,10 @@ public:
     }
 
 private:
+    static double number_or(const Json& value, double other) { return value.is_number() ? value.get<double>() : other; }
+
     std::vector<double> acceleration_;
+    std::vector<double> deceleration_;
     std::vector<double> velocity_;
     Clock::time_point measured_at_{};
     Clock::time_point expires_at_{};
@@ -331,7 +357,8 @@ public:
         std::lock_guard lock(mutex_);
         const auto now = Clock::now();
         if (failure_ && !is_stopped_ && (!is_silence_ || watchdog_.is_at_rest(now))) std::rethrow_exception(failure_);
-        return watchdog_.command(now);
+        const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(session_.period_s()));
+        return watchdog_.command(now + period);
     }
 
     /// Starts the ramp to rest. After this, answers are ignored and `command` does not throw.

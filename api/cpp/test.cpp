@@ -124,6 +124,15 @@ void watchdog() {
     check(is_close(dog.command(at(100)), 0.4, -0.1), "an answer is held while it is valid");
     check(is_close(dog.command(at(110)), 0.38, -0.06), "then each joint brakes at its own limit");
     check(!dog.is_at_rest(at(290)) && dog.is_at_rest(at(301)), "the joints come to rest");
+    Json braking = answer;
+    braking["braking_deceleration"] = {8, nullptr};
+    check(dog.obey(braking, at(0), at(1)), "the same state may be answered again");
+    check(is_close(dog.command(at(110)), 0.32, -0.06), "the deceleration of the answer has precedence");
+    const auto unlimited = revprio::Watchdog::of(Json::parse(R"({"joints": [{"acceleration_limit": null}, {}]})"));
+    auto sudden = unlimited;
+    sudden.obey(answer, at(0), at(1));
+    check(is_close(sudden.command(at(100)), 0.4, -0.1) && is_close(sudden.command(at(101)), 0, 0),
+          "a joint without any deceleration stops at once");
     expect_throw<std::invalid_argument>([] { revprio::Watchdog({1, 0}); }, "limits must be positive");
 }
 
@@ -163,7 +172,8 @@ void loop_ends_at_rest(revprio::Client& client) {
         const auto earlier = before;
         before = Clock::now();
         const std::vector<double> slower = loop.command();
-        const double elapsed_s = revprio::Seconds(Clock::now() - earlier).count();
+        // The first command of the ramp is that at the end of its period, 10 ms later.
+        const double elapsed_s = revprio::Seconds(Clock::now() - earlier).count() + 0.01;
         for (std::size_t joint = 0; joint < 7; ++joint) {
             check(std::abs(slower[joint]) <= std::abs(command[joint]) + 1e-12, "no joint speeds up");
             check(std::abs(command[joint]) - std::abs(slower[joint]) <= limits[joint] * elapsed_s + 1e-12,

@@ -107,14 +107,15 @@ def trajectory_point(position, velocity, period_s):
 
 
 class Watchdog:
-    """Computes the command of each period: the last answer while it is valid, then a ramp to rest at `acceleration`.
+    """Computes the command of each period: the last answer while it is valid, then a ramp to rest.
 
-    `acceleration` is None for a joint without an acceleration limit in the robot's description. Such a joint stops at
-    once.
+    Each joint brakes at the answer's `braking_deceleration`. If the controller's limits include positions, it then stops
+    inside its range. `acceleration`: deceleration for answers without one; None: such a joint stops at once.
     """
 
     def __init__(self, acceleration, period_s):
-        self.max_change = [inf if a is None else a * period_s for a in acceleration]
+        self.acceleration, self.period_s = acceleration, period_s
+        self.deceleration = acceleration
         self.velocity = [0.0] * len(acceleration)
         self.valid_until_s = float("-inf")
 
@@ -122,10 +123,13 @@ class Watchdog:
         """Stores an answer to the state that was measured at `measured_s`."""
         self.velocity = answer["joint_velocity"]
         self.valid_until_s = measured_s + answer["valid_for_ms"] / 1e3
+        given = answer.get("braking_deceleration") or self.acceleration
+        self.deceleration = [own if a is None else a for a, own in zip(given, self.acceleration, strict=True)]
 
     def command(self, now_s):
-        """Returns the joint velocities for this period, rad/s or m/s. Call it once per period."""
-        if now_s > self.valid_until_s:
-            slower = [max(0.0, abs(v) - change) for v, change in zip(self.velocity, self.max_change)]
-            self.velocity = [copysign(speed, v) for speed, v in zip(slower, self.velocity)]
-        return self.velocity
+        """Returns the joint velocities for this period, rad/s or m/s: those at its end, because the arm keeps them."""
+        late_s = now_s + self.period_s - self.valid_until_s
+        if late_s <= 1e-9:  # sums of periods are not exact
+            return self.velocity
+        speeds = [max(0.0, abs(v) - (inf if a is None else a) * late_s) for v, a in zip(self.velocity, self.deceleration)]
+        return [copysign(speed, v) for speed, v in zip(speeds, self.velocity)]

@@ -2,6 +2,7 @@
 
 import json
 from http.client import HTTPConnection, HTTPException
+from uuid import uuid4
 
 NO_COMMAND_ERRORS = (OSError, HTTPException, ValueError)
 """Exceptions of a call that returns no command: the answer is late, lost or a refusal."""
@@ -10,7 +11,8 @@ NO_COMMAND_ERRORS = (OSError, HTTPException, ValueError)
 class Service:
     def __init__(self, address, timeout_s, token=None):
         self.connection = HTTPConnection(address, timeout=timeout_s)
-        self.headers = {"Content-Type": "application/json"}
+        # The owner token: no other client can step the sessions of this one.
+        self.headers = {"Content-Type": "application/json", "Revprio-Owner": str(uuid4())}
         if token:
             self.headers["Authorization"] = f"Bearer {token}"
 

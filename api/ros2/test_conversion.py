@@ -121,11 +121,12 @@ class Watchdogs(unittest.TestCase):
 
     def test_an_answer_is_held_for_its_validity_from_the_measurement(self):
         self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        self.assertEqual(self.watchdog.command(1.1), [0.25, -0.12])
+        self.assertEqual(self.watchdog.command(1.09), [0.25, -0.12])
+        self.assertNotEqual(self.watchdog.command(1.1), [0.25, -0.12])
 
     def test_after_that_each_joint_brakes_at_its_own_limit_to_rest(self):
         self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        ramp = [self.watchdog.command(1.11 + 0.01 * i) for i in range(5)]
+        ramp = [self.watchdog.command(1.1 + 0.01 * i) for i in range(5)]
         for actual, expected in zip(ramp, [[0.15, -0.07], [0.05, -0.02], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]):
             for a, b in zip(actual, expected):
                 self.assertAlmostEqual(a, b, places=12)
@@ -133,8 +134,16 @@ class Watchdogs(unittest.TestCase):
     def test_a_joint_without_an_acceleration_limit_stops_at_once(self):
         watchdog = conversion.Watchdog([None, 5.0], 0.01)
         watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        velocity = watchdog.command(1.2)
+        velocity = watchdog.command(1.1)
         self.assertEqual(velocity[0], 0.0)
+        self.assertAlmostEqual(velocity[1], -0.07, places=12)
+
+    def test_the_deceleration_of_the_answer_has_precedence(self):
+        answer = {"joint_velocity": [0.25, -0.12], "valid_for_ms": 20, "braking_deceleration": [4.0, None]}
+        self.watchdog.update(answer, 1.0)
+        self.assertEqual(self.watchdog.command(1.01), [0.25, -0.12])
+        velocity = self.watchdog.command(1.02)
+        self.assertAlmostEqual(velocity[0], 0.21, places=12)
         self.assertAlmostEqual(velocity[1], -0.07, places=12)
 
     def test_a_new_answer_ends_the_ramp(self):

@@ -15,6 +15,7 @@ use super::gate::gate;
 use super::handlers::docs::{self, Documents};
 use super::handlers::page;
 use super::openapi::{asyncapi_document, openapi_document};
+use super::ownership::{IDEMPOTENCY_KEY, OWNER};
 use super::request_id::REQUEST_ID;
 use super::routes::routes;
 use super::state::AppState;
@@ -58,7 +59,8 @@ fn behind_gate(routes: Router<Arc<AppState>>, app: AppState) -> Service {
 /// Lets pages of these origins read answers.
 fn cors(origins: &[String]) -> CorsLayer {
     let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
-    let request_headers: [HeaderName; 4] = [header::CONTENT_TYPE, header::AUTHORIZATION, header::ACCEPT, REQUEST_ID];
+    let request_headers: [HeaderName; 6] =
+        [header::CONTENT_TYPE, header::AUTHORIZATION, header::ACCEPT, REQUEST_ID, OWNER, IDEMPOTENCY_KEY];
     CorsLayer::new()
         .allow_origin(origins)
         .allow_methods([Method::GET, Method::POST, Method::DELETE])

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use revprio_api::{ClientError, Service, wire};
-use revprio_core::controller::Stepper;
 
+use super::checked_stepper::CheckedStepper;
 use super::error::ApiError;
+use super::interleaving::Source;
 use super::metrics::Metrics;
+use super::ownership::{Owner, Ownership};
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::step::{open_session, stateless_step, stateless_stepper};
@@ -27,7 +29,7 @@ pub struct InProcess {
     robots: Robots,
     sessions: Sessions,
     /// The controllers of the last stateless steps, the last used one at the end.
-    steppers: RefCell<Vec<(wire::Controller, Stepper)>>,
+    steppers: RefCell<Vec<(wire::Controller, CheckedStepper)>>,
 }
 
 impl InProcess {
@@ -38,7 +40,7 @@ impl InProcess {
     }
 
     /// Removes the stepper of this controller from the kept ones, or creates a new one.
-    fn take_stepper(&self, controller: &wire::Controller) -> Result<(wire::Controller, Stepper), ApiError> {
+    fn take_stepper(&self, controller: &wire::Controller) -> Result<(wire::Controller, CheckedStepper), ApiError> {
         let mut steppers = self.steppers.borrow_mut();
         if let Some(index) = steppers.iter().position(|(known, _)| known == controller) {
             return Ok(steppers.remove(index));
@@ -60,11 +62,12 @@ impl InProcess {
 
 impl Service for InProcess {
     fn create_controller(&self, controller: &wire::Controller) -> Result<wire::CreatedController, ClientError> {
-        open_session(controller.clone(), &self.robots, &self.sessions).map_err(client_error)
+        open_session(controller.clone(), Ownership::default(), &self.robots, &self.sessions).map_err(client_error)
     }
 
     fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {
-        self.sessions.step(id, state.clone()).map(|answer| answer.answer().clone()).map_err(client_error)
+        let answer = self.sessions.step(id, state.clone(), &Owner::default(), Source::Request);
+        answer.map(|answer| answer.answer().clone()).map_err(client_error)
     }
 
     fn delete_controller(&self, id: &str) -> Result<(), ClientError> {

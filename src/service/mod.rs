@@ -41,16 +41,34 @@
 //!
 //! 1. Count `valid_for_ms` from the moment at which the *state* was measured.
 //! 2. If the time is over and there is no newer answer, for whatever reason (no connection, a problem instead of an
-//!    answer, a slow network), ramp the last joint velocities to zero within the acceleration limits of the arm. Then hold.
-//! 3. Resume with a newly measured state.
+//!    answer, a slow network), brake each joint at its `braking_deceleration` to rest. Then hold.
+//! 3. The arm keeps a command until the next one. Send the velocity of the ramp at the time of the next command.
+//! 4. Resume with a newly measured state.
 //!
-//! Never continue with an expired command. Never repeat it.
+//! Never continue with an expired command. Never repeat it. With this rule every joint stops inside its position range, if
+//! the controller's `limits` include positions and its solver is not `closed_form`. The module `limits` of the library
+//! proves it.
+//!
+//! # Plausible states
+//!
+//! A state beyond the bounds of the controller's `state_checks` is refused (422, `implausible`). `warnings` of the answer
+//! name everything else that is not plausible: time that goes back or jumps, a jump of the sequence number or of a joint,
+//! a joint outside its range or too fast to stop, and two clients that step the same session.
+//!
+//! # Owners and keys
+//!
+//! A session that is opened with the header `Revprio-Owner` is stepped only with the same header (403, `owner`).
+//! Browsers, whose WebSockets send no headers, write `?revprio_owner=…` behind `/stream`. The owner token prevents
+//! mistakes between clients. It is not a secret of the service: anyone with access can still delete the session.
+//!
+//! A request with `Idempotency-Key` that opens a session can be repeated if its answer was lost. The same request with the
+//! same key gets the same session, as long as the session is open.
 //!
 //! # Streams
 //!
 //! `/stream` receives one state per message and sends one answer per state. Messages are JSON in text frames (no
 //! subprotocol or `revprio.json`) or MessagePack in binary frames (`revprio.msgpack`). Sequence numbers follow the same
-//! rules as in requests. Several streams and requests may share a session.
+//! rules as in requests. Several streams and requests may share a session; if they alternate, the answers have a warning.
 //!
 //! A refused state gets a problem object, and the stream continues. A problem has `status` and no `joint_velocity`. A
 //! message of more than 64 KiB gets a problem object too. The service pings every 10 s. It closes a stream with one of these
@@ -118,6 +136,7 @@ mod admission_queue;
 mod app;
 mod background;
 mod body;
+mod checked_stepper;
 mod config;
 mod connection;
 mod convert;
@@ -128,8 +147,10 @@ mod format;
 mod gate;
 mod handlers;
 mod in_process;
+mod interleaving;
 mod metrics;
 mod openapi;
+mod ownership;
 mod request_id;
 mod resolve;
 mod robots;

@@ -5,15 +5,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use revprio_api::wire;
-use revprio_core::controller::{Controller, Memory, Stepper};
+use revprio_core::controller::{Controller, Memory};
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
 use tokio::sync::watch;
 use uuid::Uuid;
 
-use super::convert;
+use super::checked_stepper::CheckedStepper;
+use super::convert::{self, LastState};
 use super::error::ApiError;
+use super::interleaving::{Interleaving, Source};
 use super::metrics::Metrics;
+use super::ownership::{Owner, Ownership};
 
 /// A step more than this many periods after the previous step counts as a missed period.
 const LATE_PERIODS: f64 = 1.5;
@@ -50,8 +53,11 @@ impl Serialize for SharedAnswer {
 pub struct Session {
     /// The controller of the request.
     pub request: wire::Controller,
-    stepper: Stepper,
+    ownership: Ownership,
+    stepper: CheckedStepper,
     memory: Option<Memory>,
+    last_state: Option<LastState>,
+    interleaving: Interleaving,
     last_step: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
     retries: u64,
@@ -63,23 +69,31 @@ pub struct Session {
 
 impl Session {
     /// Answers a state that arrived at `now`. A new state makes a step. The last state again gets the last answer again.
-    fn answer(&mut self, state: wire::State, now: Instant, metrics: &Metrics) -> Result<SharedAnswer, ApiError> {
-        let controller = Arc::clone(self.stepper.controller());
-        let measurement = convert::measurement(&state, &controller)?;
+    fn answer(
+        &mut self,
+        state: wire::State,
+        source: Source,
+        now: Instant,
+        metrics: &Metrics,
+    ) -> Result<SharedAnswer, ApiError> {
+        let measurement = self.stepper.measurement(&state)?;
         self.last_call = now;
         if let Some(last) = &*self.last_step.borrow() {
             if last.state == state {
                 self.retries += 1;
                 return Ok(SharedAnswer(Arc::clone(last)));
             }
-            convert::check_sequence(last.state.sequence, state.sequence)?;
+            let checked = convert::check_sequence(last.state.sequence, state.sequence);
+            checked.inspect_err(|_| self.interleaving.count_refused())?;
         }
         // Only watchers use the last command.
         let last_command = self.memory.as_ref().filter(|_| self.last_step.receiver_count() > 0);
         let last_command = last_command.map(|memory| memory.last_command.clone());
-        let command = self.stepper.step(&mut self.memory, &measurement);
-        let command = command.map_err(|error| convert::step_error(&error, ""))?;
-        let answer = convert::step_answer(&controller, state.sequence, command, now);
+        let last_state = self.last_state.as_ref();
+        let mut answer = self.stepper.step(&mut self.memory, last_state, state.sequence, &measurement, now)?;
+        self.interleaving.count_step(source, &mut answer.warnings);
+        let (sequence, time_s) = (state.sequence, measurement.time_s);
+        self.last_state = Some(LastState { sequence, time_s, joint_position: measurement.joint_position });
         metrics.count_resolution(&answer.solver);
         self.steps += 1;
         let elapsed = self.last_step_time.replace(now).map(|last| now.duration_since(last));
@@ -161,17 +175,34 @@ impl Sessions {
     }
 
     /// Opens a session and returns its ID.
-    pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, ApiError> {
+    ///
+    /// A request that repeats an idempotency key gets the session that the first one opened.
+    pub fn create(
+        &self,
+        request: wire::Controller,
+        controller: Controller,
+        ownership: Ownership,
+    ) -> Result<Uuid, ApiError> {
         let mut sessions = self.lock_active();
+        for (id, session) in sessions.iter() {
+            let session = lock(session);
+            if session.ownership.has_key_of(&ownership) {
+                let is_same = session.request == request && session.ownership.has_owner_of(&ownership);
+                return if is_same { Ok(*id) } else { Err(ApiError::key_reused()) };
+            }
+        }
         if sessions.len() >= self.limit {
             return Err(ApiError::too_many_sessions(self.limit));
         }
         let id = Uuid::new_v4();
-        let stepper = Stepper::new(controller).map_err(|error| convert::step_error(&error, ""))?;
+        let stepper = CheckedStepper::new(&request, controller)?;
         let session = Session {
             request,
+            ownership,
             stepper,
             memory: None,
+            last_state: None,
+            interleaving: Interleaving::default(),
             last_step: watch::Sender::new(None),
             steps: 0,
             retries: 0,
@@ -196,9 +227,17 @@ impl Sessions {
     }
 
     /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: wire::State) -> Result<SharedAnswer, ApiError> {
+    pub fn step(&self, id: &str, state: wire::State, client: &Owner, source: Source) -> Result<SharedAnswer, ApiError> {
         let now = Instant::now();
-        self.with(id, |_, session| session.answer(state, now, &self.metrics))
+        self.with(id, |_, session| {
+            session.ownership.owner.allow(client)?;
+            session.answer(state, source, now, &self.metrics)
+        })
+    }
+
+    /// Refuses a client that may not step a session.
+    pub fn check_owner(&self, id: &str, client: &Owner) -> Result<(), ApiError> {
+        self.with(id, |_, session| session.ownership.owner.allow(client))
     }
 
     /// Runs `act` on a session. Other sessions do not wait.
@@ -247,11 +286,15 @@ mod tests {
         let request: wire::Controller =
             serde_json::from_str(include_str!("../../api/examples/controller.json")).unwrap();
         let controller = convert::controller(&request, &Robots::built_in()).unwrap();
-        sessions.create(request, controller).unwrap().to_string()
+        sessions.create(request, controller, Ownership::default()).unwrap().to_string()
     }
 
     fn state() -> wire::State {
         serde_json::from_str(include_str!("../../api/examples/state.json")).unwrap()
+    }
+
+    fn step(sessions: &Sessions, id: &str) -> Result<SharedAnswer, ApiError> {
+        sessions.step(id, state(), &Owner::default(), Source::Request)
     }
 
     /// Makes all sessions idle for the idle timeout.
@@ -268,8 +311,8 @@ mod tests {
         let (idle, busy) = (open(&sessions), open(&sessions));
         make_idle(&sessions);
         lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).last_call = Instant::now();
-        assert!(sessions.step(&idle, state()).unwrap_err().is_not_found());
-        assert!(sessions.step(&busy, state()).is_ok());
+        assert!(step(&sessions, &idle).unwrap_err().is_not_found());
+        assert!(step(&sessions, &busy).is_ok());
         open(&sessions);
         assert_eq!(lock(&sessions.open).len(), 2);
     }
@@ -282,7 +325,7 @@ mod tests {
         let first = last_call();
         sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
         assert_eq!(last_call(), first);
-        sessions.step(&id, state()).unwrap();
+        step(&sessions, &id).unwrap();
         assert!(last_call() > first);
     }
 }

@@ -8,10 +8,10 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use revprio_api::wire::{self, object};
-use revprio_core::controller::Stepper;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
+use super::checked_stepper::CheckedStepper;
 use super::error::ApiError;
 use super::format::{Format, RawBody};
 use super::robots::Robots;
@@ -29,7 +29,7 @@ pub struct CachedStepper {
     /// `None` if the stepper must not be cached.
     text: Option<String>,
     /// The stepper, ready for a step.
-    pub stepper: Stepper,
+    pub stepper: CheckedStepper,
 }
 
 /// A request for a step, with its controller read and checked.

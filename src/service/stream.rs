@@ -5,6 +5,7 @@
 //! A refused state is answered with a problem object, which has a `status`, and the stream continues.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
@@ -15,6 +16,8 @@ use tokio::time::{Instant, interval_at, timeout};
 use super::drain::Draining;
 use super::error::ApiError;
 use super::format::Format;
+use super::interleaving::Source;
+use super::ownership::Owner;
 use super::sessions::SharedAnswer;
 use super::state::AppState;
 
@@ -44,6 +47,9 @@ const READ_TIMEOUT: Duration = Duration::from_secs(5);
 /// Timeout for the client's answer to the close frame.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
+/// Number of the next stream.
+static NEXT_STREAM: AtomicU64 = AtomicU64::new(0);
+
 /// Code and reason of a close frame.
 struct CloseReason(u16, &'static str);
 
@@ -54,7 +60,7 @@ const NO_CONTROLLER: CloseReason = CloseReason(4404, "the controller has ended")
 const SILENT: CloseReason = CloseReason(4408, "the client was silent for too long");
 
 /// Upgrades the connection, and serves the session `id` until either side ends the stream.
-pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String) -> Response {
+pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String, owner: Owner) -> Response {
     let draining = app.drain.subscribe();
     let upgrade = upgrade
         .protocols([JSON, MESSAGE_PACK])
@@ -65,7 +71,8 @@ pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String) -> Resp
     upgrade.on_upgrade(|socket| async move {
         let is_binary = socket.protocol().map(HeaderValue::as_bytes) == Some(MESSAGE_PACK.as_bytes());
         let format = if is_binary { Format::MessagePack } else { Format::Json };
-        Stream { socket, app, id, format }.serve(draining).await;
+        let source = Source::Stream(NEXT_STREAM.fetch_add(1, Ordering::Relaxed));
+        Stream { socket, app, id, owner, source, format }.serve(draining).await;
     })
 }
 
@@ -73,6 +80,8 @@ struct Stream {
     socket: WebSocket,
     app: Arc<AppState>,
     id: String,
+    owner: Owner,
+    source: Source,
     format: Format,
 }
 
@@ -136,7 +145,7 @@ impl Stream {
         if bytes.len() > MAX_MESSAGE {
             return Err(ApiError::too_large(MAX_MESSAGE));
         }
-        self.app.sessions.step(&self.id, self.format.read(bytes)?)
+        self.app.sessions.step(&self.id, self.format.read(bytes)?, &self.owner, self.source)
     }
 
     fn message(&self, value: &impl serde::Serialize) -> Result<Message, ApiError> {

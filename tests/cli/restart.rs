@@ -12,8 +12,8 @@ const KILLED: u64 = 200;
 const STARTED: u64 = 500;
 const PERIODS: u64 = 1000;
 
-/// Validity of an answer, periods of 1 ms.
-const VALID: usize = 100;
+/// Periods of 1 ms after the last answered one that end within the 100 ms for which its answer is valid.
+const VALID: usize = 99;
 
 /// Accelerations of the arm's joints, rad/s².
 const ACCELERATION: [f64; 7] = [8.0, 8.0, 8.0, 8.0, 10.0, 10.0, 10.0];

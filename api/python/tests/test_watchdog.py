@@ -6,7 +6,8 @@ from conftest import example
 
 from revprio import Robot, StepAnswer, Watchdog
 
-ANSWER = StepAnswer.model_validate({**example("answers/step"), "joint_velocity": [0.4, -0.1], "valid_for_ms": 100})
+BODY = {**example("answers/step"), "joint_velocity": [0.4, -0.1], "valid_for_ms": 100, "braking_deceleration": []}
+ANSWER = StepAnswer.model_validate(BODY)
 
 
 def test_nothing_moves_before_the_first_answer() -> None:
@@ -57,8 +58,16 @@ def test_limits_must_be_one_positive_number_per_joint() -> None:
         Watchdog([1, 1, 1]).obey(ANSWER, 0.0, 0.0)
 
 
-def test_a_robot_without_acceleration_limits_is_refused() -> None:
+def test_the_deceleration_of_the_answer_has_precedence() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(StepAnswer.model_validate({**BODY, "braking_deceleration": [8.0, None]}), 10.0, 10.0)
+    np.testing.assert_allclose(watchdog.command(10.11), [0.32, -0.06], atol=1e-9)
+
+
+def test_a_joint_without_any_deceleration_stops_at_once() -> None:
     joint = {"name": "j", "kind": "revolute", "unit": "rad"}
     robot = Robot.model_validate({"name": "r", "description": "", "source": "urdf", "joints": [joint]})
-    with pytest.raises(ValueError, match="acceleration limit"):
-        Watchdog.of(robot)
+    watchdog = Watchdog.of(robot)
+    watchdog.obey(StepAnswer.model_validate({**BODY, "joint_velocity": [0.4]}), 10.0, 10.0)
+    assert watchdog.command(10.1) == [0.4]
+    assert watchdog.command(10.101) == [0.0]

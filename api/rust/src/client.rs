@@ -1,5 +1,7 @@
 //! The calls of a control loop as a trait, and the typed, blocking HTTP client that implements it.
 
+use std::hash::{BuildHasher, RandomState};
+
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use ureq::config::ConfigBuilder;
@@ -49,17 +51,33 @@ fn pointer_text(problem: &wire::Problem) -> String {
     problem.pointer.as_ref().map(|pointer| format!(" at {pointer}")).unwrap_or_default()
 }
 
+/// The header with the owner token of a session.
+const OWNER: &str = "revprio-owner";
+
+/// The header with the key of a request that opens a session.
+const IDEMPOTENCY_KEY: &str = "idempotency-key";
+
 /// A client of one server. It keeps its connection open between calls.
+///
+/// Only this client and its clones step the sessions that it opens: each request carries a random owner token.
 #[derive(Debug, Clone)]
 pub struct Client {
     agent: Agent,
     base: String,
+    owner: String,
 }
 
 impl Client {
     /// Builds a client of the service at a base address such as `http://127.0.0.1:8080`.
     pub fn new(base: &str) -> Self {
-        Self { agent: config().build().into(), base: base.trim_end_matches('/').to_owned() }
+        Self { agent: config().build().into(), base: base.trim_end_matches('/').to_owned(), owner: random_word() }
+    }
+
+    /// Returns the same client with another owner token, 1 to 128 letters, digits and `-_.~`. Clients with the same token
+    /// can step the same session.
+    #[must_use]
+    pub fn with_owner(self, owner: &str) -> Self {
+        Self { owner: owner.to_owned(), ..self }
     }
 
     /// Returns the same client with a token for each request; `None` if the token has characters that a header cannot
@@ -106,9 +124,26 @@ impl Client {
     }
 
     fn post<Q: Serialize, A: DeserializeOwned>(&self, path: &str, body: &Q) -> Result<A, ClientError> {
-        let url = format!("{}{path}", self.base);
-        read(check_sent(self.agent.post(&url).send_json(body), &url)?, &url)
+        self.post_with(path, body, &[])
     }
+
+    fn post_with<Q: Serialize, A: DeserializeOwned>(
+        &self,
+        path: &str,
+        body: &Q,
+        headers: &[(&str, &str)],
+    ) -> Result<A, ClientError> {
+        let url = format!("{}{path}", self.base);
+        let request = self.agent.post(&url).header(OWNER, &self.owner);
+        let request = headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
+        read(check_sent(request.send_json(body), &url)?, &url)
+    }
+}
+
+/// Returns a random word. The standard library seeds its hashers with random keys.
+fn random_word() -> String {
+    let part = || RandomState::new().hash_one(std::process::id());
+    format!("{:016x}{:016x}", part(), part())
 }
 
 /// A service that computes commands, over HTTP ([`Client`]) or in the same process.
@@ -128,7 +163,13 @@ pub trait Service {
 
 impl Service for Client {
     fn create_controller(&self, controller: &wire::Controller) -> Result<wire::CreatedController, ClientError> {
-        self.post("/v1/controllers", controller)
+        let key = random_word();
+        let open = || self.post_with("/v1/controllers", controller, &[(IDEMPOTENCY_KEY, key.as_str())]);
+        match open() {
+            // The connection broke. With the same key, the request opens no second session.
+            Err(ClientError::Transport { .. }) => open(),
+            answer => answer,
+        }
     }
 
     fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {

@@ -29,6 +29,8 @@ export interface CallOptions {
   signal?: AbortSignal;
   /** Time limit of the call including its retries, ms. */
   timeoutMs?: number;
+  /** Additional headers of the call. */
+  headers?: Record<string, string>;
 }
 
 /** Options of a client. */
@@ -41,6 +43,11 @@ export interface ClientOptions {
   stepTimeoutMs?: number;
   /** Maximum number of retries of a call; default 2. Only calls that are safe to repeat are retried. */
   retries?: number;
+  /**
+   * Owner token of the sessions that this client opens; default: a random one. Other clients cannot step these sessions.
+   * Clients with the same token can.
+   */
+  owner?: string;
   /** Replaces the global `fetch`. */
   fetch?: typeof fetch;
   /** Replaces the global `WebSocket`. Node has one since version 22; it cannot send a token. */
@@ -52,8 +59,11 @@ type Method = "GET" | "POST" | "DELETE";
 /** Pause before the first retry if the answer has no `Retry-After`, ms; doubled for each further retry. */
 const FIRST_PAUSE_MS = 20;
 
-/** Paths whose POST creates something, so that it must not be repeated after a lost connection. */
-const CREATING_PATHS = new Set(["/v1/controllers", "/v1/robots", "/v1/simulations"]);
+/**
+ * Paths whose POST creates something, so that it must not be repeated after a lost connection. The request that opens a
+ * session may be repeated, because it has an idempotency key.
+ */
+const CREATING_PATHS = new Set(["/v1/robots", "/v1/simulations"]);
 
 /** A client of one service. Every method rejects with a `RevprioError` if no answer comes or the service refuses. */
 export class Client {
@@ -61,7 +71,8 @@ export class Client {
   readonly stepTimeoutMs: number;
   readonly #timeoutMs: number;
   readonly #retries: number;
-  readonly #token: Record<string, string>;
+  readonly #owner: string;
+  readonly #headers: Record<string, string>;
   readonly #fetch: typeof fetch;
   readonly #webSocket: WebSocketFactory;
 
@@ -71,7 +82,9 @@ export class Client {
     this.stepTimeoutMs = options.stepTimeoutMs ?? 1000;
     this.#timeoutMs = options.timeoutMs ?? 10_000;
     this.#retries = options.retries ?? 2;
-    this.#token = options.token === undefined ? {} : { authorization: `Bearer ${options.token}` };
+    this.#owner = options.owner ?? randomWord();
+    this.#headers = { "revprio-owner": this.#owner };
+    if (options.token !== undefined) this.#headers["authorization"] = `Bearer ${options.token}`;
     this.#fetch = options.fetch ?? globalThis.fetch.bind(globalThis);
     this.#webSocket = options.webSocket ?? globalWebSocket;
   }
@@ -104,7 +117,8 @@ export class Client {
 
   /** Opens a controller whose memory the service keeps. Call `close` on it at the end. */
   async session(controller: Controller, options?: CallOptions): Promise<Session> {
-    return new Session(this, controller, await this.call<CreatedController>("POST", "/v1/controllers", controller, options));
+    const keyed = { ...options, headers: { "idempotency-key": randomWord() } };
+    return new Session(this, controller, await this.call<CreatedController>("POST", "/v1/controllers", controller, keyed));
   }
 
   /** Lists the open sessions of all clients. */
@@ -159,7 +173,7 @@ export class Client {
     let pauseMs = FIRST_PAUSE_MS;
     for (let left = this.#retries; ; left--, pauseMs *= 2) {
       try {
-        return await this.#send<A>(method, path, body, options.signal, Math.max(endMs - performance.now(), 1));
+        return await this.#send<A>(method, path, body, options, Math.max(endMs - performance.now(), 1));
       } catch (failure) {
         const waitMs = failure instanceof ProblemError && failure.retryAfterS !== undefined ? failure.retryAfterS * 1e3 : pauseMs;
         if (left === 0 || !mayRepeat(failure, method, path) || performance.now() + waitMs >= endMs) throw failure;
@@ -173,12 +187,14 @@ export class Client {
     return { timeoutMs: this.stepTimeoutMs, ...options };
   }
 
-  /** Opens a WebSocket to a path of the service. */
+  /** Opens a WebSocket to a path of the service. The owner token is in the URL, because browsers cannot send headers. */
   webSocket(path: string): WebSocketLike {
-    return this.#webSocket(this.url.replace(/^http/, "ws") + path, "revprio.json", this.#token);
+    const url = `${this.url.replace(/^http/, "ws")}${path}?revprio_owner=${encodeURIComponent(this.#owner)}`;
+    return this.#webSocket(url, "revprio.json", this.#headers);
   }
 
-  async #send<A>(method: Method, path: string, body: unknown, signal: AbortSignal | undefined, timeoutMs: number): Promise<A> {
+  async #send<A>(method: Method, path: string, body: unknown, options: CallOptions, timeoutMs: number): Promise<A> {
+    const { signal } = options;
     signal?.throwIfAborted();
     const url = this.url + path;
     const timer = new AbortController();
@@ -186,7 +202,8 @@ export class Client {
     const stop = () => timer.abort();
     signal?.addEventListener("abort", stop, { once: true });
     try {
-      const headers = { ...this.#token, accept: "application/json", "content-type": "application/json" };
+      const types = { accept: "application/json", "content-type": "application/json" };
+      const headers = { ...this.#headers, ...types, ...options.headers };
       const content = body === undefined ? null : JSON.stringify(body, rejectNonFinite);
       const response = await this.#fetch(url, { method, headers, body: content, signal: timer.signal });
       return read<A>(url, response, await response.text());
@@ -221,6 +238,12 @@ function mayRepeat(failure: unknown, method: Method, path: string): boolean {
   // A control command can advance a run by a number of periods, so it must not be repeated.
   const repeatable = method !== "POST" || !(CREATING_PATHS.has(path) || path.endsWith("/control"));
   return repeatable && failure instanceof NoAnswerError && !(failure instanceof LateAnswerError);
+}
+
+/** Returns a random word for an owner token or an idempotency key. `crypto.randomUUID` needs a page over HTTPS. */
+function randomWord(): string {
+  const bytes = globalThis.crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
 /** Replacer for `JSON.stringify` that throws for a number that is not finite, instead of writing `null`. */

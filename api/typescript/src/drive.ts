@@ -62,7 +62,7 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
       await Promise.race([call, until(endMs)]);
       if (refusal !== undefined) throw refusal;
       if (noAnswer !== undefined && watchdog.isAtRest(performance.now())) throw noAnswer;
-      arm.write(watchdog.command(performance.now()));
+      arm.write(watchdog.command(performance.now() + periodMs));
       report.periods++;
       await until(endMs);
     }
@@ -71,7 +71,7 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
     isOver = true;
     watchdog.expire(performance.now());
     while (!watchdog.isAtRest(performance.now())) {
-      arm.write(watchdog.command(performance.now()));
+      arm.write(watchdog.command(performance.now() + periodMs));
       await until(performance.now() + periodMs);
     }
     arm.write(watchdog.command(performance.now()));

@@ -13,7 +13,7 @@ export interface WebSocketLike {
   addEventListener(type: "message", listener: (event: { data: unknown }) => void): void;
 }
 
-/** Opens a WebSocket. `headers` contains the token, which the WebSocket of browsers cannot send. */
+/** Opens a WebSocket. `headers` contains the tokens, which the WebSocket of browsers cannot send. */
 export type WebSocketFactory = (url: string, protocol: string, headers: Record<string, string>) => WebSocketLike;
 
 /** A state that was sent and awaits its reply. */

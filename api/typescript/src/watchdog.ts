@@ -1,35 +1,40 @@
 import type { Robot, StepAnswer } from "./bodies.js";
 
+/** Times that differ by less are equal, because sums of periods are not exact. */
+const ROUNDING_S = 1e-9;
+
 /**
  * Computes the joint velocities to command at any time, also when no answers come.
  *
- * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint slows
- * down to rest at its maximum acceleration and stays at rest until a newer answer comes. All times are arguments, in
- * milliseconds of any monotonic clock, such as `performance.now()`.
+ * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint brakes
+ * at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits include
+ * positions, every joint then stops inside its range. All times are arguments, in milliseconds of any monotonic clock,
+ * such as `performance.now()`.
  */
 export class Watchdog {
   #velocity: readonly number[];
+  #deceleration: readonly number[];
   #measuredAtMs = -Infinity;
   #expiresAtMs = -Infinity;
 
-  /** `accelerationLimit`: maximum acceleration of each joint, n, rad/s² or m/s². */
+  /**
+   * `accelerationLimit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The
+   * answer has precedence, because its `valid_for_ms` is correct for its own deceleration only.
+   */
   constructor(private readonly accelerationLimit: readonly number[]) {
     if (accelerationLimit.length === 0 || !accelerationLimit.every((limit) => limit > 0)) {
       throw new RangeError(`accelerationLimit: give one positive number per joint, not [${accelerationLimit}]`);
     }
     this.#velocity = accelerationLimit.map(() => 0);
+    this.#deceleration = accelerationLimit;
   }
 
-  /** Creates a watchdog with the acceleration limits of a robot, as `Client.robot` returns it. */
+  /**
+   * Creates a watchdog for a robot, as `Client.robot` returns it. A joint without any deceleration, in the answer or in the
+   * robot, stops at once.
+   */
   static of(robot: Robot): Watchdog {
-    return new Watchdog(
-      robot.joints.map((joint) => {
-        if (joint.acceleration_limit == null) {
-          throw new RangeError(`${robot.name}: ${joint.name} has no acceleration limit; use new Watchdog([…]) with your own`);
-        }
-        return joint.acceleration_limit;
-      }),
-    );
+    return new Watchdog(robot.joints.map((joint) => joint.acceleration_limit ?? Infinity));
   }
 
   /**
@@ -46,14 +51,19 @@ export class Watchdog {
     this.#velocity = velocity;
     this.#measuredAtMs = measuredAtMs;
     this.#expiresAtMs = expiresAtMs;
+    this.#deceleration = this.accelerationLimit.map((own, joint) => answer.braking_deceleration?.[joint] ?? own);
     return true;
   }
 
-  /** Returns the joint velocities to command at `nowMs`: n, rad/s or m/s. */
+  /**
+   * Returns the joint velocities to command at `nowMs`: n, rad/s or m/s. The arm keeps a command until the next one. In a
+   * loop, use the time of the next command instead of the present time: then the arm is never faster than the ramp.
+   * `drive` does so.
+   */
   command(nowMs: number): number[] {
-    const silenceS = Math.max(nowMs - this.#expiresAtMs, 0) / 1e3;
+    const silenceS = (nowMs - this.#expiresAtMs) / 1e3;
     return this.#velocity.map((velocity, joint) => {
-      const decrease = silenceS === 0 ? 0 : (this.accelerationLimit[joint] ?? 0) * silenceS;
+      const decrease = silenceS <= ROUNDING_S ? 0 : (this.#deceleration[joint] ?? 0) * silenceS;
       return Math.sign(velocity) * Math.max(Math.abs(velocity) - decrease, 0);
     });
   }

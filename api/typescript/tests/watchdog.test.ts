@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Watchdog, type Robot } from "../src/index.js";
 import { example } from "./service.js";
 
-const ANSWER = { ...example("answers/step"), joint_velocity: [0.4, -0.1], valid_for_ms: 100 };
+const ANSWER = { ...example("answers/step"), joint_velocity: [0.4, -0.1], valid_for_ms: 100, braking_deceleration: [] };
 
 function assertClose(actual: number[], expected: number[]): void {
   actual.forEach((entry, joint) => assert.ok(Math.abs(entry - expected[joint]!) < 1e-9, `${actual}`));
@@ -37,6 +37,13 @@ test("an expired or older answer is ignored", () => {
 test("limits must be one positive number per joint", () => {
   for (const wrong of [[], [0], [-1], [NaN]]) assert.throws(() => new Watchdog(wrong), /positive number per joint/);
   assert.throws(() => new Watchdog([1, 1, 1]).obey(ANSWER, 0, 0), /2 joint velocities for 3 joints/);
-  const robot = { name: "r", description: "", source: "urdf", joints: [{ name: "j", kind: "revolute", unit: "rad" }] };
-  assert.throws(() => Watchdog.of(robot as Robot), /acceleration limit/);
+});
+
+test("the deceleration of the answer has precedence, and a joint without any stops at once", () => {
+  const joints = [2, undefined].map((acceleration_limit) => ({ name: "j", kind: "revolute", unit: "rad", acceleration_limit }));
+  const watchdog = Watchdog.of({ name: "r", description: "", source: "urdf", joints } as Robot);
+  watchdog.obey(ANSWER, 1000, 1000);
+  assertClose(watchdog.command(1110), [0.38, 0]);
+  watchdog.obey({ ...ANSWER, braking_deceleration: [8, 4] }, 1000, 1000);
+  assertClose(watchdog.command(1110), [0.32, -0.06]);
 });

@@ -6,7 +6,8 @@ use revprio_core::controller::{Controller, ControllerConfig, Memory};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
 
-use super::numbers::{check_numbers, joint_list, numbers};
+use super::numbers::{check_numbers, joint_list, number, numbers};
+use super::state_rules::LastState;
 use super::step::check_sequence;
 use super::terms;
 use crate::service::error::ApiError;
@@ -38,6 +39,19 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
             .map(Vector::from_vec)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
     })
+}
+
+/// Reads the last state from the memory of a stateless step; `None` if it has none.
+pub fn last_state(memory: Option<&wire::Memory>, controller: &Controller) -> Result<Option<LastState>, ApiError> {
+    let Some(wire::Memory { sequence, time_s: Some(time_s), joint_position: Some(position), .. }) = memory else {
+        return Ok(None);
+    };
+    let joints = controller.config().robot.joint_count();
+    let read = |position| {
+        let (time_s, joint_position) = (number(*time_s, "/time_s")?, joint_list(position, joints, "/joint_position")?);
+        Ok(Some(LastState { sequence: *sequence, time_s, joint_position }))
+    };
+    read(position).map_err(|error: ApiError| error.inside("/memory"))
 }
 
 fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
@@ -97,11 +111,13 @@ fn limit_name(config: &ControllerConfig, &(place, side): &(usize, Side)) -> wire
 }
 
 /// Returns the memory as a part of an answer.
-pub fn memory_answer(controller: &Controller, sequence: u64, memory: &Memory) -> wire::Memory {
+pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) -> wire::Memory {
     let name = |limit: &(usize, Side)| limit_name(controller.config(), limit);
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
     wire::Memory {
-        sequence,
+        sequence: last.sequence,
+        time_s: Some(last.time_s),
+        joint_position: Some(last.joint_position),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {
             position: [position.x, position.y, position.z],

@@ -20,6 +20,7 @@ mod resolve;
 mod robot;
 mod simulation;
 mod stability;
+mod state_rules;
 mod step;
 mod task;
 mod terms;
@@ -30,7 +31,7 @@ pub use controller::{MAX_TASKS, controller};
 pub use environment::{MAX_ENVIRONMENT_DELAY, warnings};
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
-pub use memory::{memory, memory_answer};
+pub use memory::{last_state, memory, memory_answer};
 pub use numbers::MAX_MAGNITUDE;
 pub use profile::MAX_POINTS;
 pub use resolve::{
@@ -39,4 +40,5 @@ pub use resolve::{
 pub use robot::{robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
+pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
 pub use step::{MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, watched_step};

@@ -27,6 +27,7 @@ impl Outcome<'_> {
     pub fn tasks(&self, describe: impl Fn(usize) -> (Vec<f64>, Option<Vec<Option<f64>>>)) -> Vec<wire::TaskOutcome> {
         let outcome = |(k, outcome): (usize, &revprio_core::resolution::TaskOutcome)| {
             let (requested, target_force) = describe(k);
+            let achieved: Vec<f64> = outcome.achieved.iter().copied().map(finite).collect();
             let active_row = |active: &revprio_core::resolution::ActiveRow| wire::ActiveRow {
                 row: active.row,
                 side: terms::side_answer(active.side),
@@ -34,12 +35,12 @@ impl Outcome<'_> {
             };
             wire::TaskOutcome {
                 name: self.tasks[k].to_owned(),
-                requested,
-                achieved: outcome.achieved.as_slice().to_vec(),
-                residual_norm: outcome.residual_norm,
+                residual_norm: finite(outcome.residual_norm),
                 rank: outcome.rank,
                 algorithmic: outcome.algorithmic,
-                scale: outcome.scale,
+                scale: outcome.scale.filter(|&scale| keeps_direction(scale, &requested, &achieved)),
+                requested,
+                achieved,
                 target_force,
                 active_rows: outcome.active_rows.iter().map(active_row).collect(),
             }
@@ -137,6 +138,25 @@ impl Outcome<'_> {
     }
 }
 
+/// Maximum distance from the requested direction, relative to the larger of both velocities, at which it counts as kept.
+const DIRECTION_TOLERANCE: f64 = 1e-6;
+
+/// Velocity that counts as zero, m/s or rad/s.
+const NEGLIGIBLE_VELOCITY: f64 = 1e-12;
+
+/// Returns whether J_k q̇ = s ẋ_k.
+fn keeps_direction(scale: f64, requested: &[f64], achieved: &[f64]) -> bool {
+    let norm = |values: &[f64]| values.iter().fold(0.0_f64, |norm, value| norm.hypot(*value));
+    let pairs = requested.iter().zip(achieved);
+    let difference = pairs.fold(0.0_f64, |norm, (requested, achieved)| norm.hypot(achieved - scale * requested));
+    difference <= DIRECTION_TOLERANCE * norm(requested).max(norm(achieved)) + NEGLIGIBLE_VELOCITY
+}
+
+/// Returns the nearest finite number; JSON has no other. A sum of squares overflows from 1e154 on.
+fn finite(value: f64) -> f64 {
+    if value.is_nan() { f64::MAX } else { value.clamp(-f64::MAX, f64::MAX) }
+}
+
 /// Time since `start`, µs.
 pub fn elapsed_us(start: std::time::Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e6
@@ -147,6 +167,30 @@ mod tests {
     use revprio_core::resolution::{ActiveRow, Contradiction, Side, TaskOutcome};
 
     use super::*;
+
+    #[test]
+    fn a_scale_is_reported_only_where_the_direction_is_kept() {
+        for (achieved, kept) in
+            [([0.1, 0.2], true), ([0.1, 0.2 + 1e-9], true), ([0.1, 0.21], false), ([0.0, 0.0], false)]
+        {
+            assert_eq!(keeps_direction(0.1, &[1.0, 2.0], &achieved), kept, "{achieved:?}");
+        }
+        assert!(keeps_direction(1.0, &[0.0, 0.0], &[0.0, 0.0]));
+        assert!(!keeps_direction(1.0, &[0.0, 0.0], &[1e-3, 0.0]));
+    }
+
+    #[test]
+    fn numbers_beyond_the_doubles_are_written_as_the_nearest_one() {
+        let large = TaskOutcome {
+            achieved: vec![f64::INFINITY, f64::NEG_INFINITY, 1.0].into(),
+            residual_norm: f64::INFINITY,
+            ..TaskOutcome::default()
+        };
+        let resolution = Resolution { tasks: vec![large], ..Resolution::default() };
+        let outcome = Outcome { resolution: &resolution, joints: vec![], tasks: vec!["t"], inequalities: vec![] };
+        let task = &outcome.tasks(|_| (vec![0.0; 3], None))[0];
+        assert_eq!((task.residual_norm, task.achieved.as_slice()), (f64::MAX, &[f64::MAX, -f64::MAX, 1.0][..]));
+    }
 
     #[test]
     fn contradictions_and_active_rows_are_written_by_name() {

@@ -4,17 +4,15 @@ use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, StepError};
-use revprio_core::limits::Barrier;
+use revprio_core::limits::{Barrier, Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
 
 use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
+use super::state_rules::StateRules;
 use crate::service::error::ApiError;
-
-/// Time after which a client without a newer answer ramps to zero, ms. It covers a few periods of a slow loop.
-const VALID_FOR_MS: u64 = 100;
 
 /// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
 pub const MAX_SEQUENCE: u64 = (1 << 53) - 1;
@@ -57,8 +55,8 @@ fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64
     Ok([force[0], force[1], force[2], torque[0], torque[1], torque[2]])
 }
 
-/// Converts the error of a step. `state`: JSON pointer of the state in the body.
-pub fn step_error(error: &StepError, state: &str) -> ApiError {
+/// Converts the error of a step. Pointers begin at the state, except those to the memory.
+pub fn step_error(error: &StepError) -> ApiError {
     let field = match error {
         StepError::Configuration(ConfigurationError::Size { .. } | ConfigurationError::NotFinite { .. }) => {
             "/joint_position"
@@ -68,12 +66,27 @@ pub fn step_error(error: &StepError, state: &str) -> ApiError {
         StepError::Memory(_) => return ApiError::invalid("/memory", error),
         StepError::Problem(_) => "",
     };
-    ApiError::invalid(format!("{state}{field}"), error)
+    ApiError::invalid(field, error)
 }
 
-/// Returns the body of the answer, without memory.
-pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, start: Instant) -> wire::StepAnswer {
+/// Returns how long a command may be held, whole ms.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is from 0 to the maximum")]
+fn valid_for_ms(hold: &Hold, rules: &StateRules) -> u64 {
+    (hold.time_s * 1e3).min(rules.valid_for_ms as f64) as u64
+}
+
+/// Returns the body of the answer, without memory and warnings.
+pub fn step_answer(
+    controller: &Controller,
+    rules: &StateRules,
+    sequence: u64,
+    command: &Command,
+    start: Instant,
+) -> wire::StepAnswer {
     let config = controller.config();
+    let deceleration = |joint: &revprio_robot::Joint| {
+        Some(braking_deceleration(&joint.limits)).filter(|deceleration| deceleration.is_finite())
+    };
     let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     let outcome = Outcome {
         resolution: &command.resolution,
@@ -89,7 +102,9 @@ pub fn step_answer(controller: &Controller, sequence: u64, command: &Command, st
         joint_velocity: outcome.joint_velocity(),
         sequence,
         memory: None,
-        valid_for_ms: VALID_FOR_MS,
+        valid_for_ms: valid_for_ms(&command.hold, rules),
+        braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
+        warnings: Vec::new(),
         tasks: outcome.tasks(task),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),

@@ -41,6 +41,9 @@ kinds! {
     FOREIGN_ORIGIN: FORBIDDEN "foreign-origin", "The origin is not allowed",
         "A web page of another site makes the request.",
         "Start the service with `--allow-origin` and the origin of that page.";
+    OWNER: FORBIDDEN "owner", "The session has another owner",
+        "The session was opened with an owner token, and the step has no token or another one.",
+        "Step only your own sessions. Send the same `Revprio-Owner` with which the session was opened.";
     NOT_FOUND: NOT_FOUND "not-found", "Not found",
         "There is no such route, robot, scenario or simulation.",
         "Use a name from a list or from the answer that created the resource.";
@@ -77,6 +80,13 @@ kinds! {
     INVALID: UNPROCESSABLE_ENTITY "invalid", "A field of the body is wrong",
         "A field is unknown, missing, of the wrong type or size, out of range, or contradicts another field.",
         "Change the field at `pointer` as `detail` says.";
+    IMPLAUSIBLE: UNPROCESSABLE_ENTITY "implausible", "The state is not plausible",
+        "The state is beyond a bound of the controller's `state_checks`: a joint is far outside its range, or the wrench is \
+         too large.",
+        "Check units and sensors. If the state is right, set a larger bound in `state_checks`.";
+    KEY_REUSED: UNPROCESSABLE_ENTITY "key-reused", "The idempotency key was used before",
+        "Another request with the same `Idempotency-Key` opened a session with another controller or owner.",
+        "Send a new key with every new request. Repeat a key only to send the same request again.";
     UPGRADE_REQUIRED: UPGRADE_REQUIRED "upgrade-required", "A WebSocket is required",
         "The route accepts only WebSocket connections.",
         "Use a WebSocket client.";

@@ -67,6 +67,13 @@ impl ApiError {
         Self::new(&kinds::PERMANENT, detail)
     }
 
+    /// 403: the session has another owner.
+    pub fn not_owner() -> Self {
+        let detail = "the session belongs to a client with another owner token; open a session of your own, or send the \
+                      `Revprio-Owner` with which this session was opened";
+        Self::new(&kinds::OWNER, detail)
+    }
+
     /// 404: no such resource.
     pub fn not_found(detail: impl Into<String>) -> Self {
         Self::new(&kinds::NOT_FOUND, detail)
@@ -132,6 +139,17 @@ impl ApiError {
         Self::new(&kinds::INVALID, detail.to_string()).at(pointer)
     }
 
+    /// 422: the state is beyond a bound of the controller's `state_checks`.
+    pub fn implausible(pointer: &str, detail: impl Into<String>) -> Self {
+        Self::new(&kinds::IMPLAUSIBLE, detail).at(pointer)
+    }
+
+    /// 422: the idempotency key belongs to another request.
+    pub fn key_reused() -> Self {
+        let detail = "this `Idempotency-Key` opened a session with another controller or owner; send a new key";
+        Self::new(&kinds::KEY_REUSED, detail)
+    }
+
     /// 426: the route accepts only WebSocket connections.
     pub fn upgrade_required() -> Self {
         Self::new(&kinds::UPGRADE_REQUIRED, "this route needs a WebSocket client (RFC 6455, version 13)")
@@ -185,6 +203,11 @@ impl ApiError {
     #[must_use]
     pub fn inside(self, prefix: &str) -> Self {
         Self { pointer: self.pointer.map(|pointer| format!("{prefix}{pointer}")), ..self }
+    }
+
+    /// Returns whether the wrong field is the memory of a stateless step or a part of it.
+    pub fn is_about_memory(&self) -> bool {
+        self.pointer.as_deref().is_some_and(|pointer| pointer.starts_with("/memory"))
     }
 
     /// Returns whether the status is 404.

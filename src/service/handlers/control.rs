@@ -14,6 +14,8 @@ use crate::service::body::{Answer, Body};
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
 use crate::service::format::RawBody;
+use crate::service::interleaving::Source;
+use crate::service::ownership::{Owner, Ownership};
 use crate::service::sessions::SharedAnswer;
 use crate::service::step::{open_session, stateless_step};
 use crate::service::stepper_cache::StepCall;
@@ -68,6 +70,19 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
     path = "/v1/controllers",
     tag = "control",
     request_body = wire::Controller,
+    params(
+        (
+            "Revprio-Owner" = Option<String>,
+            Header,
+            description = "Owner token, a word that the client chooses. Steps and streams of the session must send it too."
+        ),
+        (
+            "Idempotency-Key" = Option<String>,
+            Header,
+            description = "A word that the client chooses for this request. The same request with the same key gets the \
+                           same session again."
+        )
+    ),
     responses(
         (
             status = 201,
@@ -79,9 +94,10 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
 )]
 pub async fn create_controller(
     State(app): Shared,
+    ownership: Ownership,
     Body(request): Body<wire::Controller>,
 ) -> Result<impl IntoResponse, ApiError> {
-    let created = open_session(request, &app.robots, &app.sessions)?;
+    let created = open_session(request, ownership, &app.robots, &app.sessions)?;
     let location = [(header::LOCATION, format!("/v1/controllers/{}", created.id))];
     Ok((StatusCode::CREATED, location, Answer(created)))
 }
@@ -94,6 +110,11 @@ pub async fn create_controller(
     path = "/v1/controllers/{id}/step",
     tag = "control",
     request_body = wire::State,
+    params((
+        "Revprio-Owner" = Option<String>,
+        Header,
+        description = "Owner token of the session; required if the session was opened with one."
+    )),
     responses(
         (status = 200, body = wire::StepAnswer, description = "Joint velocities for one period."),
         (status = 409, description = "The sequence number is not greater than the last one: `sequence`.")
@@ -102,9 +123,10 @@ pub async fn create_controller(
 pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
+    owner: Owner,
     Body(state): Body<wire::State>,
 ) -> Result<Answer<SharedAnswer>, ApiError> {
-    app.sessions.step(&id, state).map(Answer)
+    app.sessions.step(&id, state, &owner, Source::Request).map(Answer)
 }
 
 /// Streams a session.
@@ -114,6 +136,18 @@ pub async fn step_controller(
     get,
     path = "/v1/controllers/{id}/stream",
     tag = "control",
+    params(
+        (
+            "Revprio-Owner" = Option<String>,
+            Header,
+            description = "Owner token of the session; required if the session was opened with one."
+        ),
+        (
+            "revprio_owner" = Option<String>,
+            Query,
+            description = "The same for browsers, whose WebSockets send no headers."
+        )
+    ),
     responses(
         (status = 101, description = "The connection is a WebSocket from now on."),
         (status = 426, description = "The request is not a WebSocket handshake: `upgrade-required`.")
@@ -122,11 +156,12 @@ pub async fn step_controller(
 pub async fn stream_controller(
     State(app): Shared,
     Segment(id): Segment,
+    owner: Owner,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, ApiError> {
-    app.sessions.with(&id, |_, _| Ok(()))?;
+    app.sessions.check_owner(&id, &owner)?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
-    Ok(stream::accept(upgrade, app, id))
+    Ok(stream::accept(upgrade, app, id, owner))
 }
 
 /// Watches a session.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
-    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MIN_PERIOD_S, MIN_SPEED,
+    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::resolve::MAX_ITEMS;
 use crate::service::robots::MAX_NAME;
@@ -77,7 +77,9 @@ fn request_ranges() -> Vec<FieldRange> {
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
             tasks: Items(1, MAX_TASKS),
             inequalities: Items(0, MAX_INEQUALITIES),
+            valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
+        wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {
             axes: UniqueItems(1, 6),
             reference_point: Items(3, 3),
@@ -128,6 +130,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         wire::Memory {
             task_velocities: Items(0, MAX_TASKS),
+            joint_position: Items(1, MAX_JOINTS),
             last_command: Items(1, MAX_JOINTS),
             active_set: Items(0, MAX_TASKS),
         }

@@ -66,12 +66,13 @@ class AsyncClient:
         step_timeout_s: float = 1.0,
         retries: int = 2,
         tls: ssl.SSLContext | None = None,
+        owner: str | None = None,
     ) -> None:
         """As `Client`."""
         self.url = url.rstrip("/")
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
-        self._headers = {"authorization": f"Bearer {token}"} if token else {}
+        self._headers = routes.request_headers(token, owner)
         self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=tls or True)
 
     async def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
@@ -383,7 +384,7 @@ async def drive(
 ) -> Drive:
     """As `revprio.drive`. The final ramp blocks the event loop until the arm is at rest."""
     report = Drive()
-    state = LoopState(watchdog)
+    state = LoopState(watchdog, controller.period_s)
     pending: asyncio.Task[StepAnswer] | None = None
     with ramp_to_rest(watchdog, write, controller.period_s):
         try:

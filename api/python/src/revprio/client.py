@@ -57,6 +57,7 @@ class Client:
         step_timeout_s: float = 1.0,
         retries: int = 2,
         tls: ssl.SSLContext | None = None,
+        owner: str | None = None,
     ) -> None:
         """Creates the client; nothing is sent before the first call.
 
@@ -65,11 +66,13 @@ class Client:
         `timeout_s`: time limit of a call including its retries, s; `step_timeout_s`: the same for a control period.
         `retries`: maximum number of retries of a call. Only calls that are safe to repeat are retried.
         `tls`: TLS settings for `https://` with a certificate that the system does not trust.
+        `owner`: owner token of the sessions that this client opens; default: a random one. Other clients cannot step
+        these sessions. Clients with the same token can.
         """
         self.url = url.rstrip("/")
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
-        self._headers = {"authorization": f"Bearer {token}"} if token else {}
+        self._headers = routes.request_headers(token, owner)
         self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=tls or True)
 
     def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:

@@ -58,7 +58,7 @@ def drive(
     - when `read` fails or the program is interrupted.
     """
     report = Drive()
-    state = LoopState(watchdog)
+    state = LoopState(watchdog, controller.period_s)
     pending: Future[StepAnswer] | None = None
     with ThreadPoolExecutor(1, "revprio") as caller, ramp_to_rest(watchdog, write, controller.period_s):
         for tick in ticks(controller.period_s, duration_s):
@@ -105,7 +105,7 @@ def ramp_to_rest(watchdog: Watchdog, write: Callable[[FloatArray], None], period
     finally:
         watchdog.expire(time.monotonic())
         while not watchdog.is_at_rest(now_s := time.monotonic()):
-            write(watchdog.command(now_s))
+            write(watchdog.command(now_s + period_s))
             time.sleep(period_s)
         write(watchdog.command(now_s))
 
@@ -120,9 +120,9 @@ class FinishedCall(Protocol):
 class LoopState:
     """State of a control loop between periods: the watchdog, the last failure and the last measurement time."""
 
-    def __init__(self, watchdog: Watchdog) -> None:
-        """`watchdog`: receives the answers and limits the commands."""
-        self._watchdog = watchdog
+    def __init__(self, watchdog: Watchdog, period_s: float) -> None:
+        """`watchdog`: receives the answers and limits the commands; `period_s`: time between two commands, s."""
+        self._watchdog, self._period_s = watchdog, period_s
         self._failure: RevprioError | None = None
         self._measured_at_s = -math.inf
 
@@ -148,4 +148,4 @@ class LoopState:
         now_s = time.monotonic()
         if self._failure is not None and self._watchdog.is_at_rest(now_s):
             raise self._failure
-        return self._watchdog.command(now_s)
+        return self._watchdog.command(now_s + self._period_s)

@@ -103,6 +103,7 @@ __all__ = [
     "StabilityAnswer",
     "StabilityRequest",
     "State",
+    "StateChecks",
     "Status",
     "StepAnswer",
     "StepRequest",
@@ -379,6 +380,7 @@ class Problem(Answer):
         "/problems/unauthorized",
         "/problems/permanent",
         "/problems/foreign-origin",
+        "/problems/owner",
         "/problems/not-found",
         "/problems/unknown-controller",
         "/problems/method-not-allowed",
@@ -391,6 +393,8 @@ class Problem(Answer):
         "/problems/too-large",
         "/problems/media-type",
         "/problems/invalid",
+        "/problems/implausible",
+        "/problems/key-reused",
         "/problems/upgrade-required",
         "/problems/internal",
         "/problems/too-many-controllers",
@@ -858,6 +862,18 @@ class Environment(Body):
     """Environment along z of the base; default: none."""
 
 
+class StateChecks(Body):
+    """Bounds of a plausible state. A state beyond a bound is refused with 422; a larger bound allows it."""
+
+    max_force_n: float | None = None
+    """Maximum magnitude of each entry of the measured force, N; default: no bound, and a warning above 10 000."""
+    max_torque_nm: float | None = None
+    """Maximum magnitude of each entry of the measured torque, N·m; default: no bound, and a warning above 10 000."""
+    position_tolerance: float | None = None
+    """Maximum distance of a measured joint position outside the joint's range, rad or m; default 0.1. It applies if
+    `limits` include positions and `solver` is not `closed_form`."""
+
+
 WrenchConvention = Literal["on_environment", "on_tool"]
 """The sign convention of a wrench: who exerts it on whom."""
 
@@ -889,8 +905,12 @@ class ControllerConfig(Body):
     """Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest."""
     solver: Solver | None = None
     """Solver of each period's problem; default `auto`."""
+    state_checks: StateChecks | None = None
+    """Bounds of a plausible state; default: those of `StateChecks`."""
     tool_offset: Pose | None = None
     """Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself."""
+    valid_for_ms: int | None = None
+    """Maximum validity of an answer, ms; default 100."""
     wrench_convention: WrenchConvention | None = None
     """Sign of the wrench in the states: who exerts it on whom; default `on_environment`."""
     wrench_frame: WrenchFrame | None = None
@@ -1161,6 +1181,10 @@ class Memory(Body):
     """Sequence number of the last state."""
     task_velocities: list[ArrayLike]
     """Integrator velocity of each task, m/s and rad/s."""
+    joint_position: ArrayLike | None = None
+    """Joint position of the last state, rad or m; default: unknown."""
+    time_s: float | None = None
+    """Time of the last state, s; default: unknown, then the next state is not compared with it."""
 
 
 class Sensor(Body):
@@ -1461,6 +1485,10 @@ class StepAnswer(Answer):
 
     active_limits: list[ActiveLimit]
     """Active limits: bounds that the answer reaches and that restrict it."""
+    braking_deceleration: FloatArray
+    """Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²; `null`: stop at once. With
+    it every joint stops inside its range after `valid_for_ms`, if the `limits` include positions and the `solver` is
+    not `closed_form`."""
     elapsed_us: float
     """Time to compute the answer, µs."""
     joint_limit_index: float
@@ -1478,7 +1506,9 @@ class StepAnswer(Answer):
     tasks: list[TaskOutcome]
     """Outcome of each task, highest priority first."""
     valid_for_ms: int
-    """Validity of the command from the time of measurement, ms. Without a newer answer, ramp the arm to zero then."""
+    """Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
+    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would otherwise leave its
+    range before it stops, if the `limits` include positions and the `solver` is not `closed_form`."""
     violated_limits: list[ViolatedLimit]
     """Violated limits; only the solver `closed_form` violates limits."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
@@ -1489,6 +1519,8 @@ class StepAnswer(Answer):
     """Memory to send with the next state; only in answers without a session."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
     """Violated inequalities."""
+    warnings: list[str] = Field(default_factory=list)
+    """Warnings: what is not plausible about the state, and what to do."""
 
 
 class StepRequest(Body):
@@ -1518,6 +1550,7 @@ REMEDIES: dict[str, str] = {
     "/problems/unauthorized": "Send `Authorization: Bearer` with the service's token.",
     "/problems/permanent": "Delete only registered robots.",
     "/problems/foreign-origin": "Start the service with `--allow-origin` and the origin of that page.",
+    "/problems/owner": "Step only your own sessions. Send the same `Revprio-Owner` with which the session was opened.",
     "/problems/not-found": "Use a name from a list or from the answer that created the resource.",
     "/problems/unknown-controller": "Open a new session.",
     "/problems/method-not-allowed": "Use a method that the header `Allow` lists.",
@@ -1530,6 +1563,8 @@ REMEDIES: dict[str, str] = {
     "/problems/too-large": "Send a smaller body; `detail` states the limit.",
     "/problems/media-type": "Send the media type of the body as `Content-Type`.",
     "/problems/invalid": "Change the field at `pointer` as `detail` says.",
+    "/problems/implausible": "Check units and sensors. If the state is right, set a larger bound in `state_checks`.",
+    "/problems/key-reused": "Send a new key with every new request. Repeat a key only to send the same request again.",
     "/problems/upgrade-required": "Use a WebSocket client.",
     "/problems/internal": "Read the service's log.",
     "/problems/too-many-controllers": "Delete a session, or wait until an idle one ends.",

@@ -6,6 +6,7 @@ import csv
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
+from uuid import uuid4
 
 import httpx
 import numpy as np
@@ -40,14 +41,20 @@ class Route(Generic[A]):
 
     accept = "application/json"
 
-    def __init__(self, method: str, path: str, answer: type[A], *, repeatable: bool = True) -> None:
-        """`repeatable`: whether a request may be sent again when it is unknown if the service received it."""
-        self.method, self.path, self.answer, self.repeatable = method, path, answer, repeatable
+    def __init__(
+        self, method: str, path: str, answer: type[A], *, repeatable: bool = True, keyed: bool = False
+    ) -> None:
+        """`repeatable`: whether a request may be sent again when it is unknown if the service received it.
+
+        `keyed`: whether each call has an idempotency key, with which the service recognises a repeated request.
+        """
+        self.method, self.path, self.answer, self.repeatable, self.keyed = method, path, answer, repeatable, keyed
         self._adapter: TypeAdapter[A] = TypeAdapter(answer)
 
     def __call__(self, *names: str, body: Body | None = None) -> Call[A]:
         """Returns the call with these names in its path."""
-        return Call(self, self.path.format(*(quote(name, safe="") for name in names)), body)
+        key = str(uuid4()) if self.keyed else None
+        return Call(self, self.path.format(*(quote(name, safe="") for name in names)), body, key)
 
     def read(self, response: httpx.Response) -> A:
         """Returns the answer of a successful response; raises a `ProblemError` otherwise."""
@@ -98,6 +105,7 @@ class Call(Generic[A]):
     route: Route[A]
     path: str
     body: Body | None
+    key: str | None = None
 
     def request(self, http: httpx.Client | httpx.AsyncClient, timeout_s: float) -> httpx.Request:
         """Returns the HTTP request."""
@@ -105,7 +113,15 @@ class Call(Generic[A]):
         headers = {"accept": self.route.accept}
         if content is not None:
             headers["content-type"] = "application/json"
+        if self.key is not None:
+            headers["idempotency-key"] = self.key
         return http.build_request(self.route.method, self.path, content=content, headers=headers, timeout=timeout_s)
+
+
+def request_headers(token: str | None, owner: str | None) -> dict[str, str]:
+    """Returns the headers of all requests of a client; `owner`: owner token of its sessions, default: a random one."""
+    headers = {"revprio-owner": owner or str(uuid4())}
+    return headers | {"authorization": f"Bearer {token}"} if token else headers
 
 
 RESOLVE = Route("POST", "/v1/resolve", ResolveAnswer)
@@ -114,7 +130,8 @@ KINEMATICS = Route("POST", "/v1/kinematics", KinematicsAnswer)
 STABILITY = Route("POST", "/v1/stability", StabilityAnswer)
 STEP = Route("POST", "/v1/step", StepAnswer)
 
-CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, repeatable=False)
+# Repeatable: the request has an idempotency key.
+CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, keyed=True)
 LIST_CONTROLLERS = Route("GET", "/v1/controllers", SessionList)
 SHOW_CONTROLLER = Route("GET", "/v1/controllers/{}", SessionStatus)
 DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))

@@ -1,4 +1,4 @@
-"""The watchdog: holds the last command while it is valid, then slows the arm down to rest."""
+"""The watchdog: holds the last command while it is valid, then brakes the arm to rest."""
 
 from __future__ import annotations
 
@@ -7,32 +7,40 @@ import numpy as np
 from revprio.bodies import ArrayLike, FloatArray
 from revprio.models import Robot, StepAnswer
 
+ROUNDING_S = 1e-9
+"""Times that differ by less are equal, because sums of periods are not exact."""
+
 
 class Watchdog:
     """Computes the joint velocities to command at any time, also when no answers come.
 
     An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
-    slows down to rest at its maximum acceleration and stays at rest until a newer answer comes. All times are
-    arguments, in seconds of any monotonic clock, such as `time.monotonic()`.
+    brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's
+    limits include positions, every joint then stops inside its range. All times are arguments, in seconds of any
+    monotonic clock, such as `time.monotonic()`.
     """
 
     def __init__(self, acceleration_limit: ArrayLike) -> None:
-        """`acceleration_limit`: maximum acceleration of each joint, n, rad/s² or m/s²."""
+        """`acceleration_limit`: deceleration of the joints, n, rad/s² or m/s², where the answer has none.
+
+        The answer has precedence, because its `valid_for_ms` is correct for its own deceleration only.
+        """
         self._acceleration = np.asarray(acceleration_limit, dtype=np.float64)
         if self._acceleration.ndim != 1 or self._acceleration.size == 0 or not (self._acceleration > 0).all():
             message = f"acceleration_limit: give one positive number per joint, not {acceleration_limit!r}"
             raise ValueError(message)
+        self._deceleration = self._acceleration
         self._velocity = np.zeros_like(self._acceleration)
         self._measured_at_s = self._expires_at_s = -np.inf
 
     @classmethod
     def of(cls, robot: Robot) -> Watchdog:
-        """Creates a watchdog with the acceleration limits of a robot, as `Client.robot` returns it."""
-        limits = [joint.acceleration_limit for joint in robot.joints if joint.acceleration_limit is not None]
-        if len(limits) < len(robot.joints):
-            message = f"{robot.name}: not every joint has an acceleration limit; use Watchdog([…]) with your own"
-            raise ValueError(message)
-        return cls(limits)
+        """Creates a watchdog for a robot, as `Client.robot` returns it.
+
+        A joint without any deceleration, in the answer or in the robot, stops at once.
+        """
+        limits = [joint.acceleration_limit for joint in robot.joints]
+        return cls([np.inf if limit is None else limit for limit in limits])
 
     def obey(self, answer: StepAnswer, measured_at_s: float, now_s: float) -> bool:
         """Accepts the answer that came at `now_s` to the state measured at `measured_at_s`.
@@ -46,12 +54,23 @@ class Watchdog:
         if now_s > expires_at_s or measured_at_s < self._measured_at_s:
             return False
         self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
+        self._deceleration = self._decelerations(answer)
         return True
 
+    def _decelerations(self, answer: StepAnswer) -> FloatArray:
+        given = np.asarray(answer.braking_deceleration, dtype=np.float64)
+        return np.where(np.isnan(given), self._acceleration, given) if given.size else self._acceleration
+
     def command(self, now_s: float) -> FloatArray:
-        """Returns the joint velocities to command at `now_s`: n, rad/s or m/s."""
+        """Returns the joint velocities to command at `now_s`: n, rad/s or m/s.
+
+        The arm keeps a command until the next one. In a loop, use the time of the next command instead of the present
+        time: then the arm is never faster than the ramp. `drive` does so.
+        """
         silence_s = max(now_s - self._expires_at_s, 0.0)
-        speed = np.maximum(np.abs(self._velocity) - self._acceleration * silence_s, 0.0)
+        if silence_s <= ROUNDING_S:
+            return self._velocity
+        speed = np.maximum(np.abs(self._velocity) - self._deceleration * silence_s, 0.0)
         return np.copysign(speed, self._velocity)
 
     def expire(self, now_s: float) -> None:

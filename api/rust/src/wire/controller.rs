@@ -5,9 +5,9 @@ use utoipa::ToSchema;
 
 use super::{
     Axis, Damping, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose, Solver,
-    WrenchConvention, WrenchFrame,
+    StateChecks, WrenchConvention, WrenchFrame,
 };
-use super::{bounds, object};
+use super::{bounds, integer, object};
 
 /// A controller: robot, tasks with their laws, method, solver, limits and control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -48,9 +48,29 @@ pub struct Controller {
     /// default: unknown.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
+    /// Maximum validity of an answer, ms; default 100.
+    #[serde(
+        default = "default_valid_for_ms",
+        deserialize_with = "integer::deserialize",
+        skip_serializing_if = "is_default_valid_for_ms"
+    )]
+    pub valid_for_ms: u64,
+    /// Bounds of a plausible state; default: those of `StateChecks`.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "StateChecks::is_default")]
+    pub state_checks: StateChecks,
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
+}
+
+/// Covers a few periods of a slow loop.
+fn default_valid_for_ms() -> u64 {
+    100
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_default_valid_for_ms(value: &u64) -> bool {
+    *value == default_valid_for_ms()
 }
 
 fn default_limits() -> Limits {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, object};
+use super::{Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, integer, object};
 
 /// The pace of an interactive run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -29,7 +29,7 @@ pub struct SimulationControl {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paused: Option<bool>,
     /// Number of control periods to run before the run pauses.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub step: Option<u64>,
     /// Simulated seconds per second of real time.
     #[serde(skip_serializing_if = "Option::is_none")]

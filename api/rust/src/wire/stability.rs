@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
+use super::{integer, object};
 
 /// One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -25,7 +25,7 @@ pub struct StabilityRequest {
     #[serde(default)]
     pub lag_s: f64,
     /// Delay of a command, control periods; default 0.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
     #[serde(default = "measured")]
@@ -77,7 +77,7 @@ pub struct Environment {
     #[serde(default)]
     pub lag_s: f64,
     /// Delay of a command, control periods; default 0.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
     #[serde(default = "measured")]

@@ -3,17 +3,18 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
 use super::{
     ActiveInequality, ActiveLimit, Contradiction, Controller, JointVector, Side, Singularity, SolverReport,
     TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
+use super::{integer, object};
 
 /// The measured state of one control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct State {
     /// Sequence number of the period; must increase.
+    #[serde(deserialize_with = "integer::deserialize")]
     pub sequence: u64,
     /// Time t of the measurement, s.
     pub time_s: f64,
@@ -57,7 +58,14 @@ pub struct StepRequest {
 #[serde(deny_unknown_fields)]
 pub struct Memory {
     /// Sequence number of the last state.
+    #[serde(deserialize_with = "integer::deserialize")]
     pub sequence: u64,
+    /// Time of the last state, s; default: unknown, then the next state is not compared with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
+    /// Joint position of the last state, rad or m; default: unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_position: Option<Vec<f64>>,
     /// Integrator velocity of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
     /// Tool pose at the first step, base frame, m.
@@ -94,7 +102,7 @@ pub struct ActiveLimitName {
     #[schema(example = "height")]
     pub task: Option<String>,
     /// Index of the row in its task, from 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     #[schema(example = 0)]
     pub row: Option<usize>,
     /// Lower or upper bound; `upper` for an inequality.
@@ -111,8 +119,20 @@ pub struct StepAnswer {
     /// Memory to send with the next state; only in answers without a session.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// Validity of the command from the time of measurement, ms. Without a newer answer, ramp the arm to zero then.
+    /// Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
+    /// `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would otherwise leave its
+    /// range before it stops, if the `limits` include positions and the `solver` is not `closed_form`.
     pub valid_for_ms: u64,
+    /// Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²; `null`: stop at once. With it
+    /// every joint stops inside its range after `valid_for_ms`, if the `limits` include positions and the `solver` is not
+    /// `closed_form`.
+    #[serde(default)]
+    #[schema(required = true, example = json!([8.0, 8.0, null]))]
+    pub braking_deceleration: Vec<Option<f64>>,
+    /// Warnings: what is not plausible about the state, and what to do.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["time_s went back from 3 to 1"]))]
+    pub warnings: Vec<String>,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
     /// Active limits: bounds that the answer reaches and that restrict it.

@@ -170,6 +170,20 @@ pub enum ConfigError {
 }
 
 impl ControllerConfig {
+    /// Returns the limits of the robot that every command keeps; `None` for a fixed box, and for the solver `ClosedForm`,
+    /// which ignores limits.
+    pub fn kept_limits(&self) -> Option<LimitKind> {
+        match self.limits {
+            Limits::Robot(kind) if self.solver != Solver::ClosedForm => Some(kind),
+            Limits::Robot(_) | Limits::Fixed(_) => None,
+        }
+    }
+
+    /// Returns whether every command keeps the position limits of the robot.
+    pub fn keeps_positions(&self) -> bool {
+        self.kept_limits().is_some_and(LimitKind::includes_position)
+    }
+
     /// Checks that the parts fit each other.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         if !(self.period_s.is_finite() && self.period_s > 0.0) {

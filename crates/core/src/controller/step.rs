@@ -6,6 +6,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_i
 use super::stepper::Workspace;
 use super::task::ArmState;
 use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
+use crate::limits::{Hold, Motion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::task::TaskError;
@@ -44,6 +45,8 @@ pub struct Command {
     pub targets: Vec<TaskTarget>,
     /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflicts: Vec<usize>,
+    /// How long the joint velocities may be held before a watchdog must brake.
+    pub hold: Hold,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
     pub joint_limit_index: f64,
 }
@@ -150,6 +153,15 @@ impl Controller {
         command.report_bounds(&config.tasks);
         command.limit_conflicts.clone_from(&limited.conflicts);
         command.joint_limit_index = joint_limit_index(&config.robot, position);
+        if let Some(kind) = config.kept_limits() {
+            let motion = Motion {
+                joint_position: position,
+                joint_velocity: qdot,
+                last_command: previous.last_command.as_slice(),
+                command: command.resolution.joint_velocity.as_slice(),
+            };
+            command.hold.update(&config.robot, kind, motion, config.period_s);
+        }
         let memory = match initial {
             Some(initial) => Some(memory.insert(initial)),
             None => memory.as_mut(),

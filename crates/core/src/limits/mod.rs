@@ -3,20 +3,23 @@
 //! # The box
 //!
 //! A joint has position limits q_lo … q_hi, a speed limit V and an acceleration limit A. T is the period, q̇⁻ the last
-//! command and d = q_hi − q ≥ 0 the distance to the upper limit. Then
+//! command and d = q_hi − q ≥ 0 the distance to the upper limit. The reaction time is τ = T + max(T, 10 ms). Then
 //!
-//! q̇ ≤ min( V, A(−T + √(T² + 2d/A)), q̇⁻ + A T ),
+//! q̇ ≤ min( V, a(−τ + √(τ² + 2d/a)), q̇⁻ + A T ),
 //!
-//! and the lower bound is its mirror image. The middle term solves v T + v²/2A = d: the joint may move one period at v
-//! and can still stop at A before q_hi.
+//! and the lower bound is its mirror image. The middle term solves v τ + v²/2a = d: the joint may move for τ at v and can
+//! still stop at a before q_hi. Here a is the deceleration of [`braking_deceleration`]: A, or V/0.25 s for a joint without
+//! acceleration limit. The limits `PositionVelocity` omit the last term.
+//!
+//! Because τ is longer than a period, a command can be held for a while when no answer follows; see [`Hold`].
 //!
 //! # Why the box is never empty
 //!
-//! Let the last command obey its own box, q̇⁻ T + q̇⁻²/2A ≤ d⁻, and let the joint follow it: d = d⁻ − q̇⁻ T. Then
+//! Let the last command obey its own box, q̇⁻ τ + q̇⁻²/2A ≤ d⁻, and let the joint follow it: d = d⁻ − q̇⁻ T. Then
 //! v = max(0, q̇⁻ − A T), the smallest speed that the acceleration limit allows, obeys the braking term. For q̇⁻ ≤ A T
 //! it is v = 0. Otherwise
 //!
-//! v T + v²/2A = (q̇⁻ − A T) T + (q̇⁻² − 2 q̇⁻ A T + A²T²)/2A = q̇⁻²/2A − A T²/2 ≤ d⁻ − q̇⁻ T = d.
+//! v τ + v²/2A = (q̇⁻ − A T) τ + (q̇⁻² − 2 q̇⁻ A T + A²T²)/2A = q̇⁻ τ + q̇⁻²/2A − q̇⁻ T − A T (τ − T/2) ≤ d⁻ − q̇⁻ T = d.
 //!
 //! So q̇⁻ − A T never exceeds the upper braking term. By symmetry, q̇⁻ + A T is never below the lower one. If the arm
 //! starts inside its limits and follows its commands, then position, velocity and acceleration limits hold at all
@@ -35,9 +38,13 @@
 //! possible, and the answer names them.
 
 mod barrier;
+mod braking;
+mod hold;
 mod inequality;
 mod velocity_box;
 
 pub use barrier::{APPROACH_RATE, Barrier, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use braking::{braking_deceleration, reaction_time, spare_time};
+pub use hold::{Hold, Motion};
 pub use inequality::{Inequality, InequalityError};
 pub use velocity_box::{LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};

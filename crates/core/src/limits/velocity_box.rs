@@ -2,6 +2,7 @@
 
 use revprio_robot::{JointLimits, RobotModel};
 
+use super::braking::{braking_deceleration, reaction_time};
 use crate::linalg::Vector;
 
 /// The limits of a robot that apply.
@@ -11,9 +12,10 @@ pub enum LimitKind {
     None,
     /// The speed limit.
     Velocity,
-    /// The speed limit and the position limits: the joint does not pass a position limit within the period.
+    /// The speed limit and the position limits: the joint can still stop before a position limit. The change of the velocity
+    /// from period to period has no limit.
     PositionVelocity,
-    /// All limits: the joint can also still stop before its position limit at its acceleration limit.
+    /// All limits: the acceleration limit also bounds the change of the velocity from period to period.
     PositionVelocityAcceleration,
 }
 
@@ -188,12 +190,20 @@ impl Interval {
             LimitKind::None => (f64::NEG_INFINITY, f64::INFINITY),
             LimitKind::Velocity => (-velocity, velocity),
             LimitKind::PositionVelocity => {
-                let one_period = |distance: f64| (distance / period).clamp(-velocity, velocity);
-                (one_period(limits.lower - q), one_period(limits.upper - q))
+                // A joint outside its range returns within the period, as far as its speed limit allows.
+                let stop = |distance: f64| {
+                    if distance < 0.0 {
+                        (distance / period).max(-velocity)
+                    } else {
+                        max_speed(limits, distance, period)
+                    }
+                };
+                let (lower, upper) = (-stop(q - limits.lower), stop(limits.upper - q));
+                // The return must stop before the other end of the range.
+                if q > limits.upper { (lower, upper.max(lower)) } else { (lower.min(upper), upper) }
             }
             LimitKind::PositionVelocityAcceleration => {
-                let stop =
-                    |distance: f64, last: f64| max_speed_towards(distance, last, velocity, limits.acceleration, period);
+                let stop = |distance: f64, last: f64| max_speed_towards(limits, distance, last, period);
                 let (lower, upper) = (-stop(q - limits.lower, -last), stop(limits.upper - q, last));
                 return Self {
                     lower: (last - max_change).clamp(lower, upper),
@@ -207,18 +217,27 @@ impl Interval {
     }
 }
 
-/// Returns the maximum speed towards a limit at `distance`: the braking term of the module `limits`, at most V.
+/// Returns the maximum speed from which a joint can stop within `distance` ≥ 0: the braking term of the module `limits`, at
+/// most V.
+fn max_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
+    let (reaction, deceleration) = (reaction_time(period), braking_deceleration(limits));
+    // a(−τ + √(τ² + 2d/a)), rewritten: no cancellation for small d, and correct for infinite d.
+    match 2.0 * distance / (reaction + (reaction * reaction + 2.0 * distance / deceleration).sqrt()) {
+        speed if speed.is_nan() => limits.velocity,
+        speed => speed.min(limits.velocity),
+    }
+}
+
+/// Returns the maximum speed towards a limit at `distance`.
 ///
 /// If the joint is beyond the limit (negative `distance`), the result is negative or zero, a motion back. Its speed is
 /// the mirrored braking term, as far as the acceleration limit allows it after the last command.
-fn max_speed_towards(distance: f64, last: f64, velocity: f64, acceleration: f64, period: f64) -> f64 {
-    // A(−T + √(T² + 2d/A)), rewritten: no cancellation for small d, and correct for infinite d.
-    let braking =
-        |distance: f64| match 2.0 * distance / (period + (period * period + 2.0 * distance / acceleration).sqrt()) {
-            speed if speed.is_nan() => velocity,
-            speed => speed.min(velocity),
-        };
-    if distance >= 0.0 { braking(distance) } else { (-braking(-distance)).max(last - acceleration * period).min(0.0) }
+fn max_speed_towards(limits: &JointLimits, distance: f64, last: f64, period: f64) -> f64 {
+    if distance >= 0.0 {
+        max_speed(limits, distance, period)
+    } else {
+        (-max_speed(limits, -distance, period)).max(last - limits.acceleration * period).min(0.0)
+    }
 }
 
 #[cfg(test)]
@@ -240,11 +259,14 @@ mod tests {
         use LimitKind::{None, PositionVelocity, PositionVelocityAcceleration, Velocity};
         assert_eq!(interval(None, 0.0, 0.0), (f64::NEG_INFINITY, f64::INFINITY, false));
         assert_eq!(interval(Velocity, 1.999, 0.0), (-1.5, 1.5, false));
+        let reaction = 2.0 * T;
         let (lower, upper, _) = interval(PositionVelocity, 1.999, 0.0);
-        assert_eq!((lower, (upper * 1e9).round()), (-1.5, 1e8));
+        assert_eq!(lower, -1.5);
+        assert!((upper * reaction + upper * upper / 16.0 - 0.001).abs() < 1e-15);
+        assert_eq!(interval(PositionVelocity, 1.999, 1.5), (lower, upper, false));
         let (lower, upper, conflict) = interval(PositionVelocityAcceleration, 1.999, 0.0);
         assert_eq!(lower, -0.08);
-        assert!((upper * T + upper * upper / 16.0 - 0.001).abs() < 1e-15 && !conflict);
+        assert!((upper * reaction + upper * upper / 16.0 - 0.001).abs() < 1e-15 && !conflict);
     }
 
     #[test]
@@ -269,7 +291,20 @@ mod tests {
         assert_eq!(free, Interval { lower: f64::NEG_INFINITY, upper: f64::INFINITY, conflict: false });
         let range = JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS };
         let upper = Interval::from_limits(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
-        assert!((upper - 100.0).abs() < 1e-9);
+        assert!((upper - 50.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_return_into_a_narrow_range_stops_before_its_other_end() {
+        let narrow = JointLimits { lower: -0.01, upper: 0.01, ..LIMITS };
+        for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
+            for q in [-1.0, -0.011, 0.011, 1.0] {
+                let Interval { lower, upper, .. } = Interval::from_limits(&narrow, kind, q, 0.0, T);
+                assert!(lower <= upper, "{kind:?} {q}: {lower} {upper}");
+                let speed = if q > 0.0 { -lower } else { upper };
+                assert!(speed * T + speed * speed / 16.0 <= q.abs() + 0.01, "{kind:?} {q}: {lower} {upper}");
+            }
+        }
     }
 
     #[test]
@@ -281,6 +316,24 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// The box is never empty, wherever the joint is and whatever its last command was.
+        #[test]
+        fn no_box_is_empty(
+            q in -20.0..20.0_f64,
+            range in 0.0..10.0_f64,
+            velocity in 1e-2..10.0_f64,
+            acceleration in prop::option::of(1e-1..100.0_f64),
+            last in -20.0..20.0_f64,
+            period in 1e-4..0.1_f64,
+        ) {
+            let acceleration = acceleration.unwrap_or(f64::INFINITY);
+            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration };
+            for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
+                let Interval { lower, upper, .. } = Interval::from_limits(&limits, kind, q, last, period);
+                prop_assert!(lower <= upper, "{kind:?}: {lower} {upper}");
+            }
+        }
 
         /// The commands are adversarial but inside the box, and the joint follows them: no limit is exceeded and no box
         /// is empty.

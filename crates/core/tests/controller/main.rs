@@ -5,6 +5,7 @@ mod arms;
 mod barriers;
 mod bounds;
 mod frames;
+mod hold;
 mod laws;
 mod limits;
 mod memory;

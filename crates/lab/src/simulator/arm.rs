@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use revprio_api::wire::integer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -18,6 +19,7 @@ pub struct VelocityLoop {
     /// Time constant τ of a first-order lag, s.
     pub lag_s: f64,
     /// Delay of a command, whole periods.
+    #[serde(deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether the drives clamp the command of each joint at the limits of the controller.
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -1,6 +1,6 @@
 //! Faults of the connection, as in a scenario.
 
-use revprio_api::wire::object;
+use revprio_api::wire::{integer, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -22,6 +22,7 @@ pub struct Faults {
     /// `late_periods`.
     pub late: f64,
     /// Delay of a late answer, periods.
+    #[serde(deserialize_with = "integer::deserialize")]
     pub late_periods: usize,
     /// Share of the answers that arrive a second time one period later.
     pub repeated: f64,

@@ -230,8 +230,8 @@ impl Conversation<'_> {
             self.caller.discard_answer();
         }
         let held = match (arrived, self.held.take()) {
-            (Some(answer), _) => HeldCommand::new(answer, self.period_s),
-            (None, Some(before)) => before.hold(time_s, &self.robot, self.period_s),
+            (Some(answer), _) => HeldCommand::new(answer, time_s, self.period_s),
+            (None, Some(before)) => before.hold(time_s, self.period_s),
             (None, None) => return Err(FieldError::new("/faults", "must leave an answer to the first state").into()),
         };
         let (expected, given) = (self.robot.joint_count(), held.answer.joint_velocity.len());

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use revprio_api::wire::{self, object};
+use revprio_api::wire::{self, integer, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -52,10 +52,10 @@ pub struct Scenario {
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
     pub faults: Faults,
     /// Seed of noise and faults; the same seed gives the same run.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "integer::deserialize", skip_serializing_if = "is_default")]
     pub seed: u64,
     /// Integration steps of arm and contacts per period.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[serde(default = "one", deserialize_with = "integer::deserialize", skip_serializing_if = "is_one")]
     pub substeps: usize,
     /// The controller, as in a request.
     #[serde(deserialize_with = "object::deserialize")]

@@ -1,4 +1,4 @@
-//! The reaction of an arm to missing answers: it holds the last command while valid, then ramps to rest.
+//! The reaction of an arm to missing answers: it holds the last command while valid, then brakes to rest.
 
 use std::ops::ControlFlow;
 use std::thread::sleep;
@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use revprio_api::ClientError;
 use revprio_api::wire;
-use revprio_robot::RobotModel;
 
 /// Longest time between checks whether the run must end.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
@@ -18,6 +17,8 @@ const ROUNDING_S: f64 = 1e-9;
 pub struct HeldCommand {
     /// The answer; its joint velocities decrease once it is too old.
     pub answer: wire::StepAnswer,
+    /// The joint velocities of the answer as it arrived, n.
+    velocity: Vec<f64>,
     /// Whether it arrived in this period.
     pub is_new: bool,
     /// Time of the measurement that it answers, s.
@@ -25,23 +26,34 @@ pub struct HeldCommand {
 }
 
 impl HeldCommand {
-    /// Returns an answer that arrived in this period. It is valid from the measurement of its state; `period` in s.
-    pub fn new(answer: wire::StepAnswer, period: f64) -> Self {
-        let measured_s = answer.sequence as f64 * period;
-        Self { answer, is_new: true, measured_s }
+    /// Returns an answer that arrived in the period at a time. It is valid from the measurement of its state; times in s.
+    pub fn new(answer: wire::StepAnswer, time_s: f64, period: f64) -> Self {
+        let (measured_s, velocity) = (answer.sequence as f64 * period, answer.joint_velocity.clone());
+        let mut held = Self { answer, velocity, is_new: true, measured_s };
+        held.brake(time_s + period);
+        held
     }
 
-    /// Continues for one more period (s) without a new answer: the command is held while valid, then ramps to rest at the
-    /// acceleration limits.
-    pub fn hold(mut self, time_s: f64, robot: &RobotModel, period: f64) -> Self {
-        let valid_s = self.answer.valid_for_ms as f64 / 1e3;
-        if time_s - self.measured_s > valid_s + ROUNDING_S {
-            for (speed, joint) in self.answer.joint_velocity.iter_mut().zip(robot.joints()) {
-                let slower = (speed.abs() - joint.limits.acceleration * period).max(0.0);
-                *speed = slower.copysign(*speed);
-            }
-        }
+    /// Continues with the period at a time (s) without a new answer.
+    pub fn hold(mut self, time_s: f64, period: f64) -> Self {
+        self.brake(time_s + period);
         Self { is_new: false, ..self }
+    }
+
+    /// Sets the velocities to those of the ramp at the end of the period, because the arm keeps them until then. The
+    /// command is held while valid, then each joint brakes at the deceleration in the answer.
+    fn brake(&mut self, end_s: f64) {
+        let late_s = end_s - self.measured_s - self.answer.valid_for_ms as f64 / 1e3;
+        if late_s <= ROUNDING_S {
+            return;
+        }
+        let decelerations = self.answer.braking_deceleration.iter().copied().chain(std::iter::repeat(None));
+        for ((speed, full), deceleration) in
+            self.answer.joint_velocity.iter_mut().zip(&self.velocity).zip(decelerations)
+        {
+            let slower = (full.abs() - deceleration.unwrap_or(f64::INFINITY) * late_s).max(0.0);
+            *speed = slower.copysign(*full);
+        }
     }
 }
 

@@ -1,0 +1,43 @@
+//! How a joint brakes, and how long it moves on before.
+
+use revprio_robot::JointLimits;
+
+/// Minimum of S, s. It covers the longest wait for an answer that the service allows.
+const MIN_SPARE_TIME: f64 = 0.01;
+
+/// Time in which a joint without acceleration limit brakes from its speed limit, s. The built-in arms need 0.1 s to 0.3 s.
+const DEFAULT_BRAKING_TIME: f64 = 0.25;
+
+/// Returns S, the time for which a command near a limit can be held, s; `period`: T, s.
+pub fn spare_time(period: f64) -> f64 {
+    period.max(MIN_SPARE_TIME)
+}
+
+/// Returns τ = T + S, the time for which the box lets a joint move on before it brakes, s; `period`: T, s.
+pub fn reaction_time(period: f64) -> f64 {
+    period + spare_time(period)
+}
+
+/// Returns a, the deceleration with which a watchdog brakes a joint, rad/s² or m/s².
+///
+/// This is the acceleration limit A. A joint without one brakes from its speed limit in 0.25 s. A joint without both
+/// limits stops at once: the result is infinite.
+pub fn braking_deceleration(limits: &JointLimits) -> f64 {
+    if limits.acceleration.is_finite() { limits.acceleration } else { limits.velocity / DEFAULT_BRAKING_TIME }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0 };
+
+    #[test]
+    fn the_deceleration_is_the_acceleration_limit_or_stops_the_top_speed_in_a_quarter_of_a_second() {
+        assert_eq!(braking_deceleration(&LIMITS), 8.0);
+        assert_eq!(braking_deceleration(&JointLimits { acceleration: f64::INFINITY, ..LIMITS }), 8.0);
+        let slow = JointLimits { acceleration: f64::INFINITY, velocity: 0.5, ..LIMITS };
+        assert_eq!(braking_deceleration(&slow), 2.0);
+        assert_eq!(braking_deceleration(&JointLimits::NONE), f64::INFINITY);
+    }
+}

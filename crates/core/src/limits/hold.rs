@@ -1,0 +1,126 @@
+//! The hold time of a command: how long it may be held before braking still ends inside the position range.
+//!
+//! # The bound
+//!
+//! A joint is at q and gets the command v > 0. It has the upper limit q_hi and brakes at a ([`braking_deceleration`](super::braking_deceleration)).
+//! The last command was v⁻; T is the period and S = max(T, 10 ms). The hold time counts from the measurement of q:
+//!
+//! t = (q_hi − q − max(0, v⁻ − v) S − v²/2a) / v.
+//!
+//! # Why a watchdog that holds until t and then brakes ends inside
+//!
+//! The command reaches the joint at a time L ≤ S after the measurement. Until then the joint moves at v⁻ at most. The
+//! command is held until t, and braking from v at a takes the distance v²/2a. So the joint comes to rest at most at
+//!
+//! q + v⁻ L + v (t − L) + v²/2a = q + v t + (v⁻ − v) L + v²/2a ≤ q + v t + max(0, v⁻ − v) S + v²/2a = q_hi.
+//!
+//! A watchdog sends commands once in a while. If each is at most the ramp at the time of the *next* one, then the
+//! commanded velocity never exceeds the ramp, and the bound holds. The mirrored formula holds for v < 0. A joint at rest
+//! has no bound. If v⁻ and v have opposite signs, the motion until L is covered by the box of the last command, because
+//! T + L ≤ T + S = τ ([`reaction_time`](super::reaction_time)).
+//!
+//! # Why a command inside the box can be held for at least S
+//!
+//! The box demands v τ + v²/2a ≤ d with the reaction time τ = T + S, where d = q_hi − q. Let the last command obey its own
+//! box and be followed: d ≥ v⁻ τ + v⁻²/2a − v⁻ T = v⁻ S + v⁻²/2a. If v⁻ ≤ v, then v t = d − v²/2a ≥ v τ. Otherwise
+//!
+//! v t ≥ v⁻ S + v⁻²/2a − (v⁻ − v) S − v²/2a ≥ v S.
+
+use revprio_robot::{JointLimits, RobotModel};
+
+use super::braking::{braking_deceleration, spare_time};
+use super::velocity_box::LimitKind;
+
+/// Distance beyond a limit that counts as inside, rad or m, because measured positions are rounded.
+const POSITION_TOLERANCE: f64 = 5e-7;
+
+/// Distance beyond a limit up to which a measured velocity is not reported, rad or m, because it is noisy.
+const NOISE_TOLERANCE: f64 = 1e-3;
+
+/// How long a command may be held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hold {
+    /// Maximum time from the measurement to the start of braking, s; never negative, infinite without a bound.
+    pub time_s: f64,
+    /// Joints (index from 0) that cannot stop inside their range, even if they brake now.
+    pub too_fast: Vec<usize>,
+}
+
+impl Default for Hold {
+    fn default() -> Self {
+        Self { time_s: f64::INFINITY, too_fast: Vec::new() }
+    }
+}
+
+/// The motion of an arm when it gets a command.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// q, measured position, n.
+    pub joint_position: &'a [f64],
+    /// q̇, measured velocity, n.
+    pub joint_velocity: &'a [f64],
+    /// The last command, n.
+    pub last_command: &'a [f64],
+    /// The new command, n.
+    pub command: &'a [f64],
+}
+
+impl Hold {
+    /// Updates the hold time; `period`: T, s. Limits without positions do not bound it.
+    pub fn update(&mut self, robot: &RobotModel, kind: LimitKind, motion: Motion, period: f64) {
+        self.too_fast.clear();
+        self.time_s = f64::INFINITY;
+        if !kind.includes_position() {
+            return;
+        }
+        for (i, joint) in robot.joints().iter().enumerate() {
+            let (q, limits) = (motion.joint_position[i], &joint.limits);
+            let (command, last, measured) = (motion.command[i], motion.last_command[i], motion.joint_velocity[i]);
+            let distance = |velocity: f64| if velocity > 0.0 { limits.upper - q } else { q - limits.lower };
+            let overshoots = |velocity: f64, tolerance: f64| {
+                let braking = velocity * velocity / 2.0 / braking_deceleration(limits);
+                velocity != 0.0 && braking > distance(velocity) + tolerance
+            };
+            if overshoots(command, POSITION_TOLERANCE) || overshoots(measured, NOISE_TOLERANCE) {
+                self.too_fast.push(i);
+            }
+            if command != 0.0 {
+                let joint_time = hold_time(limits, distance(command), command.abs(), last * command.signum(), period);
+                self.time_s = self.time_s.min(joint_time);
+            }
+        }
+    }
+}
+
+/// Returns t of the module for a joint with the speed v > 0 towards a limit at `distance`; `last`: v⁻.
+fn hold_time(limits: &JointLimits, distance: f64, v: f64, last: f64, period: f64) -> f64 {
+    let braking = v * v / 2.0 / braking_deceleration(limits);
+    let delayed = (last - v).max(0.0) * spare_time(period);
+    ((distance + POSITION_TOLERANCE - delayed - braking) / v).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0 };
+
+    #[test]
+    fn the_hold_time_leaves_room_for_braking_and_for_the_last_command() {
+        let close = |given: f64, expected: f64| assert!((given - expected).abs() < 1e-5, "{given} {expected}");
+        close(hold_time(&LIMITS, 0.1, 1.0, 0.0, 0.01), 0.1 - 1.0 / 16.0);
+        close(hold_time(&LIMITS, 0.1, 1.0, 1.5, 0.01), 0.1 - 1.0 / 16.0 - 0.005);
+        assert_eq!(hold_time(&LIMITS, 0.05, 1.0, 0.0, 0.01), 0.0);
+        assert_eq!(hold_time(&LIMITS, f64::INFINITY, 1.0, 0.0, 0.01), f64::INFINITY);
+        close(
+            hold_time(
+                &JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS },
+                0.1,
+                2.0,
+                0.0,
+                0.01,
+            ),
+            0.05,
+        );
+    }
+}

@@ -1,0 +1,180 @@
+//! The rules for the states of a controller: bounds beyond which a state is refused, and warnings about the others.
+
+use revprio_api::wire;
+use revprio_core::controller::{Command, Controller, Measurement};
+use revprio_robot::Joint;
+
+use super::numbers::not_negative;
+use crate::service::error::ApiError;
+
+/// Maximum validity of an answer that a controller can have, ms.
+pub const MAX_VALID_FOR_MS: u64 = 10_000;
+
+/// Distance outside the range that is reported, rad or m. Sensors of joints are more exact.
+const REPORTED_DISTANCE: f64 = 1e-3;
+
+/// Force (N) or torque (N·m) above which a state has a warning if there is no bound. Wrist sensors of arms measure less.
+const REPORTED_WRENCH: f64 = 1e4;
+
+/// Number of periods between two states above which a jump of the time or of the sequence number is reported.
+const MAX_GAP_PERIODS: f64 = 100.0;
+
+/// A joint may move at this multiple of its speed limit between two states, because limits apply to commands.
+const SPEED_MARGIN: f64 = 1.5;
+
+/// Distance between two states that is plausible at any time, rad or m. It covers noise and bends of the joint.
+const POSITION_MARGIN: f64 = 0.02;
+
+/// The rules for the states of a controller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StateRules {
+    /// Maximum validity of an answer, ms.
+    pub valid_for_ms: u64,
+    checks: wire::StateChecks,
+}
+
+/// The parts of the last state with which the next state is compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LastState {
+    /// Sequence number.
+    pub sequence: u64,
+    /// Time, s.
+    pub time_s: f64,
+    /// Joint position, n.
+    pub joint_position: Vec<f64>,
+}
+
+impl StateRules {
+    /// Reads the rules of a controller.
+    pub fn read(controller: &wire::Controller) -> Result<Self, ApiError> {
+        let wire::Controller { valid_for_ms, state_checks: checks, .. } = *controller;
+        if !(1..=MAX_VALID_FOR_MS).contains(&valid_for_ms) {
+            return Err(ApiError::invalid("/valid_for_ms", format!("give 1 to {MAX_VALID_FOR_MS} ms")));
+        }
+        not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
+        for (bound, pointer) in
+            [(checks.max_force_n, "/state_checks/max_force_n"), (checks.max_torque_nm, "/state_checks/max_torque_nm")]
+        {
+            bound.map(|bound| not_negative(bound, pointer)).transpose()?;
+        }
+        Ok(Self { valid_for_ms, checks })
+    }
+
+    /// Refuses a state beyond a bound.
+    pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<(), ApiError> {
+        if controller.config().keeps_positions() {
+            let tolerance = self.checks.position_tolerance;
+            let outside = outside(controller, &state.joint_position).find(|(_, _, distance)| *distance > tolerance);
+            if let Some((joint, q, _)) = outside {
+                let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
+                return Err(ApiError::implausible(
+                    "/joint_position",
+                    format!(
+                        "joint `{name}` at {q} is outside its range {lower} … {upper}; positions are in rad or m, not in \
+                         degrees or mm. If the arm is really there, move it back by hand or set \
+                         `state_checks.position_tolerance`, now {tolerance}"
+                    ),
+                ));
+            }
+        }
+        let (force, torque) = state.wrench.split_at(3);
+        check_wrench(force, self.checks.max_force_n, "/wrench/force", "N", "max_force_n")?;
+        check_wrench(torque, self.checks.max_torque_nm, "/wrench/torque", "N·m", "max_torque_nm")
+    }
+
+    /// Adds warnings about a state and its command.
+    pub fn warn(&self, warnings: &mut Vec<String>, state: &Measurement, controller: &Controller, command: &Command) {
+        let reported =
+            if controller.config().keeps_positions() { REPORTED_DISTANCE } else { self.checks.position_tolerance };
+        for (joint, q, _) in outside(controller, &state.joint_position).filter(|(_, _, distance)| *distance > reported)
+        {
+            let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
+            let effect = if controller.config().keeps_positions() {
+                "the service drives it back at up to its speed limit"
+            } else {
+                "this controller does not keep positions inside"
+            };
+            warnings.push(format!("joint `{name}` at {q} is outside its range {lower} … {upper}; {effect}"));
+        }
+        let (force, torque) = state.wrench.split_at(3);
+        for (values, bound) in [(force, self.checks.max_force_n), (torque, self.checks.max_torque_nm)] {
+            if let Some(value) = values.iter().find(|value| bound.is_none() && value.abs() > REPORTED_WRENCH) {
+                warnings.push(format!(
+                    "the wrench has an entry of {value} N or N·m; check the sensor and its unit, and set \
+                     `state_checks.max_force_n` and `max_torque_nm` to the range of the sensor"
+                ));
+            }
+        }
+        for &joint in &command.hold.too_fast {
+            let name = &controller.config().robot.joints()[joint].name;
+            warnings.push(format!(
+                "joint `{name}` is too fast to stop inside its range at its deceleration; stop the arm, and check limits, \
+                 units and the solver"
+            ));
+        }
+    }
+}
+
+impl LastState {
+    /// Adds warnings about the change from this state to the next one.
+    pub fn compare(&self, warnings: &mut Vec<String>, sequence: u64, state: &Measurement, controller: &Controller) {
+        let period = controller.config().period_s;
+        let elapsed = state.time_s - self.time_s;
+        let periods = elapsed / period;
+        if elapsed < 0.0 {
+            warnings.push(format!(
+                "time_s went back from {} to {}; set-points over time went back too. Use a clock that never goes back, or \
+                 open a new session",
+                self.time_s, state.time_s
+            ));
+        } else if periods > MAX_GAP_PERIODS {
+            warnings.push(format!(
+                "time_s advanced by {elapsed} s, {periods:.0} periods; set-points over time jumped. Send a state in every \
+                 period, or open a new session after a pause"
+            ));
+        }
+        let skipped = sequence.saturating_sub(self.sequence);
+        if skipped as f64 > MAX_GAP_PERIODS.max(2.0 * periods) {
+            warnings.push(format!(
+                "sequence advanced by {skipped}, from {} to {sequence}; increase it by one with every state",
+                self.sequence
+            ));
+        }
+        // If the client's clock stands still, its sequence numbers count the time.
+        let moving_time = elapsed.abs().max(skipped as f64 * period);
+        for (joint, (&q, &before)) in
+            controller.config().robot.joints().iter().zip(state.joint_position.iter().zip(&self.joint_position))
+        {
+            let moved = (q - before).abs();
+            if moved > POSITION_MARGIN + SPEED_MARGIN * joint.limits.velocity * moving_time {
+                let name = &joint.name;
+                warnings.push(format!(
+                    "joint `{name}` jumped from {before} to {q}, further than its speed limit allows; check the sensor, \
+                     and that one client alone steps this controller"
+                ));
+            }
+        }
+    }
+}
+
+/// Returns the joints outside their ranges, with their positions and distances.
+fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator<Item = (&'a Joint, f64, f64)> {
+    let distance = |(joint, &q): (&'a Joint, &'a f64)| {
+        let distance = (q - joint.limits.upper).max(joint.limits.lower - q);
+        (distance > 0.0).then_some((joint, q, distance))
+    };
+    controller.config().robot.joints().iter().zip(position).filter_map(distance)
+}
+
+fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<(), ApiError> {
+    let Some(bound) = bound else { return Ok(()) };
+    match values.iter().find(|value| value.abs() > bound) {
+        None => Ok(()),
+        Some(value) => Err(ApiError::implausible(
+            pointer,
+            format!(
+                "{value} {unit} is beyond {bound} {unit}; check the sensor and its unit, or set `state_checks.{field}`"
+            ),
+        )),
+    }
+}
