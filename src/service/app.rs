@@ -11,7 +11,7 @@ use tower_http::cors::CorsLayer;
 use utoipa::openapi::OpenApi;
 
 use super::error::ApiError;
-use super::gate::gate;
+use super::gate::{admission, gate};
 use super::handlers::docs::{self, Documents};
 use super::handlers::page;
 use super::openapi::{asyncapi_document, openapi_document};
@@ -48,10 +48,12 @@ fn behind_gate(routes: Router<Arc<AppState>>, app: AppState) -> Service {
             ApiError::not_found(format!("there is no route {}; see /openapi.json", uri.path()))
         })
         .method_not_allowed_fallback(|| async { ApiError::method_not_allowed() })
-        .layer(from_fn_with_state(Arc::clone(&app), gate));
+        .layer(from_fn_with_state(Arc::clone(&app), admission));
+    // Preflight requests have no token.
     if !app.config.allowed_origins.is_empty() {
         router = router.layer(cors(&app.config.allowed_origins));
     }
+    let router = router.layer(from_fn_with_state(Arc::clone(&app), gate));
     Service { router: router.with_state(Arc::clone(&app)), app }
 }
 

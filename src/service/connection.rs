@@ -26,6 +26,8 @@ pub struct Connections {
 struct Entry {
     /// Value of the clock when the connection was opened or last answered.
     answered: AtomicU64,
+    /// Number of reads from the client.
+    reads: AtomicU64,
     task: OnceLock<AbortHandle>,
 }
 
@@ -54,7 +56,7 @@ impl Connections {
             return None;
         }
         let id = self.tick();
-        let entry = Arc::new(Entry { answered: AtomicU64::new(id), task: OnceLock::new() });
+        let entry = Arc::new(Entry { answered: AtomicU64::new(id), reads: AtomicU64::new(0), task: OnceLock::new() });
         self.open().insert(id, Arc::clone(&entry));
         Some((Slot { id, entry, all: Arc::clone(self) }, full))
     }
@@ -85,10 +87,31 @@ impl Connections {
 }
 
 impl Slot {
+    /// Returns the counter of reads.
+    pub fn reads(&self) -> Reads {
+        Reads { entry: Arc::clone(&self.entry), seen: AtomicU64::new(0) }
+    }
+
     /// Returns a function that sets the task which serves the connection.
     pub fn set_task(&self) -> impl FnOnce(AbortHandle) + use<> {
         let entry = Arc::clone(&self.entry);
         move |task| drop(entry.task.set(task))
+    }
+}
+
+/// Tells requests that arrived together from requests that arrived one after the other.
+#[derive(Debug)]
+pub struct Reads {
+    entry: Arc<Entry>,
+    /// Number of reads at the last request.
+    seen: AtomicU64,
+}
+
+impl Reads {
+    /// Returns whether bytes have arrived since the last call.
+    pub fn has_new(&self) -> bool {
+        let reads = self.entry.reads.load(Ordering::Relaxed);
+        self.seen.swap(reads, Ordering::Relaxed) != reads
     }
 }
 
@@ -129,7 +152,11 @@ impl Connection {
 
 impl AsyncRead for Connection {
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context, into: &mut ReadBuf) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(context, into)
+        let result = Pin::new(&mut self.stream).poll_read(context, into);
+        if result.is_ready() {
+            self.slot.entry.reads.fetch_add(1, Ordering::Relaxed);
+        }
+        result
     }
 }
 

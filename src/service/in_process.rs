@@ -64,7 +64,7 @@ impl Service for InProcess {
     }
 
     fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {
-        self.sessions.step(id, state.clone()).map(|answer| answer.answer().clone()).map_err(client_error)
+        self.sessions.step_here(id, state.clone()).map(|answer| answer.answer().clone()).map_err(client_error)
     }
 
     fn delete_controller(&self, id: &str) -> Result<(), ClientError> {

@@ -8,12 +8,14 @@ use revprio_api::wire;
 use revprio_core::controller::{Controller, Memory, Stepper};
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
-use tokio::sync::watch;
+use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
 use uuid::Uuid;
 
 use super::convert;
 use super::error::ApiError;
 use super::metrics::Metrics;
+use super::price;
+use super::workers::Workers;
 
 /// A step more than this many periods after the previous step counts as a missed period.
 const LATE_PERIODS: f64 = 1.5;
@@ -128,12 +130,16 @@ impl Session {
     }
 }
 
+type SharedSession = Arc<AsyncMutex<Session>>;
+
 /// All sessions.
 pub struct Sessions {
     limit: usize,
     idle_timeout: Duration,
     metrics: Arc<Metrics>,
-    open: Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>,
+    /// A session is locked while it steps, in another thread if the step is expensive. The thread of the steps must
+    /// therefore never wait for the lock of a session.
+    open: Mutex<HashMap<Uuid, SharedSession>>,
 }
 
 impl Sessions {
@@ -153,19 +159,19 @@ impl Sessions {
     }
 
     /// Lists the open sessions, the last called one first.
-    pub fn list(&self) -> wire::SessionList {
-        let open = self.lock_active();
-        let mut controllers: Vec<_> = open.iter().map(|(id, session)| lock(session).entry(*id)).collect();
+    pub async fn list(&self) -> wire::SessionList {
+        let open: Vec<(Uuid, SharedSession)> =
+            self.lock_active().iter().map(|(id, session)| (*id, Arc::clone(session))).collect();
+        let mut controllers = Vec::with_capacity(open.len());
+        for (id, session) in open {
+            controllers.push(session.lock().await.entry(id));
+        }
         controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
         wire::SessionList { controllers }
     }
 
     /// Opens a session and returns its ID.
     pub fn create(&self, request: wire::Controller, controller: Controller) -> Result<Uuid, ApiError> {
-        let mut sessions = self.lock_active();
-        if sessions.len() >= self.limit {
-            return Err(ApiError::too_many_sessions(self.limit));
-        }
         let id = Uuid::new_v4();
         let stepper = Stepper::new(controller).map_err(|error| convert::step_error(&error, ""))?;
         let session = Session {
@@ -179,7 +185,11 @@ impl Sessions {
             missed_periods: 0,
             last_call: Instant::now(),
         };
-        sessions.insert(id, Arc::new(Mutex::new(session)));
+        let mut sessions = self.lock_active();
+        if sessions.len() >= self.limit {
+            return Err(ApiError::too_many_sessions(self.limit));
+        }
+        sessions.insert(id, Arc::new(AsyncMutex::new(session)));
         Ok(id)
     }
 
@@ -189,33 +199,49 @@ impl Sessions {
     }
 
     /// Ends idle sessions and returns the others.
-    fn lock_active(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+    fn lock_active(&self) -> MutexGuard<'_, HashMap<Uuid, SharedSession>> {
         let mut open = lock(&self.open);
-        open.retain(|_, session| lock(session).last_call.elapsed() < self.idle_timeout);
+        // A locked session is in use.
+        let is_active = |session: &Session| session.last_call.elapsed() < self.idle_timeout;
+        open.retain(|_, session| session.try_lock().map_or(true, |session| is_active(&session)));
         open
     }
 
-    /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: wire::State) -> Result<SharedAnswer, ApiError> {
+    /// Answers a state of a session. A step above the budget runs in `workers`.
+    pub async fn step(&self, id: &str, state: wire::State, workers: &Workers) -> Result<SharedAnswer, ApiError> {
         let now = Instant::now();
-        self.with(id, |_, session| session.answer(state, now, &self.metrics))
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        if price::of_controller(session.stepper.controller().config()) <= price::STEP_BUDGET {
+            return session.answer(state, now, &self.metrics);
+        }
+        let metrics = Arc::clone(&self.metrics);
+        workers.run(move |_| session.answer(state, now, &metrics)).await?
     }
 
-    /// Runs `act` on a session. Other sessions do not wait.
-    pub fn with<T>(
+    /// Answers a state of a session in this thread, for runs in this process.
+    pub fn step_here(&self, id: &str, state: wire::State) -> Result<SharedAnswer, ApiError> {
+        let now = Instant::now();
+        self.active(id, self.find(id)?.blocking_lock_owned())?.answer(state, now, &self.metrics)
+    }
+
+    /// Runs `act` on a session, after a step that is running.
+    pub async fn with<T>(
         &self,
         id: &str,
         act: impl FnOnce(Uuid, &mut Session) -> Result<T, ApiError>,
     ) -> Result<T, ApiError> {
-        let unknown = || ApiError::unknown_controller(id);
-        let uuid = parse(id)?;
-        let session = lock(&self.open).get(&uuid).cloned().ok_or_else(unknown)?;
-        let mut session = lock(&session);
-        if session.last_call.elapsed() >= self.idle_timeout {
-            // Not removed here: the locks in this order could deadlock. The next call of `lock_active` removes it.
-            return Err(unknown());
-        }
-        act(uuid, &mut session)
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        act(parse(id)?, &mut session)
+    }
+
+    fn find(&self, id: &str) -> Result<SharedSession, ApiError> {
+        lock(&self.open).get(&parse(id)?).cloned().ok_or_else(|| ApiError::unknown_controller(id))
+    }
+
+    /// Returns the session unless it has ended. The next call of `lock_active` removes it.
+    fn active(&self, id: &str, session: OwnedMutexGuard<Session>) -> Result<OwnedMutexGuard<Session>, ApiError> {
+        let is_active = session.last_call.elapsed() < self.idle_timeout;
+        is_active.then_some(session).ok_or_else(|| ApiError::unknown_controller(id))
     }
 
     /// Ends a session.
@@ -257,7 +283,7 @@ mod tests {
     /// Makes all sessions idle for the idle timeout.
     fn make_idle(sessions: &Sessions) {
         for session in lock(&sessions.open).values() {
-            let mut session = lock(session);
+            let mut session = session.try_lock().unwrap();
             session.last_call = session.last_call.checked_sub(sessions.idle_timeout).unwrap();
         }
     }
@@ -267,9 +293,9 @@ mod tests {
         let sessions = sessions();
         let (idle, busy) = (open(&sessions), open(&sessions));
         make_idle(&sessions);
-        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).last_call = Instant::now();
-        assert!(sessions.step(&idle, state()).unwrap_err().is_not_found());
-        assert!(sessions.step(&busy, state()).is_ok());
+        lock(&sessions.open)[&parse(&busy).unwrap()].try_lock().unwrap().last_call = Instant::now();
+        assert!(sessions.step_here(&idle, state()).unwrap_err().is_not_found());
+        assert!(sessions.step_here(&busy, state()).is_ok());
         open(&sessions);
         assert_eq!(lock(&sessions.open).len(), 2);
     }
@@ -278,11 +304,11 @@ mod tests {
     fn states_keep_a_session_open_and_reads_do_not() {
         let sessions = sessions();
         let id = open(&sessions);
-        let last_call = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).last_call;
+        let last_call = || lock(&sessions.open)[&parse(&id).unwrap()].try_lock().unwrap().last_call;
         let first = last_call();
-        sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
+        sessions.find(&id).unwrap().try_lock().unwrap().status(parse(&id).unwrap());
         assert_eq!(last_call(), first);
-        sessions.step(&id, state()).unwrap();
+        sessions.step_here(&id, state()).unwrap();
         assert!(last_call() > first);
     }
 }

@@ -31,9 +31,9 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Api
     })
 }
 
-/// Computes the stability margins of the loop.
-pub fn margin(contact: &ContactLoop) -> Result<Margin, ApiError> {
-    let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
+/// Computes the stability margins of the loop. `is_abandoned` ends the computation early; nobody reads its error then.
+pub fn margin(contact: &ContactLoop, is_abandoned: impl Fn() -> bool) -> Result<Margin, ApiError> {
+    let margin = contact.margin_unless(&is_abandoned).ok().filter(|margin| margin.spectral_radius.is_finite());
     margin.ok_or_else(|| ApiError::invalid("", NOT_COMPUTABLE))
 }
 
