@@ -27,6 +27,7 @@ use super::connection::{Connection, Reads};
 use super::drain::Draining;
 use super::error::connection_refusal;
 use super::gate::{LocalAddress, PeerAddress};
+use super::heartbeat::{Heartbeat, Supervisor};
 
 type RouterResult = Result<Response, Infallible>;
 
@@ -76,23 +77,64 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 ///
 /// One thread serves all requests: a step takes microseconds, less than passing it to another thread.
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
+    listener.set_nonblocking(true)?;
+    run(listener, service, stop, &Heartbeat::new(None))
+}
+
+/// Serves like [`serve`], while another thread watches the thread of the requests and reports to the supervisor.
+///
+/// While the thread of the requests is stuck, every new connection is answered with 503 (closed, with TLS).
+pub fn serve_supervised(
+    listener: TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    supervisor: impl Supervisor + Sync,
+) -> Result<(), ServeError> {
+    listener.set_nonblocking(true)?;
+    let config = &service.app.config;
+    config.check(listener.local_addr()?)?;
+    let own = if config.tls.is_none() { Some(listener.try_clone()?) } else { None };
+    let heartbeat = Heartbeat::new(own);
+    let supervisor = Arc::new(supervisor);
+    let _watch = heartbeat.watch(config.stuck_after, Arc::clone(&supervisor))?;
+    supervisor.ready();
+    let stop = async {
+        stop.await;
+        supervisor.stopping();
+    };
+    run(listener, service, stop, &heartbeat)
+}
+
+fn run(
+    listener: TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    heartbeat: &Arc<Heartbeat>,
+) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let drain_timeout = service.app.config.drain_timeout;
     let served = runtime.block_on(async {
-        listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let app = Arc::clone(&service.app);
         tokio::spawn(async move { app.admission_queue.run_marker().await });
-        accept(listener, service, stop).await;
+        let beating = Arc::clone(heartbeat);
+        tokio::spawn(async move { beating.run().await });
+        accept(listener, service, stop, heartbeat).await;
         Ok(())
     });
+    heartbeat.end();
     // Background work notices that it is abandoned.
     runtime.shutdown_timeout(drain_timeout);
     served
 }
 
-async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl Future<Output = ()>) {
+async fn accept(
+    listener: tokio::net::TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    heartbeat: &Heartbeat,
+) {
     let app = Arc::clone(&service.app);
     let mut drained = std::pin::pin!(async {
         stop.await;
@@ -115,6 +157,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
         }
     }
     drop(listener);
+    heartbeat.stop_listening();
     let timeout = app.config.drain_timeout;
     if tokio::time::timeout(timeout, app.drain.finish()).await.is_err() {
         tracing::warn!("connections still open after {timeout:?} were dropped");

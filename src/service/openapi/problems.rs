@@ -33,12 +33,12 @@ pub fn complete(document: &mut Value) {
 
 fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
     let mut statuses = match path {
-        "/healthz" => vec![500],
-        "/readyz" => vec![500, 503],
-        _ => vec![401, 403, 500, 503],
+        // The service answers `/healthz` with 503 while it is stuck.
+        "/healthz" | "/readyz" => vec![400, 403, 415, 500, 501, 503],
+        _ => vec![400, 401, 403, 415, 429, 500, 501, 503],
     };
     if has_body {
-        statuses.extend([400, 408, 413, 415, 422]);
+        statuses.extend([408, 413, 422]);
     }
     if path.contains('{') {
         statuses.push(404);
@@ -56,7 +56,7 @@ fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
         let (name, description, schema) = match status.as_str() {
             "401" => ("WWW-Authenticate", "`Bearer`.", json!({"type": "string"})),
             "426" => ("Upgrade", "`websocket`.", json!({"type": "string"})),
-            "503" => {
+            "429" | "503" => {
                 let schema = json!({"type": "integer", "minimum": 0, "maximum": 3600});
                 ("Retry-After", "Time until the next attempt, s.", schema)
             }

@@ -18,12 +18,12 @@ pub struct Request(std::sync::Arc<str>);
 
 impl Request {
     pub fn post(path: &str, body: &str) -> Self {
-        let head = format!("POST {path} HTTP/1.1\r\nhost: load\r\ncontent-type: application/json");
+        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json");
         Self(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).into())
     }
 
     pub fn get(path: &str) -> Self {
-        Self(format!("GET {path} HTTP/1.1\r\nhost: load\r\n\r\n").into())
+        Self(format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n").into())
     }
 }
 

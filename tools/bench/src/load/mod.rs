@@ -21,7 +21,7 @@ use crate::BenchError;
 /// One control period, about 1 KB.
 const STEP: &str = include_str!("../../../../api/examples/step.json");
 
-const HALF_A_REQUEST: &[u8] = b"POST /v1/step HTTP/1.1\r\nhost: load\r\ncontent-ty";
+const HALF_A_REQUEST: &[u8] = b"POST /v1/step HTTP/1.1\r\nhost: localhost\r\ncontent-ty";
 
 /// Largest growth of the memory of the server, MiB: connections with their buffers, and histograms.
 const MAX_MEMORY_GROWTH_MIB: f64 = 128.0;
