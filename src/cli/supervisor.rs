@@ -90,3 +90,24 @@ mod notify {
     pub fn alive() {}
     pub fn stopping() {}
 }
+
+#[cfg(test)]
+mod tests {
+    use std::process::Command;
+
+    use super::*;
+
+    /// Runs in a process of its own.
+    #[test]
+    #[ignore = "ends the process"]
+    fn end_of_a_stuck_process() {
+        ProcessSupervisor::new(LogWriter::start(std::io::stderr()).unwrap()).stuck();
+    }
+
+    #[test]
+    fn a_stuck_process_ends_with_status_70() {
+        let test = ["--exact", "cli::supervisor::tests::end_of_a_stuck_process", "--ignored"];
+        let ended = Command::new(std::env::current_exe().unwrap()).args(test).output().unwrap();
+        assert_eq!(ended.status.code(), Some(70));
+    }
+}

@@ -115,7 +115,9 @@ mod tests {
             let last = format!("GET /call/{name} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
             stream.write_all((request + &last).as_bytes()).unwrap();
         }
-        streams.iter_mut().for_each(|stream| drop(stream.read_to_string(&mut String::new()).unwrap()));
+        for stream in &mut streams {
+            stream.read_to_string(&mut String::new()).unwrap();
+        }
         let order = order.lock().unwrap().concat();
         let (first, last) = (order.find('b').unwrap(), order.rfind('a').unwrap());
         assert!(first < last && !order[first..last].contains("aaa") && !order[first..last].contains("bbb"), "{order}");
@@ -193,7 +195,9 @@ mod tests {
         // Keeps the thread of the requests until the test releases it.
         let (release, released) = std::sync::mpsc::channel::<()>();
         let released = Arc::new(Mutex::new(released));
-        let hold = move || async move { drop(released.lock().unwrap().recv()) };
+        let hold = move || async move {
+            let _ = released.lock().unwrap().recv();
+        };
         let routes = Router::new().route("/hold", get(hold)).route("/healthz", get(operation::alive));
         let config = ServiceConfig { stuck_after: Duration::from_secs(1), ..ServiceConfig::default() };
         let service = behind_gate(routes, AppState::with_config(Robots::built_in(), config));

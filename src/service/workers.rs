@@ -130,7 +130,7 @@ mod tests {
         let workers = Workers::new(KIND, Duration::from_mins(1));
         block_on(async {
             let (release, released) = mpsc::channel::<()>();
-            let (first, second) = (workers.run(move |_| drop(released.recv())), workers.run(|_| 2));
+            let (first, second) = (workers.run(move |_| released.recv().is_ok()), workers.run(|_| 2));
             let third = async {
                 // The first two are polled before this future.
                 let refused = kind(workers.run(|_| 3).await);

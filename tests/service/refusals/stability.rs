@@ -3,7 +3,7 @@
 use super::{OMITTED, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const ROWS: [Row; 15] = [
+const ROWS: [Row; 17] = [
     ("/inertia", "0", 422, "/inertia"),
     ("/inertia", "-15", 422, "/inertia"),
     ("/inertia", "1e-160", 422, "/inertia"),
