@@ -27,18 +27,19 @@ pub fn complete(document: &mut Value) {
     let text = document["info"]["description"].as_str().unwrap_or_default();
     document["info"]["description"] = json!(format!(
         "{text}\n\nA refused request gets a problem (RFC 9457, `application/problem+json`). It contains the JSON pointer of \
-         the wrong field, if there is one. Its `type` is stable.\n\n| type | status | cause | remedy |\n|---|---|---|---|\n{table}"
+         the wrong field, if there is one. Its `type` is stable. Every operation refuses a wrong host (400, 403), unknown \
+         encodings (415, 501) and, after many failures, a wrong token (429).\n\n| type | status | cause | remedy |\n|---|---|---|---|\n{table}"
     ));
 }
 
 fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
     let mut statuses = match path {
         // The service answers `/healthz` with 503 while it is stuck.
-        "/healthz" | "/readyz" => vec![400, 403, 415, 500, 501, 503],
-        _ => vec![400, 401, 403, 415, 429, 500, 501, 503],
+        "/healthz" | "/readyz" => vec![403, 500, 503],
+        _ => vec![401, 403, 500, 503],
     };
     if has_body {
-        statuses.extend([408, 413, 422]);
+        statuses.extend([400, 408, 413, 415, 422]);
     }
     if path.contains('{') {
         statuses.push(404);
