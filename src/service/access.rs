@@ -27,7 +27,10 @@ pub fn has_token(config: &ServiceConfig, headers: &HeaderMap) -> bool {
 /// as RFC 9112, section 6.3, demands. Here are the other codings before `chunked`.
 pub fn check_codings(headers: &HeaderMap) -> Result<(), ApiError> {
     let is_only = |name, coding: &str| {
-        headers.get_all(name).iter().all(|value| value.to_str().is_ok_and(|text| text.trim().eq_ignore_ascii_case(coding)))
+        headers
+            .get_all(name)
+            .iter()
+            .all(|value| value.to_str().is_ok_and(|text| text.trim().eq_ignore_ascii_case(coding)))
     };
     if headers.get_all(header::TRANSFER_ENCODING).iter().count() > 1 || !is_only(header::TRANSFER_ENCODING, "chunked") {
         return Err(ApiError::transfer_encoding());

@@ -22,9 +22,7 @@ pub fn check(headers: &HeaderMap, uri: &Uri, local: Option<IpAddr>, allowed: &[S
     let text = host.to_str().map_err(|_| refused())?;
     check_name(name(text).ok_or_else(refused)?, local, allowed)?;
     // A target with a host, as for a proxy, has precedence over the header.
-    uri.authority().map_or(Ok(()), |target| {
-        check_name(name(target.as_str()).ok_or_else(refused)?, local, allowed)
-    })
+    uri.authority().map_or(Ok(()), |target| check_name(name(target.as_str()).ok_or_else(refused)?, local, allowed))
 }
 
 /// Returns the host without its port.
@@ -32,7 +30,8 @@ fn name(host_and_port: &str) -> Option<&str> {
     let authority: Authority = host_and_port.parse().ok()?;
     let host_length = authority.host().len();
     let port = &host_and_port.get(host_length..)?;
-    let is_port = port.is_empty() || port.strip_prefix(':').is_some_and(|port| port.is_empty() || port.parse::<u16>().is_ok());
+    let is_port =
+        port.is_empty() || port.strip_prefix(':').is_some_and(|port| port.is_empty() || port.parse::<u16>().is_ok());
     (is_port && host_length > 0 && !host_and_port.contains('@')).then(|| &host_and_port[..host_length])
 }
 
@@ -86,15 +85,34 @@ mod tests {
     #[test]
     fn only_the_own_address_localhost_and_configured_names_are_names_of_the_service() {
         let own = [
-            "localhost", "LocalHost:8080", "localhost.", "127.0.0.1", "127.8.0.1:1", "[::1]:8080", "192.168.0.7:8080",
-            "[::ffff:192.168.0.7]", "cell-4.EXAMPLE:443", "cell-4.example.", "10.0.0.7", "[fe80::7]:1", "localhost:",
+            "localhost",
+            "LocalHost:8080",
+            "localhost.",
+            "127.0.0.1",
+            "127.8.0.1:1",
+            "[::1]:8080",
+            "192.168.0.7:8080",
+            "[::ffff:192.168.0.7]",
+            "cell-4.EXAMPLE:443",
+            "cell-4.example.",
+            "10.0.0.7",
+            "[fe80::7]:1",
+            "localhost:",
         ];
         for host in own {
             assert_eq!(refusal(&[host], "/"), "", "{host}");
         }
         let foreign = [
-            "evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "192.168.0.8",
-            "xcell-4.example", "0.0.0.0", "[::2]", "2130706433", "0x7f.1",
+            "evil.example",
+            "evil.example:8080",
+            "localhost.evil.example",
+            "127.0.0.1.evil.example",
+            "192.168.0.8",
+            "xcell-4.example",
+            "0.0.0.0",
+            "[::2]",
+            "2130706433",
+            "0x7f.1",
         ];
         for host in foreign {
             assert_eq!(refusal(&[host], "/"), "foreign-host", "{host}");
@@ -104,7 +122,8 @@ mod tests {
     #[test]
     fn a_request_has_one_host_that_is_a_host() {
         assert_eq!((refusal(&[], "/"), refusal(&["localhost", "localhost"], "/")), ("bad-host", "bad-host"));
-        for host in ["", ":80", "localhost:http", "localhost:99999", "a@localhost", "localhost/", "local host", "a,b c"] {
+        for host in ["", ":80", "localhost:http", "localhost:99999", "a@localhost", "localhost/", "local host", "a,b c"]
+        {
             assert_eq!(refusal(&[host], "/"), "bad-host", "{host}");
         }
     }

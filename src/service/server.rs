@@ -245,7 +245,8 @@ impl Caller {
         extensions.insert(PeerAddress(self.peer));
         async move {
             if !has_turn {
-                tokio::task::yield_now().await;
+                // In a task of its own: a yield ends when it is polled again, and hyper polls up to 16 times in a row.
+                let _ = tokio::spawn(tokio::task::yield_now()).await;
             }
             TowerToHyperService::new(router).call(request).await
         }

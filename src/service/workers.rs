@@ -59,9 +59,10 @@ impl Workers {
             let result = catch_unwind(AssertUnwindSafe(|| work(&abandoned)));
             // The client may send its next request as soon as it has the answer.
             drop(permit);
-            match result {
-                Ok(result) => drop(sender.send(result)),
-                Err(_) => tracing::error!("background work failed"),
+            if let Ok(result) = result {
+                drop(sender.send(result));
+            } else {
+                tracing::error!("background work failed");
             }
         };
         let queue = self.queue.get_or_init(|| start(self.kind));

@@ -7,8 +7,7 @@ use std::time::{Duration, Instant};
 use crate::harness::{Service, example};
 
 const HALF_A_HEADER: &str = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-ty";
-const HALF_A_BODY: &str =
-    "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{\"robot\"";
+const HALF_A_BODY: &str = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{\"robot\"";
 
 /// Far below every timeout of the service.
 const PROMPTLY: Duration = Duration::from_secs(5);

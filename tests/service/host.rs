@@ -20,9 +20,25 @@ fn assert_problem(answer: &str, status: u16, kind: &str) {
 fn every_route_refuses_a_foreign_host() {
     let service = Service::start();
     let routes = [
-        "/", "/docs", "/docs/", "/dashboard/main.js", "/healthz", "/readyz", "/metrics", "/openapi.json",
-        "/asyncapi.json", "/v1/controllers", "/v1/controllers/1", "/v1/controllers/1/watch", "/v1/controllers/1/stream",
-        "/v1/robots", "/v1/robots/panda", "/v1/scenarios", "/v1/simulations/1", "/v1/simulations/1/live", "/nothing",
+        "/",
+        "/docs",
+        "/docs/",
+        "/dashboard/main.js",
+        "/healthz",
+        "/readyz",
+        "/metrics",
+        "/openapi.json",
+        "/asyncapi.json",
+        "/v1/controllers",
+        "/v1/controllers/1",
+        "/v1/controllers/1/watch",
+        "/v1/controllers/1/stream",
+        "/v1/robots",
+        "/v1/robots/panda",
+        "/v1/scenarios",
+        "/v1/simulations/1",
+        "/v1/simulations/1/live",
+        "/nothing",
         "/v1/resolve",
     ];
     for path in routes {
@@ -61,14 +77,19 @@ fn a_refused_form_ends_the_connection() {
 fn unknown_codings_are_refused() {
     let service = Service::start();
     let post = |headers: &str, body: &str| {
-        let head = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json";
+        let head =
+            "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json";
         service.raw(format!("{head}\r\n{headers}\r\n{body}").as_bytes())
     };
     for coding in ["gzip, chunked", "deflate,chunked", "identity, chunked", "chunked, chunked"] {
         let answer = post(&format!("transfer-encoding: {coding}\r\n"), "0\r\n\r\n");
         assert_problem(&answer, 501, "transfer-encoding");
     }
-    assert_problem(&post("transfer-encoding: gzip\r\ntransfer-encoding: chunked\r\n", "0\r\n\r\n"), 501, "transfer-encoding");
+    assert_problem(
+        &post("transfer-encoding: gzip\r\ntransfer-encoding: chunked\r\n", "0\r\n\r\n"),
+        501,
+        "transfer-encoding",
+    );
     // RFC 9112, section 6.3: the end of such a body cannot be found.
     for coding in ["gzip", "identity", "chunked, gzip"] {
         let answer = post(&format!("transfer-encoding: {coding}\r\n"), "0\r\n\r\n");

@@ -39,8 +39,7 @@ fn requests_above_the_lag_are_refused_at_once_and_probes_are_not() {
 #[test]
 fn large_bodies_share_a_quota_and_small_ones_do_not_need_it() {
     let service = Service::with(ServiceConfig { max_large_bodies: 2, ..ServiceConfig::default() });
-    let head =
-        "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
+    let head = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
     let started = |_| {
         let mut stream = service.connect();
         stream.write_all(head.as_bytes()).unwrap();

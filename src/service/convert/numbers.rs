@@ -20,7 +20,8 @@ pub fn inertia(value: f64, pointer: &str) -> Result<f64, ApiError> {
     if (MIN_INERTIA..=MAX_MAGNITUDE).contains(&value) {
         return Ok(value);
     }
-    let detail = format!("{value:e} is out of range; give an inertia from {MIN_INERTIA:e} to {MAX_MAGNITUDE:e} kg or kg·m²");
+    let detail =
+        format!("{value:e} is out of range; give an inertia from {MIN_INERTIA:e} to {MAX_MAGNITUDE:e} kg or kg·m²");
     Err(ApiError::invalid(pointer, detail))
 }
 

@@ -74,7 +74,8 @@ impl ApiError {
 
     /// 403: `Host` is not a name of this service.
     pub fn foreign_host(host: &str) -> Self {
-        let detail = format!("`{host:.80}` is not a name of this service; if it is, start it with --allow-host {host:.80}");
+        let detail =
+            format!("`{host:.80}` is not a name of this service; if it is, start it with --allow-host {host:.80}");
         Self::new(&kinds::FOREIGN_HOST, detail)
     }
 
@@ -268,7 +269,9 @@ impl IntoResponse for ApiError {
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
         match self.kind.status {
-            StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS => headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1")),
+            StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS => {
+                headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"))
+            }
             StatusCode::UNAUTHORIZED => headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer")),
             StatusCode::UPGRADE_REQUIRED => headers.insert(header::UPGRADE, HeaderValue::from_static("websocket")),
             _ => None,
