@@ -19,7 +19,9 @@ fn requests_above_the_lag_are_refused_at_once_and_probes_are_not() {
     let (connections, requests) = (40, 20);
     let pipelined = ROBOTS.repeat(requests) + PROBE + CLOSE;
     let streams: Vec<TcpStream> = (0..connections).map(|_| service.connect()).collect();
-    streams.iter().for_each(|mut stream| stream.write_all(pipelined.as_bytes()).unwrap());
+    for mut stream in &streams {
+        stream.write_all(pipelined.as_bytes()).unwrap();
+    }
     let mut answers = String::new();
     for mut stream in &streams {
         stream.read_to_string(&mut answers).unwrap();
@@ -111,6 +113,23 @@ fn one_connection_too_many_closes_the_longest_unanswered_one() {
     assert!(silent[..30].iter_mut().all(closed), "an old connection is still open");
     assert!(!silent[32..].iter_mut().any(closed), "a new connection is closed");
     call();
+}
+
+#[test]
+fn a_flood_of_connections_within_a_period_does_not_close_a_control_loop() {
+    let service = Service::with(ServiceConfig { max_connections: 10, ..ServiceConfig::default() });
+    let mut busy = service.connect();
+    let mut call = || {
+        busy.write_all(PROBE.as_bytes()).unwrap();
+        let mut answer = [0; 4096];
+        let length = busy.read(&mut answer).unwrap();
+        assert!(answer[..length].starts_with(b"HTTP/1.1 200 OK"));
+    };
+    (0..20).for_each(|_| call());
+    // No call of the loop in between.
+    let flood: Vec<TcpStream> = (0..40).map(|_| service.connect()).collect();
+    call();
+    drop(flood);
 }
 
 #[test]

@@ -318,8 +318,11 @@ mod tests {
         assert!(!margin.is_stable());
     }
 
+    /// A name, and the result of the k-th call.
+    type Answers = (&'static str, fn(usize) -> bool);
+
     /// Tests of stability that never let a search converge, with what they return at their k-th call.
-    const WITHOUT_CONVERGENCE: [(&str, fn(usize) -> bool); 4] = [
+    const WITHOUT_CONVERGENCE: [Answers; 4] = [
         ("always stable", |_| true),
         ("stable only at the start", |call| call == 0),
         ("stable only after the start", |call| call > 0),
