@@ -28,7 +28,7 @@ const WITHOUT_CIRCLES: [&str; 9] = [
 ];
 
 /// Crates of others, and the only files and folders that may name them.
-const MAY_NAME: [(&str, &[&str]); 21] = [
+const MAY_NAME: [(&str, &[&str]); 23] = [
     ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
     ("clarabel", &["crates/core/src/resolution/", "tools/bench/"]),
     ("faer", &["crates/core/src/controller/stability.rs", "tools/bench/"]),
@@ -46,6 +46,8 @@ const MAY_NAME: [(&str, &[&str]); 21] = [
     ("resvg", &["crates/lab/src/report/"]),
     ("rmp_serde", &["src/service/format/"]),
     ("rustix", &["src/service/background.rs", "tools/bench/src/http/affinity.rs"]),
+    ("sd_notify", &["src/cli/supervisor.rs"]),
+    ("signal_hook", &["src/cli/supervisor.rs"]),
     ("tokio", &["src/service/", "src/cli/serve.rs", "tools/bench/src/"]),
     ("tokio_rustls", &["src/service/"]),
     ("tower_http", &["src/service/"]),

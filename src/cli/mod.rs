@@ -15,6 +15,7 @@ mod serve;
 mod settings;
 mod simulate;
 mod stability;
+mod supervisor;
 mod sweep;
 mod tool;
 mod traces;

@@ -8,12 +8,19 @@ use tracing_subscriber::fmt::layer;
 use tracing_subscriber::prelude::*;
 
 use super::CliError;
-use super::settings::{EffectiveSettings, LogFormat, Options, SettingsError};
-use crate::service::{AppState, Robots, bind, router, serve};
+use super::settings::{EffectiveSettings, LogFormat, Options};
+use super::supervisor::{LOG_TIMEOUT, ProcessSupervisor, end_on_second_signal};
+use crate::service::{AppState, LogWriter, Robots, bind, router, serve_supervised};
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let settings = EffectiveSettings::of(options, |name| std::env::var(name).ok())?;
-    start_log(&settings)?;
+    let log = start_log(&settings)?;
+    let served = run_with(&settings, &log);
+    log.finish(LOG_TIMEOUT);
+    served
+}
+
+fn run_with(settings: &EffectiveSettings, log: &LogWriter) -> Result<(), CliError> {
     let config = settings.service()?;
     config.check(settings.listen())?;
     let scheme = if config.tls.is_some() { "https" } else { "http" };
@@ -24,22 +31,27 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let service = router(AppState::with_config(robots, config));
     let listener = bind(settings.listen())?;
     let url = format!("{scheme}://{}", listener.local_addr()?);
-    Ok(serve(listener, service, announce_and_wait(url))?)
+    if let Err(error) = end_on_second_signal() {
+        tracing::warn!(%error, "a second signal will not end the service at once");
+    }
+    Ok(serve_supervised(listener, service, announce_and_wait(url), ProcessSupervisor::new(log.clone()))?)
 }
 
 /// Starts the log on standard error, which includes panics.
-fn start_log(settings: &EffectiveSettings) -> Result<(), SettingsError> {
+fn start_log(settings: &EffectiveSettings) -> Result<LogWriter, CliError> {
     let filter = settings.log_level().parse::<Targets>();
     let filter = filter
         .map_err(|_| settings.refused("log_level", "is not a log level; use for example `info` or `revprio=debug`"))?;
-    let log = layer().with_writer(std::io::stderr);
+    let writer = LogWriter::start(std::io::stderr())?;
+    let output = writer.clone();
+    let log = layer().with_writer(move || output.clone()).log_internal_errors(false);
     let log = match settings.log_format() {
         LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).boxed(),
         LogFormat::Json => log.json().boxed(),
     };
     tracing_subscriber::registry().with(log.with_filter(filter)).init();
     std::panic::set_hook(Box::new(|panic| tracing::error!("{panic}")));
-    Ok(())
+    Ok(writer)
 }
 
 /// Prints the address of the service, then waits for the signal that ends it.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use super::robot::RobotArgument;
-use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError};
+use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError, is_host_name};
 
 /// All settings. The name of a field is its key in the file and, as `REVPRIO_…`, in the environment.
 #[derive(Debug, Clone, Default, Args, Serialize, Deserialize)]
@@ -34,6 +34,9 @@ pub struct Settings {
     /// Origin of web pages that may call the service, for example https://panel.example; may be repeated
     #[arg(long, value_name = "ORIGIN", value_delimiter = ',')]
     allow_origin: Option<Vec<String>>,
+    /// Name of the service in the header `Host`, in addition to its address and localhost; may be repeated
+    #[arg(long, value_name = "HOST", value_delimiter = ',')]
+    allow_host: Option<Vec<String>>,
     /// Format of log lines on standard error [default: text]
     #[arg(long, value_enum)]
     log_format: Option<LogFormat>,
@@ -61,6 +64,12 @@ pub struct Settings {
     /// Largest waiting time of a request; later requests get 503 at once, ms [default: 10]
     #[arg(long, value_name = "MILLISECONDS")]
     max_lag_ms: Option<f64>,
+    /// Deadline of long work, waiting included, s; batches have ten times as long [default: 60]
+    #[arg(long, value_name = "SECONDS")]
+    work_timeout_s: Option<f64>,
+    /// Time after which a service that does not answer ends itself with status 70, s [default: 5]
+    #[arg(long, value_name = "SECONDS")]
+    stuck_after_s: Option<f64>,
     /// Timeout for request headers and idle connections, s [default: 30]
     #[arg(long, value_name = "SECONDS")]
     header_timeout_s: Option<f64>,
@@ -249,6 +258,7 @@ impl EffectiveSettings {
             token: settings.token_file.as_deref().map(Token::read).transpose()?,
             tls,
             allowed_origins: settings.allow_origin.clone().unwrap_or_default(),
+            allowed_hosts: settings.allow_host.clone().unwrap_or_default(),
             max_body_bytes: settings.max_body_bytes.unwrap_or(default.max_body_bytes),
             max_batch_bytes: settings.max_batch_bytes.unwrap_or(default.max_batch_bytes),
             max_large_bodies: settings.max_large_bodies.unwrap_or(default.max_large_bodies),
@@ -256,6 +266,8 @@ impl EffectiveSettings {
             session_idle: seconds(settings.session_idle_s, default.session_idle),
             max_connections: settings.max_connections.unwrap_or(default.max_connections),
             max_lag: seconds(settings.max_lag_ms.map(|ms| ms / 1e3), default.max_lag),
+            work_timeout: seconds(settings.work_timeout_s, default.work_timeout),
+            stuck_after: seconds(settings.stuck_after_s, default.stuck_after),
             header_timeout: seconds(settings.header_timeout_s, default.header_timeout),
             body_timeout: seconds(settings.body_timeout_s, default.body_timeout),
             write_timeout: seconds(settings.write_timeout_s, default.write_timeout),
@@ -301,6 +313,8 @@ impl Settings {
             session_idle_s: seconds(service.session_idle),
             max_connections: Some(service.max_connections),
             max_lag_ms: Some(service.max_lag.as_secs_f64() * 1e3),
+            work_timeout_s: seconds(service.work_timeout),
+            stuck_after_s: seconds(service.stuck_after),
             header_timeout_s: seconds(service.header_timeout),
             body_timeout_s: seconds(service.body_timeout),
             write_timeout_s: seconds(service.write_timeout),
@@ -349,7 +363,7 @@ fn from_text(key: &str, flag: &str, text: &str, variable: &str) -> Result<Value,
     table.get(key).cloned().ok_or_else(|| refused("has no value".to_owned()))
 }
 
-/// Checks numbers and origins.
+/// Checks numbers, origins and hosts.
 fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError> {
     /// Largest time in any unit; some months in seconds.
     const MAX_TIME: f64 = 1e7;
@@ -362,6 +376,11 @@ fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError>
             if key == "allow_origin" && !origins.iter().all(|origin| origin.as_str().is_some_and(is_origin)) =>
         {
             "an origin is scheme, host and port without a path, for example https://panel.example:8443"
+        }
+        Value::Array(hosts)
+            if key == "allow_host" && !hosts.iter().all(|host| host.as_str().is_some_and(is_host_name)) =>
+        {
+            "a host is a name or an address without scheme, port and path, for example cell-4.example"
         }
         _ => return Ok(()),
     };

@@ -11,7 +11,7 @@ use tower_http::cors::CorsLayer;
 use utoipa::openapi::OpenApi;
 
 use super::error::ApiError;
-use super::gate::gate;
+use super::gate::{admission, gate};
 use super::handlers::docs::{self, Documents};
 use super::handlers::page;
 use super::openapi::{asyncapi_document, openapi_document};
@@ -49,10 +49,12 @@ fn behind_gate(routes: Router<Arc<AppState>>, app: AppState) -> Service {
             ApiError::not_found(format!("there is no route {}; see /openapi.json", uri.path()))
         })
         .method_not_allowed_fallback(|| async { ApiError::method_not_allowed() })
-        .layer(from_fn_with_state(Arc::clone(&app), gate));
+        .layer(from_fn_with_state(Arc::clone(&app), admission));
+    // Preflight requests have no token.
     if !app.config.allowed_origins.is_empty() {
         router = router.layer(cors(&app.config.allowed_origins));
     }
+    let router = router.layer(from_fn_with_state(Arc::clone(&app), gate));
     Service { router: router.with_state(Arc::clone(&app)), app }
 }
 
@@ -71,9 +73,19 @@ fn cors(origins: &[String]) -> CorsLayer {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{Read as _, Write as _};
+    use std::net::{SocketAddr, TcpStream};
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::time::Instant;
+
+    use axum::body::Bytes;
+    use axum::extract::Path;
+    use axum::routing::post;
+
     use super::*;
     use crate::service::handlers::operation;
-    use crate::service::{Robots, RunningServer};
+    use crate::service::{Robots, RunningServer, ServiceConfig, Supervisor, bind, serve_supervised};
 
     /// Returns status and body of an answer.
     fn get_text(url: &str) -> (u16, String) {
@@ -82,13 +94,50 @@ mod tests {
         (response.status().as_u16(), response.body_mut().read_to_string().unwrap())
     }
 
+    /// Starts a service with these routes alone.
+    fn start(routes: Router<Arc<AppState>>) -> RunningServer {
+        RunningServer::start(behind_gate(routes, AppState::new(Robots::built_in()))).unwrap()
+    }
+
+    #[test]
+    fn connections_take_turns_after_each_answer() {
+        let order: Arc<Mutex<Vec<String>>> = Arc::default();
+        let called = Arc::clone(&order);
+        // The first call keeps the thread until the requests of both connections have arrived.
+        let call = move |Path(name): Path<String>, _: Bytes| async move {
+            let mut called = called.lock().unwrap();
+            if called.is_empty() {
+                std::thread::sleep(Duration::from_millis(500));
+            }
+            called.push(name);
+        };
+        let server = start(Router::new().route("/call/{name}", post(call)));
+        let connect = || TcpStream::connect(server.url().trim_start_matches("http://")).unwrap();
+        let mut streams = [connect(), connect()];
+        for (stream, name) in streams.iter_mut().zip(["a", "b"]) {
+            // Together the requests are larger than the buffers.
+            let head = format!("POST /call/{name} HTTP/1.1\r\nhost: localhost\r\ncontent-length: 900\r\n");
+            let body = "x".repeat(900);
+            let requests = format!("{head}\r\n{body}").repeat(300) + &format!("{head}connection: close\r\n\r\n{body}");
+            stream.write_all(requests.as_bytes()).unwrap();
+        }
+        for stream in &mut streams {
+            stream.read_to_string(&mut String::new()).unwrap();
+        }
+        let order = order.lock().unwrap().concat();
+        let (first, last) = (order.find('b').unwrap(), order.rfind('a').unwrap());
+        let both = &order[first..last];
+        // A request that arrives alone needs no turn, so a connection may have two or three in a row.
+        assert!(both.len() > 400 && !both.contains("aaaaa") && !both.contains("bbbbb"), "{order}");
+    }
+
     #[test]
     fn a_panic_is_answered_as_a_problem_with_the_request_id_and_counted() {
         async fn panics() -> &'static str {
             panic!("meant for a test")
         }
         let routes = Router::new().route("/panic", get(panics)).route("/metrics", get(operation::metrics));
-        let server = RunningServer::start(behind_gate(routes, AppState::new(Robots::built_in()))).unwrap();
+        let server = start(routes);
         let (status, body) = get_text(&(server.url() + "/panic"));
         let problem: serde_json::Value = serde_json::from_str(&body).unwrap();
         assert_eq!((status, &problem["type"]), (500, &"/problems/internal".into()));
@@ -98,5 +147,92 @@ mod tests {
         for line in ["revprio_panics_total 1", r#"revprio_requests_total{route="/panic",status="500"} 1"#] {
             assert!(metrics.contains(line), "{line} is not in {metrics}");
         }
+    }
+
+    /// Counts the reports of the watching thread.
+    #[derive(Default)]
+    struct Reports {
+        ready: AtomicU32,
+        alive: AtomicU32,
+        stuck: AtomicU32,
+        stopping: AtomicU32,
+    }
+
+    impl Supervisor for Arc<Reports> {
+        fn ready(&self) {
+            self.ready.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn alive(&self) {
+            self.alive.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn stuck(&self) {
+            self.stuck.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn stopping(&self) {
+            self.stopping.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Returns the answer of a probe on a connection of its own; `None` if there is none within two seconds.
+    fn probe(address: SocketAddr) -> Option<String> {
+        let mut stream = TcpStream::connect(address).ok()?;
+        stream.set_read_timeout(Some(Duration::from_secs(2))).ok()?;
+        stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").ok()?;
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).ok()?;
+        Some(answer)
+    }
+
+    /// Probes until the answer begins with this text.
+    fn await_probe(address: SocketAddr, start: &str) -> String {
+        let deadline = Instant::now() + Duration::from_secs(20);
+        loop {
+            let answer = probe(address).unwrap_or_default();
+            if answer.starts_with(start) {
+                return answer;
+            }
+            assert!(Instant::now() < deadline, "not {start}: {answer}");
+        }
+    }
+
+    #[test]
+    fn a_stuck_service_says_so_and_is_reported() {
+        // Keeps the thread of the requests until the test releases it.
+        let (release, released) = std::sync::mpsc::channel::<()>();
+        let released = Arc::new(Mutex::new(released));
+        let hold = move || async move {
+            let _ = released.lock().unwrap().recv();
+        };
+        let routes = Router::new().route("/hold", get(hold)).route("/healthz", get(operation::alive));
+        let config = ServiceConfig { stuck_after: Duration::from_secs(1), ..ServiceConfig::default() };
+        let service = behind_gate(routes, AppState::with_config(Robots::built_in(), config));
+        let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
+        let address = listener.local_addr().unwrap();
+        let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+        let reports = Arc::new(Reports::default());
+        let supervisor = Arc::clone(&reports);
+        let thread = std::thread::spawn(move || {
+            serve_supervised(listener, service, async { drop(stopped.await) }, supervisor).unwrap();
+        });
+        await_probe(address, "HTTP/1.1 200 ");
+        let mut holder = TcpStream::connect(address).unwrap();
+        holder.write_all(b"GET /hold HTTP/1.1\r\nhost: localhost\r\n\r\n").unwrap();
+        let answer = await_probe(address, "HTTP/1.1 503 ");
+        assert!(answer.contains("/problems/stuck"), "{answer}");
+        let deadline = Instant::now() + Duration::from_secs(20);
+        while reports.stuck.load(Ordering::Relaxed) == 0 && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        release.send(()).unwrap();
+        await_probe(address, "HTTP/1.1 200 ");
+        drop(stop);
+        thread.join().unwrap();
+        let count = |counter: &AtomicU32| counter.load(Ordering::Relaxed);
+        assert_eq!((count(&reports.ready), count(&reports.stopping)), (1, 1));
+        assert!(count(&reports.alive) > 0 && count(&reports.stuck) > 0);
+        assert!(TcpStream::connect(address).is_err(), "the watching thread still listens");
     }
 }

@@ -5,8 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::available_parallelism;
 
-use tokio::sync::Semaphore;
-
 use super::error::ApiError;
 
 /// Tells long work that nobody waits for it any more: the client is gone, or the service shuts down.
@@ -21,7 +19,14 @@ impl Abandoned {
 }
 
 /// Sets the flag when it is dropped together with the future that waits for the work.
-struct AbandonOnDrop(Abandoned);
+pub struct AbandonOnDrop(Abandoned);
+
+impl AbandonOnDrop {
+    /// Sets this flag when it is dropped.
+    pub fn of(abandoned: &Abandoned) -> Self {
+        Self(abandoned.clone())
+    }
+}
 
 impl Drop for AbandonOnDrop {
     fn drop(&mut self) {
@@ -29,45 +34,10 @@ impl Drop for AbandonOnDrop {
     }
 }
 
-/// A quota for long work of one kind: one job runs, a few wait, all others are refused.
-pub struct Quota {
-    /// Name of the jobs in error texts, in the plural.
-    name: &'static str,
-    max: usize,
-    /// Permits to run or wait.
-    admitted: Arc<Semaphore>,
-    /// The one permit to run.
-    running: Arc<Semaphore>,
-}
-
-impl Quota {
-    /// Creates a quota for `max` jobs at a time, running and waiting.
-    pub fn new(name: &'static str, max: usize) -> Self {
-        Self { name, max, admitted: Arc::new(Semaphore::new(max)), running: Arc::new(Semaphore::new(1)) }
-    }
-
-    /// Runs `work` in another thread after the jobs before it. Refuses it at once if the quota is used up.
-    pub async fn run<T: Send + 'static>(
-        &self,
-        work: impl FnOnce(&Abandoned) -> T + Send + 'static,
-    ) -> Result<T, ApiError> {
-        let busy =
-            |_| ApiError::busy(format!("{} {} are running or waiting; try again in a second", self.max, self.name));
-        let admitted = Arc::clone(&self.admitted).try_acquire_owned().map_err(busy)?;
-        let running = Arc::clone(&self.running).acquire_owned().await.map_err(|_| ApiError::internal())?;
-        background(move |abandoned| {
-            // The work holds the permits, because it continues for a while after its client is gone.
-            let _permits = (admitted, running);
-            work(abandoned)
-        })
-        .await
-    }
-}
-
 /// Runs `work` in another thread, and waits for it.
 pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + Send + 'static) -> Result<T, ApiError> {
     let abandoned = Abandoned::default();
-    let _guard = AbandonOnDrop(abandoned.clone());
+    let _guard = AbandonOnDrop::of(&abandoned);
     tokio::task::spawn_blocking(move || work(&abandoned)).await.map_err(|error| {
         tracing::error!(%error, "background work failed");
         ApiError::internal()
@@ -93,19 +63,28 @@ pub fn on_all_cores(max: usize, work: impl Fn() + Sync) {
 /// All cores: the thread that serves steps has a higher priority.
 #[cfg(target_os = "linux")]
 fn available_threads() -> usize {
+    cores()
+}
+
+/// Returns the number of threads for work next to the thread of the steps: one for each other core, and at least one.
+pub fn threads_beside_steps() -> usize {
+    cores().saturating_sub(1).max(1)
+}
+
+fn cores() -> usize {
     available_parallelism().map_or(1, NonZero::get)
 }
 
 /// All cores but one, which serves steps.
 #[cfg(not(target_os = "linux"))]
 fn available_threads() -> usize {
-    available_parallelism().map_or(1, NonZero::get).saturating_sub(1)
+    cores().saturating_sub(1)
 }
 
 /// Gives the calling thread the lowest priority. On Linux the priority belongs to one thread, which cannot raise it again.
 /// Call this only in threads that do nothing else later.
 #[cfg(target_os = "linux")]
-fn lower_priority() {
+pub fn lower_priority() {
     const LOWEST: i32 = 19;
     if let Err(error) = rustix::process::setpriority_process(None, LOWEST) {
         tracing::warn!(%error, "cannot lower the priority of long work; it competes with steps");
@@ -113,4 +92,4 @@ fn lower_priority() {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn lower_priority() {}
+pub fn lower_priority() {}

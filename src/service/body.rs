@@ -48,14 +48,16 @@ impl FromRequest<Arc<AppState>> for RawBody {
     }
 }
 
-/// A decoded body.
+/// A decoded body. Another thread decodes it if it is large.
 pub struct Body<T>(pub T);
 
-impl<T: DeserializeOwned> FromRequest<Arc<AppState>> for Body<T> {
+impl<T: DeserializeOwned + Send + 'static> FromRequest<Arc<AppState>> for Body<T> {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &Arc<AppState>) -> Result<Self, ApiError> {
-        RawBody::from_request(request, app).await?.read().map(Self)
+        let raw = RawBody::from_request(request, app).await?;
+        let value = if raw.is_large() { app.new.run(move |_| raw.read()).await? } else { raw.read() };
+        value.map(Self)
     }
 }
 

@@ -14,6 +14,9 @@ pub struct ServiceConfig {
     pub tls: Option<Tls>,
     /// Origins of web pages that may call, such as `https://panel.example`. The service's own pages always may.
     pub allowed_origins: Vec<String>,
+    /// Names of the service in the header `Host`, in addition to its address and `localhost`: its name in the network, or
+    /// the name of a proxy.
+    pub allowed_hosts: Vec<String>,
     /// Maximum size of a body, bytes. The default is enough for 512 rows of 128 joints with all digits. A state has about a
     /// four-thousandth of it.
     pub max_body_bytes: usize,
@@ -30,6 +33,10 @@ pub struct ServiceConfig {
     pub max_connections: usize,
     /// Maximum waiting time of a request. Requests that would wait longer are refused at once.
     pub max_lag: Duration,
+    /// Deadline of work in other threads, waiting included. Batches have ten times as long.
+    pub work_timeout: Duration,
+    /// A service that has answered nothing for this long, although it runs, is stuck. `revprio serve` then ends.
+    pub stuck_after: Duration,
     /// Timeout for the headers of a request and for an idle connection. Clients commonly close idle connections after
     /// about 15 s.
     pub header_timeout: Duration,
@@ -52,6 +59,7 @@ impl Default for ServiceConfig {
             token: None,
             tls: None,
             allowed_origins: Vec::new(),
+            allowed_hosts: Vec::new(),
             max_body_bytes: 4 << 20,
             max_batch_bytes: 16 << 20,
             // Enough for the maximum number of batches, each of maximum size.
@@ -61,6 +69,8 @@ impl Default for ServiceConfig {
             // Below the common limit of 1024 open files.
             max_connections: 1000,
             max_lag: Duration::from_millis(10),
+            work_timeout: Duration::from_mins(1),
+            stuck_after: Duration::from_secs(5),
             header_timeout: Duration::from_secs(30),
             body_timeout: Duration::from_secs(10),
             write_timeout: Duration::from_secs(10),

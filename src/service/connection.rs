@@ -6,26 +6,36 @@ use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::task::{Context, Poll, ready};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::task::AbortHandle;
 use tokio::time::Sleep;
 
+/// A connection with so many reads and answers, the last answer not longer ago than [`LOOP_PAUSE`], is in a control loop.
+const LOOP_CALLS: u64 = 8;
+const LOOP_PAUSE: Duration = Duration::from_secs(1);
+
 /// All open connections.
 #[derive(Debug)]
 pub struct Connections {
     limit: usize,
+    start: Instant,
     /// Counts answers. Of two answers, the later one has the larger number.
     clock: AtomicU64,
     open: Mutex<HashMap<u64, Arc<Entry>>>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Entry {
     /// Value of the clock when the connection was opened or last answered.
     answered: AtomicU64,
+    /// Number of reads from the client, and of writes to it.
+    reads: AtomicU64,
+    writes: AtomicU64,
+    /// Time of the last write since the start of the service, ms.
+    last_write_ms: AtomicU64,
     task: OnceLock<AbortHandle>,
 }
 
@@ -40,21 +50,21 @@ pub struct Slot {
 impl Connections {
     /// Creates an empty table for at most `limit` connections.
     pub fn new(limit: usize) -> Arc<Self> {
-        Arc::new(Self { limit, clock: AtomicU64::new(0), open: Mutex::default() })
+        Arc::new(Self { limit, start: Instant::now(), clock: AtomicU64::new(0), open: Mutex::default() })
     }
 
     /// Adds a connection. Returns its slot, and whether another connection was closed for it. Returns `None` if no other
     /// connection could be closed.
     ///
     /// The connection without an answer for the longest time is closed: a client that sends its request slowly, or an idle
-    /// one, never a client in a control loop.
+    /// one, never a client in a control loop: a flood of connections within one period must not close it.
     pub fn add(self: &Arc<Self>) -> Option<(Slot, bool)> {
         let full = self.count() >= self.limit;
         if full && !self.close_oldest() {
             return None;
         }
         let id = self.tick();
-        let entry = Arc::new(Entry { answered: AtomicU64::new(id), task: OnceLock::new() });
+        let entry = Arc::new(Entry { answered: AtomicU64::new(id), ..Entry::default() });
         self.open().insert(id, Arc::clone(&entry));
         Some((Slot { id, entry, all: Arc::clone(self) }, full))
     }
@@ -62,7 +72,9 @@ impl Connections {
     /// Closes the connection without an answer for the longest time. Returns false if no connection can be closed.
     pub fn close_oldest(&self) -> bool {
         let mut open = self.open();
-        let closable = |entry: &Entry| entry.task.get().is_some_and(|task| !task.is_finished());
+        let now_ms = self.now_ms();
+        let closable =
+            |entry: &Entry| entry.task.get().is_some_and(|task| !task.is_finished()) && !entry.is_in_loop(now_ms);
         let oldest = open.iter().filter(|(_, entry)| closable(entry));
         let oldest = oldest.min_by_key(|(_, entry)| entry.answered.load(Ordering::Relaxed)).map(|(&id, _)| id);
         let Some(entry) = oldest.and_then(|id| open.remove(&id)) else { return false };
@@ -75,6 +87,10 @@ impl Connections {
         self.open().len()
     }
 
+    fn now_ms(&self) -> u64 {
+        u64::try_from(self.start.elapsed().as_millis()).unwrap_or(u64::MAX)
+    }
+
     fn tick(&self) -> u64 {
         self.clock.fetch_add(1, Ordering::Relaxed)
     }
@@ -84,11 +100,43 @@ impl Connections {
     }
 }
 
+impl Entry {
+    /// Returns whether requests and answers alternate. Watchers read nothing more, and slow clients get no answers.
+    fn is_in_loop(&self, now_ms: u64) -> bool {
+        let is_recent = || {
+            let pause = now_ms.saturating_sub(self.last_write_ms.load(Ordering::Relaxed));
+            Duration::from_millis(pause) <= LOOP_PAUSE
+        };
+        [&self.reads, &self.writes].into_iter().all(|count| count.load(Ordering::Relaxed) >= LOOP_CALLS) && is_recent()
+    }
+}
+
 impl Slot {
+    /// Returns the counter of reads.
+    pub fn reads(&self) -> Reads {
+        Reads { entry: Arc::clone(&self.entry), seen: AtomicU64::new(0) }
+    }
+
     /// Returns a function that sets the task which serves the connection.
     pub fn set_task(&self) -> impl FnOnce(AbortHandle) + use<> {
         let entry = Arc::clone(&self.entry);
         move |task| drop(entry.task.set(task))
+    }
+}
+
+/// Tells requests that arrived together from requests that arrived one after the other.
+#[derive(Debug)]
+pub struct Reads {
+    entry: Arc<Entry>,
+    /// Number of reads at the last request.
+    seen: AtomicU64,
+}
+
+impl Reads {
+    /// Returns whether bytes have arrived since the last call.
+    pub fn has_new(&self) -> bool {
+        let reads = self.entry.reads.load(Ordering::Relaxed);
+        self.seen.swap(reads, Ordering::Relaxed) != reads
     }
 }
 
@@ -117,7 +165,10 @@ impl Connection {
     fn after_write(&mut self, context: &mut Context, result: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
         if result.is_ready() {
             self.stalled = None;
-            self.slot.entry.answered.store(self.slot.all.tick(), Ordering::Relaxed);
+            let Slot { entry, all, .. } = &self.slot;
+            entry.answered.store(all.tick(), Ordering::Relaxed);
+            entry.last_write_ms.store(all.now_ms(), Ordering::Relaxed);
+            entry.writes.fetch_add(1, Ordering::Relaxed);
             return result;
         }
         let timeout = self.write_timeout;
@@ -129,7 +180,11 @@ impl Connection {
 
 impl AsyncRead for Connection {
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context, into: &mut ReadBuf) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(context, into)
+        let result = Pin::new(&mut self.stream).poll_read(context, into);
+        if result.is_ready() {
+            self.slot.entry.reads.fetch_add(1, Ordering::Relaxed);
+        }
+        result
     }
 }
 

@@ -8,9 +8,8 @@ use revprio_api::{ClientError, Service, wire};
 
 use super::checked_stepper::CheckedStepper;
 use super::error::ApiError;
-use super::interleaving::Source;
 use super::metrics::Metrics;
-use super::ownership::{Owner, Ownership};
+use super::ownership::Ownership;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::step::{open_session, stateless_step, stateless_stepper};
@@ -66,8 +65,7 @@ impl Service for InProcess {
     }
 
     fn step_controller(&self, id: &str, state: &wire::State) -> Result<wire::StepAnswer, ClientError> {
-        let answer = self.sessions.step(id, state.clone(), &Owner::default(), Source::Request);
-        answer.map(|answer| answer.answer().clone()).map_err(client_error)
+        self.sessions.step_here(id, state.clone()).map(|answer| answer.answer().clone()).map_err(client_error)
     }
 
     fn delete_controller(&self, id: &str) -> Result<(), ClientError> {

@@ -1,6 +1,7 @@
 //! The counters of the service, for Prometheus.
 
 use std::collections::HashMap;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -12,6 +13,8 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Metric, Registry};
 use revprio_api::wire;
+
+use super::log::dropped_lines;
 
 /// Upper bounds of the histogram of answer times, s. Steps take tens of microseconds, hard problems milliseconds.
 const DURATIONS_S: [f64; 14] = [1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.05, 0.1, 1.0, 10.0];
@@ -62,6 +65,7 @@ pub struct Metrics {
     pub panics: Counter,
     /// Steps of sessions more than 1.5 periods after the previous step.
     pub missed_periods: Counter,
+    log_lines_dropped: Counter,
     sessions: Gauge,
     connections: Gauge,
 }
@@ -94,6 +98,8 @@ impl Metrics {
         let panics = register(all, "panics", "Handlers that panicked", Counter::default());
         let help = "Steps of sessions more than 1.5 periods after the previous step";
         let missed_periods = register(all, "missed_periods", help, Counter::default());
+        let help = "Lines of the log that could not be written";
+        let log_lines_dropped = register(all, "log_lines_dropped", help, Counter::default());
         let sessions = register(all, "sessions", "Sessions that have not ended", Gauge::default());
         let connections = register(all, "connections", "Open connections", Gauge::default());
         let resolutions =
@@ -110,6 +116,7 @@ impl Metrics {
             clarabel_failures,
             panics,
             missed_periods,
+            log_lines_dropped,
             sessions,
             connections,
         }
@@ -174,6 +181,7 @@ impl Metrics {
         for (gauge, count) in [(&self.sessions, sessions), (&self.connections, connections)] {
             gauge.set(i64::try_from(count).unwrap_or(i64::MAX));
         }
+        self.log_lines_dropped.inner().store(dropped_lines(), Ordering::Relaxed);
         let mut text = String::new();
         // Writing to a string cannot fail.
         let _ = prometheus_client::encoding::text::encode(&mut text, &self.registry);

@@ -86,15 +86,22 @@
 //!
 //! # Long work
 //!
-//! One thread serves all steps. Other threads run the long work. Long work stops when its client is gone.
+//! One thread serves all steps of arms. Other threads run the work that is not bounded by the size of an arm. Each kind has
+//! a queue of its own. Work that has not started stops when its client is gone, and so do batches, margins and simulations.
+//! Work that has not finished after `ServiceConfig::work_timeout` (batches: ten times as long) is abandoned with 503.
 //!
-//! | work | at a time | others |
+//! The price of a resolution is known before it starts: tasks × (equations + 4 × (bounds + inequalities) + joints) ×
+//! joints².
+//!
+//! | work | at a time | running and waiting, then 503 |
 //! |---|---|---|
-//! | batches | one, on all cores with a lower priority than steps | 3 wait, then 503 |
-//! | problems above 64 rows for 32 joints, or 64 KiB | one | 15 wait, then 503 |
-//! | stability margins, which take seconds at long delays | one | 7 wait, then 503 |
-//! | simulations, at most 100 000 control periods each | two | wait |
-//! | interactive simulations | four | 503 |
+//! | batches | one, on all cores with a lower priority than steps | 4 |
+//! | problems with a price above 4000, or above 16 KiB | one for each core but one, with a lower priority | 32 |
+//! | steps with a price above 8000, or above 16 KiB | one for each core but one | 32 |
+//! | stability margins, which take seconds at long delays | one, with a lower priority | 8 |
+//! | new controllers (stability warnings), robots (URDF), simulations; other bodies above 16 KiB | one, with a lower priority | 64 |
+//! | simulations, at most 100 000 control periods each | two | 64 |
+//! | interactive simulations | four | 4 |
 //!
 //! The service keeps at most 64 simulations with 250 000 control periods together, so their traces use at most about
 //! 250 MB. An ended simulation is deleted after an hour, or earlier if a new one needs its place. If no ended simulation
@@ -107,9 +114,10 @@
 //!
 //! | module | protection |
 //! |---|---|
-//! | `server` | Orderly shutdown: `/readyz` answers 503, then the service stops listening, then it answers the requests in flight and ends the streams. |
+//! | `heartbeat` | A thread that watches this one. If this one is stuck, it answers new connections with 503 and has the process ended. |
+//! | `server` | Connections take turns after each answer. Orderly shutdown: `/readyz` answers 503, then the service stops listening, then it answers the requests in flight and ends the streams. |
 //! | `connection` | At most [`ServiceConfig::max_connections`]. If one more arrives, the service closes the connection that has been without an answer for the longest time. A connection in a control loop and a WebSocket are never closed this way. Headers, handshakes and unread answers have timeouts. |
-//! | `gate` | Gives each request an ID (`x-request-id`), counts and logs it. Requests without the token get 401, requests of other sites' pages 403. |
+//! | `gate` | Gives each request an ID (`x-request-id`), counts and logs it. A foreign or missing `Host` gets 403 or 400 on every route, unknown encodings 501 or 415. Requests without the token get 401 or 429, requests of other sites' pages 403. |
 //! | `admission_queue` | Requests that have waited longer than `max_lag` get 503 and `Retry-After` at once. `/healthz`, `/readyz` and `/metrics` are always admitted. |
 //! | `body` | Limits the size and the time of bodies, and the number of large bodies at a time. |
 //!
@@ -122,12 +130,13 @@
 //!
 //! A module imports only modules of its own line and of the lines above it, and there are no import circles:
 //!
-//! 1. `error`, `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`: one request, without state
+//! 1. `error`, `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`, `host`: one request, without state
 //! 2. `robots`, `convert`: the registry of arms; bodies to types of the library and back
-//! 3. `metrics`, `connection`, `admission_queue`, `drain`, `background`, `events`: the running server
+//! 3. `log`, `metrics`, `connection`, `admission_queue`, `drain`, `failures`, `heartbeat`, `background`, `workers`, `price`,
+//!    `events`: the running server
 //! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `simulations`: the controllers
 //! 5. `state`: all of these together
-//! 6. `body`, `resolve`, `stream`, `gate`: modules that use the state
+//! 6. `body`, `resolve`, `step_once`, `stream`, `gate`: modules that use the state
 //! 7. `handlers`, then `routes`, then `openapi`, then `app`, then `server`
 
 mod accept;
@@ -143,14 +152,19 @@ mod convert;
 mod drain;
 mod error;
 mod events;
+mod failures;
 mod format;
 mod gate;
 mod handlers;
+mod heartbeat;
+mod host;
 mod in_process;
 mod interleaving;
+mod log;
 mod metrics;
 mod openapi;
 mod ownership;
+mod price;
 mod request_id;
 mod resolve;
 mod robots;
@@ -160,18 +174,23 @@ mod sessions;
 mod simulations;
 mod state;
 mod step;
+mod step_once;
 mod stepper_cache;
 mod stream;
 mod tls;
 mod token;
+mod workers;
 
 pub use app::{Service, router};
 pub use config::ServiceConfig;
 pub use convert::{controller, robot_answer};
 pub use error::ApiError;
+pub use heartbeat::Supervisor;
+pub use host::is_host_name;
+pub use log::{LogWriter, dropped_lines};
 pub use openapi::{asyncapi_document, openapi_document};
 pub use robots::{Robots, RobotsError};
-pub use server::{RunningServer, ServeError, bind, serve};
+pub use server::{RunningServer, ServeError, bind, serve, serve_supervised};
 pub use state::AppState;
 pub use tls::{Tls, TlsError};
 pub use token::{Token, TokenError};

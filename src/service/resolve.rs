@@ -11,6 +11,7 @@ use super::body::LargeBody;
 use super::convert::{self, ResolveProblem};
 use super::error::ApiError;
 use super::format::RawBody;
+use super::price;
 use super::state::AppState;
 
 /// Maximum number of problems in a batch.
@@ -19,22 +20,15 @@ pub const MAX_ITEMS: usize = 10_000;
 /// Number of problems that justify one more thread. Starting a thread costs as much as several problems.
 const ITEMS_PER_THREAD: usize = 16;
 
-/// Maximum size of a body, bytes, that the thread of the steps decodes itself.
-const MAX_SMALL_BODY: usize = 64 << 10;
-
-/// Maximum number of matrix entries, rows times joints, of a problem that the thread of the steps solves itself: 64 rows
-/// for 32 joints, which is more than an arm needs.
-const MAX_SMALL_PROBLEM: usize = 64 * 32;
-
-/// Resolves one problem. A large one is decoded and solved in another thread, so that steps do not wait.
+/// Resolves one problem. One above the budget is solved in another thread, so that steps do not wait.
 pub async fn single(body: RawBody, app: &Arc<AppState>) -> Result<ResolveAnswer, ApiError> {
     let shared = Arc::clone(app);
-    if body.bytes.len() > MAX_SMALL_BODY {
+    if body.is_large() {
         return app.large_problems.run(move |_| one(&body.read()?, &shared)).await?;
     }
     let start = Instant::now();
     let problem = convert::resolve_problem(&body.read()?, &app.robots)?;
-    if problem.entries() > MAX_SMALL_PROBLEM {
+    if price::of_problem(&problem.problem) > price::RESOLVE_BUDGET {
         return app.large_problems.run(move |_| solve(&problem, start, &shared)).await?;
     }
     solve(&problem, start, app)

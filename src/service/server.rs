@@ -1,5 +1,6 @@
 //! Listening, timeouts and the orderly shutdown.
 
+use std::convert::Infallible;
 use std::error::Error;
 use std::future::Future;
 use std::io;
@@ -8,7 +9,12 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use axum::Router;
+use axum::response::Response;
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
@@ -17,9 +23,13 @@ use tokio::sync::oneshot;
 
 use super::app::Service;
 use super::config::ServiceConfig;
-use super::connection::Connection;
+use super::connection::{Connection, Reads};
 use super::drain::Draining;
 use super::error::connection_refusal;
+use super::gate::{LocalAddress, PeerAddress};
+use super::heartbeat::{Heartbeat, Supervisor};
+
+type RouterResult = Result<Response, Infallible>;
 
 /// Maximum number of bytes that wait to be read or written on a connection. Enough for all headers in use.
 const MAX_BUFFER: usize = 64 << 10;
@@ -67,23 +77,64 @@ pub fn bind(address: SocketAddr) -> Result<TcpListener, ServeError> {
 ///
 /// One thread serves all requests: a step takes microseconds, less than passing it to another thread.
 pub fn serve(listener: TcpListener, service: Service, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
+    listener.set_nonblocking(true)?;
+    run(listener, service, stop, &Heartbeat::new(None))
+}
+
+/// Serves like [`serve`], while another thread watches the thread of the requests and reports to the supervisor.
+///
+/// While the thread of the requests is stuck, every new connection is answered with 503 (closed, with TLS).
+pub fn serve_supervised(
+    listener: TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    supervisor: impl Supervisor + Sync,
+) -> Result<(), ServeError> {
+    listener.set_nonblocking(true)?;
+    let config = &service.app.config;
+    config.check(listener.local_addr()?)?;
+    let own = if config.tls.is_none() { Some(listener.try_clone()?) } else { None };
+    let heartbeat = Heartbeat::new(own);
+    let supervisor = Arc::new(supervisor);
+    let _watch = heartbeat.watch(config.stuck_after, Arc::clone(&supervisor))?;
+    supervisor.ready();
+    let stop = async {
+        stop.await;
+        supervisor.stopping();
+    };
+    run(listener, service, stop, &heartbeat)
+}
+
+fn run(
+    listener: TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    heartbeat: &Arc<Heartbeat>,
+) -> Result<(), ServeError> {
     service.app.config.check(listener.local_addr()?)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let drain_timeout = service.app.config.drain_timeout;
     let served = runtime.block_on(async {
-        listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let app = Arc::clone(&service.app);
         tokio::spawn(async move { app.admission_queue.run_marker().await });
-        accept(listener, service, stop).await;
+        let beating = Arc::clone(heartbeat);
+        tokio::spawn(async move { beating.run().await });
+        accept(listener, service, stop, heartbeat).await;
         Ok(())
     });
+    heartbeat.end();
     // Background work notices that it is abandoned.
     runtime.shutdown_timeout(drain_timeout);
     served
 }
 
-async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl Future<Output = ()>) {
+async fn accept(
+    listener: tokio::net::TcpListener,
+    service: Service,
+    stop: impl Future<Output = ()>,
+    heartbeat: &Heartbeat,
+) {
     let app = Arc::clone(&service.app);
     let mut drained = std::pin::pin!(async {
         stop.await;
@@ -96,7 +147,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
             () = &mut drained => break,
         };
         match accepted {
-            Ok((stream, _)) => admit(stream, &service),
+            Ok((stream, peer)) => admit(stream, peer, &service),
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
                 // The usual cause is too many open files.
@@ -106,6 +157,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
         }
     }
     drop(listener);
+    heartbeat.stop_listening();
     let timeout = app.config.drain_timeout;
     if tokio::time::timeout(timeout, app.drain.finish()).await.is_err() {
         tracing::warn!("connections still open after {timeout:?} were dropped");
@@ -113,7 +165,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Service, stop: impl 
 }
 
 /// Starts a task that serves a connection, or refuses the connection if there are too many.
-fn admit(stream: TcpStream, service: &Service) {
+fn admit(stream: TcpStream, peer: SocketAddr, service: &Service) {
     let (config, metrics) = (&service.app.config, &service.app.metrics);
     let Some((slot, full)) = service.app.connections.add() else {
         metrics.count_connection_fault("refused");
@@ -129,16 +181,17 @@ fn admit(stream: TcpStream, service: &Service) {
     // Answers are small and the client waits for them: never delay one to fill a packet.
     let _ = stream.set_nodelay(true);
     let set_task = slot.set_task();
+    let caller = Caller { local: stream.local_addr().ok(), peer, reads: slot.reads() };
     let connection = Connection::new(stream, slot, config.write_timeout);
     let draining = service.app.drain.subscribe();
     let task = match &config.tls {
-        None => tokio::spawn(answer(connection, service.clone(), draining)),
+        None => tokio::spawn(answer(connection, caller, service.clone(), draining)),
         Some(tls) => {
             let handshake = tokio::time::timeout(config.handshake_timeout, tls.0.accept(connection));
             let service = service.clone();
             tokio::spawn(async move {
                 match handshake.await {
-                    Ok(Ok(connection)) => answer(connection, service, draining).await,
+                    Ok(Ok(connection)) => answer(connection, caller, service, draining).await,
                     Ok(Err(_)) | Err(_) => service.app.metrics.count_connection_fault("handshake"),
                 }
             })
@@ -148,16 +201,17 @@ fn admit(stream: TcpStream, service: &Service) {
 }
 
 /// Answers the requests of one connection. After the shutdown began, it answers only requests that have arrived.
-async fn answer<C>(connection: C, service: Service, mut draining: Draining)
+async fn answer<C>(connection: C, caller: Caller, service: Service, mut draining: Draining)
 where
     C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
-    let app = service.app;
+    let Service { router, app } = service;
+    let requests = service_fn(move |request| caller.call(request, router.clone()));
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(app.config.header_timeout)
         .max_buf_size(MAX_BUFFER)
-        .serve_connection(TokioIo::new(connection), TowerToHyperService::new(service.router))
+        .serve_connection(TokioIo::new(connection), requests)
         .with_upgrades();
     let mut connection = std::pin::pin!(connection);
     let result = tokio::select! {
@@ -169,6 +223,33 @@ where
     };
     if let Err(error) = result {
         app.metrics.count_connection_fault(cause(&error));
+    }
+}
+
+/// The client of one connection.
+struct Caller {
+    /// The address that accepted the connection.
+    local: Option<SocketAddr>,
+    peer: SocketAddr,
+    reads: Reads,
+}
+
+impl Caller {
+    /// Answers a request of the connection.
+    ///
+    /// A request that had arrived together with the one before it waits until other connections have had their turn.
+    fn call(&self, mut request: Request<Incoming>, router: Router) -> impl Future<Output = RouterResult> + use<> {
+        let has_turn = self.reads.has_new();
+        let extensions = request.extensions_mut();
+        self.local.map(|local| extensions.insert(LocalAddress(local.ip())));
+        extensions.insert(PeerAddress(self.peer));
+        async move {
+            if !has_turn {
+                // In a task of its own: a yield ends when it is polled again, and hyper polls up to 16 times in a row.
+                let _ = tokio::spawn(tokio::task::yield_now()).await;
+            }
+            TowerToHyperService::new(router).call(request).await
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Controller, Memory};
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
-use tokio::sync::watch;
+use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
 use uuid::Uuid;
 
 use super::checked_stepper::CheckedStepper;
@@ -17,6 +17,8 @@ use super::error::ApiError;
 use super::interleaving::{Interleaving, Source};
 use super::metrics::Metrics;
 use super::ownership::{Owner, Ownership};
+use super::price;
+use super::workers::Workers;
 
 /// A step more than this many periods after the previous step counts as a missed period.
 const LATE_PERIODS: f64 = 1.5;
@@ -142,12 +144,23 @@ impl Session {
     }
 }
 
+type SharedSession = Arc<AsyncMutex<Session>>;
+
+/// A session, and what is known of it while it steps.
+struct Open {
+    request: wire::Controller,
+    ownership: Ownership,
+    session: SharedSession,
+}
+
 /// All sessions.
 pub struct Sessions {
     limit: usize,
     idle_timeout: Duration,
     metrics: Arc<Metrics>,
-    open: Mutex<HashMap<Uuid, Arc<Mutex<Session>>>>,
+    /// A session is locked while it steps, in another thread if the step is expensive. The thread of the steps must
+    /// therefore never wait for the lock of a session.
+    open: Mutex<HashMap<Uuid, Open>>,
 }
 
 impl Sessions {
@@ -167,9 +180,13 @@ impl Sessions {
     }
 
     /// Lists the open sessions, the last called one first.
-    pub fn list(&self) -> wire::SessionList {
-        let open = self.lock_active();
-        let mut controllers: Vec<_> = open.iter().map(|(id, session)| lock(session).entry(*id)).collect();
+    pub async fn list(&self) -> wire::SessionList {
+        let open: Vec<(Uuid, SharedSession)> =
+            self.lock_active().iter().map(|(id, open)| (*id, Arc::clone(&open.session))).collect();
+        let mut controllers = Vec::with_capacity(open.len());
+        for (id, session) in open {
+            controllers.push(session.lock().await.entry(id));
+        }
         controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
         wire::SessionList { controllers }
     }
@@ -183,17 +200,6 @@ impl Sessions {
         controller: Controller,
         ownership: Ownership,
     ) -> Result<Uuid, ApiError> {
-        let mut sessions = self.lock_active();
-        for (id, session) in sessions.iter() {
-            let session = lock(session);
-            if session.ownership.has_key_of(&ownership) {
-                let is_same = session.request == request && session.ownership.has_owner_of(&ownership);
-                return if is_same { Ok(*id) } else { Err(ApiError::key_reused()) };
-            }
-        }
-        if sessions.len() >= self.limit {
-            return Err(ApiError::too_many_sessions(self.limit));
-        }
         let id = Uuid::new_v4();
         let stepper = CheckedStepper::new(&request, controller)?;
         let session = Session {
@@ -210,7 +216,16 @@ impl Sessions {
             missed_periods: 0,
             last_call: Instant::now(),
         };
-        sessions.insert(id, Arc::new(Mutex::new(session)));
+        let (request, ownership) = (session.request.clone(), session.ownership.clone());
+        let mut sessions = self.lock_active();
+        if let Some((known, open)) = sessions.iter().find(|(_, open)| open.ownership.has_key_of(&ownership)) {
+            let is_same = open.request == request && open.ownership.has_owner_of(&ownership);
+            return if is_same { Ok(*known) } else { Err(ApiError::key_reused()) };
+        }
+        if sessions.len() >= self.limit {
+            return Err(ApiError::too_many_sessions(self.limit));
+        }
+        sessions.insert(id, Open { request, ownership, session: Arc::new(AsyncMutex::new(session)) });
         Ok(id)
     }
 
@@ -220,41 +235,64 @@ impl Sessions {
     }
 
     /// Ends idle sessions and returns the others.
-    fn lock_active(&self) -> MutexGuard<'_, HashMap<Uuid, Arc<Mutex<Session>>>> {
+    fn lock_active(&self) -> MutexGuard<'_, HashMap<Uuid, Open>> {
         let mut open = lock(&self.open);
-        open.retain(|_, session| lock(session).last_call.elapsed() < self.idle_timeout);
+        // A locked session is in use.
+        let is_active = |session: &Session| session.last_call.elapsed() < self.idle_timeout;
+        open.retain(|_, open| open.session.try_lock().map_or(true, |session| is_active(&session)));
         open
     }
 
-    /// Answers a state of a session.
-    pub fn step(&self, id: &str, state: wire::State, client: &Owner, source: Source) -> Result<SharedAnswer, ApiError> {
+    /// Answers a state of a session. A step above the budget runs in `workers`.
+    pub async fn step(
+        &self,
+        id: &str,
+        state: wire::State,
+        client: &Owner,
+        source: Source,
+        workers: &Workers,
+    ) -> Result<SharedAnswer, ApiError> {
         let now = Instant::now();
-        self.with(id, |_, session| {
-            session.ownership.owner.allow(client)?;
-            session.answer(state, source, now, &self.metrics)
-        })
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        session.ownership.owner.allow(client)?;
+        if price::of_controller(session.stepper.controller().config()) <= price::STEP_BUDGET {
+            return session.answer(state, source, now, &self.metrics);
+        }
+        let metrics = Arc::clone(&self.metrics);
+        workers.run(move |_| session.answer(state, source, now, &metrics)).await?
     }
 
     /// Refuses a client that may not step a session.
-    pub fn check_owner(&self, id: &str, client: &Owner) -> Result<(), ApiError> {
-        self.with(id, |_, session| session.ownership.owner.allow(client))
+    pub async fn check_owner(&self, id: &str, client: &Owner) -> Result<(), ApiError> {
+        self.with(id, |_, session| session.ownership.owner.allow(client)).await
     }
 
-    /// Runs `act` on a session. Other sessions do not wait.
-    pub fn with<T>(
+    /// Answers a state of a session in this thread, for runs in this process.
+    pub fn step_here(&self, id: &str, state: wire::State) -> Result<SharedAnswer, ApiError> {
+        let now = Instant::now();
+        let mut session = self.active(id, self.find(id)?.blocking_lock_owned())?;
+        session.answer(state, Source::Request, now, &self.metrics)
+    }
+
+    /// Runs `act` on a session, after a step that is running.
+    pub async fn with<T>(
         &self,
         id: &str,
         act: impl FnOnce(Uuid, &mut Session) -> Result<T, ApiError>,
     ) -> Result<T, ApiError> {
-        let unknown = || ApiError::unknown_controller(id);
-        let uuid = parse(id)?;
-        let session = lock(&self.open).get(&uuid).cloned().ok_or_else(unknown)?;
-        let mut session = lock(&session);
-        if session.last_call.elapsed() >= self.idle_timeout {
-            // Not removed here: the locks in this order could deadlock. The next call of `lock_active` removes it.
-            return Err(unknown());
-        }
-        act(uuid, &mut session)
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        act(parse(id)?, &mut session)
+    }
+
+    fn find(&self, id: &str) -> Result<SharedSession, ApiError> {
+        let found = lock(&self.open).get(&parse(id)?).map(|open| Arc::clone(&open.session));
+        found.ok_or_else(|| ApiError::unknown_controller(id))
+    }
+
+    /// Returns the session unless it has ended. The next call of `lock_active` removes it.
+    fn active(&self, id: &str, session: OwnedMutexGuard<Session>) -> Result<OwnedMutexGuard<Session>, ApiError> {
+        let is_active = session.last_call.elapsed() < self.idle_timeout;
+        is_active.then_some(session).ok_or_else(|| ApiError::unknown_controller(id))
     }
 
     /// Ends a session.
@@ -294,13 +332,13 @@ mod tests {
     }
 
     fn step(sessions: &Sessions, id: &str) -> Result<SharedAnswer, ApiError> {
-        sessions.step(id, state(), &Owner::default(), Source::Request)
+        sessions.step_here(id, state())
     }
 
     /// Makes all sessions idle for the idle timeout.
     fn make_idle(sessions: &Sessions) {
-        for session in lock(&sessions.open).values() {
-            let mut session = lock(session);
+        for open in lock(&sessions.open).values() {
+            let mut session = open.session.try_lock().unwrap();
             session.last_call = session.last_call.checked_sub(sessions.idle_timeout).unwrap();
         }
     }
@@ -310,7 +348,7 @@ mod tests {
         let sessions = sessions();
         let (idle, busy) = (open(&sessions), open(&sessions));
         make_idle(&sessions);
-        lock(&lock(&sessions.open)[&parse(&busy).unwrap()]).last_call = Instant::now();
+        lock(&sessions.open)[&parse(&busy).unwrap()].session.try_lock().unwrap().last_call = Instant::now();
         assert!(step(&sessions, &idle).unwrap_err().is_not_found());
         assert!(step(&sessions, &busy).is_ok());
         open(&sessions);
@@ -321,9 +359,9 @@ mod tests {
     fn states_keep_a_session_open_and_reads_do_not() {
         let sessions = sessions();
         let id = open(&sessions);
-        let last_call = || lock(&lock(&sessions.open)[&parse(&id).unwrap()]).last_call;
+        let last_call = || lock(&sessions.open)[&parse(&id).unwrap()].session.try_lock().unwrap().last_call;
         let first = last_call();
-        sessions.with(&id, |id, session| Ok(session.status(id))).unwrap();
+        sessions.find(&id).unwrap().try_lock().unwrap().status(parse(&id).unwrap());
         assert_eq!(last_call(), first);
         step(&sessions, &id).unwrap();
         assert!(last_call() > first);

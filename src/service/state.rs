@@ -5,25 +5,30 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 
 use super::admission_queue::AdmissionQueue;
-use super::background::Quota;
+use super::background::threads_beside_steps;
 use super::config::ServiceConfig;
 use super::connection::Connections;
 use super::drain::Drain;
+use super::failures::Failures;
 use super::metrics::Metrics;
 use super::request_id::RequestIds;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::simulations::Simulations;
 use super::stepper_cache::StepperCache;
+use super::workers::{Kind, Workers};
 
-/// Maximum number of batches at a time, running and waiting. Each may hold a body and an answer of about 20 MB.
-const MAX_BATCHES: usize = 4;
+/// A batch uses all cores while it runs. Each may hold a body and an answer of about 20 MB.
+const BATCHES: Kind = Kind { name: "batches", max: 4, threads: 1, low_priority: true };
 
-/// Maximum number of large problems at a time, running and waiting.
-const MAX_LARGE_PROBLEMS: usize = 16;
+/// A margin at the maximum delay takes some seconds.
+const MARGINS: Kind = Kind { name: "stability margins", max: 8, threads: 1, low_priority: true };
 
-/// Maximum number of stability margins at a time, running and waiting. A margin at the maximum delay takes some seconds.
-const MAX_MARGINS: usize = 8;
+/// New controllers, robots and simulations: checks and stability warnings.
+const NEW: Kind = Kind { name: "new controllers, robots or simulations", max: 64, threads: 1, low_priority: true };
+
+/// Batches take longer than other work by this factor.
+const BATCH_TIMEOUT_FACTOR: u32 = 10;
 
 /// The state that all requests share.
 pub struct AppState {
@@ -33,9 +38,12 @@ pub struct AppState {
     pub config: ServiceConfig,
     pub(super) sessions: Sessions,
     pub(super) stepper_cache: StepperCache,
-    pub(super) batches: Quota,
-    pub(super) large_problems: Quota,
-    pub(super) margins: Quota,
+    /// Work above the budgets of [`price`](super::price), and work without a bound. Each kind has its own queue.
+    pub(super) batches: Workers,
+    pub(super) large_problems: Workers,
+    pub(super) large_steps: Workers,
+    pub(super) margins: Workers,
+    pub(super) new: Workers,
     pub(super) simulations: Simulations,
     pub(super) connections: Arc<Connections>,
     pub(super) metrics: Arc<Metrics>,
@@ -43,6 +51,7 @@ pub struct AppState {
     /// Permits for reading large bodies.
     pub(super) large_bodies: Semaphore,
     pub(super) request_ids: RequestIds,
+    pub(super) failures: Failures,
     pub(super) drain: Drain,
 }
 
@@ -55,19 +64,26 @@ impl AppState {
     /// Creates the state of a service.
     pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
         let metrics = Arc::new(Metrics::new());
+        let threads = threads_beside_steps();
+        let large_problems = Kind { name: "large problems", max: 32, threads, low_priority: true };
+        // Arms wait for steps.
+        let large_steps = Kind { name: "large steps", max: 32, threads, low_priority: false };
         Self {
             robots: robots.with_idle_timeout(config.session_idle),
             sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
             stepper_cache: StepperCache::default(),
-            batches: Quota::new("batches", MAX_BATCHES),
-            large_problems: Quota::new("large problems", MAX_LARGE_PROBLEMS),
-            margins: Quota::new("stability margins", MAX_MARGINS),
+            batches: Workers::new(BATCHES, config.work_timeout * BATCH_TIMEOUT_FACTOR),
+            large_problems: Workers::new(large_problems, config.work_timeout),
+            large_steps: Workers::new(large_steps, config.work_timeout),
+            margins: Workers::new(MARGINS, config.work_timeout),
+            new: Workers::new(NEW, config.work_timeout),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,
             admission_queue: AdmissionQueue::default(),
             large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
             request_ids: RequestIds::default(),
+            failures: Failures::default(),
             drain: Drain::new(),
             config,
         }

@@ -121,17 +121,19 @@ impl Stream {
                 Some(Ok(Message::Close(_))) | None => return Ok(()),
                 Some(Err(_)) => return Err(UNREADABLE),
             };
-            let (answer, close_reason) = self.answer(&bytes).map_err(|_| INTERNAL)?;
+            let (answer, close_reason) = self.answer(&bytes).await.map_err(|_| INTERNAL)?;
             if self.send(answer).await.is_err() {
                 return Ok(());
             }
             close_reason.map_or(Ok(()), Err)?;
+            // More messages may have arrived with this one. Other connections have their turn first.
+            tokio::task::yield_now().await;
         }
     }
 
     /// Returns the answer to one state, and a reason to close the stream after it.
-    fn answer(&self, bytes: &[u8]) -> Result<(Message, Option<CloseReason>), ApiError> {
-        match self.step(bytes) {
+    async fn answer(&mut self, bytes: &[u8]) -> Result<(Message, Option<CloseReason>), ApiError> {
+        match self.step(bytes).await {
             Ok(answer) => Ok((self.message(&answer)?, None)),
             Err(error) => {
                 self.app.metrics.count_problem(error.kind());
@@ -141,11 +143,12 @@ impl Stream {
         }
     }
 
-    fn step(&self, bytes: &[u8]) -> Result<SharedAnswer, ApiError> {
+    async fn step(&mut self, bytes: &[u8]) -> Result<SharedAnswer, ApiError> {
         if bytes.len() > MAX_MESSAGE {
             return Err(ApiError::too_large(MAX_MESSAGE));
         }
-        self.app.sessions.step(&self.id, self.format.read(bytes)?, &self.owner, self.source)
+        let state = self.format.read(bytes)?;
+        self.app.sessions.step(&self.id, state, &self.owner, self.source, &self.app.large_steps).await
     }
 
     fn message(&self, value: &impl serde::Serialize) -> Result<Message, ApiError> {

@@ -57,7 +57,7 @@ impl Server {
     /// Sends a GET request and returns the whole answer; the connection is closed.
     pub fn get(&self, path: &str) -> String {
         let mut stream = TcpStream::connect(self.address()).unwrap();
-        let request = format!("GET {path} HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n");
+        let request = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
         stream.write_all(request.as_bytes()).unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
@@ -97,7 +97,7 @@ fn stopping_server_is_not_ready_and_finishes_requests_in_progress() {
     let (first, rest) = body.split_at(20);
     let mut in_flight = TcpStream::connect(server.address()).unwrap();
     let head = format!(
-        "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
         body.len()
     );
     in_flight.write_all((head + first).as_bytes()).unwrap();
@@ -158,4 +158,146 @@ fn error_of_an_address_in_use_names_the_remedy() {
         message.contains(&format!("cannot listen on {}", server.address())) && message.contains("--listen"),
         "{message}"
     );
+}
+
+/// Waits for the end of a process; fails after 20 s.
+#[cfg(unix)]
+fn ended(server: &mut Server) -> ExitStatus {
+    for _ in 0..400 {
+        if let Some(status) = server.process.try_wait().unwrap() {
+            return status;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    panic!("the server has not ended");
+}
+
+#[test]
+#[cfg(unix)]
+fn second_signal_ends_the_server_at_once() {
+    use std::os::unix::process::ExitStatusExt;
+    let mut server = Server::start_with(&["--drain-delay-s", "300"]);
+    server.signal();
+    assert!((0..100).any(|_| server.get("/readyz").starts_with("HTTP/1.1 503 ")));
+    assert!(server.process.try_wait().unwrap().is_none());
+    server.signal();
+    assert_eq!(ended(&mut server).signal(), Some(15));
+}
+
+#[test]
+#[cfg(unix)]
+fn stopping_server_closes_connections_after_their_answers() {
+    let server = Server::start_with(&["--drain-delay-s", "300"]);
+    let mut stream = TcpStream::connect(server.address()).unwrap();
+    let mut call = || {
+        stream.write_all(b"GET /readyz HTTP/1.1\r\nhost: localhost\r\n\r\n").unwrap();
+        let mut answer = [0; 4096];
+        let length = stream.read(&mut answer).unwrap();
+        String::from_utf8_lossy(&answer[..length]).into_owned()
+    };
+    assert!(!call().contains("connection: close"));
+    server.signal();
+    let last = (0..1000).map(|_| call()).find(|answer| answer.starts_with("HTTP/1.1 503 ")).unwrap();
+    assert!(last.contains("connection: close\r\n"), "{last}");
+    assert_eq!(stream.read(&mut [0]).unwrap(), 0);
+}
+
+/// Returns the value of the metric for dropped lines.
+fn dropped_lines(server: &Server) -> u64 {
+    let metrics = server.get("/metrics");
+    let value = metrics.lines().find_map(|line| line.strip_prefix("revprio_log_lines_dropped_total "));
+    value.unwrap_or_else(|| panic!("{metrics}")).parse().unwrap()
+}
+
+/// Asserts that a server that logs every request continues although its log cannot be written, and counts the lines.
+#[cfg(unix)]
+fn assert_survives(mut server: Server) {
+    for _ in 0..100 {
+        assert!(server.get("/v1/robots").starts_with("HTTP/1.1 200 "));
+    }
+    assert!((0..1000).any(|_| dropped_lines(&server) >= 100), "{} lines", dropped_lines(&server));
+    server.signal();
+    assert_eq!(ended(&mut server).code(), Some(0));
+}
+
+#[cfg(unix)]
+fn start_with_log(log: impl Into<Stdio>) -> (Server, Option<std::process::ChildStderr>) {
+    let mut command = program(&["serve", "--listen", "127.0.0.1:0", "--log-level", "trace"]);
+    let mut process = command.stdout(Stdio::piped()).stderr(log).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let url = line.trim().strip_prefix("listening on ").unwrap().to_owned();
+    let log = process.stderr.take();
+    (Server { process, url }, log)
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn server_continues_when_the_log_is_on_a_full_disk() {
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    assert_survives(start_with_log(full).0);
+}
+
+#[test]
+#[cfg(unix)]
+fn server_continues_when_the_reader_of_the_log_has_ended() {
+    let (server, log) = start_with_log(Stdio::piped());
+    drop(log);
+    assert_survives(server);
+}
+
+#[test]
+#[cfg(unix)]
+fn server_continues_when_the_reader_of_the_log_does_not_read() {
+    let (mut server, log) = start_with_log(Stdio::piped());
+    // The pipe holds 64 KiB, the queue some thousand lines.
+    let robots = "GET /v1/robots/panda HTTP/1.1\r\nhost: localhost\r\n\r\n".repeat(2000);
+    let last = "GET /healthz HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
+    for _ in 0..4 {
+        let mut stream = TcpStream::connect(server.address()).unwrap();
+        let mut writer = stream.try_clone().unwrap();
+        let requests = robots.clone() + last;
+        let writing = std::thread::spawn(move || writer.write_all(requests.as_bytes()).unwrap());
+        let mut answers = Vec::new();
+        stream.read_to_end(&mut answers).unwrap();
+        writing.join().unwrap();
+    }
+    assert!(dropped_lines(&server) > 0);
+    server.signal();
+    assert_eq!(ended(&mut server).code(), Some(0));
+    drop(log);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn start_error_on_a_full_disk_is_an_exit_status() {
+    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = program(&["serve", "--listen", "0.0.0.0:0"]);
+    let status = command.stdout(full()).stderr(full()).status().unwrap();
+    assert_eq!(status.code(), Some(1));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn systemd_is_told_that_the_server_is_ready_alive_and_stopping() {
+    use std::os::unix::net::UnixDatagram;
+    // The path of a socket has at most 107 characters.
+    let path = std::env::temp_dir().join(format!("revprio-{}.sock", std::process::id()));
+    let _ = std::fs::remove_file(&path);
+    let socket = UnixDatagram::bind(&path).unwrap();
+    socket.set_read_timeout(Some(std::time::Duration::from_secs(20))).unwrap();
+    let mut command = program(&["serve", "--listen", "127.0.0.1:0"]);
+    command.env("NOTIFY_SOCKET", &path).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut server = Server { process: command.spawn().unwrap(), url: String::new() };
+    let receive = || {
+        let mut message = [0; 256];
+        let length = socket.recv(&mut message).unwrap();
+        String::from_utf8_lossy(&message[..length]).trim().to_owned()
+    };
+    assert_eq!(receive(), "READY=1");
+    assert!((0..5).all(|_| receive() == "WATCHDOG=1"));
+    server.signal();
+    assert!((0..100).any(|_| receive() == "STOPPING=1"));
+    assert_eq!(ended(&mut server).code(), Some(0));
+    std::fs::remove_file(&path).unwrap();
 }

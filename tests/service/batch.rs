@@ -117,7 +117,7 @@ fn long_batch() -> String {
 /// Sends a batch without waiting for its answer.
 fn send(service: &Service, body: &str) -> TcpStream {
     let mut stream = service.connect();
-    let head = "POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json";
+    let head = "POST /v1/resolve/batch HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json";
     write!(stream, "{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).unwrap();
     stream
 }

@@ -6,9 +6,8 @@ use std::time::{Duration, Instant};
 
 use crate::harness::{Service, example};
 
-const HALF_A_HEADER: &str = "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-ty";
-const HALF_A_BODY: &str =
-    "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{\"robot\"";
+const HALF_A_HEADER: &str = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-ty";
+const HALF_A_BODY: &str = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{\"robot\"";
 
 /// Far below every timeout of the service.
 const PROMPTLY: Duration = Duration::from_secs(5);
@@ -38,7 +37,7 @@ fn stopped_clients_do_not_delay_a_working_one() {
 
 #[test]
 fn the_service_ends_promptly_with_stopped_clients() {
-    for bytes in ["", "GET /healthz HTTP/1.1\r\nhost: a\r\n\r\n", HALF_A_HEADER, HALF_A_BODY] {
+    for bytes in ["", "GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n", HALF_A_HEADER, HALF_A_BODY] {
         let service = Service::start();
         let stopped = stopped_clients(&service, 20, bytes);
         service.assert_alive();
@@ -61,8 +60,8 @@ fn a_missing_body_is_answered_with_408() {
 #[test]
 fn pipelined_requests_are_all_answered() {
     let service = Service::start();
-    let one = "GET /healthz HTTP/1.1\r\nhost: a\r\n\r\n";
-    let last = "GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n";
+    let one = "GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
+    let last = "GET /healthz HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
     let answers = service.raw((one.repeat(9) + last).as_bytes());
     assert_eq!(answers.matches("HTTP/1.1 200 OK").count(), 10);
 }

@@ -28,7 +28,7 @@ struct Viewer(BufReader<TcpStream>);
 impl Viewer {
     fn open(service: &Service, run: &str) -> Self {
         let mut stream = service.connect();
-        write!(stream, "GET {run}/live HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
+        write!(stream, "GET {run}/live HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").unwrap();
         Self(BufReader::new(stream))
     }
 

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use revprio::service::ServiceConfig;
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, numbers};
@@ -78,4 +79,68 @@ fn margins_above_the_quota_are_refused_at_once() {
             answer.assert_refused(503, None);
         }
     });
+}
+
+/// Returns the URDF of a chain of joints about changing axes.
+fn chain(joints: usize) -> String {
+    let link = |i: usize| format!(r#"<link name="l{i}"/>"#);
+    let joint = |i: usize| {
+        let axis = ["1 0 0", "0 1 0", "0 0 1"][i % 3];
+        format!(
+            r#"<joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{}"/><origin xyz="0.1 0 0.1"/>
+            <axis xyz="{axis}"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint>"#,
+            i + 1
+        )
+    };
+    let parts: String = (0..=joints).map(link).chain((0..joints).map(joint)).collect();
+    format!("<robot name=\"chain\">{parts}</robot>")
+}
+
+#[test]
+fn a_step_above_the_budget_runs_elsewhere_with_the_same_answer() {
+    const JOINTS: usize = 60;
+    let service = Service::start();
+    let registered = service.post("/v1/robots", &json!({"name": "chain", "urdf": chain(JOINTS)}).to_string());
+    assert_eq!(registered.status, 201, "{}", registered.text);
+    let push = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": 0.5}});
+    let controller = json!({"robot": "chain", "period_s": 0.01, "limits": "velocity", "tasks": [
+        {"name": "tool", "axes": ["x", "y", "z"], "law": push},
+        {"name": "turn", "axes": ["rx", "ry", "rz"], "law": push},
+        {"name": "rest", "law": {"kind": "posture", "gain": 1, "target_position": {"kind": "constant", "value": 0.3}}}
+    ]});
+    let session = service.open(&controller);
+    let state = json!({"sequence": 0, "time_s": 0, "joint_position": vec![0.1; JOINTS],
+        "wrench": {"force": [0, 0, 0], "torque": [0, 0, 0]}});
+    std::thread::scope(|scope| {
+        let steps = scope.spawn(|| {
+            let mut answers = (0..20).map(|sequence| {
+                let mut state = state.clone();
+                state["sequence"] = json!(sequence);
+                service.call(&format!("{session}/step"), &state)
+            });
+            answers.next_back().unwrap()
+        });
+        // Every route that looks at sessions waits for their steps without holding the others up.
+        while !steps.is_finished() {
+            assert_eq!(service.get("/v1/controllers").accepted()["controllers"].as_array().unwrap().len(), 1);
+            service.get(&session).accepted();
+            service.call("/v1/step", &example("step.json"));
+        }
+        steps.join().unwrap();
+    });
+    let fresh = format!("{}/step", service.open(&controller));
+    let stateless = json!({"controller": controller, "state": state});
+    let velocity = |path: &str, body: &Value| service.call(path, body)["joint_velocity"].clone();
+    assert_eq!(velocity(&fresh, &state), velocity("/v1/step", &stateless));
+}
+
+#[test]
+fn work_that_misses_its_deadline_is_refused() {
+    let config = ServiceConfig { work_timeout: Duration::from_millis(1), ..ServiceConfig::default() };
+    let service = Service::with(config);
+    let answer = service.post("/v1/stability", &long_margin().to_string());
+    answer.assert_refused(503, None);
+    assert_eq!(answer.json()["type"], "/problems/deadline");
+    assert_eq!(answer.header("retry-after"), Some("1"));
+    service.call("/v1/step", &example("step.json"));
 }

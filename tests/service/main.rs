@@ -6,6 +6,7 @@ mod clients;
 mod examples;
 mod hard_problems;
 mod harness;
+mod host;
 mod inequalities;
 mod interactive;
 mod kinematics;

@@ -8,18 +8,27 @@ use revprio::service::ServiceConfig;
 
 use crate::harness::{Service, example};
 
-const PROBE: &str = "GET /healthz HTTP/1.1\r\nhost: a\r\n\r\n";
-const CLOSE: &str = "GET /healthz HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n";
-const ROBOTS: &str = "GET /v1/robots/sawyer_dh HTTP/1.1\r\nhost: a\r\n\r\n";
+const PROBE: &str = "GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
+const CLOSE: &str = "GET /healthz HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
+const ROBOTS: &str = "GET /v1/robots/sawyer_dh HTTP/1.1\r\nhost: localhost\r\n\r\n";
 
 #[test]
 fn requests_above_the_lag_are_refused_at_once_and_probes_are_not() {
     let service = Service::with(ServiceConfig { max_lag: Duration::ZERO, ..ServiceConfig::default() });
-    // All on one connection: the service answers one after the other without serving other connections.
-    let answers = service.raw((ROBOTS.repeat(30) + &PROBE.repeat(5) + CLOSE).as_bytes());
+    // Each connection answers one request after the other, and all connections take turns.
+    let (connections, requests) = (40, 20);
+    let pipelined = ROBOTS.repeat(requests) + PROBE + CLOSE;
+    let streams: Vec<TcpStream> = (0..connections).map(|_| service.connect()).collect();
+    for mut stream in &streams {
+        stream.write_all(pipelined.as_bytes()).unwrap();
+    }
+    let mut answers = String::new();
+    for mut stream in &streams {
+        stream.read_to_string(&mut answers).unwrap();
+    }
     let (refused, served) = (answers.matches("HTTP/1.1 503 ").count(), answers.matches("HTTP/1.1 200 ").count());
-    assert_eq!(refused + served, 36, "{answers}");
-    assert!(refused >= 10 && served >= 8 + 6, "{refused} refused, {served} served");
+    assert_eq!(refused + served, connections * (requests + 2));
+    assert!(refused >= 10 && served >= 8 + 2 * connections, "{refused} refused, {served} served");
     assert_eq!(answers.matches("retry-after: 1\r\n").count(), refused);
     assert_eq!(answers.matches(r#""type":"/problems/overloaded""#).count(), refused);
     let metrics = service.get("/metrics").text;
@@ -32,8 +41,7 @@ fn requests_above_the_lag_are_refused_at_once_and_probes_are_not() {
 #[test]
 fn large_bodies_share_a_quota_and_small_ones_do_not_need_it() {
     let service = Service::with(ServiceConfig { max_large_bodies: 2, ..ServiceConfig::default() });
-    let head =
-        "POST /v1/resolve HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
+    let head = "POST /v1/resolve HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 900000\r\n\r\n";
     let started = |_| {
         let mut stream = service.connect();
         stream.write_all(head.as_bytes()).unwrap();
@@ -67,7 +75,7 @@ fn a_batch_counts_as_one_large_body_per_mebibyte() {
     service.post("/v1/resolve/batch", &batch(6 << 20)).accepted();
     let mut open = service.connect();
     open.write_all(
-        b"POST /v1/resolve/batch HTTP/1.1\r\nhost: a\r\ncontent-type: application/json\r\ncontent-length: 4000000\r\n\r\n",
+        b"POST /v1/resolve/batch HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 4000000\r\n\r\n",
     )
     .unwrap();
     open.write_all(&vec![b' '; 3_500_000]).unwrap();
@@ -105,6 +113,23 @@ fn one_connection_too_many_closes_the_longest_unanswered_one() {
     assert!(silent[..30].iter_mut().all(closed), "an old connection is still open");
     assert!(!silent[32..].iter_mut().any(closed), "a new connection is closed");
     call();
+}
+
+#[test]
+fn a_flood_of_connections_within_a_period_does_not_close_a_control_loop() {
+    let service = Service::with(ServiceConfig { max_connections: 10, ..ServiceConfig::default() });
+    let mut busy = service.connect();
+    let mut call = || {
+        busy.write_all(PROBE.as_bytes()).unwrap();
+        let mut answer = [0; 4096];
+        let length = busy.read(&mut answer).unwrap();
+        assert!(answer[..length].starts_with(b"HTTP/1.1 200 OK"));
+    };
+    (0..20).for_each(|_| call());
+    // No call of the loop in between.
+    let flood: Vec<TcpStream> = (0..40).map(|_| service.connect()).collect();
+    call();
+    drop(flood);
 }
 
 #[test]
@@ -152,7 +177,7 @@ fn slow_clients_do_not_block_a_working_one(count: usize) {
     let slow = |i: usize| {
         let mut stream = service.connect();
         let half_a_body = "content-type: application/json\r\ncontent-length: 500\r\n\r\n{";
-        let text = format!("POST /v1/step HTTP/1.1\r\nhost: a\r\n{}", ["", half_a_body][i % 2]);
+        let text = format!("POST /v1/step HTTP/1.1\r\nhost: localhost\r\n{}", ["", half_a_body][i % 2]);
         stream.write_all(text.as_bytes()).unwrap();
         stream
     };

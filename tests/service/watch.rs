@@ -21,7 +21,7 @@ struct Watcher(BufReader<TcpStream>);
 impl Watcher {
     fn open(service: &Service, session: &str) -> Self {
         let mut stream = service.connect();
-        write!(stream, "GET {session}/watch HTTP/1.1\r\nhost: a\r\nconnection: close\r\n\r\n").unwrap();
+        write!(stream, "GET {session}/watch HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").unwrap();
         Self(BufReader::new(stream))
     }
 

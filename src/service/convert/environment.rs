@@ -1,8 +1,7 @@
 //! Warnings about control loops that are unstable in contact with the stated environment.
 
 use revprio_api::wire::{self, Axis, EnvironmentAxis, Law};
-use revprio_core::controller::{ContactLoop, Margin};
-use revprio_core::linalg::EigenvalueError;
+use revprio_core::controller::{ContactLoop, Margin, StabilityError};
 
 use super::numbers::not_negative;
 use crate::service::error::ApiError;
@@ -58,7 +57,7 @@ pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, ApiError> {
     unstable_axes(request).map_err(|_| ApiError::invalid("/environment", NOT_COMPUTABLE))
 }
 
-fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, EigenvalueError> {
+fn unstable_axes(request: &wire::Controller) -> Result<Vec<String>, StabilityError> {
     let mut warnings = Vec::new();
     for axis in AXES {
         let row = |task: &wire::ControllerTask| task.axes.as_ref()?.iter().position(|other| *other == axis);
@@ -97,7 +96,7 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
 }
 
 /// Describes an unstable loop and the changes that make it stable.
-fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, EigenvalueError> {
+fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, StabilityError> {
     let Margin { spectral_radius, largest_lag_s, largest_delay_periods, smallest_damping } = contact.margin()?;
     let unit = if matches!(axis, Axis::X | Axis::Y | Axis::Z) { "N·s/m" } else { "N·m·s/rad" };
     let lag = match largest_lag_s {

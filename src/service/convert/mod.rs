@@ -32,7 +32,7 @@ pub use environment::{MAX_ENVIRONMENT_DELAY, warnings};
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{last_state, memory, memory_answer};
-pub use numbers::MAX_MAGNITUDE;
+pub use numbers::{MAX_MAGNITUDE, MIN_INERTIA};
 pub use profile::MAX_POINTS;
 pub use resolve::{
     MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem,

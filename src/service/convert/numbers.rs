@@ -11,6 +11,20 @@ use crate::service::error::{ApiError, escape_pointer};
 /// Maximum magnitude of a number in a request. It is far above any quantity of an arm, and its square does not overflow.
 pub const MAX_MAGNITUDE: f64 = 1e9;
 
+/// Minimum inertia of a law, kg on linear axes and kg·m² on angular axes. A fingertip has more. With much less, the command
+/// would jump at the first newton.
+pub const MIN_INERTIA: f64 = 1e-6;
+
+/// Checks the inertia of a law.
+pub fn inertia(value: f64, pointer: &str) -> Result<f64, ApiError> {
+    if (MIN_INERTIA..=MAX_MAGNITUDE).contains(&value) {
+        return Ok(value);
+    }
+    let detail =
+        format!("{value:e} is out of range; give an inertia from {MIN_INERTIA:e} to {MAX_MAGNITUDE:e} kg or kg·m²");
+    Err(ApiError::invalid(pointer, detail))
+}
+
 /// Checks a number.
 pub fn number(value: f64, pointer: &str) -> Result<f64, ApiError> {
     if value.abs() <= MAX_MAGNITUDE {

@@ -45,13 +45,6 @@ pub struct ResolveProblem {
     joint_limit_index: Option<f64>,
 }
 
-impl ResolveProblem {
-    /// Returns the number of entries of all task Jacobians together, rows times joints.
-    pub fn entries(&self) -> usize {
-        self.problem.tasks.tasks().iter().map(|task| task.jacobian.len()).sum()
-    }
-}
-
 /// Reads a request.
 pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem, ApiError> {
     let robot = robot(request, robots)?;

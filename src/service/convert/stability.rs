@@ -4,7 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 
 use super::environment::NOT_COMPUTABLE;
-use super::numbers::{not_negative, number};
+use super::numbers::{inertia, not_negative};
 use super::resolve::positive_period;
 use crate::service::error::ApiError;
 
@@ -14,11 +14,8 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Api
     if request.delay_periods > MAX_DELAY_PERIODS {
         return Err(ApiError::invalid("/delay_periods", format!("give at most {MAX_DELAY_PERIODS} periods")));
     }
-    if request.inertia <= 0.0 {
-        return Err(ApiError::invalid("/inertia", format!("{} is out of range; it must be positive", request.inertia)));
-    }
     Ok(ContactLoop {
-        inertia: number(request.inertia, "/inertia")?,
+        inertia: inertia(request.inertia, "/inertia")?,
         damping: not_negative(request.damping, "/damping")?,
         stiffness: not_negative(request.stiffness, "/stiffness")?,
         environment_inertia: not_negative(environment.inertia, "/environment/inertia")?,
@@ -31,9 +28,9 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Api
     })
 }
 
-/// Computes the stability margins of the loop.
-pub fn margin(contact: &ContactLoop) -> Result<Margin, ApiError> {
-    let margin = contact.margin().ok().filter(|margin| margin.spectral_radius.is_finite());
+/// Computes the stability margins of the loop. `is_abandoned` ends the computation early; nobody reads its error then.
+pub fn margin(contact: &ContactLoop, is_abandoned: impl Fn() -> bool) -> Result<Margin, ApiError> {
+    let margin = contact.margin_unless(&is_abandoned).ok().filter(|margin| margin.spectral_radius.is_finite());
     margin.ok_or_else(|| ApiError::invalid("", NOT_COMPUTABLE))
 }
 

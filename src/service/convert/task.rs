@@ -191,6 +191,9 @@ impl LawReader {
     ) -> Result<Gains, ApiError> {
         let list = |values: &PerAxis<f64>, field: &str| self.0.numbers(values, field);
         let (m, b, k) = (list(inertia, "/inertia")?, list(damping, "/damping")?, list(stiffness, "/stiffness")?);
+        for (row, value) in m.iter().enumerate() {
+            super::numbers::inertia(*value, "").map_err(|error| error.inside(&at_row(inertia, "/inertia", row)))?;
+        }
         Gains::new(self.0.rows, &m, &b, &k).map_err(|error| match error {
             GainError::Size { gain, .. } => ApiError::invalid(format!("/{gain}"), error),
             GainError::Range { gain, row, .. } => {

@@ -32,12 +32,18 @@ kinds! {
     MALFORMED: BAD_REQUEST "malformed", "The body cannot be read",
         "The body is neither JSON nor MessagePack, or it contains a number that is not finite.",
         "Correct the syntax of the body at the place that `detail` names.";
+    BAD_HOST: BAD_REQUEST "bad-host", "The header `Host` is missing or wrong",
+        "The request has no `Host`, more than one, or one that is not a host with an optional port.",
+        "Send exactly one `Host`.";
     UNAUTHORIZED: UNAUTHORIZED "unauthorized", "The token is missing or wrong",
         "The service requires a token, and the request has no token or a wrong one.",
         "Send `Authorization: Bearer` with the service's token.";
     PERMANENT: FORBIDDEN "permanent", "This cannot be deleted",
         "The robot belongs to the service and cannot be deleted.",
         "Delete only registered robots.";
+    FOREIGN_HOST: FORBIDDEN "foreign-host", "The host is not allowed",
+        "The header `Host` names neither the address of the service, nor `localhost`, nor a configured name.",
+        "Use the address of the service, or start it with `--allow-host` and the name.";
     FOREIGN_ORIGIN: FORBIDDEN "foreign-origin", "The origin is not allowed",
         "A web page of another site makes the request.",
         "Start the service with `--allow-origin` and the origin of that page.";
@@ -77,6 +83,9 @@ kinds! {
     MEDIA_TYPE: UNSUPPORTED_MEDIA_TYPE "media-type", "The media type is not supported",
         "`Content-Type` is neither `application/json` nor `application/msgpack`.",
         "Send the media type of the body as `Content-Type`.";
+    CONTENT_ENCODING: UNSUPPORTED_MEDIA_TYPE "content-encoding", "The encoding of the body is not supported",
+        "`Content-Encoding` names a compression. The service reads bodies without compression only.",
+        "Send the body without compression.";
     INVALID: UNPROCESSABLE_ENTITY "invalid", "A field of the body is wrong",
         "A field is unknown, missing, of the wrong type or size, out of range, or contradicts another field.",
         "Change the field at `pointer` as `detail` says.";
@@ -90,9 +99,15 @@ kinds! {
     UPGRADE_REQUIRED: UPGRADE_REQUIRED "upgrade-required", "A WebSocket is required",
         "The route accepts only WebSocket connections.",
         "Use a WebSocket client.";
+    TOO_MANY_FAILURES: TOO_MANY_REQUESTS "too-many-failures", "Too many requests with a wrong token",
+        "The token is missing or wrong, and so were those of many requests before. A request with the token is answered.",
+        "Send the service's token, or wait for the time in `Retry-After`.";
     INTERNAL: INTERNAL_SERVER_ERROR "internal", "The service failed",
         "The service has a defect. The request is not the cause.",
         "Read the service's log.";
+    TRANSFER_ENCODING: NOT_IMPLEMENTED "transfer-encoding", "The transfer encoding is not implemented",
+        "`Transfer-Encoding` names another coding than `chunked`.",
+        "Send the body with `Content-Length` or `Transfer-Encoding: chunked`.";
     TOO_MANY_CONTROLLERS: SERVICE_UNAVAILABLE "too-many-controllers", "Too many controllers",
         "The maximum number of sessions is open.",
         "Delete a session, or wait until an idle one ends.";
@@ -102,6 +117,12 @@ kinds! {
     BUSY: SERVICE_UNAVAILABLE "busy", "The service is busy",
         "The maximum number of long computations of this kind is running or waiting.",
         "Try again after the time in `Retry-After`.";
+    DEADLINE: SERVICE_UNAVAILABLE "deadline", "The work took too long",
+        "A long computation did not finish in time, waiting included.",
+        "Send a smaller problem, or try again when the service is less busy.";
+    STUCK: SERVICE_UNAVAILABLE "stuck", "The service is stuck",
+        "The thread that answers requests has not been running for a while. The process ends if that continues.",
+        "Send the request to another instance, or again after the restart.";
     OVERLOADED: SERVICE_UNAVAILABLE "overloaded", "The service is overloaded",
         "More requests wait than the service can answer in time.",
         "Send fewer requests, or start another server.";

@@ -4,6 +4,8 @@
 
 mod kinds;
 
+use std::time::Duration;
+
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
@@ -15,7 +17,16 @@ const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+
 
 /// Returns the whole HTTP answer for a connection above the limit. The request of such a connection is never read.
 pub fn connection_refusal() -> String {
-    let problem = ApiError::new(&kinds::OVERLOADED, "too many connections are open; close some").into_wire();
+    whole_answer(ApiError::new(&kinds::OVERLOADED, "too many connections are open; close some"))
+}
+
+/// Returns the whole HTTP answer for a connection that arrives while the thread of the requests is stuck.
+pub fn stuck_refusal() -> String {
+    whole_answer(ApiError::new(&kinds::STUCK, "the service is stuck; it ends itself if that continues"))
+}
+
+fn whole_answer(error: ApiError) -> String {
+    let problem = error.into_wire();
     let body = serde_json::to_string(&problem).unwrap_or_default();
     let head = "HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/problem+json\r\nretry-after: 1";
     format!("{head}\r\nconnection: close\r\ncontent-length: {}\r\n\r\n{body}", body.len())
@@ -51,9 +62,21 @@ impl ApiError {
         Self::new(&kinds::MALFORMED, detail)
     }
 
+    /// 400: no `Host`, more than one, or one that is not a host.
+    pub fn bad_host(detail: &str) -> Self {
+        Self::new(&kinds::BAD_HOST, detail)
+    }
+
     /// 401: the token is missing or wrong.
     pub fn unauthorized() -> Self {
         Self::new(&kinds::UNAUTHORIZED, "send the service's token as `Authorization: Bearer …`")
+    }
+
+    /// 403: `Host` is not a name of this service.
+    pub fn foreign_host(host: &str) -> Self {
+        let detail =
+            format!("`{host:.80}` is not a name of this service; if it is, start it with --allow-host {host:.80}");
+        Self::new(&kinds::FOREIGN_HOST, detail)
     }
 
     /// 403: a web page of another site makes the request.
@@ -133,6 +156,11 @@ impl ApiError {
         Self::new(&kinds::MEDIA_TYPE, "send `Content-Type: application/json` or `application/msgpack`")
     }
 
+    /// 415: a compressed body.
+    pub fn content_encoding() -> Self {
+        Self::new(&kinds::CONTENT_ENCODING, "the service reads bodies without compression only")
+    }
+
     /// 422: the body is well-formed, but the field at the JSON pointer `pointer` is wrong.
     #[expect(clippy::needless_pass_by_value, reason = "callers pass errors and strings that they no longer need")]
     pub fn invalid(pointer: impl Into<String>, detail: impl ToString) -> Self {
@@ -155,6 +183,17 @@ impl ApiError {
         Self::new(&kinds::UPGRADE_REQUIRED, "this route needs a WebSocket client (RFC 6455, version 13)")
     }
 
+    /// 429: the token is missing or wrong, and so were many before.
+    pub fn too_many_failures() -> Self {
+        Self::new(&kinds::TOO_MANY_FAILURES, "many requests had a wrong token; send the service's token")
+    }
+
+    /// 501: an unknown transfer encoding.
+    pub fn transfer_encoding() -> Self {
+        let detail = "send the body with `Content-Length` or `Transfer-Encoding: chunked`";
+        Self::new(&kinds::TRANSFER_ENCODING, detail)
+    }
+
     /// 500: a defect of the service.
     pub fn internal() -> Self {
         Self::new(&kinds::INTERNAL, "a defect of the service, not of your request; the log has the details")
@@ -174,6 +213,11 @@ impl ApiError {
     /// 503: the quota for long work is used up.
     pub fn busy(detail: impl Into<String>) -> Self {
         Self::new(&kinds::BUSY, detail)
+    }
+
+    /// 503: long work did not finish in time.
+    pub fn deadline(timeout: Duration) -> Self {
+        Self::new(&kinds::DEADLINE, format!("the work was abandoned after {} s", timeout.as_secs_f64()))
     }
 
     /// 503: more requests wait than can be answered in time.
@@ -248,7 +292,9 @@ impl IntoResponse for ApiError {
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
         match self.kind.status {
-            StatusCode::SERVICE_UNAVAILABLE => headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1")),
+            StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS => {
+                headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"))
+            }
             StatusCode::UNAUTHORIZED => headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer")),
             StatusCode::UPGRADE_REQUIRED => headers.insert(header::UPGRADE, HeaderValue::from_static("websocket")),
             _ => None,

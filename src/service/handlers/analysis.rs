@@ -25,7 +25,7 @@ pub async fn stability(
     Body(request): Body<wire::StabilityRequest>,
 ) -> Result<Answer<wire::StabilityAnswer>, ApiError> {
     let contact = convert::contact_loop(&request)?;
-    let margin = app.margins.run(move |_| convert::margin(&contact)).await??;
+    let margin = app.margins.run(move |abandoned| convert::margin(&contact, || abandoned.is_set())).await??;
     Ok(Answer(convert::margin_answer(&margin)))
 }
 

@@ -1,5 +1,6 @@
 //! Control periods, stateless and in sessions.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
@@ -17,9 +18,8 @@ use crate::service::format::RawBody;
 use crate::service::interleaving::Source;
 use crate::service::ownership::{Owner, Ownership};
 use crate::service::sessions::SharedAnswer;
-use crate::service::step::{open_session, stateless_step};
-use crate::service::stepper_cache::StepCall;
-use crate::service::{convert, stream};
+use crate::service::step::open_session;
+use crate::service::{convert, step_once, stream};
 
 /// Time between two events for a watcher: 30 events a second are enough for display.
 const WATCH_PAUSE: Duration = Duration::from_millis(33);
@@ -42,11 +42,7 @@ const WATCH_PAUSE: Duration = Duration::from_millis(33);
     )
 )]
 pub async fn step(State(app): Shared, body: RawBody) -> Result<Answer<wire::StepAnswer>, ApiError> {
-    let StepCall { mut cached, state, memory } = app.stepper_cache.read(&body, &app.robots)?;
-    let answer = stateless_step(&mut cached.stepper, &state, memory.as_ref())?;
-    app.metrics.count_resolution(&answer.solver);
-    app.stepper_cache.put(cached);
-    Ok(Answer(answer))
+    step_once::step(body, &app).await.map(Answer)
 }
 
 /// Lists the sessions.
@@ -59,7 +55,7 @@ pub async fn step(State(app): Shared, body: RawBody) -> Result<Answer<wire::Step
     responses((status = 200, body = wire::SessionList, description = "The sessions."))
 )]
 pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
-    Answer(app.sessions.list())
+    Answer(app.sessions.list().await)
 }
 
 /// Opens a session.
@@ -97,7 +93,9 @@ pub async fn create_controller(
     ownership: Ownership,
     Body(request): Body<wire::Controller>,
 ) -> Result<impl IntoResponse, ApiError> {
-    let created = open_session(request, ownership, &app.robots, &app.sessions)?;
+    let shared = Arc::clone(&app);
+    // Stability warnings take longer than a step.
+    let created = app.new.run(move |_| open_session(request, ownership, &shared.robots, &shared.sessions)).await??;
     let location = [(header::LOCATION, format!("/v1/controllers/{}", created.id))];
     Ok((StatusCode::CREATED, location, Answer(created)))
 }
@@ -126,7 +124,7 @@ pub async fn step_controller(
     owner: Owner,
     Body(state): Body<wire::State>,
 ) -> Result<Answer<SharedAnswer>, ApiError> {
-    app.sessions.step(&id, state, &owner, Source::Request).map(Answer)
+    app.sessions.step(&id, state, &owner, Source::Request, &app.large_steps).await.map(Answer)
 }
 
 /// Streams a session.
@@ -159,7 +157,7 @@ pub async fn stream_controller(
     owner: Owner,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, ApiError> {
-    app.sessions.check_owner(&id, &owner)?;
+    app.sessions.check_owner(&id, &owner).await?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
     Ok(stream::accept(upgrade, app, id, owner))
 }
@@ -181,7 +179,7 @@ pub async fn stream_controller(
     )
 )]
 pub async fn watch_controller(State(app): Shared, Segment(id): Segment) -> Result<impl IntoResponse, ApiError> {
-    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller())))?;
+    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller()))).await?;
     Ok(latest(steps, app.drain.subscribe(), WATCH_PAUSE, move |step| match step {
         Some(step) => {
             let watched = convert::watched_step(&controller, &step.state, &step.answer, step.last_command.as_ref());
@@ -204,7 +202,7 @@ pub async fn show_controller(
     State(app): Shared,
     Segment(id): Segment,
 ) -> Result<Answer<wire::SessionStatus>, ApiError> {
-    app.sessions.with(&id, |id, session| Ok(session.status(id))).map(Answer)
+    app.sessions.with(&id, |id, session| Ok(session.status(id))).await.map(Answer)
 }
 
 /// Ends a session.

@@ -9,7 +9,8 @@ use crate::service::error::ApiError;
 
 /// Returns whether the service is alive.
 ///
-/// For supervisors that restart the service. Answered under any load and without a token.
+/// For supervisors that restart the service. Answered under any load and without a token. While the thread of the requests
+/// is stuck, another thread answers new connections with 503: `stuck`.
 #[utoipa::path(
     get,
     path = "/healthz",

@@ -8,9 +8,11 @@ use axum::response::IntoResponse;
 use revprio_api::wire;
 
 use super::{Segment, Shared};
-use crate::service::body::{Answer, Body};
+use crate::service::background::background;
+use crate::service::body::{Answer, Body, LargeAnswer};
 use crate::service::convert;
 use crate::service::error::ApiError;
+use crate::service::state::AppState;
 
 /// Lists the robots.
 ///
@@ -21,8 +23,9 @@ use crate::service::error::ApiError;
     tag = "robots",
     responses((status = 200, body = wire::RobotList, description = "All robots that requests can name."))
 )]
-pub async fn robots(State(app): Shared) -> Answer<wire::RobotList> {
-    Answer(wire::RobotList { robots: app.robots.all().iter().map(|robot| convert::robot_answer(robot)).collect() })
+pub async fn robots(State(app): Shared) -> Result<LargeAnswer<wire::RobotList>, ApiError> {
+    let list = move |_: &_| app.robots.all().iter().map(|robot| convert::robot_answer(robot)).collect();
+    background(list).await.map(|robots| LargeAnswer(wire::RobotList { robots }))
 }
 
 /// Shows a robot.
@@ -61,13 +64,19 @@ pub async fn register_robot(
     State(app): Shared,
     Body(request): Body<wire::RobotRegistration>,
 ) -> Result<impl IntoResponse, ApiError> {
-    let robot = Arc::new(convert::robot(&request)?);
-    let location = [(header::LOCATION, format!("/v1/robots/{}", robot.name()))];
+    let shared = Arc::clone(&app);
+    let answer = app.new.run(move |_| register(&request, &shared)).await??;
+    let location = [(header::LOCATION, format!("/v1/robots/{}", answer.name))];
+    Ok((StatusCode::CREATED, location, Answer(answer)))
+}
+
+fn register(request: &wire::RobotRegistration, app: &AppState) -> Result<wire::Robot, ApiError> {
+    let robot = Arc::new(convert::robot(request)?);
     let answer = convert::robot_answer(&robot);
     // Ended sessions no longer use their robots, which can then end too.
     app.sessions.end_idle();
     app.robots.register(robot).map_err(|error| convert::robots_error(&error))?;
-    Ok((StatusCode::CREATED, location, Answer(answer)))
+    Ok(answer)
 }
 
 /// Deletes a registered robot.

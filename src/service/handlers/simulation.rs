@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 use revprio_lab::simulator::{Scenario, ScenarioList, SimulationRequest};
+use revprio_robot::RobotModel;
 
 use super::{Segment, Shared};
 use crate::service::body::{Answer, Body, LargeAnswer};
@@ -15,6 +16,7 @@ use crate::service::convert;
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
 use crate::service::simulations::{RunControl, trace_answer};
+use crate::service::state::AppState;
 
 /// Time between two events with the progress of a simulation.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(100);
@@ -74,15 +76,27 @@ pub async fn create_simulation(
 ) -> Result<impl IntoResponse, ApiError> {
     let interactive = request.interactive;
     convert::check_interactive(interactive.as_ref())?;
+    let shared = Arc::clone(&app);
+    let read = move |_: &_| read(request, interactive, &shared);
+    let (scenario, robot, run_control) = app.new.run(read).await??;
+    let status = app.simulations.create(scenario, robot, run_control)?.status();
+    let location = [(header::LOCATION, format!("/v1/simulations/{}", status.id))];
+    Ok((StatusCode::ACCEPTED, location, Answer(status)))
+}
+
+/// Reads a request for a simulation.
+fn read(
+    request: SimulationRequest,
+    interactive: Option<wire::Interactive>,
+    app: &AppState,
+) -> Result<(Scenario, Arc<RobotModel>, Option<RunControl>), ApiError> {
     let (scenario, robot) = convert::scenario(request, &app.robots)?;
     let run_control = interactive.map(|pace| {
         let request = scenario.controller.clone();
         let controller = convert::controller(&request, &app.robots)?;
         RunControl::new(pace, request, controller, &scenario.start_joint_position)
     });
-    let status = app.simulations.create(scenario, robot, run_control.transpose()?)?.status();
-    let location = [(header::LOCATION, format!("/v1/simulations/{}", status.id))];
-    Ok((StatusCode::ACCEPTED, location, Answer(status)))
+    Ok((scenario, robot, run_control.transpose()?))
 }
 
 /// Shows a simulation.
@@ -139,7 +153,8 @@ pub async fn control_simulation(
     Body(command): Body<wire::SimulationControl>,
 ) -> Result<Answer<wire::Simulation>, ApiError> {
     let job = app.simulations.get(&id)?;
-    job.live_run_control()?.apply(&command, &app.robots)?;
+    let (shared, controlled) = (Arc::clone(&app), Arc::clone(&job));
+    app.new.run(move |_| controlled.live_run_control()?.apply(&command, &shared.robots)).await??;
     Ok(Answer(job.status()))
 }
 

@@ -27,14 +27,15 @@ pub fn complete(document: &mut Value) {
     let text = document["info"]["description"].as_str().unwrap_or_default();
     document["info"]["description"] = json!(format!(
         "{text}\n\nA refused request gets a problem (RFC 9457, `application/problem+json`). It contains the JSON pointer of \
-         the wrong field, if there is one. Its `type` is stable.\n\n| type | status | cause | remedy |\n|---|---|---|---|\n{table}"
+         the wrong field, if there is one. Its `type` is stable. Every operation refuses a wrong host (400, 403), unknown \
+         encodings (415, 501) and, after many failures, a wrong token (429).\n\n| type | status | cause | remedy |\n|---|---|---|---|\n{table}"
     ));
 }
 
 fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
     let mut statuses = match path {
-        "/healthz" => vec![500],
-        "/readyz" => vec![500, 503],
+        // The service answers `/healthz` with 503 while it is stuck.
+        "/healthz" | "/readyz" => vec![403, 500, 503],
         _ => vec![401, 403, 500, 503],
     };
     if has_body {
@@ -56,7 +57,7 @@ fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
         let (name, description, schema) = match status.as_str() {
             "401" => ("WWW-Authenticate", "`Bearer`.", json!({"type": "string"})),
             "426" => ("Upgrade", "`websocket`.", json!({"type": "string"})),
-            "503" => {
+            "429" | "503" => {
                 let schema = json!({"type": "integer", "minimum": 0, "maximum": 3600});
                 ("Retry-After", "Time until the next attempt, s.", schema)
             }

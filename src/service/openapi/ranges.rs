@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
-    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_PERIOD_S, MIN_SPEED,
+    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::resolve::MAX_ITEMS;
 use crate::service::robots::MAX_NAME;
@@ -104,7 +104,7 @@ fn request_ranges() -> Vec<FieldRange> {
             upper: Items(1, MAX_ROWS),
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
-        wire::Law as wire::Law::Hybrid { inertia: Positive, damping: NotNegative, stiffness: NotNegative }
+        wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
         wire::Law as wire::Law::Posture { gain: NotNegative, joints: UniqueItems(1, MAX_JOINTS) }
         wire::Profile as wire::Profile::Ramp { duration_s: Between(1e-6, MAX_MAGNITUDE) }
         wire::Profile as wire::Profile::Steps { points: Items(1, MAX_POINTS) }
@@ -121,7 +121,7 @@ fn request_ranges() -> Vec<FieldRange> {
         wire::Environment { lag_s: NotNegative, delay_periods: UpTo(MAX_ENVIRONMENT_DELAY) }
         wire::EnvironmentAxis { stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
         wire::StabilityRequest {
-            inertia: Positive,
+            inertia: Between(MIN_INERTIA, MAX_MAGNITUDE),
             damping: NotNegative,
             stiffness: NotNegative,
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),

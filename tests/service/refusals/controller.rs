@@ -89,6 +89,8 @@ const CONTROLLER: &[Row] = &[
     ("/tasks/0/law/inertia", "0", 422, "/tasks/0/law/inertia"),
     ("/tasks/0/law/inertia", "-15", 422, "/tasks/0/law/inertia"),
     ("/tasks/0/law/inertia", "1e308", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "9.99e-7", 422, "/tasks/0/law/inertia"),
+    ("/tasks/0/law/inertia", "[1e-200]", 422, "/tasks/0/law/inertia/0"),
     ("/tasks/0/law/inertia", "1e999", 400, NO_POINTER),
     ("/tasks/0/law/inertia", "[]", 422, "/tasks/0/law/inertia"),
     ("/tasks/0/law/inertia", "[15, 15]", 422, "/tasks/0/law/inertia"),

@@ -3,10 +3,12 @@
 use super::{OMITTED, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const ROWS: [Row; 15] = [
+const ROWS: [Row; 17] = [
     ("/inertia", "0", 422, "/inertia"),
     ("/inertia", "-15", 422, "/inertia"),
-    ("/inertia", "1e-320", 422, ""),
+    ("/inertia", "1e-160", 422, "/inertia"),
+    ("/inertia", "9.99e-7", 422, "/inertia"),
+    ("/inertia", "1e10", 422, "/inertia"),
     ("/inertia", OMITTED, 422, ""),
     ("/damping", "-1", 422, "/damping"),
     ("/damping", "1e10", 422, "/damping"),

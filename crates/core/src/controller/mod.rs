@@ -49,7 +49,7 @@ pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};
 pub use raw_rows::RawRows;
-pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin};
+pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use stepper::Stepper;
 pub use task::{TaskConfig, TaskConfigError, TaskRows};

@@ -73,6 +73,17 @@ pub struct Margin {
     pub smallest_damping: Option<f64>,
 }
 
+/// The reason why margins are missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum StabilityError {
+    /// The eigenvalues of the loop cannot be computed.
+    #[error(transparent)]
+    Eigenvalues(#[from] EigenvalueError),
+    /// The caller stopped the computation.
+    #[error("the computation was stopped")]
+    Stopped,
+}
+
 impl Margin {
     /// Returns whether the loop is stable.
     pub fn is_stable(&self) -> bool {
@@ -81,13 +92,21 @@ impl Margin {
 }
 
 impl ContactLoop {
-    /// Computes the spectral radius and the margins.
-    pub fn margin(&self) -> Result<Margin, EigenvalueError> {
+    /// Computes the spectral radius and the margins. It computes the eigenvalues of the loop at most 650 times.
+    pub fn margin(&self) -> Result<Margin, StabilityError> {
+        self.margin_unless(&|| false)
+    }
+
+    /// Computes the spectral radius and the margins, and ends early with an error once `stop` returns true.
+    pub fn margin_unless(&self, stop: &dyn Fn() -> bool) -> Result<Margin, StabilityError> {
+        let is_stable = |axis: Self| if stop() { Err(StabilityError::Stopped) } else { Ok(axis.is_stable()?) };
+        // A damping above M_d/T reverses the velocity in each period. No loop is stable far above that.
+        let max_damping = 10.0 * self.inertia / self.period_s;
         Ok(Margin {
             spectral_radius: 1.0 + self.growth()?,
-            largest_lag_s: self.largest_lag()?,
-            largest_delay_periods: self.largest_delay()?,
-            smallest_damping: self.smallest_damping()?,
+            largest_lag_s: largest_lag(self.period_s, |lag_s| is_stable(Self { lag_s, ..*self }))?,
+            largest_delay_periods: largest_delay(|delay_periods| is_stable(Self { delay_periods, ..*self }))?,
+            smallest_damping: smallest_damping(max_damping, |damping| is_stable(Self { damping, ..*self }))?,
         })
     }
 
@@ -136,69 +155,73 @@ impl ContactLoop {
         }
         change
     }
+}
 
-    fn largest_lag(&self) -> Result<Option<f64>, EigenvalueError> {
-        let with_lag = |lag_s: f64| Self { lag_s, ..*self }.is_stable();
-        if !with_lag(0.0)? {
-            return Ok(None);
-        }
-        let mut stable = 0.0;
-        let mut lag = self.period_s * 1e-3;
-        // No inner loop has a lag of 10^9 periods. If such a lag is stable, every lag counts as stable.
-        for _ in 0..MAX_LAG_STEPS {
-            if !with_lag(lag)? {
-                return bisect(stable, lag, with_lag).map(Some);
-            }
-            if lag > 1e9 * self.period_s {
-                break;
-            }
-            stable = lag;
-            lag *= 1.25;
-        }
-        Ok(Some(f64::INFINITY))
+/// Returns the maximum lag, s, from a test of one lag. The number of tests is bounded whatever the test returns.
+fn largest_lag(
+    period_s: f64,
+    with_lag: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<Option<f64>, StabilityError> {
+    if !with_lag(0.0)? {
+        return Ok(None);
     }
+    let mut stable = 0.0;
+    let mut lag = period_s * 1e-3;
+    // No inner loop has a lag of 10^9 periods. If such a lag is stable, every lag counts as stable.
+    for _ in 0..MAX_LAG_STEPS {
+        if !with_lag(lag)? {
+            return bisect(stable, lag, with_lag).map(Some);
+        }
+        if lag > 1e9 * period_s {
+            break;
+        }
+        stable = lag;
+        lag *= 1.25;
+    }
+    Ok(Some(f64::INFINITY))
+}
 
-    fn largest_delay(&self) -> Result<Option<usize>, EigenvalueError> {
-        let with_delay = |delay_periods: usize| Self { delay_periods, ..*self }.is_stable();
-        if !with_delay(0)? {
-            return Ok(None);
-        }
-        let (mut stable, mut unstable) = (0, 1);
-        while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
-            (stable, unstable) = (unstable, 2 * unstable);
-        }
-        while stable < MAX_DELAY_PERIODS && unstable - stable > 1 {
-            let middle = usize::midpoint(stable, unstable);
-            if with_delay(middle)? {
-                stable = middle;
-            } else {
-                unstable = middle;
-            }
-        }
-        Ok(Some(stable))
+/// Returns the maximum delay, periods, from a test of one delay.
+fn largest_delay(with_delay: impl Fn(usize) -> Result<bool, StabilityError>) -> Result<Option<usize>, StabilityError> {
+    if !with_delay(0)? {
+        return Ok(None);
     }
+    let (mut stable, mut unstable) = (0, 1);
+    while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
+        (stable, unstable) = (unstable, 2 * unstable);
+    }
+    while stable < MAX_DELAY_PERIODS && unstable - stable > 1 {
+        let middle = usize::midpoint(stable, unstable);
+        if with_delay(middle)? {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    Ok(Some(stable))
+}
 
-    fn smallest_damping(&self) -> Result<Option<f64>, EigenvalueError> {
-        let with_damping = |damping: f64| Self { damping, ..*self }.is_stable();
-        if with_damping(0.0)? {
-            return Ok(Some(0.0));
-        }
-        // A damping above M_d/T reverses the velocity in each period. No loop is stable far above that.
-        let maximum = 10.0 * self.inertia / self.period_s;
-        let mut unstable = 0.0;
-        let mut damping = 1e-9 * maximum;
-        for _ in 0..MAX_DAMPING_STEPS {
-            if damping >= maximum {
-                break;
-            }
-            if with_damping(damping)? {
-                return bisect(damping, unstable, with_damping).map(Some);
-            }
-            unstable = damping;
-            damping *= 1.1;
-        }
-        Ok(None)
+/// Returns the minimum damping from a test of one damping. The number of tests is bounded whatever the test returns.
+fn smallest_damping(
+    maximum: f64,
+    with_damping: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<Option<f64>, StabilityError> {
+    if with_damping(0.0)? {
+        return Ok(Some(0.0));
     }
+    let mut unstable = 0.0;
+    let mut damping = 1e-9 * maximum;
+    for _ in 0..MAX_DAMPING_STEPS {
+        if damping >= maximum {
+            break;
+        }
+        if with_damping(damping)? {
+            return bisect(damping, unstable, with_damping).map(Some);
+        }
+        unstable = damping;
+        damping *= 1.1;
+    }
+    Ok(None)
 }
 
 /// Returns |1 + δ| − 1 for an eigenvalue δ of (map − identity), without cancellation.
@@ -214,8 +237,8 @@ fn growth(delta: &Complex<f64>) -> f64 {
 fn bisect(
     mut stable: f64,
     mut unstable: f64,
-    is_stable: impl Fn(f64) -> Result<bool, EigenvalueError>,
-) -> Result<f64, EigenvalueError> {
+    is_stable: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<f64, StabilityError> {
     for _ in 0..MAX_BISECTIONS {
         if (stable - unstable).abs() <= ACCURACY * stable.abs().max(unstable.abs()) {
             break;
@@ -293,6 +316,53 @@ mod tests {
         let margin = slow.margin().unwrap();
         assert_eq!((margin.largest_lag_s, margin.largest_delay_periods, margin.smallest_damping), (None, None, None));
         assert!(!margin.is_stable());
+    }
+
+    /// A name, and the result of the k-th call.
+    type Answers = (&'static str, fn(usize) -> bool);
+
+    /// Tests of stability that never let a search converge, with what they return at their k-th call.
+    const WITHOUT_CONVERGENCE: [Answers; 4] = [
+        ("always stable", |_| true),
+        ("stable only at the start", |call| call == 0),
+        ("stable only after the start", |call| call > 0),
+        ("alternating", |call| call % 2 == 0),
+    ];
+
+    #[test]
+    fn searches_that_do_not_converge_end_after_a_bounded_number_of_steps() {
+        for (name, answer) in WITHOUT_CONVERGENCE {
+            // Sizes at which products and quotients overflow, vanish or are not numbers.
+            for size in [0.0, 5e-324, 1e-300, 1e-200, 1.0, 1e300, f64::MAX, f64::INFINITY, f64::NAN] {
+                let calls = std::cell::Cell::new(0);
+                let test = || {
+                    calls.set(calls.get() + 1);
+                    Ok(answer(calls.get() - 1))
+                };
+                let limits = [
+                    (largest_lag(size, |_| test()).is_ok(), MAX_LAG_STEPS + MAX_BISECTIONS + 1),
+                    (largest_delay(|_| test()).is_ok(), 2 * MAX_DELAY_PERIODS),
+                    (smallest_damping(size, |_| test()).is_ok(), MAX_DAMPING_STEPS + MAX_BISECTIONS + 1),
+                    (bisect(size, 0.0, |_| test()).is_ok(), MAX_BISECTIONS),
+                    // The boundary is at zero, where a relative accuracy is never reached.
+                    (bisect(0.0, size, |_| Ok(false)).is_ok(), MAX_BISECTIONS),
+                ];
+                assert!(limits.iter().all(|(ended, _)| *ended));
+                let max: usize = limits.iter().map(|(_, max)| max).sum();
+                assert!(calls.get() <= max, "{name}, {size}: {} calls", calls.get());
+            }
+        }
+    }
+
+    #[test]
+    fn a_stopped_search_ends_at_once() {
+        let calls = std::cell::Cell::new(0);
+        let stop = || {
+            calls.set(calls.get() + 1);
+            calls.get() > 3
+        };
+        assert_eq!(WALL.margin_unless(&stop), Err(StabilityError::Stopped));
+        assert_eq!(calls.get(), 4);
     }
 
     proptest! {

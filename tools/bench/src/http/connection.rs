@@ -21,7 +21,7 @@ pub const NUMBER: &str = "1000000000";
 impl Request {
     /// Returns a `POST` request with a JSON body; [`NUMBER`] in it counts up.
     pub fn post(path: &str, body: &str) -> Self {
-        let head = format!("POST {path} HTTP/1.1\r\nhost: bench\r\ncontent-type: application/json");
+        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json");
         Self::from_text(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()))
     }
 

@@ -18,12 +18,16 @@ pub struct Request(std::sync::Arc<str>);
 
 impl Request {
     pub fn post(path: &str, body: &str) -> Self {
-        let head = format!("POST {path} HTTP/1.1\r\nhost: load\r\ncontent-type: application/json");
+        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json");
         Self(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()).into())
     }
 
+    pub fn bytes(&self) -> &[u8] {
+        self.0.as_bytes()
+    }
+
     pub fn get(path: &str) -> Self {
-        Self(format!("GET {path} HTTP/1.1\r\nhost: load\r\n\r\n").into())
+        Self(format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n").into())
     }
 }
 
@@ -102,9 +106,12 @@ async fn connect(address: SocketAddr) -> io::Result<TcpStream> {
     Ok(stream)
 }
 
-struct Answer {
-    status: u16,
+/// A complete answer.
+pub struct Answer {
+    pub status: u16,
     head: String,
+    /// Place of the first byte of the body.
+    pub body: usize,
 }
 
 impl Answer {
@@ -139,10 +146,10 @@ async fn call(stream: &TcpStream, mut request: &[u8]) -> io::Result<Answer> {
 }
 
 /// Parses an answer; `None` if it is not complete.
-fn parse_answer(bytes: &[u8]) -> Option<Answer> {
+pub fn parse_answer(bytes: &[u8]) -> Option<Answer> {
     let end = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
     let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
     let length = head.lines().find_map(|line| line.strip_prefix("content-length: ")?.parse::<usize>().ok())?;
     let status = head.split(' ').nth(1)?.parse().ok()?;
-    (bytes.len() >= end + 4 + length).then_some(Answer { status, head })
+    (bytes.len() >= end + 4 + length).then_some(Answer { status, head, body: end + 4 })
 }

@@ -5,6 +5,7 @@
 //! again together with clients that stop in the middle of a request. A client waits for an answer before it sends the next
 //! request; periods that pass while it waits are missed.
 
+mod beside;
 mod client;
 mod server;
 mod tally;
@@ -21,7 +22,7 @@ use crate::BenchError;
 /// One control period, about 1 KB.
 const STEP: &str = include_str!("../../../../api/examples/step.json");
 
-const HALF_A_REQUEST: &[u8] = b"POST /v1/step HTTP/1.1\r\nhost: load\r\ncontent-ty";
+const HALF_A_REQUEST: &[u8] = b"POST /v1/step HTTP/1.1\r\nhost: localhost\r\ncontent-ty";
 
 /// Largest growth of the memory of the server, MiB: connections with their buffers, and histograms.
 const MAX_MEMORY_GROWTH_MIB: f64 = 128.0;
@@ -40,12 +41,18 @@ pub struct Options {
     /// Multiples of the capacity, at most 20
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2, 10])]
     times: Vec<usize>,
+    /// Measure one 100 Hz control loop next to clients that keep the server busy, instead
+    #[arg(long)]
+    beside: bool,
 }
 
 /// Runs the load test. It fails if an answer is neither 200 nor 503 with Retry-After, if `/healthz` does not answer, or if
 /// the memory grows too much.
 pub fn run(options: &Options) -> Result<(), BenchError> {
     let duration = Duration::from_secs(options.seconds.clamp(1, 60));
+    if options.beside {
+        return beside::run(duration);
+    }
     let (clients, slow) = (options.clients.clamp(1, 100), options.slow.min(4000));
     let server = Server::start()?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
