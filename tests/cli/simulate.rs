@@ -63,7 +63,7 @@ fn errors_of_the_service_are_printed() {
     let scratch = Scratch::new("simulate_refused");
     let text = short("stiff_wall", "duration_s = 0.1").replacen("inertia = [15.0]", "inertia = [-15.0]", 1);
     let message = failure(&["simulate", &scratch.write("heavy.toml", &text)]);
-    assert!(message.contains("inertia must be positive") && message.contains("/tasks/0/law/inertia/0"), "{message}");
+    assert!(message.contains("give an inertia from 1e-6") && message.contains("/tasks/0/law/inertia/0"), "{message}");
 }
 
 #[test]

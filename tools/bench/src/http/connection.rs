@@ -18,10 +18,14 @@ const FIRST: u64 = 1_000_000_000;
 /// Placeholder of the number in a body.
 pub const NUMBER: &str = "1000000000";
 
+/// Owner token of the sessions of the benchmark.
+pub const OWNER: &str = "bench";
+
 impl Request {
     /// Returns a `POST` request with a JSON body; [`NUMBER`] in it counts up.
     pub fn post(path: &str, body: &str) -> Self {
-        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json");
+        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\nrevprio-owner: {OWNER}");
+        let head = format!("{head}\r\ncontent-type: application/json");
         Self::from_text(format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len()))
     }
 

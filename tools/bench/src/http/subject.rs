@@ -8,7 +8,7 @@ use revprio_api::wire;
 use revprio_api::{Client, Service};
 use serde::de::DeserializeOwned;
 
-use super::connection::{Connection, NUMBER, Request};
+use super::connection::{Connection, NUMBER, OWNER, Request};
 use crate::BenchError;
 
 /// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
@@ -61,7 +61,7 @@ impl UnderTest {
 
     /// Uses a running service.
     pub fn on(server: RunningServer) -> Result<Self, BenchError> {
-        let client = Client::new(&server.url());
+        let client = Client::new(&server.url()).with_owner(OWNER);
         let step = steady(&client, NUMBER.parse().map_err(BenchError::defect)?)?;
         let session = client.create_controller(&step.controller)?.id;
         let address = server.url().trim_start_matches("http://").parse().map_err(BenchError::defect)?;

@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use tungstenite::{Message, WebSocket};
 
 use super::affinity::Pinned;
-use super::connection::{Connection, Request};
+use super::connection::{Connection, OWNER, Request};
 use super::subject::{Call, UnderTest};
 use crate::BenchError;
 use crate::row::Row;
@@ -36,7 +36,8 @@ impl Stream {
     fn open(service: &UnderTest) -> Result<Self, BenchError> {
         let stream = TcpStream::connect(service.address)?;
         stream.set_nodelay(true)?;
-        let url = format!("ws://{}/v1/controllers/{}/stream", service.address, service.another_session()?);
+        let session = service.another_session()?;
+        let url = format!("ws://{}/v1/controllers/{session}/stream?revprio_owner={OWNER}", service.address);
         let (socket, _) = tungstenite::client(url, stream).map_err(BenchError::defect)?;
         Ok(Self { socket, states: Request::from_text(service.state()) })
     }
