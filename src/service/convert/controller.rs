@@ -9,6 +9,7 @@ use super::null_space::null_space;
 use super::numbers::{damping, velocity_box};
 use super::pose::with_tool_offset;
 use super::resolve::{check_row_count, known_robot, positive_period};
+use super::state_rules::StateRules;
 use super::task::task_config;
 use super::terms;
 use crate::service::error::ApiError;
@@ -19,6 +20,7 @@ pub const MAX_TASKS: usize = 64;
 
 /// Reads a controller.
 pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, ApiError> {
+    StateRules::read(request)?;
     let robot = with_tool_offset(&known_robot(&request.robot, robots)?, request.tool_offset.as_ref())?;
     if request.tasks.len() > MAX_TASKS {
         return Err(ApiError::invalid("/tasks", format!("give at most {MAX_TASKS} tasks")));

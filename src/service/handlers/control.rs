@@ -70,11 +70,17 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
         (
             "Revprio-Owner" = Option<String>,
             Header,
+            min_length = 1,
+            max_length = 128,
+            pattern = "^[A-Za-z0-9_.~-]+$",
             description = "Owner token, a word that the client chooses. Steps and streams of the session must send it too."
         ),
         (
             "Idempotency-Key" = Option<String>,
             Header,
+            min_length = 1,
+            max_length = 128,
+            pattern = "^[A-Za-z0-9_.~-]+$",
             description = "A word that the client chooses for this request. The same request with the same key gets the \
                            same session again."
         )
@@ -111,6 +117,9 @@ pub async fn create_controller(
     params((
         "Revprio-Owner" = Option<String>,
         Header,
+        min_length = 1,
+        max_length = 128,
+        pattern = "^[A-Za-z0-9_.~-]+$",
         description = "Owner token of the session; required if the session was opened with one."
     )),
     responses(
@@ -138,11 +147,17 @@ pub async fn step_controller(
         (
             "Revprio-Owner" = Option<String>,
             Header,
+            min_length = 1,
+            max_length = 128,
+            pattern = "^[A-Za-z0-9_.~-]+$",
             description = "Owner token of the session; required if the session was opened with one."
         ),
         (
             "revprio_owner" = Option<String>,
             Query,
+            min_length = 1,
+            max_length = 128,
+            pattern = "^[A-Za-z0-9_.~-]+$",
             description = "The same for browsers, whose WebSockets send no headers."
         )
     ),

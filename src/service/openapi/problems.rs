@@ -44,6 +44,10 @@ fn add_problems(path: &str, operation: &mut Value, has_body: bool) {
     if path.contains('{') {
         statuses.push(404);
     }
+    let mut parameters = operation["parameters"].as_array().into_iter().flatten();
+    if parameters.any(|parameter| parameter["in"] == "header") {
+        statuses.push(400);
+    }
     let Some(responses) = operation["responses"].as_object_mut() else { return };
     for status in statuses {
         responses.entry(status.to_string()).or_insert_with(|| json!({"description": causes(status)}));

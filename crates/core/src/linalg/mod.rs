@@ -6,12 +6,14 @@ mod row;
 mod spectrum;
 mod svd;
 mod task_vector;
+mod triangle;
 
 pub use damping::Damping;
 pub use row::Row;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::{Svd, write_singular_values};
 pub use task_vector::TaskVector;
+pub use triangle::{Triangle, write_inverse};
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;

@@ -2,7 +2,7 @@
 
 use super::level::{Hierarchy, Solution, refill};
 use super::solver::HierarchicalSolver;
-use crate::linalg::{Damping, RANK_TOLERANCE, write_singular_values};
+use crate::linalg::{Damping, RANK_TOLERANCE, Triangle, write_singular_values};
 use crate::task::{Task, TaskStack};
 
 /// Fraction of ‖J‖ above which a smallest singular value makes all rows certainly independent.
@@ -15,28 +15,22 @@ pub struct Singularity {
     pub manipulability: f64,
     /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
     pub algorithmic: bool,
-    /// σ_min where it is known; otherwise a square matrix with the same singular values has it.
+    /// σ_min where it is known; otherwise `triangle` has the singular values.
     known: Option<f64>,
-    matrix: Vec<f64>,
-    size: usize,
+    triangle: Triangle,
 }
 
 impl Singularity {
     /// Computes σ_min of all rows together; 0 without rows. No decision of the resolution needs the value where it is far from
     /// zero, so it is computed on demand.
     pub fn smallest_singular_value(&self) -> f64 {
-        self.known.unwrap_or_else(|| {
-            let mut sigma = Vec::new();
-            write_singular_values(&mut self.matrix.clone(), self.size, &mut sigma);
-            smallest(&sigma)
-        })
+        self.known.unwrap_or_else(|| self.triangle.smallest_singular_value())
     }
 
     /// Copies without giving up memory.
     pub(super) fn copy_from(&mut self, other: &Self) {
         (self.manipulability, self.algorithmic, self.known) = (other.manipulability, other.algorithmic, other.known);
-        self.matrix.clone_from(&other.matrix);
-        self.size = other.size;
+        self.triangle.copy_from(&other.triangle);
     }
 }
 
@@ -105,8 +99,7 @@ impl Singularities {
         if self.is_regular {
             self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
             (self.all.algorithmic, self.all.known) = (false, None);
-            self.all.size = rank;
-            solver.last().write_triangle(&mut self.all.matrix);
+            solver.last().write_triangle(&mut self.all.triangle);
             for (known, task) in self.tasks.iter_mut().zip(list) {
                 known.rank = task.jacobian.nrows();
             }

@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Row, write_singular_values};
+use crate::linalg::{Triangle, write_inverse, write_singular_values};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -22,8 +22,8 @@ pub trait SizedSolver {
     /// Returns whether all singular values of the last triangle certainly exceed `threshold`: 1/‖L⁻¹‖_F ≤ σ_min.
     fn exceeds(&mut self, threshold: f64) -> bool;
 
-    /// Copies the last triangle, with zeros above its diagonal.
-    fn write_triangle(&self, entries: &mut Vec<f64>);
+    /// Copies the last triangle.
+    fn write_triangle(&self, triangle: &mut Triangle);
 
     /// Returns the product of the singular values of the last triangle.
     fn pivot_product(&self) -> f64;
@@ -52,25 +52,12 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
     }
 
     fn exceeds(&mut self, threshold: f64) -> bool {
-        self.inverse.clear();
-        let mut square = 0.0;
-        for (c, row) in self.solved.triangle().enumerate() {
-            let mut inverse = Row::ZERO;
-            for (above, entry) in self.inverse.iter().zip(&row.coordinates.0) {
-                inverse.add_scaled(-row.inverse * entry, above);
-            }
-            inverse.0[c] = row.inverse;
-            square += inverse.dot(&inverse);
-            self.inverse.push(inverse);
-        }
-        square.sqrt() * threshold <= 1.0
+        let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
+        write_inverse(rows, &mut self.inverse) * threshold <= 1.0
     }
 
-    fn write_triangle(&self, entries: &mut Vec<f64>) {
-        entries.clear();
-        for row in self.solved.triangle() {
-            entries.extend_from_slice(&row.coordinates.0[..self.solved.rank()]);
-        }
+    fn write_triangle(&self, triangle: &mut Triangle) {
+        triangle.set(self.solved.triangle().map(|row| &row.coordinates));
     }
 
     fn pivot_product(&self) -> f64 {

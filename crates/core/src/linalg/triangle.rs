@@ -1,0 +1,174 @@
+//! The smallest singular value of a well-conditioned lower triangle.
+
+use super::Row;
+
+/// A regular lower triangle L.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Triangle {
+    size: usize,
+    /// The rows up to the diagonal, one after the other.
+    entries: Vec<f64>,
+}
+
+impl Triangle {
+    /// Overwrites the triangle with the first i + 1 entries of each row i.
+    pub fn set<'a, const N: usize>(&mut self, rows: impl Iterator<Item = &'a Row<N>>) {
+        self.size = 0;
+        self.entries.clear();
+        for row in rows {
+            self.size += 1;
+            self.entries.extend_from_slice(&row.0[..self.size]);
+        }
+    }
+
+    /// Copies another triangle without giving up the memory of this one.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.size = other.size;
+        self.entries.clone_from(&other.entries);
+    }
+
+    /// Returns σ_min = 1/‖L⁻¹‖₂, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits of small values only, so it is
+    /// exact to rounding. A triangle without rows has none, 0.
+    pub fn smallest_singular_value(&self) -> f64 {
+        match self.size {
+            0 => 0.0,
+            1..=8 => self.smallest_of_width::<8>(),
+            9..=40 => self.smallest_of_width::<40>(),
+            _ => self.smallest_of_width::<136>(),
+        }
+    }
+
+    fn smallest_of_width<const N: usize>(&self) -> f64 {
+        let n = self.size;
+        let starts = (0..n).scan(0, |start, i| Some(std::mem::replace(start, *start + i + 1)));
+        let rows: Vec<Row<N>> = starts.zip(1..).map(|(at, len)| Row::from_slice(&self.entries[at..at + len])).collect();
+        let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
+        let mut inverse = Vec::with_capacity(n);
+        let size = write_inverse(with_reciprocals, &mut inverse);
+        if !(size.is_normal() && n > 1) {
+            return 1.0 / size;
+        }
+        let unit = 1.0 / size;
+        let mut gram = vec![Row::<N>::ZERO; n];
+        for (i, row) in inverse.iter().enumerate() {
+            for (gram, entry) in gram.iter_mut().zip(&row.0[..=i]) {
+                gram.add_scaled(entry * unit * unit, row);
+            }
+        }
+        let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
+        for k in (1..n).rev() {
+            let (before, row) = gram.split_at_mut(k);
+            diagonal.0[k] = row[0].0[k];
+            off_square.0[k - 1] = reduce(before, &row[0], k);
+        }
+        diagonal.0[0] = gram[0].0[0];
+        1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
+    }
+}
+
+/// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.
+pub fn write_inverse<'a, const N: usize>(
+    rows: impl Iterator<Item = (&'a Row<N>, f64)>,
+    inverse: &mut Vec<Row<N>>,
+) -> f64 {
+    inverse.clear();
+    let mut square = 0.0;
+    for (i, (row, reciprocal)) in rows.enumerate() {
+        let mut inverse_row = Row::ZERO;
+        for (above, entry) in inverse.iter().zip(&row.0) {
+            inverse_row.add_scaled(-reciprocal * entry, above);
+        }
+        inverse_row.0[i] = reciprocal;
+        square += inverse_row.dot(&inverse_row);
+        inverse.push(inverse_row);
+    }
+    square.sqrt()
+}
+
+/// Reflects the first k rows and columns of a symmetric matrix so that row k keeps one entry before the diagonal; returns
+/// the square of that entry.
+fn reduce<const N: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
+    // Short rows take part with their first group alone.
+    if k <= 4 { reduce_width::<N, 4>(matrix, row, k) } else { reduce_width::<N, N>(matrix, row, k) }
+}
+
+/// The same with the first W entries of each row, k at most.
+fn reduce_width<const N: usize, const W: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
+    let mut v = Row::<W>::from_slice(&row.0[..k]);
+    let square = v.dot(&v);
+    if square == 0.0 || k == 1 {
+        return square;
+    }
+    let length = square.sqrt();
+    let head = v.0[k - 1];
+    v.0[k - 1] += length.copysign(head);
+    let gain = 1.0 / (length * (length + head.abs()));
+    // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
+    let mut w = Row::<W>::ZERO;
+    for (row, w) in matrix.iter().zip(&mut w.0) {
+        *w = gain * Row::<W>::from_slice(&row.0[..W]).dot(&v);
+    }
+    let half = 0.5 * gain * w.dot(&v);
+    w.add_scaled(-half, &v);
+    for (row, (v_i, w_i)) in matrix.iter_mut().zip(v.0.iter().zip(&w.0)) {
+        for (entry, (v, w)) in row.0[..W].iter_mut().zip(v.0.iter().zip(&w.0)) {
+            *entry -= v_i * w + w_i * v;
+        }
+    }
+    square
+}
+
+/// Maximum number of Laguerre steps. About four are needed.
+const MAX_STEPS: usize = 40;
+
+/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of trace 1, by Laguerre's iteration from
+/// above, which never passes the largest root.
+fn largest_eigenvalue(diagonal: &[f64], off_square: &[f64]) -> f64 {
+    let n = diagonal.len() as f64;
+    let mut x = upper_bound(diagonal, off_square);
+    let mut last_step = x;
+    for _ in 0..MAX_STEPS {
+        // p, p' and p''/2 of the characteristic polynomial by its three-term recurrence.
+        let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
+        let (mut p_before, mut dp_before, mut ddp_before) = (0.0, 0.0, 0.0);
+        let mut off = 0.0;
+        for (a, off_next) in diagonal.iter().zip(off_square) {
+            let gap = x - a;
+            let next = gap * p - off * p_before;
+            let dnext = gap * dp + p - off * dp_before;
+            let ddnext = gap * ddp + dp - off * ddp_before;
+            (p_before, dp_before, ddp_before) = (p, dp, ddp);
+            (p, dp, ddp) = (next, dnext, ddnext);
+            off = *off_next;
+        }
+        if !(p > 0.0 && dp > 0.0) {
+            break;
+        }
+        let g = dp / p;
+        let h = g * g - 2.0 * ddp / p;
+        let root = ((n - 1.0) * (n * h - g * g)).max(0.0).sqrt();
+        let step = n / (g + root);
+        x -= step;
+        // Convergence is cubic, but linear on the way to roots that lie close together.
+        let ratio = step / last_step;
+        if step <= 1e-15 * x || (ratio < 1e-2 && ratio.powi(3) * step <= 1e-17 * x) {
+            break;
+        }
+        last_step = step;
+    }
+    x
+}
+
+/// Returns the least of Gershgorin's bound, the trace and the norm.
+fn upper_bound(diagonal: &[f64], off_square: &[f64]) -> f64 {
+    let (mut before, mut gershgorin) = (0.0, 0.0_f64);
+    let (mut trace, mut squares) = (0.0, 0.0);
+    for (a, off_square) in diagonal.iter().zip(off_square) {
+        let off = off_square.sqrt();
+        gershgorin = gershgorin.max(a + before + off);
+        trace += a;
+        squares += a * a + 2.0 * off_square;
+        before = off;
+    }
+    gershgorin.min(trace).min(squares.sqrt()) * (1.0 + 1e-15)
+}
