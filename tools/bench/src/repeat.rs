@@ -7,7 +7,7 @@ use revprio::service::Robots;
 use revprio_api::wire;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{Path, Problem, resolve};
+use revprio_core::resolution::{Path, Problem, Resolution, Resolver, resolve};
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
@@ -27,8 +27,10 @@ pub enum Repeated {
     Kinematics,
     /// A control period that no limit restricts, two tasks
     ClosedForm,
-    /// A resolution whose active limits are those of the guess
+    /// A resolution whose active limits are those of the guess, with memory of its own
     Certificate,
+    /// The same with the memory of the call before, as in a control loop
+    CertificateInLoop,
     /// A control period through Clarabel
     Qp,
     /// The body of /v1/step read
@@ -71,7 +73,8 @@ fn action(what: Repeated) -> Result<Action, BenchError> {
         }
         Repeated::ClosedForm => cycles(wire::Solver::Auto, None),
         Repeated::Qp => cycles(wire::Solver::Qp, Some(0.35)),
-        Repeated::Certificate => certificate(),
+        Repeated::Certificate => certificate(false),
+        Repeated::CertificateInLoop => certificate(true),
         Repeated::ReadStep | Repeated::ReadState | Repeated::WriteAnswer => codec(what),
         Repeated::Session => http(Call::Session),
         Repeated::Stateless => http(Call::Stateless),
@@ -90,7 +93,7 @@ fn cycles(solver: wire::Solver, limit: Option<f64>) -> Result<Action, BenchError
 }
 
 /// Limits that are active for the first task; the guess is the active set of the last answer.
-fn certificate() -> Result<Action, BenchError> {
+fn certificate(keeps_memory: bool) -> Result<Action, BenchError> {
     let configuration = Configuration::new(&built_in()[0], &NOMINAL).map_err(BenchError::defect)?;
     let task = |name: &str, axes: &[Axis], velocity: Vec<f64>| {
         let jacobian = AxisSelection::new(axes).map_err(BenchError::defect)?.rows_of(configuration.jacobian());
@@ -105,7 +108,16 @@ fn certificate() -> Result<Action, BenchError> {
     if resolve(&problem, &guess).map_err(BenchError::defect)?.solver.path != Path::ActiveSet {
         return Err(BenchError::Defect("the guess was not confirmed".to_owned()));
     }
-    Ok(Box::new(move || resolve(&problem, &guess).map(|answer| drop(black_box(answer))).map_err(BenchError::defect)))
+    if !keeps_memory {
+        let once = move || resolve(&problem, &guess).map(|answer| drop(black_box(answer)));
+        return Ok(Box::new(move || once().map_err(BenchError::defect)));
+    }
+    let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+    Ok(Box::new(move || {
+        resolver.resolve(&problem, &guess, &mut answer).map_err(BenchError::defect)?;
+        black_box(&answer);
+        Ok(())
+    }))
 }
 
 fn codec(what: Repeated) -> Result<Action, BenchError> {
