@@ -1,6 +1,7 @@
 """A sweep in shards, with a worker killed in the middle, gives the table of the sweep without shards.
 
-Usage: sweep.py ray|slurm DIRECTORY PROGRAM. DIRECTORY is that of the scripts for clusters.
+Usage: sweep.py ray|slurm DIRECTORY PROGRAM. DIRECTORY is that of the scripts for clusters. `slurm` needs a running Slurm,
+for example that of `tests/scale/slurm`.
 """
 
 from __future__ import annotations
@@ -67,25 +68,26 @@ def with_ray(scripts: Path, program: str, out: Path) -> None:
 
 
 def with_slurm(scripts: Path, program: str, out: Path) -> None:
-    """Runs the script as the tasks of an array, with the environment that Slurm gives them."""
-    shards = out / "shards"
+    """Submits the array and its merge; one task is killed and queued again, as after the failure of its node."""
+    shards, log = out / "shards", f"{out}/%x-%a.log"
     shards.mkdir(parents=True)
+    environment = os.environ | {"OUT": str(out), "REVPRIO": program}
 
-    def task(number: int) -> subprocess.Popen:
-        array = {"SLURM_ARRAY_TASK_ID": str(number), "SLURM_ARRAY_TASK_COUNT": str(SHARDS)}
-        environment = os.environ | array | {"OUT": str(out), "REVPRIO": program}
-        return subprocess.Popen([scripts / "sweep.slurm", *SWEEP], env=environment, stderr=subprocess.PIPE, text=True)
+    def slurm(*command: object) -> str:
+        words = [str(word) for word in command]
+        return subprocess.run(words, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
-    tasks = {number: task(number) for number in range(1, SHARDS + 1)}
+    submit = ["sbatch", "--parsable", "--chdir", out]
+    job = slurm(*submit, f"--array=1-{SHARDS}", "--output", log, scripts / "sweep.slurm", *SWEEP)
+    merge = '"$REVPRIO" sweep --out "$OUT" --merge "$OUT"/shards/*.parquet'
+    slurm(*submit, f"--dependency=afterok:{job}", "--output", f"{out}/merge.log", "--wrap", merge)
     wait_for("the first cell", lambda: has_rows(shards / f"sweep-stiff_wall.2-of-{SHARDS}.partial"))
-    tasks[2].kill()
-    tasks[2].communicate()
-    tasks[2] = task(2)
-    said = {number: run.communicate()[1] for number, run in tasks.items()}
-    check(all(run.returncode == 0 for run in tasks.values()), f"a task failed: {said}")
-    check("already completed" in said[2], "the killed task did not continue")
-    tables = sorted(shards.glob("*.parquet"))
-    subprocess.run([program, "sweep", "--out", out, "--merge", *tables], check=True)
+    slurm("scontrol", "requeue", f"{job}_2")
+    wait_for("the end of the jobs", lambda: not slurm("squeue", "--noheader"))
+    logs = "".join(path.read_text() for path in sorted(out.glob("*.log")))
+    check((out / TABLE).exists(), f"the merge failed: {logs}")
+    said = (out / "revprio-sweep-2.log").read_text()
+    check("already completed" in said, f"the killed task did not continue: {said}")
 
 
 def main(engine: str, scripts: str, program: str) -> None:
