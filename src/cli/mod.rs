@@ -119,6 +119,14 @@ pub enum CliError {
     /// The name of a robot is not valid or already in use.
     #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
     Robots(#[from] RobotsError),
+    /// The name of a file of `--robots-dir` is not valid or already in use.
+    #[error("--robots-dir: {path}: {source}; rename the file")]
+    RobotsDirectory {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with its name.
+        source: RobotsError,
+    },
     /// The server has another robot of that name.
     #[error("{server} has another robot `{name}`; choose another name: `FILE,name=NAME`")]
     OtherRobot {

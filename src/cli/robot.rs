@@ -1,7 +1,7 @@
 //! The value of `--robot`: a robot file with options.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -28,6 +28,25 @@ impl RobotArgument {
 
     pub const HELP: &str = "Your own robot, as URDF (.urdf) or Denavit-Hartenberg rows (.toml, .json). For URDF, `tip` is the link \
          of the tool frame and `base` the link of the base frame, if the file has several candidates";
+
+    /// Returns the robots of a directory in the order of their names. Each file is a robot with the name of the file,
+    /// without the extension. Subdirectories and hidden files are not read.
+    pub fn in_directory(directory: &Path) -> Result<Vec<Self>, RobotFileError> {
+        let read = |source| RobotFileError::Read { path: directory.to_owned(), source };
+        let entries: Vec<_> = std::fs::read_dir(directory).and_then(Iterator::collect).map_err(read)?;
+        let is_hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        let paths = entries.iter().map(std::fs::DirEntry::path);
+        let mut paths: Vec<PathBuf> = paths.filter(|path| !path.is_dir() && !is_hidden(path)).collect();
+        paths.sort();
+        let name = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let robot = |path: PathBuf| Self { name: name(&path), path, base: None, tip: None };
+        Ok(paths.into_iter().map(robot).collect())
+    }
+
+    /// Returns the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
 
     pub fn read(&self) -> Result<Arc<RobotModel>, RobotFileError> {
         let options = UrdfOptions {

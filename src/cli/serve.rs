@@ -8,6 +8,7 @@ use tracing_subscriber::fmt::layer;
 use tracing_subscriber::prelude::*;
 
 use super::CliError;
+use super::robot::RobotArgument;
 use super::settings::{EffectiveSettings, LogFormat, Options};
 use super::supervisor::{LOG_TIMEOUT, ProcessSupervisor, end_on_second_signal};
 use crate::service::{AppState, LogWriter, Robots, bind, router, serve_supervised};
@@ -24,17 +25,26 @@ fn run_with(settings: &EffectiveSettings, log: &LogWriter) -> Result<(), CliErro
     let config = settings.service()?;
     config.check(settings.listen())?;
     let scheme = if config.tls.is_some() { "https" } else { "http" };
-    let mut robots = Robots::built_in();
-    for argument in settings.robots() {
-        robots = robots.with(argument.read()?)?;
-    }
-    let service = router(AppState::with_config(robots, config));
+    let service = router(AppState::with_config(robots(settings)?, config));
     let listener = bind(settings.listen())?;
     let url = format!("{scheme}://{}", listener.local_addr()?);
     if let Err(error) = end_on_second_signal() {
         tracing::warn!(%error, "a second signal will not end the service at once");
     }
     Ok(serve_supervised(listener, service, announce_and_wait(url), ProcessSupervisor::new(log.clone()))?)
+}
+
+/// Reads the robots of the files, in addition to the built-in ones.
+fn robots(settings: &EffectiveSettings) -> Result<Robots, CliError> {
+    let mut robots = Robots::built_in();
+    for argument in settings.robots() {
+        robots = robots.with(argument.read()?)?;
+    }
+    for argument in settings.robots_dir().map(RobotArgument::in_directory).transpose()?.unwrap_or_default() {
+        let name = |source| CliError::RobotsDirectory { path: argument.path().to_owned(), source };
+        robots = robots.with(argument.read()?).map_err(name)?;
+    }
+    Ok(robots)
 }
 
 /// Starts the log on standard error, which includes panics.

@@ -22,6 +22,9 @@ pub struct Settings {
     /// Your own robot, in addition to the built-in ones; may be repeated
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<Vec<RobotArgument>>,
+    /// Directory of robot files (.urdf, .toml, .json); each robot has the name of its file, without the extension
+    #[arg(long, value_name = "DIRECTORY")]
+    robots_dir: Option<PathBuf>,
     /// File with the token that requests must contain; required on all addresses except loopback
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
@@ -231,6 +234,11 @@ impl EffectiveSettings {
     /// Returns the robots in addition to the built-in ones.
     pub fn robots(&self) -> &[RobotArgument] {
         self.settings.robot.as_deref().unwrap_or_default()
+    }
+
+    /// Returns the directory of robot files.
+    pub fn robots_dir(&self) -> Option<&Path> {
+        self.settings.robots_dir.as_deref()
     }
 
     /// Returns the format of log lines.

@@ -105,6 +105,41 @@ fn serve_refuses_unsafe_settings() {
 }
 
 #[test]
+fn every_file_of_the_robots_directory_is_a_robot() {
+    let scratch = Scratch::new("settings_robots");
+    std::fs::create_dir_all(scratch.path().join("robots/meshes")).unwrap();
+    let arm = include_str!("../../fixtures/robots/planar_3r.urdf");
+    let rows = include_str!("../../fixtures/robots/sawyer_dh.toml");
+    for (name, text) in [("left.urdf", arm), ("right.toml", rows), (".hidden", "")] {
+        scratch.write(&format!("robots/{name}"), text);
+    }
+    let directory = scratch.argument("robots");
+    // Every replica knows the robots from its start.
+    for server in [(); 2].map(|()| Server::start_with(&["--robots-dir", &directory])) {
+        for name in ["left", "right", "panda"] {
+            assert!(server.get(&format!("/v1/robots/{name}")).starts_with("HTTP/1.1 200 "), "{name}");
+        }
+    }
+    let refused = |name: &str, text: &str| {
+        let file = scratch.write(&format!("robots/{name}"), text);
+        let message = failure(&["serve", "--robots-dir", &directory]);
+        std::fs::remove_file(file).unwrap();
+        assert!(message.contains(name), "{message}");
+        message
+    };
+    assert!(refused("panda.urdf", arm).contains("rename the file"));
+    assert!(refused("two words.urdf", arm).contains("rename the file"));
+    assert!(refused("README.md", "").contains("robots are described in .urdf, .toml or .json"));
+    refused("broken.urdf", "<robot>");
+    let missing = scratch.argument("missing");
+    assert!(failure(&["serve", "--robots-dir", &missing]).contains("missing"));
+    assert!(
+        failure(&["serve", "--robots-dir", &directory, "--robot", &format!("{directory}/left.urdf,name=left")])
+            .contains("rename the file")
+    );
+}
+
+#[test]
 fn own_robots_can_be_set_in_every_source() {
     let scratch = Scratch::new("settings_robot");
     let file = scratch.write("service.toml", "robot = [\"fixtures/robots/planar_3r.urdf,name=mine\"]");
