@@ -190,7 +190,8 @@ export class Client {
   /** Opens a WebSocket to a path of the service. The owner token is in the URL, because browsers cannot send headers. */
   webSocket(path: string): WebSocketLike {
     const url = `${this.url.replace(/^http/, "ws")}${path}?revprio_owner=${encodeURIComponent(this.#owner)}`;
-    return this.#webSocket(url, "revprio.json", this.#headers);
+    const { "revprio-owner": _, ...headers } = this.#headers;
+    return this.#webSocket(url, "revprio.json", headers);
   }
 
   async #send<A>(method: Method, path: string, body: unknown, options: CallOptions, timeoutMs: number): Promise<A> {
