@@ -130,10 +130,16 @@ fn json_log_lines_contain_the_request_id() {
     let log = process.stderr.take().unwrap();
     let server = Server { process, url };
     assert!(server.get("/v1/robots").starts_with("HTTP/1.1 401 "));
+    // Another thread writes the log, so the answer may come first.
+    let mut lines: Vec<serde_json::Value> = Vec::new();
+    for line in BufReader::new(log).lines() {
+        lines.push(serde_json::from_str(&line.unwrap()).unwrap());
+        if lines.last().is_some_and(|line| line["fields"]["message"] == "GET /v1/robots") {
+            break;
+        }
+    }
     drop(server);
-    let lines: Vec<serde_json::Value> =
-        BufReader::new(log).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
-    let line = lines.iter().find(|line| line["fields"]["message"] == "GET /v1/robots").unwrap();
+    let line = lines.last().unwrap();
     assert_eq!((line["level"].as_str(), line["fields"]["status"].as_u64()), (Some("DEBUG"), Some(401)));
     assert!(line["fields"]["request_id"].as_str().is_some_and(|id| !id.is_empty()), "{line}");
     let readable = |line: &serde_json::Value| line["fields"]["message"].as_str().unwrap().contains("chmod 600");
