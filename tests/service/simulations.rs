@@ -175,12 +175,16 @@ fn delete_cancels_a_running_simulation_and_then_deletes_it() {
 #[test]
 fn simulations_wait_and_are_refused_above_the_quota() {
     let service = Service::start();
-    let runs: Vec<String> = (0..12).map(|_| start(&service, &json!({"scenario": "force_tracking"}))).collect();
+    // Many substeps: the run does not end before the test.
+    let mut scenario = service.get("/v1/scenarios/force_tracking").accepted();
+    scenario["substeps"] = json!(50);
+    let long = json!({"scenario": scenario});
+    let runs: Vec<String> = (0..12).map(|_| start(&service, &long)).collect();
     let refusal = service.exchange(
         "POST",
         "/v1/simulations",
         &[("content-type", "application/json")],
-        br#"{"scenario": "force_tracking"}"#,
+        long.to_string().as_bytes(),
     );
     assert_eq!((refusal.status().as_u16(), &refusal.headers()["retry-after"]), (503, &"1".parse().unwrap()));
     assert_eq!(service.get(&runs[11]).accepted()["state"], "queued");
@@ -189,7 +193,7 @@ fn simulations_wait_and_are_refused_above_the_quota() {
     until(&service, &runs[11], is_running);
     // New runs replace cancelled ones, the oldest first.
     start(&service, &json!({"scenario": short(&service)}));
-    start(&service, &json!({"scenario": "force_tracking"}));
+    start(&service, &long);
     service.get(&runs[0]).assert_refused(404, None);
     service.get(&runs[10]).accepted();
 }
