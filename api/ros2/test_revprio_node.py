@@ -59,7 +59,9 @@ class Nodes(unittest.TestCase):
         self.address = self.server.stdout.readline().strip().removeprefix("listening on http://")
         controller = json.loads((REPOSITORY / "api/examples/controller.json").read_text())
         self.node = Revprio(controller | {"period_s": 0.01}, self.address)
-        self.node.service.connection.timeout = 5.0  # The clock of the test stands still during a call.
+        # The clock of the test stands still during a call, so a call may take long.
+        self.node.service.connection.close()
+        self.node.service.connection.timeout = 5.0
         self.position = dict(zip(self.node.joints, [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]))
 
     def tearDown(self):
