@@ -13,8 +13,14 @@ use super::series::Growth;
 use super::{BenchError, core, document, growth, http, plot};
 
 /// Prefixes of the rows in the summary of the README.
-const SUMMARY: [&str; 5] =
-    ["kinematics", "pseudo-inverse", "cycle, auto", "POST /v1/controllers/{id}/step, one core", "session steps, 64"];
+const SUMMARY: [&str; 6] = [
+    "kinematics",
+    "pseudo-inverse",
+    "cycle, auto, nothing limited",
+    "cycle, auto, limits",
+    "POST /v1/controllers/{id}/step, one core",
+    "session steps, 64",
+];
 
 /// The results of a plan.
 #[derive(Debug, Default, Serialize)]
