@@ -181,6 +181,15 @@ fn assert_committed(name: &str, answer: &Value) {
     assert_eq!(difference, None, "{name}: {advice}");
 }
 
+/// Shows a run that was told to end as it is before it ends: it ends on a thread of its own, before or after the
+/// answer is written.
+fn as_if_running(status: &mut Value) {
+    if status["state"] == "finished" {
+        assert!(status.as_object_mut().unwrap().remove("metrics").is_some());
+        status["state"] = json!("running");
+    }
+}
+
 /// Sends every file of `api/examples`, and compares the answers with `api/examples/answers`.
 #[test]
 fn the_examples_of_the_document_get_their_committed_answers() {
@@ -188,7 +197,10 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     let mut sent = BTreeSet::new();
     let mut call = |path: &str, name: &str| {
         sent.insert(name.to_owned());
-        let answer = service.call(path, &example(&format!("{name}.json")));
+        let mut answer = service.call(path, &example(&format!("{name}.json")));
+        if name == "control_end" {
+            as_if_running(&mut answer);
+        }
         assert_committed(name, &answer);
         answer
     };
