@@ -4,6 +4,10 @@ use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{HeaderName, HeaderValue};
 use subtle::ConstantTimeEq;
+use utoipa::IntoParams;
+use utoipa::openapi::Required;
+use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
+use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
 
 use super::error::ApiError;
 
@@ -14,7 +18,7 @@ pub const OWNER: HeaderName = HeaderName::from_static("revprio-owner");
 pub const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
 /// Parameter of a stream with the owner token, for browsers, whose WebSockets send no headers of their own.
-const OWNER_PARAMETER: &str = "revprio_owner=";
+const OWNER_PARAMETER: &str = "revprio_owner";
 
 /// Maximum length of a token or key.
 const MAX_LENGTH: usize = 128;
@@ -43,6 +47,14 @@ impl Word {
     }
 }
 
+/// Describes a parameter whose value is a [`Word`].
+fn parameter(name: &str, place: ParameterIn, description: &str) -> Parameter {
+    let text = ObjectBuilder::new().schema_type(SchemaType::from_iter([Type::String, Type::Null]));
+    let word = text.min_length(Some(1)).max_length(Some(MAX_LENGTH)).pattern(Some("^[A-Za-z0-9_.~-]+$"));
+    let parameter = ParameterBuilder::new().name(name).parameter_in(place).required(Required::False);
+    parameter.description(Some(description)).schema(Some(word)).build()
+}
+
 /// The owner token of a request, if it has one.
 #[derive(Clone, Default)]
 pub struct Owner(Option<Word>);
@@ -66,8 +78,17 @@ impl<S: Send + Sync> FromRequestParts<S> for Owner {
             return Ok(Self(Some(word)));
         }
         let mut parameters = parts.uri.query().unwrap_or_default().split('&');
-        let word = parameters.find_map(|parameter| parameter.strip_prefix(OWNER_PARAMETER));
+        let word = parameters.find_map(|parameter| parameter.strip_prefix(OWNER_PARAMETER)?.strip_prefix('='));
         word.map(|word| Word::read(word, &OWNER)).transpose().map(Self)
+    }
+}
+
+impl IntoParams for Owner {
+    fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let header = "Owner token of the session; required if the session was opened with one.";
+        let query = "The same for browsers, whose WebSockets send no headers.";
+        let header = parameter("Revprio-Owner", ParameterIn::Header, header);
+        vec![header, parameter(OWNER_PARAMETER, ParameterIn::Query, query)]
     }
 }
 
@@ -97,5 +118,15 @@ impl<S: Send + Sync> FromRequestParts<S> for Ownership {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let owner = Owner::from_request_parts(parts, state).await?;
         Ok(Self { owner, key: Word::from_header(parts, &IDEMPOTENCY_KEY)? })
+    }
+}
+
+impl IntoParams for Ownership {
+    fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let owner = "Owner token, a word that the client chooses. Steps and streams of the session must send it too.";
+        let key = "A word that the client chooses for this request. The same request with the same key gets the same \
+                   session again.";
+        let owner = parameter("Revprio-Owner", ParameterIn::Header, owner);
+        vec![owner, parameter("Idempotency-Key", ParameterIn::Header, key)]
     }
 }

@@ -66,25 +66,7 @@ pub async fn controllers(State(app): Shared) -> Answer<wire::SessionList> {
     path = "/v1/controllers",
     tag = "control",
     request_body = wire::Controller,
-    params(
-        (
-            "Revprio-Owner" = Option<String>,
-            Header,
-            min_length = 1,
-            max_length = 128,
-            pattern = "^[A-Za-z0-9_.~-]+$",
-            description = "Owner token, a word that the client chooses. Steps and streams of the session must send it too."
-        ),
-        (
-            "Idempotency-Key" = Option<String>,
-            Header,
-            min_length = 1,
-            max_length = 128,
-            pattern = "^[A-Za-z0-9_.~-]+$",
-            description = "A word that the client chooses for this request. The same request with the same key gets the \
-                           same session again."
-        )
-    ),
+    params(Ownership),
     responses(
         (
             status = 201,
@@ -114,14 +96,7 @@ pub async fn create_controller(
     path = "/v1/controllers/{id}/step",
     tag = "control",
     request_body = wire::State,
-    params((
-        "Revprio-Owner" = Option<String>,
-        Header,
-        min_length = 1,
-        max_length = 128,
-        pattern = "^[A-Za-z0-9_.~-]+$",
-        description = "Owner token of the session; required if the session was opened with one."
-    )),
+    params(Owner),
     responses(
         (status = 200, body = wire::StepAnswer, description = "Joint velocities for one period."),
         (status = 409, description = "The sequence number is not greater than the last one: `sequence`.")
@@ -143,24 +118,7 @@ pub async fn step_controller(
     get,
     path = "/v1/controllers/{id}/stream",
     tag = "control",
-    params(
-        (
-            "Revprio-Owner" = Option<String>,
-            Header,
-            min_length = 1,
-            max_length = 128,
-            pattern = "^[A-Za-z0-9_.~-]+$",
-            description = "Owner token of the session; required if the session was opened with one."
-        ),
-        (
-            "revprio_owner" = Option<String>,
-            Query,
-            min_length = 1,
-            max_length = 128,
-            pattern = "^[A-Za-z0-9_.~-]+$",
-            description = "The same for browsers, whose WebSockets send no headers."
-        )
-    ),
+    params(Owner),
     responses(
         (status = 101, description = "The connection is a WebSocket from now on."),
         (status = 426, description = "The request is not a WebSocket handshake: `upgrade-required`.")
