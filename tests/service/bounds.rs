@@ -163,7 +163,7 @@ fn a_batch_resolves_bounds_as_single_problems() {
 /// Returns a controller with bounds on a tool axis, bounds on constant rows, and constant rows with a velocity.
 fn controller() -> Value {
     let constant = |value: f64| json!({"kind": "constant", "value": value});
-    json!({"robot": "sawyer_dh", "period_s": 0.001, "method": "strict_reverse_priority", "damping": null, "tasks": [
+    json!({"robot": "sawyer_dh", "period_s": 0.001, "limits": "position_velocity", "method": "strict_reverse_priority", "damping": null, "tasks": [
         {"name": "height", "axes": ["z"], "lower": [-0.02], "upper": [0.02]},
         {"name": "elbow", "jacobian": [[0, 0, 0, 1, 0, 1, 0], [0, 0, 0, 1, 0, -1, 0]], "lower": [null, -0.01],
             "upper": [0.05, null]},
@@ -256,6 +256,7 @@ start_joint_position = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]
 [controller]
 robot = "sawyer_dh"
 period_s = 0.001
+limits = "position_velocity"
 method = "strict_reverse_priority"
 damping = { threshold = 0.05, max_factor = 0.0 }
 

@@ -23,6 +23,7 @@ mod robots;
 mod security;
 mod sequence;
 mod simulations;
+mod speed_limits;
 mod states;
 mod stream;
 mod tasks;

@@ -29,7 +29,7 @@ fn pull(robot: &str) -> Value {
 
 fn controller(robot: &str) -> Value {
     let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.5]}});
-    json!({"robot": robot, "period_s": 0.001, "tasks": [{"name": "pull", "axes": ["y"], "law": law}]})
+    json!({"robot": robot, "period_s": 0.001, "limits": "position_velocity", "tasks": [{"name": "pull", "axes": ["y"], "law": law}]})
 }
 
 #[test]

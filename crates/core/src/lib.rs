@@ -34,7 +34,7 @@
 //!
 //! ```
 //! use revprio_core::controller::Limits;
-//! use revprio_core::limits::LimitKind;
+//! use revprio_core::limits::{JointMotion, LimitKind};
 //! use revprio_core::linalg::Vector;
 //! use revprio_core::resolution::{Problem, resolve};
 //! use revprio_core::robot::built_in;
@@ -52,7 +52,8 @@
 //! let push = task("push", &[Axis::X], vec![0.05])?; // m/s
 //! let hold = task("hold", &[Axis::Y, Axis::Z], vec![0.0, 0.0])?;
 //! let tasks = TaskStack::new(vec![push, hold])?; // highest priority first
-//! let limits = Limits::Robot(LimitKind::PositionVelocity).at(sawyer, &posture, &[0.0; 7], 0.001).velocity_box;
+//! let at_rest = JointMotion { position: &posture, distance_to_rest: &[], last_command: &[0.0; 7] };
+//! let limits = Limits::Robot(LimitKind::PositionVelocity).at(sawyer, at_rest, 0.001).velocity_box;
 //! let problem = Problem { limits, ..Problem::new(tasks) };
 //! let answer = resolve(&problem, &[])?;
 //! assert!((answer.tasks[0].achieved[0] - 0.05).abs() < 1e-12);

@@ -2,6 +2,7 @@
 
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
+use revprio_core::limits::JointMotion;
 use revprio_robot::kinematics::link_frames;
 
 use super::pose::pose_answer;
@@ -9,11 +10,14 @@ use super::pose::pose_answer;
 /// Returns the view of an arm at a posture, with the joint velocities that its limits allow. Returns `None` if the robot
 /// has no such posture.
 ///
-/// `position`: measured, n; `last_velocity`: command of the previous period, n.
+/// `position`: measured, n; `last_velocity`: command of the previous period, n, with which the joints have moved for long.
 pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f64]) -> Option<wire::ArmView> {
     let robot = &config.robot;
     let frames = link_frames(robot, position).ok()?;
-    let allowed = config.limits.at(robot, position, last_velocity, config.period_s).velocity_box;
+    let distance_to_rest: Vec<f64> =
+        last_velocity.iter().map(|v| config.drive.time_to_rest(config.period_s) * v).collect();
+    let motion = JointMotion { position, distance_to_rest: &distance_to_rest, last_command: last_velocity };
+    let allowed = config.limits.at(robot, motion, config.period_s).velocity_box;
     let tool = frames.last().map_or(*robot.tool(), |frame| frame * robot.tool());
     let joint = |(i, frame): (usize, &nalgebra::IsometryMatrix3<f64>)| {
         let (origin, axis) = (frame.translation.vector, frame.rotation * nalgebra::Vector3::z());

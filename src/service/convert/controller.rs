@@ -2,11 +2,12 @@
 
 use revprio_api::wire;
 use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
+use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 
 use super::environment;
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{damping, velocity_box};
+use super::numbers::{damping, number, velocity_box};
 use super::pose::with_tool_offset;
 use super::resolve::{check_row_count, known_robot, positive_period};
 use super::state_rules::StateRules;
@@ -14,6 +15,9 @@ use super::task::task_config;
 use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
+
+/// Maximum lag of a drive, s.
+pub const MAX_LAG_S: f64 = 1.0;
 
 /// Maximum number of tasks of a controller.
 pub const MAX_TASKS: usize = 64;
@@ -38,6 +42,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
             wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
         },
+        drive: drive(request.drive)?,
         barriers: InequalityReader {
             robot: Some(&robot),
             joints: robot.joint_count(),
@@ -55,6 +60,16 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
 
+fn drive(drive: wire::Drive) -> Result<Drive, ApiError> {
+    let delay = usize::try_from(drive.delay_periods).ok().filter(|delay| *delay <= MAX_DRIVE_DELAY);
+    let too_long = || ApiError::invalid("/drive/delay_periods", format!("give at most {MAX_DRIVE_DELAY}"));
+    let lag_s = number(drive.lag_s, "/drive/lag_s")?;
+    if !(0.0..=MAX_LAG_S).contains(&lag_s) {
+        return Err(ApiError::invalid("/drive/lag_s", format!("give 0 to {MAX_LAG_S} s")));
+    }
+    Ok(Drive { lag_s, delay_periods: delay.ok_or_else(too_long)? })
+}
+
 fn config_pointer(error: &ConfigError) -> String {
     match error {
         ConfigError::Period(_) => "/period_s".to_owned(),
@@ -62,6 +77,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Limits { .. } => "/limits".to_owned(),
+        ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Barrier { index, .. } => format!("/inequalities/{index}"),
         ConfigError::NullSpace(NullSpaceError::Size { .. }) => "/null_space_velocity".to_owned(),
         ConfigError::NullSpace(NullSpaceError::Gain(_) | NullSpaceError::Unstable { .. }) => {

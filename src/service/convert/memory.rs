@@ -3,6 +3,7 @@
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
 use revprio_core::controller::{Controller, ControllerConfig, Memory};
+use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
 
@@ -37,7 +38,21 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         initial_pose: pose(&memory.initial_pose)?,
         last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
             .map(Vector::from_vec)?,
+        drive: drive_state(memory, config)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
+    })
+}
+
+fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<DriveState, ApiError> {
+    let joints = config.robot.joint_count();
+    let list = |values: &Vec<f64>, pointer: &str| joint_list(values, joints, pointer).map(Vector::from_vec);
+    let Some(state) = &memory.drive else {
+        return Ok(DriveState::moving(config.drive, &list(&memory.last_command, "/last_command")?));
+    };
+    let pending = |(k, command): (usize, &Vec<f64>)| list(command, &format!("/drive/pending/{k}"));
+    Ok(DriveState {
+        velocity: list(&state.velocity, "/drive/velocity")?,
+        pending: state.pending.iter().enumerate().map(pending).collect::<Result<_, _>>()?,
     })
 }
 
@@ -124,6 +139,10 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
             rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
         },
         last_command: memory.last_command.as_slice().to_vec(),
+        drive: Some(wire::DriveState {
+            velocity: memory.drive.velocity.as_slice().to_vec(),
+            pending: memory.drive.pending.iter().map(|command| command.as_slice().to_vec()).collect(),
+        }),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
     }
 }

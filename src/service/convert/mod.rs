@@ -27,7 +27,7 @@ mod terms;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
-pub use controller::{MAX_TASKS, controller};
+pub use controller::{MAX_LAG_S, MAX_TASKS, controller};
 pub use environment::{MAX_ENVIRONMENT_DELAY, warnings};
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;

@@ -1,7 +1,8 @@
 //! The common parts of all answers with joint velocities.
 
 use revprio_api::wire;
-use revprio_core::resolution::{Member, Resolution};
+use revprio_core::resolution::{LimitViolation, Member, Resolution, Side};
+use revprio_robot::{Joint, RobotModel};
 
 use super::terms;
 
@@ -15,7 +16,12 @@ pub struct Outcome<'a> {
     pub tasks: Vec<&'a str>,
     /// Names of the inequalities, in order.
     pub inequalities: Vec<&'a str>,
+    /// The robot, if the limits of the problem are not the robot's.
+    pub faster_than: Option<&'a RobotModel>,
 }
+
+/// Relative excess of a speed limit that counts as rounding.
+const SPEED_TOLERANCE: f64 = 1e-9;
 
 impl Outcome<'_> {
     /// Joint velocities, n.
@@ -59,15 +65,35 @@ impl Outcome<'_> {
         self.resolution.active_limits.iter().map(limit).collect()
     }
 
-    /// Violated joint limits.
+    /// Violated joint limits. Limits that are not the robot's may allow more than its speed limits; a joint that exceeds
+    /// them is listed too.
     pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
-        let violation = |violation: &revprio_core::resolution::LimitViolation| wire::ViolatedLimit {
+        let violation = |violation: &LimitViolation| wire::ViolatedLimit {
             joint: self.joints[violation.joint].to_owned(),
             side: terms::side_answer(violation.side),
             limit: violation.limit,
             value: violation.value,
         };
-        self.resolution.violated_limits.iter().map(violation).collect()
+        let violated = &self.resolution.violated_limits;
+        let is_listed = |joint: usize| violated.iter().any(|violation| violation.joint == joint);
+        let too_fast = self.too_fast().filter(|violation| !is_listed(violation.joint));
+        violated.iter().map(violation).chain(too_fast.map(|ref found| violation(found))).collect()
+    }
+
+    /// Returns the joints that exceed the speed limits of the robot.
+    fn too_fast(&self) -> impl Iterator<Item = LimitViolation> {
+        let joints = self.faster_than.map_or(&[][..], |robot| robot.joints());
+        let found = |(joint, (limits, &value)): (usize, (&Joint, &f64))| {
+            let (side, limit) = if value > 0.0 { (Side::Upper, 1.0) } else { (Side::Lower, -1.0) };
+            let limit = limit * limits.limits.velocity;
+            (value.abs() > limit.abs() * (1.0 + SPEED_TOLERANCE)).then_some(LimitViolation {
+                joint,
+                side,
+                limit,
+                value,
+            })
+        };
+        joints.iter().zip(&self.resolution.joint_velocity).enumerate().filter_map(found)
     }
 
     /// Active inequalities.
@@ -187,7 +213,13 @@ mod tests {
             ..TaskOutcome::default()
         };
         let resolution = Resolution { tasks: vec![large], ..Resolution::default() };
-        let outcome = Outcome { resolution: &resolution, joints: vec![], tasks: vec!["t"], inequalities: vec![] };
+        let outcome = Outcome {
+            resolution: &resolution,
+            joints: vec![],
+            tasks: vec!["t"],
+            inequalities: vec![],
+            faster_than: None,
+        };
         let task = &outcome.tasks(|_| (vec![0.0; 3], None))[0];
         assert_eq!((task.residual_norm, task.achieved.as_slice()), (f64::MAX, &[f64::MAX, -f64::MAX, 1.0][..]));
     }
@@ -215,6 +247,7 @@ mod tests {
             joints: vec!["j1", "j2"],
             tasks: vec!["slow"],
             inequalities: vec!["wall"],
+            faster_than: None,
         };
         let contradictions = serde_json::to_value(outcome.contradictions()).unwrap();
         let expected = serde_json::json!([

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Limits, NullSpaceMotion};
-use revprio_core::limits::{Barrier, Inequality, LimitKind, LimitedBox, VelocityBox};
+use revprio_core::limits::{Barrier, Inequality, JointMotion, LimitKind, LimitedBox, VelocityBox};
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Problem, ProblemError, Resolution};
 use revprio_core::task::{Task, TaskError, TaskStack};
@@ -39,6 +39,8 @@ pub struct ResolveProblem {
     pub problem: Problem,
     /// Names of the joints.
     joints: Vec<String>,
+    /// The robot, if the limits of the problem are not the robot's.
+    faster_than: Option<Arc<RobotModel>>,
     /// Joints whose acceleration limit was dropped because it contradicts another limit.
     conflicts: Vec<usize>,
     /// Joint limit index H, if robot and posture are known.
@@ -57,6 +59,8 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
         return Err(ApiError::invalid("/tasks/0/jacobian", detail));
     }
     let limited = limits(request, robot, configuration.as_ref(), joints)?;
+    let are_others =
+        matches!(request.limits, Some(wire::Limits::Box { .. } | wire::Limits::Robot(wire::LimitKind::None)));
     let zeta = null_space_velocity(request, robot, configuration.as_ref(), joints)?;
     Ok(ResolveProblem {
         problem: Problem {
@@ -69,6 +73,7 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
             null_space_velocity: zeta,
         },
         joints: joint_names(robot.map(Arc::as_ref), joints),
+        faster_than: robot.filter(|_| are_others).cloned(),
         conflicts: limited.conflicts,
         joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
     })
@@ -230,7 +235,7 @@ fn inequalities(
     let reader = InequalityReader { robot, joints, period_s: request.period_s };
     let barriers = reader.read(&request.inequalities)?;
     let inequality = |barrier: &Barrier| match configuration {
-        Some(configuration) => Some(barrier.at(configuration)),
+        Some(configuration) => Some(barrier.at(configuration, &[])),
         None => barrier.constant().cloned(),
     };
     Ok(barriers.iter().filter_map(inequality).collect())
@@ -250,6 +255,7 @@ fn limits(
         }
         Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
         None if configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
+        None if robot.is_some() => LimitKind::Velocity,
         None => LimitKind::None,
     };
     let last = request.joint_velocity.as_ref();
@@ -290,7 +296,8 @@ impl RobotState<'_> {
         let zeros = vec![0.0; robot.joint_count()];
         let position = self.configuration.map_or(zeros.as_slice(), Configuration::joint_position);
         let last = self.last.map_or(zeros.as_slice(), Vector::as_slice);
-        Ok(Limits::Robot(kind).at(robot, position, last, self.period.unwrap_or(1.0)))
+        let motion = JointMotion { position, distance_to_rest: &[], last_command: last };
+        Ok(Limits::Robot(kind).at(robot, motion, self.period.unwrap_or(1.0)))
     }
 }
 
@@ -321,6 +328,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         joints: problem.joints.iter().map(String::as_str).collect(),
         tasks: tasks.iter().map(|task| task.name.as_str()).collect(),
         inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+        faster_than: problem.faster_than.as_deref(),
     };
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),

@@ -93,6 +93,7 @@ pub fn step_answer(
         joints,
         tasks: config.tasks.iter().map(|task| task.name.as_str()).collect(),
         inequalities: config.barriers.iter().map(Barrier::name).collect(),
+        faster_than: (!config.limits.include_speeds()).then_some(&config.robot),
     };
     let task = |k: usize| {
         let target = &command.targets[k];

@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 
 use revprio_api::wire;
 use revprio_core::controller::MAX_DELAY_PERIODS;
+use revprio_core::limits::MAX_DRIVE_DELAY;
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
-    MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
+    MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
     MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::resolve::MAX_ITEMS;
@@ -79,6 +80,8 @@ fn request_ranges() -> Vec<FieldRange> {
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
+        wire::Drive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
+        wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
         wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {
             axes: UniqueItems(1, 6),

@@ -7,7 +7,7 @@ use revprio_core::controller::{
     Controller, ControllerConfig, Limits, Measurement, Stepper, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{Law, Profile};
-use revprio_core::limits::{LimitKind, VelocityBox};
+use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
 use revprio_core::task::{Task, TaskStack};
@@ -165,5 +165,6 @@ fn controller_step(bencher: Bencher, solver: Solver) {
 fn limits(bencher: Bencher) {
     let robot = sawyer();
     let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
-    bencher.bench_local(|| limits.at(black_box(&robot), &POSTURE, &[0.1; 7], 1e-3).velocity_box.lower()[0]);
+    let motion = JointMotion { position: &POSTURE, distance_to_rest: &[], last_command: &[0.1; 7] };
+    bencher.bench_local(|| limits.at(black_box(&robot), black_box(motion), 1e-3).velocity_box.lower()[0]);
 }

@@ -29,6 +29,8 @@ __all__ = [
     "CreatedController",
     "Damping",
     "DenavitHartenberg",
+    "Drive",
+    "DriveState",
     "Environment",
     "EnvironmentAxis",
     "ExplicitLimits",
@@ -354,7 +356,8 @@ class ResolveAnswer(Answer):
     tasks: list[TaskOutcome]
     """Outcome of each task, highest priority first."""
     violated_limits: list[ViolatedLimit]
-    """Violated limits; only the solver `closed_form` violates limits."""
+    """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
+    contain."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
     contradictions: list[Contradiction] = Field(default_factory=list)
@@ -570,7 +573,8 @@ class ResolveRequest(Body):
     joint_velocity: JointVector | None = None
     """Joint velocity of the last command, rad/s or m/s; needed for acceleration limits."""
     limits: Limits | None = None
-    """Limits of the joint velocities; default: `position_velocity` with robot, posture and period, otherwise `none`."""
+    """Limits of the joint velocities; default: `position_velocity` with robot, posture and period; `velocity` with a
+    robot alone; otherwise `none`."""
     method: Method | None = None
     """Resolution method, the meaning of priorities; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
@@ -834,6 +838,16 @@ class ControllerTask(Body):
     """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
 
 
+class Drive(Body):
+    """How the joints follow a command: after a dead time, with a first-order lag. Limits hold behind it. Give values
+    that are too large rather than too small: the arm then brakes a little early."""
+
+    delay_periods: int | None = None
+    """Dead time D from the measurement of a state to the motion that its answer causes, whole periods; default 2."""
+    lag_s: float | None = None
+    """Time constant L of the lag, s; default 0.03."""
+
+
 class EnvironmentAxis(Body):
     """The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X."""
 
@@ -899,13 +913,15 @@ class ControllerConfig(Body):
     """The tasks, highest priority first."""
     damping: Damping | None = None
     """Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping."""
+    drive: Drive | None = None
+    """How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods."""
     environment: Environment | None = None
     """Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
     default: unknown."""
     inequalities: list[Inequality] | None = None
     """Inequalities on the joint velocities besides the limits; default: none."""
     limits: Limits | None = None
-    """Limits of the joint velocities; default `position_velocity`."""
+    """Limits of the joint velocities; default `position_velocity_acceleration`."""
     method: Method | None = None
     """Resolution method, the meaning of priorities; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
@@ -949,6 +965,15 @@ class DenavitHartenberg(Answer):
     """Offset d along z, m."""
     theta_rad: float
     """Angle θ at joint position zero, rad."""
+
+
+class DriveState(Body):
+    """The commands that the drive still has to follow, in the memory of a controller."""
+
+    pending: list[ArrayLike]
+    """Commands of the last `delay_periods` periods, the oldest first, rad/s or m/s."""
+    velocity: ArrayLike
+    """Velocity of the joints behind the lag, rad/s or m/s."""
 
 
 class Outage(Body):
@@ -1188,6 +1213,8 @@ class Memory(Body):
     """Sequence number of the last state."""
     task_velocities: list[ArrayLike]
     """Integrator velocity of each task, m/s and rad/s."""
+    drive: DriveState | None = None
+    """The commands that the drive still has to follow; default: the last command for long."""
     joint_position: ArrayLike | None = None
     """Joint position of the last state, rad or m; default: unknown."""
     time_s: float | None = None
@@ -1517,7 +1544,8 @@ class StepAnswer(Answer):
     `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would otherwise leave its
     range before it stops, if the `limits` include positions and the `solver` is not `closed_form`."""
     violated_limits: list[ViolatedLimit]
-    """Violated limits; only the solver `closed_form` violates limits."""
+    """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
+    contain."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
     contradictions: list[Contradiction] = Field(default_factory=list)

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Axis, Damping, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose, Solver,
-    StateChecks, WrenchConvention, WrenchFrame,
+    Axis, Damping, Drive, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose,
+    Solver, StateChecks, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, integer, object};
 
@@ -23,9 +23,12 @@ pub struct Controller {
     /// Solver of each period's problem; default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Limits of the joint velocities; default `position_velocity`.
+    /// Limits of the joint velocities; default `position_velocity_acceleration`.
     #[serde(default = "default_limits")]
     pub limits: Limits,
+    /// How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "Drive::is_default")]
+    pub drive: Drive,
     /// Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
@@ -74,7 +77,7 @@ fn is_default_valid_for_ms(value: &u64) -> bool {
 }
 
 fn default_limits() -> Limits {
-    Limits::Robot(LimitKind::PositionVelocity)
+    Limits::Robot(LimitKind::PositionVelocityAcceleration)
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "`null` and a missing field mean different things")]

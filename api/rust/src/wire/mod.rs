@@ -5,6 +5,7 @@
 
 mod bounds;
 mod controller;
+mod drive;
 mod enums;
 mod inequality;
 pub mod integer;
@@ -28,6 +29,7 @@ pub mod string_or_map;
 mod string_tags;
 
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
+pub use drive::{Drive, DriveState};
 pub use enums::{
     Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
 };

@@ -35,7 +35,8 @@ pub struct ResolveRequest {
     /// Solver; default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Limits of the joint velocities; default: `position_velocity` with robot, posture and period, otherwise `none`.
+    /// Limits of the joint velocities; default: `position_velocity` with robot, posture and period; `velocity` with
+    /// a robot alone; otherwise `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
     /// Inequalities on the joint velocities besides the limits; default: none.
@@ -95,7 +96,8 @@ pub struct ResolveAnswer {
     pub tasks: Vec<TaskOutcome>,
     /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
-    /// Violated limits; only the solver `closed_form` violates limits.
+    /// Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
+    /// contain.
     pub violated_limits: Vec<ViolatedLimit>,
     /// Active inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Contradiction, Controller, JointVector, Side, Singularity, SolverReport,
+    ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Side, Singularity, SolverReport,
     TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 use super::{integer, object};
@@ -73,6 +73,9 @@ pub struct Memory {
     pub initial_pose: FramePose,
     /// Joint velocity of the last command, rad/s or m/s.
     pub last_command: Vec<f64>,
+    /// The commands that the drive still has to follow; default: the last command for long.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub drive: Option<DriveState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
 }
@@ -137,7 +140,8 @@ pub struct StepAnswer {
     pub tasks: Vec<TaskOutcome>,
     /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
-    /// Violated limits; only the solver `closed_form` violates limits.
+    /// Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
+    /// contain.
     pub violated_limits: Vec<ViolatedLimit>,
     /// Active inequalities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use revprio_robot::RobotModel;
 
 use super::{NullSpaceError, NullSpaceMotion, TaskConfig, TaskConfigError};
-use crate::limits::{Barrier, LimitKind, LimitedBox, VelocityBox, robot_box};
+use crate::limits::{Barrier, Drive, JointMotion, LimitKind, LimitedBox, MAX_DRIVE_DELAY, VelocityBox, robot_box};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
 
@@ -49,25 +49,23 @@ pub enum Limits {
 }
 
 impl Limits {
-    /// Returns the allowed velocities at a state: `joint_position` and the last command, n; `period`, s.
-    pub fn at(&self, robot: &RobotModel, joint_position: &[f64], last_velocity: &[f64], period: f64) -> LimitedBox {
+    /// Returns whether the speed limits of the robot are among them.
+    pub fn include_speeds(&self) -> bool {
+        matches!(self, Self::Robot(kind) if *kind != LimitKind::None)
+    }
+
+    /// Returns the allowed velocities at a state; `period`: T, s.
+    pub fn at(&self, robot: &RobotModel, motion: JointMotion, period: f64) -> LimitedBox {
         match self {
-            Self::Robot(kind) => robot_box(robot, *kind, joint_position, last_velocity, period),
+            Self::Robot(kind) => robot_box(robot, *kind, motion, period),
             Self::Fixed(velocity_box) => LimitedBox { velocity_box: velocity_box.clone(), conflicts: Vec::new() },
         }
     }
 
     /// Updates `limited`, a result of [`Self::at`], to another state.
-    pub(super) fn update(
-        &self,
-        limited: &mut LimitedBox,
-        robot: &RobotModel,
-        joint_position: &[f64],
-        last_velocity: &[f64],
-        period: f64,
-    ) {
+    pub(super) fn update(&self, limited: &mut LimitedBox, robot: &RobotModel, motion: JointMotion, period: f64) {
         if let Self::Robot(kind) = self {
-            limited.update(robot, *kind, joint_position, last_velocity, period);
+            limited.update(robot, *kind, motion, period);
         }
     }
 }
@@ -87,6 +85,8 @@ pub struct ControllerConfig {
     pub damping: Option<Damping>,
     /// The limits of the joint velocities.
     pub limits: Limits,
+    /// The drive of the joints. Limits of position and planes hold behind it.
+    pub drive: Drive,
     /// Inequalities besides the limits.
     pub barriers: Vec<Barrier>,
     /// Which body exerts the measured wrench on which.
@@ -102,8 +102,8 @@ pub struct ControllerConfig {
 impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
-    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, and the position and velocity
-    /// limits of the robot.
+    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, the position, velocity and
+    /// acceleration limits of the robot, and a slow drive.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
             robot,
@@ -111,7 +111,8 @@ impl ControllerConfig {
             method: Method::ReversePriority,
             solver: Solver::Auto,
             damping: Some(Damping::STANDARD),
-            limits: Limits::Robot(LimitKind::PositionVelocity),
+            limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
+            drive: Drive::CONSERVATIVE,
             barriers: Vec::new(),
             wrench_convention: WrenchConvention::default(),
             wrench_frame: WrenchFrame::default(),
@@ -164,6 +165,9 @@ pub enum ConfigError {
         /// Joints of the box.
         given: usize,
     },
+    /// The lag is negative or not finite, or the dead time is too long.
+    #[error("the lag of the drive must be 0 s or more, its delay at most {MAX_DRIVE_DELAY} periods")]
+    Drive,
     /// The null-space motion does not fit the robot or the period.
     #[error(transparent)]
     NullSpace(#[from] NullSpaceError),
@@ -197,6 +201,10 @@ impl ControllerConfig {
             if expected != given {
                 return Err(ConfigError::Limits { expected, given });
             }
+        }
+        let Drive { lag_s, delay_periods } = self.drive;
+        if !(lag_s.is_finite() && lag_s >= 0.0 && delay_periods <= MAX_DRIVE_DELAY) {
+            return Err(ConfigError::Drive);
         }
         let joints = self.robot.joint_count();
         if let Some(index) = self.barriers.iter().position(|barrier| !barrier.fits(joints)) {

@@ -3,6 +3,7 @@
 use nalgebra::IsometryMatrix3;
 
 use super::ControllerConfig;
+use crate::limits::DriveState;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
 
@@ -16,6 +17,8 @@ pub struct Memory {
     pub initial_pose: IsometryMatrix3<f64>,
     /// q̇ of the last command, n, rad/s or m/s.
     pub last_command: Vector,
+    /// The commands that the drive still has to follow.
+    pub drive: DriveState,
     /// Active limits of the last command, per level.
     pub active_set: Vec<ActiveSet>,
 }
@@ -29,6 +32,9 @@ pub enum MemoryError {
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
+    /// The state of the drive does not fit the robot or the drive.
+    #[error("the memory's drive does not fit the controller; send back the memory of this controller's last answer")]
+    Drive,
     /// The active set names a joint, an inequality or a row of a task that the controller does not have.
     #[error(
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
@@ -49,6 +55,11 @@ impl Memory {
         }
         if self.last_command.len() != n || !finite(&self.last_command) {
             return Err(MemoryError::LastCommand);
+        }
+        let DriveState { velocity, pending } = &self.drive;
+        let mut drive = pending.iter().chain([velocity]);
+        if pending.len() != config.drive.delay_periods || !drive.all(|v| v.len() == n && finite(v)) {
+            return Err(MemoryError::Drive);
         }
         // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);

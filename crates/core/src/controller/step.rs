@@ -6,7 +6,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_i
 use super::stepper::Workspace;
 use super::task::ArmState;
 use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
-use crate::limits::{Hold, Motion};
+use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::task::TaskError;
@@ -118,7 +118,8 @@ impl Controller {
             memory.check(&self.config)?;
         }
         let config = &self.config;
-        let Workspace { configuration, limited, problem, resolver, command, zero_velocity } = workspace;
+        let Workspace { configuration, limited, problem, resolver, command, zero_velocity, distance_to_rest } =
+            workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
         let qdot = match (&measurement.joint_velocity, &*memory) {
@@ -142,10 +143,16 @@ impl Controller {
                 upper.copy_from(&command.targets[k].velocity);
             }
         })?;
-        config.limits.update(limited, &config.robot, position, previous.last_command.as_slice(), config.period_s);
+        for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
+            *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
+        }
+        let motion = JointMotion { position, distance_to_rest, last_command: previous.last_command.as_slice() };
+        config.limits.update(limited, &config.robot, motion, config.period_s);
         problem.limits.copy_from(&limited.velocity_box);
         problem.inequalities.clear();
-        problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration)));
+        problem
+            .inequalities
+            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
         if let (Some(motion), Some(velocity)) = (&config.null_space, &mut problem.null_space_velocity) {
             motion.write(&config.robot, position, velocity);
         }
@@ -154,13 +161,8 @@ impl Controller {
         command.limit_conflicts.clone_from(&limited.conflicts);
         command.joint_limit_index = joint_limit_index(&config.robot, position);
         if let Some(kind) = config.kept_limits() {
-            let motion = Motion {
-                joint_position: position,
-                joint_velocity: qdot,
-                last_command: previous.last_command.as_slice(),
-                command: command.resolution.joint_velocity.as_slice(),
-            };
-            command.hold.update(&config.robot, kind, motion, config.period_s);
+            let velocity = command.resolution.joint_velocity.as_slice();
+            command.hold.update(&config.robot, kind, motion, qdot, velocity, config.period_s);
         }
         let memory = match initial {
             Some(initial) => Some(memory.insert(initial)),
@@ -216,10 +218,12 @@ impl Controller {
 
     /// Returns the memory for the first step: integrators and last command equal the measured motion.
     fn initial_memory(&self, arm: &ArmState) -> Memory {
+        let velocity = Vector::from_row_slice(arm.joint_velocity);
         Memory {
             task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(arm).to_vector()).collect(),
             initial_pose: arm.initial_pose,
-            last_command: Vector::from_row_slice(arm.joint_velocity),
+            drive: DriveState::moving(self.config.drive, &velocity),
+            last_command: velocity,
             active_set: Vec::new(),
         }
     }
@@ -262,6 +266,7 @@ impl Controller {
             }
         }
         memory.last_command.copy_from(&resolution.joint_velocity);
+        memory.drive.advance(self.config.drive, &resolution.joint_velocity, self.config.period_s);
         memory.active_set.clone_from(&resolution.active_set);
     }
 }

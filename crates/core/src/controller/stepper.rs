@@ -6,7 +6,7 @@ use revprio_robot::kinematics::Configuration;
 
 use super::step::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
-use crate::limits::LimitedBox;
+use crate::limits::{JointMotion, LimitedBox};
 use crate::linalg::{Matrix, Vector};
 use crate::resolution::{Problem, Resolver};
 use crate::task::{Task, TaskStack};
@@ -56,6 +56,8 @@ pub(super) struct Workspace {
     pub(super) command: Command,
     /// q̇ of an arm at rest, n.
     pub(super) zero_velocity: Vec<f64>,
+    /// p − q, n.
+    pub(super) distance_to_rest: Vec<f64>,
 }
 
 impl Workspace {
@@ -63,7 +65,8 @@ impl Workspace {
     fn new(config: &ControllerConfig) -> Result<Self, StepError> {
         let n = config.robot.joint_count();
         let zeros = vec![0.0; n];
-        let limited = config.limits.at(&config.robot, &zeros, &zeros, config.period_s);
+        let at_rest = JointMotion { position: &zeros, distance_to_rest: &[], last_command: &zeros };
+        let limited = config.limits.at(&config.robot, at_rest, config.period_s);
         let task = |task: &TaskConfig| {
             let (name, jacobian) = (task.name.clone(), Matrix::zeros(task.rows.len(), n));
             let empty = match task.law.bounds() {
@@ -84,6 +87,14 @@ impl Workspace {
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), force: Vec::new() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
-        Ok(Self { configuration, limited, problem, resolver: Resolver::default(), command, zero_velocity: zeros })
+        Ok(Self {
+            configuration,
+            limited,
+            problem,
+            resolver: Resolver::default(),
+            command,
+            distance_to_rest: zeros.clone(),
+            zero_velocity: zeros,
+        })
     }
 }

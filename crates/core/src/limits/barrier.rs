@@ -40,11 +40,12 @@ impl Barrier {
         }
     }
 
-    /// Returns the inequality at a posture.
-    pub fn at(&self, configuration: &Configuration) -> Inequality {
+    /// Returns the inequality at a posture; `distance_to_rest`: p − q of each joint, n, as in
+    /// [`JointMotion`](super::JointMotion).
+    pub fn at(&self, configuration: &Configuration, distance_to_rest: &[f64]) -> Inequality {
         match self {
             Self::Fixed(inequality) => inequality.clone(),
-            Self::Plane(plane) => plane.at(configuration),
+            Self::Plane(plane) => plane.at(configuration, distance_to_rest),
         }
     }
 }
@@ -126,7 +127,10 @@ impl VirtualPlane {
     }
 
     /// Returns the inequality at a posture. It always holds if no joint moves the point along the normal.
-    pub fn at(&self, configuration: &Configuration) -> Inequality {
+    ///
+    /// `distance_to_rest`: p − q of each joint, n, or empty. The distance to the wall is that of the point at rest if the
+    /// point still approaches.
+    pub fn at(&self, configuration: &Configuration, distance_to_rest: &[f64]) -> Inequality {
         let (position, jacobian) = match self.point {
             PlanePoint::Tool => {
                 let jacobian = configuration.jacobian().fixed_rows::<3>(0).into_owned();
@@ -138,7 +142,8 @@ impl VirtualPlane {
         if along.norm() <= RANK_TOLERANCE * jacobian.norm() {
             return Inequality::always_satisfied(self.name.clone(), along.len());
         }
-        let bound = self.rate * (self.offset - self.normal.dot(&position));
+        let approach: f64 = along.iter().zip(distance_to_rest).map(|(along, to_rest)| along * to_rest).sum();
+        let bound = self.rate * (self.offset - self.normal.dot(&position) - approach.max(0.0));
         Inequality { name: self.name.clone(), coefficients: Vector::from_column_slice(along.as_slice()), bound }
     }
 }

@@ -29,7 +29,7 @@
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::braking::{braking_deceleration, spare_time};
-use super::velocity_box::LimitKind;
+use super::velocity_box::{JointMotion, LimitKind};
 
 /// Distance beyond a limit that counts as inside, rad or m, because measured positions are rounded.
 const POSITION_TOLERANCE: f64 = 5e-7;
@@ -52,40 +52,44 @@ impl Default for Hold {
     }
 }
 
-/// The motion of an arm when it gets a command.
-#[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
-    /// q, measured position, n.
-    pub joint_position: &'a [f64],
-    /// q̇, measured velocity, n.
-    pub joint_velocity: &'a [f64],
-    /// The last command, n.
-    pub last_command: &'a [f64],
-    /// The new command, n.
-    pub command: &'a [f64],
-}
-
 impl Hold {
-    /// Updates the hold time; `period`: T, s. Limits without positions do not bound it.
-    pub fn update(&mut self, robot: &RobotModel, kind: LimitKind, motion: Motion, period: f64) {
+    /// Updates the hold time of a command. Limits without positions do not bound it.
+    ///
+    /// - `measured`: measured velocity, n.
+    /// - `command`: the new command, n.
+    /// - `period`: T, s.
+    pub fn update(
+        &mut self,
+        robot: &RobotModel,
+        kind: LimitKind,
+        motion: JointMotion,
+        measured: &[f64],
+        command: &[f64],
+        period: f64,
+    ) {
         self.too_fast.clear();
         self.time_s = f64::INFINITY;
         if !kind.includes_position() {
             return;
         }
         for (i, joint) in robot.joints().iter().enumerate() {
-            let (q, limits) = (motion.joint_position[i], &joint.limits);
-            let (command, last, measured) = (motion.command[i], motion.last_command[i], motion.joint_velocity[i]);
-            let distance = |velocity: f64| if velocity > 0.0 { limits.upper - q } else { q - limits.lower };
-            let overshoots = |velocity: f64, tolerance: f64| {
-                let braking = velocity * velocity / 2.0 / braking_deceleration(limits);
-                velocity != 0.0 && braking > distance(velocity) + tolerance
+            let (limits, last) = (&joint.limits, motion.last_command[i]);
+            let (command, measured) = (command[i], measured[i]);
+            let at_once = motion.stopping_at_once();
+            let distance = |motion: JointMotion, velocity: f64| {
+                let (to_lower, to_upper) = motion.distances(i, limits);
+                if velocity > 0.0 { to_upper } else { to_lower }
             };
-            if overshoots(command, POSITION_TOLERANCE) || overshoots(measured, NOISE_TOLERANCE) {
+            let overshoots = |motion: JointMotion, velocity: f64, tolerance: f64| {
+                let braking = velocity * velocity / 2.0 / braking_deceleration(limits);
+                velocity != 0.0 && braking > distance(motion, velocity) + tolerance
+            };
+            if overshoots(motion, command, POSITION_TOLERANCE) || overshoots(at_once, measured, NOISE_TOLERANCE) {
                 self.too_fast.push(i);
             }
             if command != 0.0 {
-                let joint_time = hold_time(limits, distance(command), command.abs(), last * command.signum(), period);
+                let joint_time =
+                    hold_time(limits, distance(motion, command), command.abs(), last * command.signum(), period);
                 self.time_s = self.time_s.min(joint_time);
             }
         }

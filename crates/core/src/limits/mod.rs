@@ -3,7 +3,8 @@
 //! # The box
 //!
 //! A joint has position limits q_lo … q_hi, a speed limit V and an acceleration limit A. T is the period, q̇⁻ the last
-//! command and d = q_hi − q ≥ 0 the distance to the upper limit. The reaction time is τ = T + max(T, 10 ms). Then
+//! command and d = q_hi − max(q, p) ≥ 0 the distance to the upper limit, as the joint is now and as it comes to rest behind
+//! its drive ([`DriveState`]). The reaction time is τ = T + max(T, 10 ms). Then
 //!
 //! q̇ ≤ min( V, a(−τ + √(τ² + 2d/a)), q̇⁻ + A T ),
 //!
@@ -25,6 +26,10 @@
 //! starts inside its limits and follows its commands, then position, velocity and acceleration limits hold at all
 //! times.
 //!
+//! Behind a drive the same proof holds for p, which follows the commands exactly. A drive that is faster than stated moves
+//! p less regularly. If the braking term then demands more than full braking, full braking is allowed as long as the joint
+//! could still stop if it had no drive.
+//!
 //! # Outside the limits
 //!
 //! A measured state may lie outside. Beyond a position limit the box demands a motion back, within V and A. If the
@@ -39,12 +44,14 @@
 
 mod barrier;
 mod braking;
+mod drive;
 mod hold;
 mod inequality;
 mod velocity_box;
 
 pub use barrier::{APPROACH_RATE, Barrier, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
-pub use hold::{Hold, Motion};
+pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
+pub use hold::Hold;
 pub use inequality::{Inequality, InequalityError};
-pub use velocity_box::{LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};
+pub use velocity_box::{JointMotion, LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};

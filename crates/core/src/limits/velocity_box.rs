@@ -127,20 +127,36 @@ pub struct LimitedBox {
     pub conflicts: Vec<usize>,
 }
 
-/// Returns the box of a robot's own limits at a state.
-///
-/// - `joint_position`: measured position, n.
-/// - `last_velocity`: last command, n.
-/// - `period`: T > 0, s.
-pub fn robot_box(
-    robot: &RobotModel,
-    kind: LimitKind,
-    joint_position: &[f64],
-    last_velocity: &[f64],
-    period: f64,
-) -> LimitedBox {
+/// The motion of the joints before a command.
+#[derive(Debug, Clone, Copy)]
+pub struct JointMotion<'a> {
+    /// q, measured position, n.
+    pub position: &'a [f64],
+    /// p − q, how far the joints move on if all later commands are zero, n; empty: they stop at once. See
+    /// [`DriveState`](super::DriveState).
+    pub distance_to_rest: &'a [f64],
+    /// q̇⁻, the last command, n.
+    pub last_command: &'a [f64],
+}
+
+impl JointMotion<'_> {
+    /// Returns the same motion with joints that stop at once.
+    pub(super) fn stopping_at_once(self) -> Self {
+        Self { distance_to_rest: &[], ..self }
+    }
+
+    /// Returns the distances of a joint to its lower and to its upper limit, as it is now and as it comes to rest,
+    /// whichever is smaller.
+    pub(super) fn distances(&self, joint: usize, limits: &JointLimits) -> (f64, f64) {
+        let (q, to_rest) = (self.position[joint], self.distance_to_rest.get(joint).copied().unwrap_or(0.0));
+        (q - limits.lower + to_rest.min(0.0), limits.upper - q - to_rest.max(0.0))
+    }
+}
+
+/// Returns the box of a robot's own limits at a state; `period`: T > 0, s.
+pub fn robot_box(robot: &RobotModel, kind: LimitKind, motion: JointMotion, period: f64) -> LimitedBox {
     let mut limited = LimitedBox::unbounded(robot.joint_count());
-    limited.update(robot, kind, joint_position, last_velocity, period);
+    limited.update(robot, kind, motion, period);
     limited
 }
 
@@ -151,17 +167,10 @@ impl LimitedBox {
     }
 
     /// Updates the box to the result of [`robot_box`], for a robot with the same number of joints.
-    pub fn update(
-        &mut self,
-        robot: &RobotModel,
-        kind: LimitKind,
-        joint_position: &[f64],
-        last_velocity: &[f64],
-        period: f64,
-    ) {
+    pub fn update(&mut self, robot: &RobotModel, kind: LimitKind, motion: JointMotion, period: f64) {
         self.conflicts.clear();
         for (i, joint) in robot.joints().iter().enumerate() {
-            let interval = Interval::from_limits(&joint.limits, kind, joint_position[i], last_velocity[i], period);
+            let interval = Interval::from_limits(&joint.limits, kind, motion, i, period);
             self.velocity_box.lower[i] = interval.lower;
             self.velocity_box.upper[i] = interval.upper;
             if interval.conflict {
@@ -183,28 +192,27 @@ struct Interval {
 }
 
 impl Interval {
-    fn from_limits(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Self {
-        let velocity = limits.velocity;
+    fn from_limits(limits: &JointLimits, kind: LimitKind, motion: JointMotion, joint: usize, period: f64) -> Self {
+        let (velocity, last) = (limits.velocity, motion.last_command[joint]);
         let max_change = limits.acceleration * period;
         let (lower, upper) = match kind {
             LimitKind::None => (f64::NEG_INFINITY, f64::INFINITY),
             LimitKind::Velocity => (-velocity, velocity),
             LimitKind::PositionVelocity => {
-                // A joint outside its range returns within the period, as far as its speed limit allows.
-                let stop = |distance: f64| {
-                    if distance < 0.0 {
-                        (distance / period).max(-velocity)
-                    } else {
-                        max_speed(limits, distance, period)
-                    }
-                };
-                let (lower, upper) = (-stop(q - limits.lower), stop(limits.upper - q));
-                // The return must stop before the other end of the range.
-                if q > limits.upper { (lower, upper.max(lower)) } else { (lower.min(upper), upper) }
+                let stop = |distance: f64| max_speed(limits, distance.abs(), period).copysign(distance);
+                let (to_lower, to_upper) = motion.distances(joint, limits);
+                ordered(-stop(to_lower), stop(to_upper), to_upper)
             }
             LimitKind::PositionVelocityAcceleration => {
                 let stop = |distance: f64, last: f64| max_speed_towards(limits, distance, last, period);
-                let (lower, upper) = (-stop(q - limits.lower, -last), stop(limits.upper - q, last));
+                let bounds = |motion: JointMotion| {
+                    let (to_lower, to_upper) = motion.distances(joint, limits);
+                    ordered(-stop(to_lower, -last), stop(to_upper, last), to_upper)
+                };
+                let ((mut lower, mut upper), at_once) = (bounds(motion), bounds(motion.stopping_at_once()));
+                // A drive that is faster than stated can ask for more than full braking, and then needs less.
+                lower = lower.min((last + max_change).max(at_once.0));
+                upper = upper.max((last - max_change).min(at_once.1));
                 return Self {
                     lower: (last - max_change).clamp(lower, upper),
                     upper: (last + max_change).clamp(lower, upper),
@@ -215,6 +223,11 @@ impl Interval {
         };
         Self { lower, upper, conflict: false }
     }
+}
+
+/// Returns the bounds of a joint so that they do not cross: a return from beyond one limit must stop before the other.
+fn ordered(lower: f64, upper: f64, to_upper: f64) -> (f64, f64) {
+    if to_upper < 0.0 { (lower, upper.max(lower)) } else { (lower.min(upper), upper) }
 }
 
 /// Returns the maximum speed from which a joint can stop within `distance` ≥ 0: the braking term of the module `limits`, at
@@ -249,8 +262,14 @@ mod tests {
     const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0 };
     const T: f64 = 0.01;
 
+    /// Returns the interval of a joint that follows its commands at once.
+    fn at(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Interval {
+        let motion = JointMotion { position: &[q], distance_to_rest: &[], last_command: &[last] };
+        Interval::from_limits(limits, kind, motion, 0, period)
+    }
+
     fn interval(kind: LimitKind, q: f64, last: f64) -> (f64, f64, bool) {
-        let Interval { lower, upper, conflict } = Interval::from_limits(&LIMITS, kind, q, last, T);
+        let Interval { lower, upper, conflict } = at(&LIMITS, kind, q, last, T);
         (lower, upper, conflict)
     }
 
@@ -272,7 +291,9 @@ mod tests {
     #[test]
     fn a_joint_outside_its_range_moves_back_within_velocity_and_acceleration_limits() {
         use LimitKind::{PositionVelocity, PositionVelocityAcceleration};
-        assert_eq!(interval(PositionVelocity, 2.1, 0.0), (-1.5, -1.5, false));
+        let (lower, upper, _) = interval(PositionVelocity, 2.1, 0.0);
+        let reaction = 2.0 * T;
+        assert!(lower == -1.5 && (-upper * reaction + upper * upper / 16.0 - 0.1).abs() < 1e-12);
         assert_eq!(interval(PositionVelocityAcceleration, 2.1, 0.0), (-0.08, -0.08, false));
         let (lower, upper, conflict) = interval(PositionVelocityAcceleration, -1.1, 0.05);
         assert_eq!((lower, upper, conflict), (0.05 + 0.08, 0.05 + 0.08, false));
@@ -287,10 +308,10 @@ mod tests {
 
     #[test]
     fn joints_without_limits_are_unbounded() {
-        let free = Interval::from_limits(&JointLimits::NONE, LimitKind::PositionVelocityAcceleration, 3.0, 1.0, T);
+        let free = at(&JointLimits::NONE, LimitKind::PositionVelocityAcceleration, 3.0, 1.0, T);
         assert_eq!(free, Interval { lower: f64::NEG_INFINITY, upper: f64::INFINITY, conflict: false });
         let range = JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS };
-        let upper = Interval::from_limits(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
+        let upper = at(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
         assert!((upper - 50.0).abs() < 1e-9);
     }
 
@@ -299,7 +320,7 @@ mod tests {
         let narrow = JointLimits { lower: -0.01, upper: 0.01, ..LIMITS };
         for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
             for q in [-1.0, -0.011, 0.011, 1.0] {
-                let Interval { lower, upper, .. } = Interval::from_limits(&narrow, kind, q, 0.0, T);
+                let Interval { lower, upper, .. } = at(&narrow, kind, q, 0.0, T);
                 assert!(lower <= upper, "{kind:?} {q}: {lower} {upper}");
                 let speed = if q > 0.0 { -lower } else { upper };
                 assert!(speed * T + speed * speed / 16.0 <= q.abs() + 0.01, "{kind:?} {q}: {lower} {upper}");
@@ -330,7 +351,7 @@ mod tests {
             let acceleration = acceleration.unwrap_or(f64::INFINITY);
             let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration };
             for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
-                let Interval { lower, upper, .. } = Interval::from_limits(&limits, kind, q, last, period);
+                let Interval { lower, upper, .. } = at(&limits, kind, q, last, period);
                 prop_assert!(lower <= upper, "{kind:?}: {lower} {upper}");
             }
         }
@@ -350,7 +371,7 @@ mod tests {
             let (mut q, mut last) = (limits.lower + start * range, 0.0_f64);
             for choice in choices {
                 let allowed =
-                    Interval::from_limits(&limits, LimitKind::PositionVelocityAcceleration, q, last, period);
+                    at(&limits, LimitKind::PositionVelocityAcceleration, q, last, period);
                 prop_assert!(allowed.lower <= allowed.upper);
                 // The two limits may contradict each other by rounding only.
                 prop_assert!(last - acceleration * period <= allowed.upper + 1e-9);
@@ -370,7 +391,7 @@ mod tests {
             let mut q = if side { LIMITS.upper + distance } else { LIMITS.lower - distance };
             let mut last = 0.0_f64;
             for _ in 0..400 {
-                let allowed = Interval::from_limits(&LIMITS, LimitKind::PositionVelocityAcceleration, q, last, T);
+                let allowed = at(&LIMITS, LimitKind::PositionVelocityAcceleration, q, last, T);
                 prop_assert!(!allowed.conflict);
                 // Command the outward bound of the box.
                 let command = if side { allowed.upper } else { allowed.lower };

@@ -8,7 +8,7 @@ use revprio_core::controller::{
     ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
-use revprio_core::limits::LimitKind;
+use revprio_core::limits::{Drive, LimitKind};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
 
@@ -81,10 +81,10 @@ pub fn tool_rows(axes: &[Axis]) -> ToolRows {
     ToolRows::new(AxisSelection::new(axes).unwrap())
 }
 
-/// Returns the default configuration, but without limits.
+/// Returns the default configuration, but without limits, for an arm that follows its commands at once.
 pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConfig {
     let limits = Limits::Robot(LimitKind::None);
-    ControllerConfig { limits, ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks) }
+    ControllerConfig { limits, drive: Drive::IDEAL, ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks) }
 }
 
 /// Computes one step with a new stepper.

@@ -77,7 +77,7 @@ fn posture(robot: &Arc<RobotModel>, joints: Vec<usize>, target: &[f64], kind: Li
 }
 
 /// Returns a start posture: the middle of each range.
-fn middle(robot: &RobotModel) -> Vec<f64> {
+pub fn middle(robot: &RobotModel) -> Vec<f64> {
     let middle = |joint: &Joint| 0.5 * (joint.limits.lower.max(-3.0) + joint.limits.upper.min(3.0));
     robot.joints().iter().map(middle).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use revprio_core::controller::{
     Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows,
 };
-use revprio_core::limits::{LimitKind, robot_box};
+use revprio_core::limits::{Drive, DriveState, JointMotion, LimitKind, robot_box};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_core::resolution::{Method, Path, Status};
 use revprio_robot::kinematics::Axis;
@@ -85,10 +85,12 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         }
         TaskRows::Joints(_) | TaskRows::Raw(_) => unreachable!("the hostile controller has tasks of the tool only"),
     };
+    let last_command = arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone());
     Memory {
         task_velocities: controller.config().tasks.iter().map(moving).collect(),
         initial_pose: *configuration.tool_pose(),
-        last_command: arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone()),
+        drive: DriveState::moving(Drive::IDEAL, &last_command),
+        last_command,
         active_set: Vec::new(),
     }
 }
@@ -139,7 +141,8 @@ impl Findings {
 
 fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
     let kind = LimitKind::PositionVelocityAcceleration;
-    let limited = robot_box(&controller.config().robot, kind, &arm.q, last, controller.config().period_s);
+    let motion = JointMotion { position: &arm.q, distance_to_rest: &[], last_command: last };
+    let limited = robot_box(&controller.config().robot, kind, motion, controller.config().period_s);
     let (lower, upper) = (limited.velocity_box.lower(), limited.velocity_box.upper());
     assert!(lower.iter().zip(upper).all(|(lower, upper)| lower <= upper), "{limited:?}");
 }
