@@ -17,7 +17,7 @@ use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::sync::oneshot;
 
@@ -169,9 +169,9 @@ fn admit(stream: TcpStream, peer: SocketAddr, service: &Service) {
     let (config, metrics) = (&service.app.config, &service.app.metrics);
     let Some((slot, full)) = service.app.connections.add() else {
         metrics.count_connection_fault("refused");
-        // The answer fits into any send buffer. An encrypted connection is only closed.
+        // An encrypted connection is only closed.
         if config.tls.is_none() {
-            let _ = stream.try_write(connection_refusal().as_bytes());
+            tokio::spawn(tokio::time::timeout(config.write_timeout, refuse(stream)));
         }
         return;
     };
@@ -198,6 +198,12 @@ fn admit(stream: TcpStream, peer: SocketAddr, service: &Service) {
         }
     };
     set_task(task.abort_handle());
+}
+
+/// Answers a connection above the limit. A new connection can be written to only after the runtime has polled it.
+async fn refuse(mut stream: impl AsyncWrite + Unpin) -> io::Result<()> {
+    stream.write_all(connection_refusal().as_bytes()).await?;
+    stream.shutdown().await
 }
 
 /// Answers the requests of one connection. After the shutdown began, it answers only requests that have arrived.
