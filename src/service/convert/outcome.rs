@@ -2,6 +2,7 @@
 
 use revprio_api::wire;
 use revprio_core::resolution::{Member, Resolution};
+use tokio::time::Instant;
 
 use super::terms;
 
@@ -158,7 +159,7 @@ fn finite(value: f64) -> f64 {
 }
 
 /// Time since `start`, µs.
-pub fn elapsed_us(start: std::time::Instant) -> f64 {
+pub fn elapsed_us(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e6
 }
 
