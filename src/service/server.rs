@@ -19,6 +19,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tokio::sync::oneshot;
+use tokio::task::JoinSet;
 
 use super::app::Service;
 use super::config::ServiceConfig;
@@ -136,7 +137,9 @@ pub async fn serve_on(listener: impl Listener, service: Service, stop: impl Futu
 async fn accept(mut listener: impl Listener, service: Service, stop: impl Future<Output = ()>, heartbeat: &Heartbeat) {
     let app = Arc::clone(&service.app);
     let marked = Arc::clone(&app);
-    let marker = tokio::spawn(async move { marked.admission_queue.run_marker().await });
+    // The task ends with this function.
+    let mut marker = JoinSet::new();
+    marker.spawn(async move { marked.admission_queue.run_marker().await });
     let mut drained = std::pin::pin!(async {
         stop.await;
         app.drain.announce();
@@ -164,7 +167,6 @@ async fn accept(mut listener: impl Listener, service: Service, stop: impl Future
     if tokio::time::timeout(timeout, app.drain.finish()).await.is_err() {
         tracing::warn!("connections still open after {timeout:?} were dropped");
     }
-    marker.abort();
 }
 
 /// Starts a task that serves a connection, or refuses the connection if there are too many.
