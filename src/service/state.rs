@@ -65,11 +65,12 @@ impl AppState {
 
     /// Creates the state of a service.
     pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
-        Self::on_platform(robots, config, Arc::new(OperatingSystem))
+        let platform: Arc<dyn Platform> = Arc::new(OperatingSystem);
+        Self::on_platform(robots, config, &platform)
     }
 
     /// Creates the state of a service on a platform that may be simulated.
-    pub fn on_platform(robots: Robots, config: ServiceConfig, platform: Arc<dyn Platform>) -> Self {
+    pub fn on_platform(robots: Robots, config: ServiceConfig, platform: &Arc<dyn Platform>) -> Self {
         let metrics = Arc::new(Metrics::new());
         let threads = threads_beside_steps();
         let large_problems = WorkKind { name: "large problems", max: 32, threads, low_priority: true };
@@ -81,20 +82,20 @@ impl AppState {
                 config.max_sessions,
                 config.session_idle,
                 Arc::clone(&metrics),
-                Arc::clone(&platform),
+                Arc::clone(platform),
             ),
             stepper_cache: StepperCache::default(),
-            batches: Workers::new(BATCHES, config.work_timeout * BATCH_TIMEOUT_FACTOR, &platform),
-            large_problems: Workers::new(large_problems, config.work_timeout, &platform),
-            large_steps: Workers::new(large_steps, config.work_timeout, &platform),
-            margins: Workers::new(MARGINS, config.work_timeout, &platform),
-            new: Workers::new(NEW, config.work_timeout, &platform),
+            batches: Workers::new(BATCHES, config.work_timeout * BATCH_TIMEOUT_FACTOR, platform),
+            large_problems: Workers::new(large_problems, config.work_timeout, platform),
+            large_steps: Workers::new(large_steps, config.work_timeout, platform),
+            margins: Workers::new(MARGINS, config.work_timeout, platform),
+            new: Workers::new(NEW, config.work_timeout, platform),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,
             admission_queue: AdmissionQueue::default(),
             large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
-            request_ids: RequestIds::new(&*platform),
+            request_ids: RequestIds::new(&**platform),
             failures: Failures::default(),
             drain: Drain::new(),
             config,

@@ -1,6 +1,6 @@
 //! One exchange: requests on a connection, and their answers, with everything that can happen on the way.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use revprio_api::wire;
@@ -28,6 +28,10 @@ pub struct Link {
     pub instance: Arc<Instance>,
     exchanges: u32,
     last_answer: Instant,
+    /// Time when the last request was written completely.
+    written: Arc<Mutex<Option<Instant>>>,
+    /// Bytes that the network holds in each direction.
+    buffer: usize,
     /// Whether the last request was refused before its body was read. The service may then close the connection.
     is_unread: bool,
 }
@@ -60,6 +64,14 @@ pub struct Client {
 }
 
 impl Link {
+    /// Returns whether the service has to answer although it was told to stop: the whole request had arrived before.
+    fn must_be_answered(&self) -> bool {
+        let (Phase::Stopping(at) | Phase::Ended(at)) = self.instance.phase() else { return false };
+        let written = *self.written.lock().unwrap();
+        written.is_some_and(|written| written + Duration::from_millis(2) < at)
+            && at.elapsed() < Duration::from_millis(900)
+    }
+
     /// Returns the bytes of a new connection.
     pub fn into_wire(self) -> Wire {
         self.connection.wire
@@ -95,7 +107,15 @@ impl Client {
             assert!(!instance.is_serving(), "a serving service refuses a connection");
         }
         let connection = Connection::new(connected.ok()?);
-        Some(Link { connection, instance, exchanges: 0, last_answer: Instant::now(), is_unread: false })
+        Some(Link {
+            connection,
+            instance,
+            exchanges: 0,
+            last_answer: Instant::now(),
+            written: Arc::default(),
+            buffer,
+            is_unread: false,
+        })
     }
 
     /// Makes one call without disturbance, on a connection that may already be open.
@@ -125,10 +145,12 @@ impl Client {
         let sent: Vec<(Call, Request, Sent)> = calls.iter().map(|call| self.prepare(call, format, link)).collect();
         let bytes: Vec<u8> = sent.iter().flat_map(|(_, request, _)| request.bytes()).collect();
         let part = if fate == Fate::DiesSending { self.random.below(bytes.len()) } else { bytes.len() };
-        let (wire, mut chance) = (link.connection.wire.clone(), self.random.fork());
+        let (wire, mut chance, written) = (link.connection.wire.clone(), self.random.fork(), Arc::clone(&link.written));
+        *written.lock().unwrap() = None;
         let write = async {
             // A connection that has ended cannot be written to, but an answer may still wait in it.
-            let _ = http::write(wire, &bytes[..part], &mut chance).await;
+            let is_whole = http::write(wire, &bytes[..part], &mut chance).await.is_ok();
+            *written.lock().unwrap() = (is_whole && calls.len() == 1).then(Instant::now);
         };
         let exchanged = match fate {
             // Answers may arrive before all requests are written.
@@ -193,6 +215,11 @@ impl Client {
                 let hash = if is_noted { transcript::hash(&answer.body) } else { 0 };
                 let text = format!("← {} [{}] {hash:016x}", answer.status, request.id);
                 self.note(&text);
+                if let Fate::ReadsLate(pause) = began.fate {
+                    let is_too_late = pause > self.world.plan.config.write_timeout + Duration::from_secs(1);
+                    let is_held = answer.body.len() < 2 * link.buffer;
+                    assert!(is_held || !is_too_late, "{}: the service waited too long for a reader", self.name);
+                }
                 // The service may have sent it long ago.
                 link.last_answer = if matches!(began.fate, Fate::ReadsLate(_)) { began.at } else { Instant::now() };
                 link.is_unread = request.method == "POST" && matches!(answer.status, 415 | 503);
@@ -232,6 +259,7 @@ impl Client {
         let idle = began.at.saturating_duration_since(link.last_answer);
         let is_loop = link.exchanges >= LOOP_EXCHANGES && link.last_answer.elapsed() <= LOOP_PAUSE;
         match began.fate {
+            _ if link.must_be_answered() => None,
             _ if !link.instance.is_serving() => Some("the service ends"),
             _ if link.is_unread => Some("the body before was not read"),
             _ if idle >= config.header_timeout => Some("the connection was idle"),

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use revprio::service::{AppState, Robots, router, serve_on};
+use revprio::service::{AppState, Platform, Robots, router, serve_on};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
@@ -41,7 +41,9 @@ pub enum Phase {
     Serving,
     /// It was told to stop at this time.
     Stopping(Instant),
-    Dead,
+    /// It has ended after it was told to stop at this time.
+    Ended(Instant),
+    Killed,
 }
 
 impl World {
@@ -87,8 +89,8 @@ impl World {
 
 impl Instance {
     fn start(number: u32, plan: &Plan, random: &mut Random) -> Self {
-        let platform = Arc::new(Simulated::new(random.fork(), plan.max_wait));
-        let service = router(AppState::on_platform(Robots::built_in(), plan.config.clone(), platform));
+        let platform: Arc<dyn Platform> = Arc::new(Simulated::new(random.fork(), plan.max_wait));
+        let service = router(AppState::on_platform(Robots::built_in(), plan.config.clone(), &platform));
         let (port, listener) = open();
         let (stop, stopped) = oneshot::channel();
         let stopped = async { drop(stopped.await) };
@@ -124,13 +126,15 @@ impl Instance {
         if let Some(server) = server {
             server.await.expect("the task that accepts connections does not fail");
         }
-        *self.phase.lock().unwrap() = Phase::Dead;
+        if let Phase::Stopping(at) = self.phase() {
+            *self.phase.lock().unwrap() = Phase::Ended(at);
+        }
         self.port.cut();
     }
 
     /// Kills the process.
     pub fn kill(&self) {
-        *self.phase.lock().unwrap() = Phase::Dead;
+        *self.phase.lock().unwrap() = Phase::Killed;
         if let Some(server) = self.server.lock().unwrap().take() {
             server.abort();
         }

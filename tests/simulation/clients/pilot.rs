@@ -173,6 +173,7 @@ impl Pilot {
         let mut state = last.clone();
         state.sequence += 1;
         let n = self.design.robot.joint_count();
+        let scale = random.pick(&[2e9, 1e9, 200.0]);
         match random.below(5) {
             0 => state.joint_position = vec![0.0; n + 1].into(),
             1 => state.joint_velocity = Some(vec![0.0; n - 1].into()),
@@ -181,8 +182,8 @@ impl Pilot {
                 state.sequence = last.sequence - last.sequence.min(random.from(0, 3));
                 state.time_s += 0.5;
             }
-            // A task may overflow.
-            _ => state.wrench = Some(wrench(random, 1e308)),
+            // Some of these are accepted, if the controller has no bound.
+            _ => state.wrench = Some(wrench(random, scale)),
         }
         state
     }

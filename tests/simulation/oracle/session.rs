@@ -12,6 +12,9 @@ use crate::controllers::Design;
 /// Default of `state_checks.position_tolerance`, with a margin for rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Largest number in a request.
+const MAX_MAGNITUDE: f64 = 1e9;
+
 /// One session, as clients know it.
 pub struct Session {
     pub design: Design,
@@ -125,9 +128,11 @@ pub fn is_plausible(state: &wire::State, design: &Design) -> bool {
         (joint.limits.lower - tolerance..=joint.limits.upper + tolerance).contains(&q)
     };
     let is_force = |wrench: &wire::Wrench| {
-        wrench.force.iter().all(|value| value.abs() <= checks.max_force_n.unwrap_or(f64::INFINITY))
+        let within = |values: [f64; 3], max: f64| values.iter().all(|value| value.abs() <= max);
+        within(wrench.force, checks.max_force_n.unwrap_or(MAX_MAGNITUDE)) && within(wrench.torque, MAX_MAGNITUDE)
     };
     state.sequence < 1 << 53
+        && state.time_s.abs() <= MAX_MAGNITUDE
         && position.len() == n
         && design.robot.joints().iter().zip(position).all(is_inside)
         && state.joint_velocity.as_ref().is_none_or(has_velocity)
