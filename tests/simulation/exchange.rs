@@ -213,7 +213,7 @@ impl Client {
                 // The order of metrics differs, and some belong to the whole process.
                 let is_noted = request.path != "/metrics";
                 let hash = if is_noted { transcript::hash(&answer.body) } else { 0 };
-                let text = format!("← {} [{}] {hash:016x}", answer.status, request.id);
+                let text = format!("← {} {} [{}] {hash:016x}", answer.status, answer.problem(), request.id);
                 self.note(&text);
                 if let Fate::ReadsLate(pause) = began.fate {
                     let is_too_late = pause > self.world.plan.config.write_timeout + Duration::from_secs(1);
@@ -259,12 +259,12 @@ impl Client {
         let idle = began.at.saturating_duration_since(link.last_answer);
         let is_loop = link.exchanges >= LOOP_EXCHANGES && link.last_answer.elapsed() <= LOOP_PAUSE;
         match began.fate {
-            _ if link.must_be_answered() => None,
-            _ if !link.instance.is_serving() => Some("the service ends"),
             _ if link.is_unread => Some("the body before was not read"),
             _ if idle >= config.header_timeout => Some("the connection was idle"),
             Fate::ReadsLate(pause) if pause >= config.write_timeout => Some("the client did not read"),
             _ if self.is_crowded() && !is_loop => Some("another connection needed the place"),
+            _ if link.must_be_answered() => None,
+            _ if !link.instance.is_serving() => Some("the service ends"),
             _ => None,
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io;
 
+use revprio_api::wire;
 use serde::de::DeserializeOwned;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
@@ -73,6 +74,12 @@ impl Answer {
 
     pub fn closes(&self) -> bool {
         self.header("connection").is_some_and(|value| value.eq_ignore_ascii_case("close"))
+    }
+
+    /// Returns the kind of a problem, such as `sequence`; empty if the answer is none.
+    pub fn problem(&self) -> String {
+        let problem = self.read::<wire::Problem>().map(|problem| problem.kind).unwrap_or_default();
+        problem.trim_start_matches("/problems/").to_owned()
     }
 
     /// Decodes the body in the format of its media type.

@@ -9,6 +9,7 @@ mod audit;
 mod call;
 mod clients;
 mod controllers;
+mod coverage;
 mod exchange;
 mod http;
 mod network;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
+use crate::coverage::Coverage;
 use crate::run::run;
 
 /// Seeds of an ordinary run.
@@ -19,6 +20,7 @@ pub struct Seeds {
     end: u64,
     until: Option<Instant>,
     has_failed: AtomicBool,
+    coverage: Coverage,
 }
 
 impl Seeds {
@@ -29,13 +31,31 @@ impl Seeds {
         let seeds = std::env::var("REVPRIO_SIMULATION_SEEDS").ok().map(|text| range(&text));
         let seeds = seeds.unwrap_or(if minutes.is_some() { ORDINARY.end..u64::MAX } else { ORDINARY });
         let until = minutes.map(|minutes: u64| Instant::now() + Duration::from_secs(60 * minutes));
-        Self { next: AtomicU64::new(seeds.start), end: seeds.end, until, has_failed: AtomicBool::new(false) }
+        Self {
+            next: AtomicU64::new(seeds.start),
+            end: seeds.end,
+            until,
+            has_failed: AtomicBool::new(false),
+            coverage: Coverage::new(),
+        }
     }
 
     fn next(&self) -> Option<u64> {
         let is_over = self.has_failed.load(Ordering::Relaxed) || self.until.is_some_and(|until| Instant::now() > until);
         let seed = self.next.fetch_add(1, Ordering::Relaxed);
         (!is_over && seed < self.end).then_some(seed)
+    }
+
+    /// Runs a seed, and returns what failed, with the transcript and the command that repeats it.
+    fn report(&self, seed: u64) -> Option<String> {
+        let outcome = run(seed);
+        self.coverage.note(&outcome.transcript);
+        let failure = outcome.failure?;
+        Some(format!(
+            "seed {seed}: {failure}\n\n{}\n\nseed {seed}: {failure}\nTo repeat it:\n  REVPRIO_SIMULATION_SEEDS={seed} cargo test \
+             --test simulation seeds\n",
+            outcome.transcript.lines().join("\n")
+        ))
     }
 
     /// Runs all seeds. Panics with the transcript of the first one that fails.
@@ -47,7 +67,7 @@ impl Seeds {
             let (seeds, sender) = (Arc::clone(&seeds), sender.clone());
             std::thread::spawn(move || {
                 while let Some(seed) = seeds.next() {
-                    let failure = report(seed);
+                    let failure = seeds.report(seed);
                     seeds.has_failed.fetch_or(failure.is_some(), Ordering::Relaxed);
                     let _ = sender.send(failure);
                 }
@@ -55,6 +75,8 @@ impl Seeds {
         }
         drop(sender);
         let count = wait(&ended);
+        let missing = seeds.coverage.missing();
+        assert!(count < ORDINARY.end || missing.is_empty(), "no seed reached {missing:?}");
         println!("{count} seeds, the next one is {}", seeds.next.load(Ordering::Relaxed).min(seeds.end));
     }
 }
@@ -70,17 +92,6 @@ fn wait(ended: &mpsc::Receiver<Option<String>>) -> u64 {
             Err(mpsc::RecvTimeoutError::Timeout) => panic!("a seed soon after number {count} hangs"),
         }
     }
-}
-
-/// Runs a seed, and returns what failed, with the transcript and the command that repeats it.
-fn report(seed: u64) -> Option<String> {
-    let outcome = run(seed);
-    let failure = outcome.failure?;
-    Some(format!(
-        "seed {seed}: {failure}\n\n{}\n\nseed {seed}: {failure}\nTo repeat it:\n  REVPRIO_SIMULATION_SEEDS={seed} cargo test \
-         --test simulation seeds\n",
-        outcome.transcript.lines().join("\n")
-    ))
 }
 
 fn range(text: &str) -> Range<u64> {

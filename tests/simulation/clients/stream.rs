@@ -189,7 +189,8 @@ async fn read(client: &mut Client, socket: &mut Socket) -> Option<Answer> {
             }
         };
         let answer = answer(socket.format, bytes);
-        client.note(&format!("← stream: {} {:016x}", answer.status, transcript::hash(&answer.body)));
+        let hash = transcript::hash(&answer.body);
+        client.note(&format!("← stream: {} {} {hash:016x}", answer.status, answer.problem()));
         return Some(answer);
     }
 }

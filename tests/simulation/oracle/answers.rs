@@ -44,7 +44,7 @@ impl Oracle {
 
     /// Returns whether the service may refuse a call because it has too much work.
     fn may_be_busy(&self, call: &Call, answer: &Answer) -> bool {
-        match kind(answer).as_str() {
+        match answer.problem().as_str() {
             "overloaded" => self.has_paused,
             "deadline" => match call {
                 Call::Open { .. } | Call::Once { .. } => true,
@@ -99,11 +99,11 @@ impl Oracle {
                 self.sessions.insert(created.id, session);
                 Ok(())
             }
-            422 if kind(answer) == "key-reused" => {
+            422 if answer.problem() == "key-reused" => {
                 let other = before.clone().any(|session| !session.must_be_gone(instance, idle) && !same(session));
                 if other { Ok(()) } else { Err("the key was not used before".to_owned()) }
             }
-            503 if kind(answer) == "too-many-controllers" => {
+            503 if answer.problem() == "too-many-controllers" => {
                 let most = self.open_at_most(instance);
                 if most >= self.config.max_sessions { Ok(()) } else { Err(format!("at most {most} sessions are open")) }
             }
@@ -183,7 +183,7 @@ fn stepped(
     session.called_at_most = session.called_at_most.max(tokio::time::Instant::now());
     match answer.status {
         200 => accepted(session, state, sent, answer.read()?),
-        409 if kind(answer) == "sequence" => {
+        409 if answer.problem() == "sequence" => {
             if session.may_be_late(state) {
                 Ok(())
             } else {
@@ -249,7 +249,7 @@ fn check_found(
 ) -> Result<(), Violation> {
     match answer.status {
         404 if sent.was_gone || session.may_be_gone(idle) || session.instance != instance => {
-            if kind(answer) == "unknown-controller" { Ok(()) } else { Err(kind(answer)) }
+            if answer.problem() == "unknown-controller" { Ok(()) } else { Err(answer.problem()) }
         }
         404 => Err("the session is open".to_owned()),
         _ if sent.was_gone => Err(format!("the session has ended, but the status is {}", answer.status)),
@@ -262,10 +262,4 @@ fn expect(answer: &Answer, statuses: &[u16]) -> Result<(), Violation> {
         return Ok(());
     }
     Err(format!("status {} instead of {statuses:?}: {}", answer.status, String::from_utf8_lossy(&answer.body)))
-}
-
-/// Returns the kind of a problem, such as `sequence`; empty if the answer is none.
-fn kind(answer: &Answer) -> String {
-    let problem = answer.read::<wire::Problem>().map(|problem| problem.kind).unwrap_or_default();
-    problem.trim_start_matches("/problems/").to_owned()
 }
