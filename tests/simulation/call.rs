@@ -28,14 +28,18 @@ pub enum Fault {
     MediaType,
 }
 
+/// A request to open a session.
+#[derive(Debug, Clone)]
+pub struct Open {
+    pub design: Design,
+    pub owner: Option<String>,
+    pub key: Option<String>,
+}
+
 /// A call of the service.
 #[derive(Debug, Clone)]
 pub enum Call {
-    Open {
-        design: Design,
-        owner: Option<String>,
-        key: Option<String>,
-    },
+    Open(Open),
     Step {
         session: String,
         owner: Option<String>,
@@ -115,7 +119,7 @@ impl Call {
             None => request,
         };
         match self {
-            Self::Open { design, owner, key } => {
+            Self::Open(Open { design, owner, key }) => {
                 let request = Request::new("POST", "/v1/controllers", id);
                 let request = request.with_body(format.media_type(), format.write(&*design.wire));
                 optional(optional(request, "revprio-owner", owner), "idempotency-key", key)
@@ -135,7 +139,7 @@ impl Call {
             Self::Ready => Request::new("GET", "/readyz", id),
             Self::Other { method, path, host, .. } => {
                 let mut request = Request::new(method, *path, id);
-                request.headers[0].1 = (*host).to_owned();
+                (*host).clone_into(&mut request.headers[0].1);
                 request
             }
             Self::Once { request } => {
@@ -148,7 +152,7 @@ impl Call {
     pub fn text(&self) -> String {
         let short = |id: &str| id.get(..8).unwrap_or(id).to_owned();
         match self {
-            Self::Open { design, owner, key } => {
+            Self::Open(Open { design, owner, key }) => {
                 let is = |word: &Option<String>| word.as_deref().map_or("none".to_owned(), short);
                 format!("open {} owner {} key {}", design.wire.robot, is(owner), is(key))
             }

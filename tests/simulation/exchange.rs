@@ -72,9 +72,15 @@ impl Link {
             && at.elapsed() < Duration::from_millis(900)
     }
 
-    /// Returns the bytes of a new connection.
-    pub fn into_wire(self) -> Wire {
-        self.connection.wire
+    /// Returns the bytes of the connection.
+    pub fn wire(&self) -> Wire {
+        self.connection.wire.clone()
+    }
+
+    /// Reads the answer to a request that is no exchange.
+    pub async fn answer(&mut self) -> Option<Answer> {
+        let read = tokio::time::timeout(FOREVER, self.connection.read("GET")).await;
+        read.expect("the service answers in time").ok()
     }
 }
 
@@ -164,7 +170,9 @@ impl Client {
                 write.await;
                 self.pause(0, 2).await;
                 let end = if fate == Fate::DiesSending { End::Incomplete } else { End::Lost };
-                sent.iter().for_each(|sent| self.judge(link, sent, &end, began));
+                for sent in &sent {
+                    self.judge(link, sent, &end, began);
+                }
                 (vec![None; calls.len()], false)
             }
         };
@@ -190,14 +198,15 @@ impl Client {
         (answers, is_open)
     }
 
-    /// Writes a request, and notes it.
+    /// Prepares a request, and tells the oracle.
     fn prepare(&self, call: &Call, format: Format, link: &Link) -> (Call, Request, Sent) {
         let request = self.request(call, format);
         let sent = self.world.oracle().sent(call, link.instance.number, &self.name);
         (call.clone(), request, sent)
     }
 
-    fn request(&self, call: &Call, format: Format) -> Request {
+    /// Writes a request, and notes it.
+    pub fn request(&self, call: &Call, format: Format) -> Request {
         let mut request = call.request(self.world.request_id(&self.name), format);
         if self.world.plan.needs_token {
             request = request.with("authorization", format!("Bearer {TOKEN}"));

@@ -58,6 +58,10 @@ impl Random {
         self.0.u128(..).to_le_bytes()
     }
 
+    pub fn byte(&mut self) -> u8 {
+        self.0.u8(..)
+    }
+
     /// Returns a word that no other call returns.
     pub fn word(&mut self) -> String {
         format!("{:032x}", self.0.u128(..))

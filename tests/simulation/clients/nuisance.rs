@@ -40,7 +40,7 @@ async fn wrong_requests(client: &mut Client) {
 /// Bytes that are not HTTP: the service answers with 400 or closes the connection, and does not wait.
 async fn garbage(client: &mut Client) {
     let Ok(mut wire) = client.world.instance().port.connect(1024) else { return };
-    let bytes: Vec<u8> = (0..client.random.from(1, 300)).map(|_| client.random.below(256) as u8).collect();
+    let bytes: Vec<u8> = (0..client.random.from(1, 300)).map(|_| client.random.byte()).collect();
     let _ = wire.write_all(&bytes).await;
     let _ = wire.shutdown().await;
     let mut answer = Vec::new();

@@ -2,16 +2,19 @@
 
 use std::time::Duration;
 
-use crate::call::Call;
-use crate::exchange::Client;
+use tokio::io::AsyncWriteExt as _;
+
+use crate::call::{Call, Format};
+use crate::exchange::{Client, Link};
 use crate::world::Phase;
 
 pub async fn run(client: &mut Client) {
     for _ in 0..client.random.from(1, 3) {
         client.pause(5, 150).await;
-        match client.random.below(3) {
-            0 => pause_machine(client).await,
-            1 => kill(client).await,
+        match client.random.below(7) {
+            0 | 1 => pause_machine(client).await,
+            2 => burst(client).await,
+            3 | 4 => kill(client).await,
             _ => drain(client).await,
         }
     }
@@ -23,6 +26,39 @@ async fn pause_machine(client: &mut Client) {
     let pause = client.random.millis(5, 400);
     client.note(&format!("the machine pauses for {pause:?}"));
     tokio::time::advance(pause).await;
+}
+
+/// The machine pauses in the middle of many requests. Those after the pause have waited too long.
+async fn burst(client: &mut Client) {
+    if client.world.plan.config.max_connections < 100 {
+        return;
+    }
+    client.world.oracle().has_paused = true;
+    let mut links: Vec<Link> = (0..20).filter_map(|_| client.connect_through(1 << 16)).collect();
+    tokio::time::sleep(Duration::from_millis(1)).await;
+    let half = links.len() / 2;
+    for link in &links[..half] {
+        write(client, link).await;
+    }
+    // This task runs after those that read the requests before it.
+    let pause = tokio::spawn(tokio::time::advance(Duration::from_millis(50)));
+    for link in &links[half..] {
+        write(client, link).await;
+    }
+    pause.await.expect("a pause does not fail");
+    for link in &mut links {
+        let answer = link.answer().await;
+        let text = answer.as_ref().map(|answer| format!("{} {}", answer.status, answer.problem()));
+        client.note(&format!("← {}", text.as_deref().unwrap_or("nothing")));
+        assert!(answer.is_some() || !link.instance.is_serving(), "the service does not answer");
+        assert!(answer.is_none_or(|answer| answer.status == 200 || answer.problem() == "overloaded"));
+    }
+}
+
+async fn write(client: &Client, link: &Link) {
+    let request = client.request(&Call::List, Format::Json);
+    // The network holds the whole request, so this does not wait.
+    let _ = link.wire().write_all(&request.bytes()).await;
 }
 
 async fn kill(client: &mut Client) {
@@ -52,9 +88,8 @@ async fn drain(client: &mut Client) {
     }
     let config = &client.world.plan.config;
     let longest = config.drain_delay + config.drain_timeout + Duration::from_millis(100);
-    if tokio::time::timeout(longest, instance.ended()).await.is_err() {
-        panic!("the service does not end: {:?}", instance.phase());
-    }
+    let ended = tokio::time::timeout(longest, instance.ended()).await;
+    assert!(ended.is_ok(), "the service does not end: {:?}", instance.phase());
     assert!(matches!(instance.phase(), Phase::Ended(_)));
     client.note(&format!("service {} has ended", instance.number));
     if !is_replaced_first {

@@ -7,7 +7,7 @@ use revprio_api::wire;
 use tokio::time::Instant;
 
 use crate::arm::Arm;
-use crate::call::Call;
+use crate::call::{Call, Open};
 use crate::controllers::Design;
 use crate::exchange::{Client, Fate, Link};
 use crate::http::Answer;
@@ -61,7 +61,7 @@ impl Pilot {
     pub async fn open(&mut self, client: &mut Client, link: &mut Option<Link>) -> bool {
         self.key = client.random.one_in(2).then(|| client.random.word());
         for attempt in 0..4 {
-            let call = Call::Open { design: self.design.clone(), owner: self.owner.clone(), key: self.key.clone() };
+            let call = Call::Open(self.opening(self.owner.clone()));
             let fate = match client.random.below(12) {
                 0 if attempt == 0 => Fate::DiesSending,
                 1 if attempt == 0 => Fate::DiesWaiting,
@@ -82,7 +82,11 @@ impl Pilot {
     /// Repeats the request that opened the session, sometimes with another owner. The oracle knows what must happen.
     pub async fn open_again(&self, client: &mut Client, link: &mut Option<Link>) {
         let owner = if client.random.one_in(3) { Some(client.random.word()) } else { self.owner.clone() };
-        client.call(link, Call::Open { design: self.design.clone(), owner, key: self.key.clone() }).await;
+        client.call(link, Call::Open(self.opening(owner))).await;
+    }
+
+    fn opening(&self, owner: Option<String>) -> Open {
+        Open { design: self.design.clone(), owner, key: self.key.clone() }
     }
 
     /// Measures the arm and returns the next state.

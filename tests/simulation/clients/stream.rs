@@ -23,7 +23,7 @@ const FOREVER: Duration = Duration::from_mins(2);
 
 /// An open stream.
 struct Socket {
-    socket: WebSocketStream<Wire>,
+    messages: WebSocketStream<Wire>,
     instance: Arc<Instance>,
     format: Format,
     /// Whether the last answer said that the session has ended.
@@ -61,12 +61,12 @@ async fn connect(client: &mut Client, pilot: &mut Pilot) -> Option<Socket> {
         value.map(|value| request.headers_mut().insert(name, value.parse().unwrap()));
     }
     let instance = Arc::clone(&link.instance);
-    let opened = tokio::time::timeout(FOREVER, tokio_tungstenite::client_async(request, link.into_wire())).await;
+    let opened = tokio::time::timeout(FOREVER, tokio_tungstenite::client_async(request, link.wire())).await;
     let refused = match opened.expect("the service answers a handshake in time") {
-        Ok((socket, _)) => {
+        Ok((messages, _)) => {
             assert!(!is_wrong, "a stream with a wrong owner token is open");
             client.note(&format!("opens a stream in {format:?}"));
-            return Some(Socket { socket, instance, format, has_ended: false, longest_silence: Duration::ZERO });
+            return Some(Socket { messages, instance, format, has_ended: false, longest_silence: Duration::ZERO });
         }
         Err(Error::Http(refused)) => refused.status().as_u16(),
         Err(error) => {
@@ -111,7 +111,7 @@ async fn drive(client: &mut Client, pilot: &mut Pilot, mut socket: Socket) {
         }
         client.pause(0, 8).await;
     }
-    let _ = socket.socket.close(None).await;
+    let _ = socket.messages.close(None).await;
 }
 
 /// Sends a measured state so many times. Returns whether the stream is still open.
@@ -146,7 +146,7 @@ async fn send(client: &mut Client, socket: &mut Socket, calls: &[Call]) -> Optio
             Format::MessagePack => Message::binary(Format::MessagePack.write(&**state)),
         };
         // A stream that has ended cannot be written to, but answers may still wait in it.
-        let _ = tokio::time::timeout(FOREVER, socket.socket.send(message)).await.expect("the service reads in time");
+        let _ = tokio::time::timeout(FOREVER, socket.messages.send(message)).await.expect("the service reads in time");
     }
     let mut answers = Vec::new();
     for (call, sent) in calls.iter().zip(&sent) {
@@ -170,7 +170,7 @@ fn post(client: &Client, socket: &Socket, call: &Call) -> Sent {
 /// Reads the next answer; `None`: the stream has ended, and it may have.
 async fn read(client: &mut Client, socket: &mut Socket) -> Option<Answer> {
     loop {
-        let message = tokio::time::timeout(FOREVER, socket.socket.next()).await.expect("the service answers a state");
+        let message = tokio::time::timeout(FOREVER, socket.messages.next()).await.expect("the service answers a state");
         let bytes = match message {
             Some(Ok(Message::Text(text))) => text.as_bytes().to_vec(),
             Some(Ok(Message::Binary(bytes))) => bytes.to_vec(),

@@ -1,12 +1,14 @@
 //! What each answer must be.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use revprio_api::wire;
+use tokio::time::Instant;
 
 use super::session::{Session, is_plausible};
-use super::{Oracle, Sent, Violation};
-use crate::call::Call;
+use super::{OpeningState, Oracle, Sent, Violation};
+use crate::call::{Call, Open};
 use crate::controllers::Design;
 use crate::http::Answer;
 
@@ -28,7 +30,7 @@ impl Oracle {
             return Ok(());
         }
         match call {
-            Call::Open { design, owner, key } => self.opened(design, owner, key, instance, sent, answer),
+            Call::Open(open) => self.opened(open, instance, sent, answer),
             Call::Step { session, .. } => match self.sessions.get_mut(session) {
                 Some(found) => stepped(found, call, instance, sent, answer, self.config.session_idle),
                 None => expect(answer, &[404, 400, 422, 415]),
@@ -47,7 +49,7 @@ impl Oracle {
         match answer.problem().as_str() {
             "overloaded" => self.has_paused,
             "deadline" => match call {
-                Call::Open { .. } | Call::Once { .. } => true,
+                Call::Open(_) | Call::Once { .. } => true,
                 Call::Step { session, .. } => self.sessions.get(session).is_some_and(|found| found.design.is_large),
                 _ => false,
             },
@@ -55,59 +57,61 @@ impl Oracle {
         }
     }
 
-    fn opened(
-        &mut self,
-        design: &Design,
-        owner: &Option<String>,
-        key: &Option<String>,
-        instance: u32,
-        sent: &Sent,
-        answer: &Answer,
-    ) -> Result<(), Violation> {
-        let idle = self.config.session_idle;
-        let with_key = |session: &&Session| session.instance == instance && key.is_some() && session.key == *key;
-        let same = |session: &Session| session.owner == *owner && session.design.wire == design.wire;
-        let before = self.sessions.values().filter(with_key);
-        match answer.status {
-            201 => {
-                let created: wire::CreatedController = answer.read()?;
-                let location = format!("/v1/controllers/{}", created.id);
-                if answer.header("location") != Some(&location) {
-                    return Err(format!("the header `location` is not {location}"));
-                }
-                if let Some(known) = self.sessions.get(&created.id) {
-                    return if with_key(&known) && same(known) {
-                        Ok(())
-                    } else {
-                        Err(format!("session {} was opened twice", created.id))
-                    };
-                }
-                if let Some(first) = before.clone().find(|session| session.must_be_open(instance, idle)) {
-                    return Err(format!("the key {:?} opened a second session", first.key));
-                }
-                let open = |session: &&Session| session.known_at <= sent.at && session.must_be_open(instance, idle);
-                if self.sessions.values().filter(open).count() >= self.config.max_sessions {
-                    return Err(format!("{} sessions were open already", self.config.max_sessions));
-                }
-                // A lost request with the same key opened this session, if any did.
-                for opening in &mut self.openings {
-                    if key.is_some() && opening.key == *key && opening.state == super::OpeningState::Lost {
-                        opening.state = super::OpeningState::Done;
-                    }
-                }
-                let session = Session::new(design.clone(), instance, owner.clone(), key.clone(), sent.at);
-                self.sessions.insert(created.id, session);
-                Ok(())
+    fn opened(&mut self, open: &Open, instance: u32, sent: &Sent, answer: &Answer) -> Result<(), Violation> {
+        match (answer.status, answer.problem().as_str()) {
+            (201, _) => self.created(open, instance, sent, answer),
+            (422, "key-reused") => {
+                let idle = self.config.session_idle;
+                let is_other = |session: &Session| !session.must_be_gone(instance, idle) && !session.is_opened_by(open);
+                let has_other = self.with_key(open, instance).any(is_other);
+                if has_other { Ok(()) } else { Err("the key was not used before".to_owned()) }
             }
-            422 if answer.problem() == "key-reused" => {
-                let other = before.clone().any(|session| !session.must_be_gone(instance, idle) && !same(session));
-                if other { Ok(()) } else { Err("the key was not used before".to_owned()) }
-            }
-            503 if answer.problem() == "too-many-controllers" => {
+            (503, "too-many-controllers") => {
                 let most = self.open_at_most(instance);
                 if most >= self.config.max_sessions { Ok(()) } else { Err(format!("at most {most} sessions are open")) }
             }
             _ => expect(answer, &[201]),
+        }
+    }
+
+    /// Judges the ID of a session. It is new, unless the request repeats the key of an open session.
+    fn created(&mut self, open: &Open, instance: u32, sent: &Sent, answer: &Answer) -> Result<(), Violation> {
+        let idle = self.config.session_idle;
+        let created: wire::CreatedController = answer.read()?;
+        let location = format!("/v1/controllers/{}", created.id);
+        if answer.header("location") != Some(&location) {
+            return Err(format!("the header `location` is not {location}"));
+        }
+        if let Some(known) = self.sessions.get(&created.id) {
+            let is_repeated = known.instance == instance && open.key.is_some() && known.key == open.key;
+            let is_right = is_repeated && known.is_opened_by(open);
+            return if is_right { Ok(()) } else { Err(format!("session {} was opened twice", created.id)) };
+        }
+        if let Some(first) = self.with_key(open, instance).find(|session| session.must_be_open(instance, idle)) {
+            return Err(format!("the key {:?} opened a second session", first.key));
+        }
+        let was_open = |session: &&Session| session.known_at <= sent.at && session.must_be_open(instance, idle);
+        if self.sessions.values().filter(was_open).count() >= self.config.max_sessions {
+            return Err(format!("{} sessions were open already", self.config.max_sessions));
+        }
+        self.explain_lost(open);
+        self.sessions.insert(created.id, Session::new(open, instance, sent.at));
+        Ok(())
+    }
+
+    /// Returns the sessions that the same key opened.
+    fn with_key(&self, open: &Open, instance: u32) -> impl Iterator<Item = &Session> {
+        let key = open.key.clone();
+        let has_key = move |session: &&Session| session.instance == instance && key.is_some() && session.key == key;
+        self.sessions.values().filter(has_key)
+    }
+
+    /// Notes that a lost request with the same key opened this session, if any did.
+    fn explain_lost(&mut self, open: &Open) {
+        for opening in &mut self.openings {
+            if open.key.is_some() && opening.key == open.key && opening.state == OpeningState::Lost {
+                opening.state = OpeningState::Done;
+            }
         }
     }
 
@@ -143,16 +147,9 @@ impl Oracle {
                 session.is_deleted = true;
                 Ok(())
             }
-            404 if sent.was_gone || session.may_be_gone_without(sent, idle) => Ok(()),
+            404 if sent.was_gone || session.may_be_gone_without(idle) => Ok(()),
             _ => expect(answer, &[204]),
         }
-    }
-}
-
-impl Session {
-    /// Returns whether the session may have ended for another reason than this one request to delete it.
-    fn may_be_gone_without(&self, _: &Sent, idle: std::time::Duration) -> bool {
-        self.deletions > 1 || self.called_at_least.elapsed() >= idle
     }
 }
 
@@ -163,7 +160,7 @@ fn stepped(
     instance: u32,
     sent: &Sent,
     answer: &Answer,
-    idle: std::time::Duration,
+    idle: Duration,
 ) -> Result<(), Violation> {
     let Call::Step { state, owner, fault, .. } = call else { return Ok(()) };
     if let Some(fault) = fault {
@@ -180,7 +177,7 @@ fn stepped(
         return expect(answer, &[422]);
     }
     session.called_at_least = session.called_at_least.max(sent.at);
-    session.called_at_most = session.called_at_most.max(tokio::time::Instant::now());
+    session.called_at_most = session.called_at_most.max(Instant::now());
     match answer.status {
         200 => accepted(session, state, sent, answer.read()?),
         409 if answer.problem() == "sequence" => {
@@ -245,7 +242,7 @@ fn check_found(
     instance: u32,
     sent: &Sent,
     answer: &Answer,
-    idle: std::time::Duration,
+    idle: Duration,
 ) -> Result<(), Violation> {
     match answer.status {
         404 if sent.was_gone || session.may_be_gone(idle) || session.instance != instance => {

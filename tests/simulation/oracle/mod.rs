@@ -14,7 +14,7 @@ use revprio::service::ServiceConfig;
 use revprio_api::wire;
 use tokio::time::Instant;
 
-use crate::call::Call;
+use crate::call::{Call, Open};
 use crate::http::Answer;
 use session::Session;
 
@@ -76,7 +76,7 @@ impl Oracle {
         let idle = self.config.session_idle;
         let mut sent = Sent { at: Instant::now(), floor: None, was_gone: true, opening: None };
         match call {
-            Call::Open { key, .. } => {
+            Call::Open(Open { key, .. }) => {
                 sent.opening = Some(self.openings.len());
                 self.openings.push(Opening { instance, key: key.clone(), state: OpeningState::OnItsWay });
             }

@@ -67,7 +67,7 @@ impl Search<'_> {
         if let Some(state) = next_lost.filter(|lost| next.is_none_or(|(state, _)| lost.sequence <= state.sequence)) {
             let skipped = Place { lost: place.lost + 1, ..place.clone() };
             let is_possible = place.sequence < Some(state.sequence);
-            return self.explains(skipped) || (is_possible && self.explains_with(place, state));
+            return self.explains(skipped) || (is_possible && self.explains_with(&place, state));
         }
         let Some((state, answer)) = next else { return self.steps.is_none_or(|steps| steps == place.steps) };
         if place.sequence >= Some(state.sequence) {
@@ -85,13 +85,19 @@ impl Search<'_> {
     }
 
     /// Returns whether the rest is explained if this lost state was stepped.
-    fn explains_with(&mut self, place: Place, state: &wire::State) -> bool {
+    fn explains_with(&mut self, place: &Place, state: &wire::State) -> bool {
         let mut memory = place.memory.clone();
         if self.step(&mut memory, state, None).is_err() {
             return false;
         }
         let sequence = Some(state.sequence);
-        self.explains(Place { lost: place.lost + 1, sequence, steps: place.steps + 1, memory, ..place })
+        self.explains(Place {
+            accepted: place.accepted,
+            lost: place.lost + 1,
+            sequence,
+            steps: place.steps + 1,
+            memory,
+        })
     }
 
     fn step(

@@ -7,6 +7,7 @@ use std::time::Duration;
 use revprio_api::wire::{self, JointVector};
 use tokio::time::Instant;
 
+use crate::call::Open;
 use crate::controllers::Design;
 
 /// Default of `state_checks.position_tolerance`, with a margin for rounding.
@@ -46,12 +47,13 @@ pub struct Session {
 }
 
 impl Session {
-    pub fn new(design: Design, instance: u32, owner: Option<String>, key: Option<String>, sent: Instant) -> Self {
+    /// Creates what is known of a session that a request, sent at a time, has opened.
+    pub fn new(open: &Open, instance: u32, sent: Instant) -> Self {
         Self {
-            design,
+            design: open.design.clone(),
             instance,
-            owner,
-            key,
+            owner: open.owner.clone(),
+            key: open.key.clone(),
             sent: Vec::new(),
             lost: Vec::new(),
             accepted: BTreeMap::new(),
@@ -65,6 +67,11 @@ impl Session {
             called_at_most: Instant::now(),
             reported_steps: None,
         }
+    }
+
+    /// Returns whether a request asks for a session with the same controller and owner.
+    pub fn is_opened_by(&self, open: &Open) -> bool {
+        self.owner == open.owner && self.design.wire == open.design.wire
     }
 
     /// Returns whether a client with this owner token may step the session.
@@ -109,6 +116,11 @@ impl Session {
     /// Returns whether the session may have ended.
     pub fn may_be_gone(&self, idle: Duration) -> bool {
         self.deletions > 0 || Instant::now().saturating_duration_since(self.called_at_least) >= idle
+    }
+
+    /// Returns whether the session may have ended for another reason than this one request to delete it.
+    pub fn may_be_gone_without(&self, idle: Duration) -> bool {
+        self.deletions > 1 || self.called_at_least.elapsed() >= idle
     }
 
     /// Returns whether another state with at least this sequence number may have been stepped.
