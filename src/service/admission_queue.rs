@@ -1,9 +1,10 @@
 //! Refuses requests early when too many wait for the one thread.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tokio::sync::Notify;
+use tokio::time::Instant;
 
 /// Number of requests after a marker that are always admitted. If so few requests take long, the cause is a pause of the
 /// machine or one slow request, not overload.

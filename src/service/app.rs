@@ -1,6 +1,6 @@
 //! The whole application: all routes, the gate before them, and the state that they share.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use axum::http::{HeaderName, HeaderValue, Method, header};
@@ -29,16 +29,21 @@ pub struct Service {
 
 /// Returns all routes of the service.
 pub fn router(app: AppState) -> Service {
+    static ROUTES: OnceLock<Router<Arc<AppState>>> = OnceLock::new();
+    behind_gate(ROUTES.get_or_init(all_routes).clone(), app)
+}
+
+/// Returns all routes. This takes milliseconds, because it also describes them.
+fn all_routes() -> Router<Arc<AppState>> {
     let documents = Documents { openapi: openapi_document, asyncapi: asyncapi_document };
     let (routes, _) = routes(OpenApi::default()).split_for_parts();
-    let routes = routes
+    routes
         .route("/", get(page::home))
         .route("/dashboard/{file}", get(page::file))
         .route("/docs", get(docs::home))
         .route("/docs/", get(docs::page))
         .route("/docs/{file}", get(docs::file))
-        .layer(Extension(documents));
-    behind_gate(routes, app)
+        .layer(Extension(documents))
 }
 
 /// Puts the gate before the routes, and answers unknown routes and methods with problems.

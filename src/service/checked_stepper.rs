@@ -1,10 +1,10 @@
 //! A stepper that checks the states.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Controller, Measurement, Memory, Stepper};
+use tokio::time::Instant;
 
 use super::convert::{self, LastState, StateRules};
 use super::error::ApiError;

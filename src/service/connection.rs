@@ -6,12 +6,11 @@ use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::task::{Context, Poll, ready};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::TcpStream;
 use tokio::task::AbortHandle;
-use tokio::time::Sleep;
+use tokio::time::{Instant, Sleep};
 
 /// A connection with so many reads and answers, the last answer not longer ago than [`LOOP_PAUSE`], is in a control loop.
 const LOOP_CALLS: u64 = 8;
@@ -148,17 +147,17 @@ impl Drop for Slot {
 
 /// A connection that ends when its client reads no byte of an answer for too long.
 #[derive(Debug)]
-pub struct Connection {
-    stream: TcpStream,
+pub struct Connection<S> {
+    stream: S,
     slot: Slot,
     write_timeout: Duration,
     /// The timer that runs while the client does not read.
     stalled: Option<Pin<Box<Sleep>>>,
 }
 
-impl Connection {
+impl<S> Connection<S> {
     /// Wraps an accepted stream.
-    pub fn new(stream: TcpStream, slot: Slot, write_timeout: Duration) -> Self {
+    pub fn new(stream: S, slot: Slot, write_timeout: Duration) -> Self {
         Self { stream, slot, write_timeout, stalled: None }
     }
 
@@ -178,7 +177,7 @@ impl Connection {
     }
 }
 
-impl AsyncRead for Connection {
+impl<S: AsyncRead + Unpin> AsyncRead for Connection<S> {
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context, into: &mut ReadBuf) -> Poll<io::Result<()>> {
         let result = Pin::new(&mut self.stream).poll_read(context, into);
         if result.is_ready() {
@@ -188,7 +187,7 @@ impl AsyncRead for Connection {
     }
 }
 
-impl AsyncWrite for Connection {
+impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
     fn poll_write(mut self: Pin<&mut Self>, context: &mut Context, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let result = Pin::new(&mut self.stream).poll_write(context, bytes);
         self.after_write(context, result)

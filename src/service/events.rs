@@ -56,8 +56,9 @@ impl<T: Clone, F> Reader<T, F> {
                 tokio::time::sleep(self.pause).await;
             }
             tokio::select! {
-                changed = self.source.changed() => changed.ok()?,
+                biased;
                 () = self.draining.begun() => return None,
+                changed = self.source.changed() => changed.ok()?,
             }
             // Clones the value, because a long borrow would block the writer.
             let value = self.source.borrow_and_update().clone();

@@ -1,7 +1,8 @@
 //! Requests with a missing or wrong token: how many are logged and answered as such.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+
+use tokio::time::Instant;
 
 /// Number of failures that are logged and answered with 401 without a pause before them.
 const BURST: f64 = 30.0;

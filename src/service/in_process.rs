@@ -10,6 +10,7 @@ use super::checked_stepper::CheckedStepper;
 use super::error::ApiError;
 use super::metrics::Metrics;
 use super::ownership::Ownership;
+use super::platform::OperatingSystem;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::step::{open_session, stateless_step, stateless_stepper};
@@ -34,7 +35,7 @@ pub struct InProcess {
 impl InProcess {
     /// Creates a service that knows these robots.
     pub fn new(robots: Robots) -> Self {
-        let sessions = Sessions::new(MAX_SESSIONS, IDLE_TIMEOUT, Arc::new(Metrics::new()));
+        let sessions = Sessions::new(MAX_SESSIONS, IDLE_TIMEOUT, Arc::new(Metrics::new()), Arc::new(OperatingSystem));
         Self { robots, sessions, steppers: RefCell::default() }
     }
 

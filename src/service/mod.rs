@@ -132,8 +132,8 @@
 //!
 //! 1. `error`, `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`, `host`: one request, without state
 //! 2. `robots`, `convert`: the registry of arms; bodies to types of the library and back
-//! 3. `log`, `metrics`, `connection`, `admission_queue`, `drain`, `failures`, `heartbeat`, `background`, `workers`, `price`,
-//!    `events`: the running server
+//! 3. `log`, `metrics`, `connection`, `admission_queue`, `drain`, `failures`, `heartbeat`, `listener`, `background`,
+//!    `platform`, `workers`, `price`, `events`: the running server
 //! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `simulations`: the controllers
 //! 5. `state`: all of these together
 //! 6. `body`, `resolve`, `step_once`, `stream`, `gate`: modules that use the state
@@ -160,10 +160,12 @@ mod heartbeat;
 mod host;
 mod in_process;
 mod interleaving;
+mod listener;
 mod log;
 mod metrics;
 mod openapi;
 mod ownership;
+mod platform;
 mod price;
 mod request_id;
 mod resolve;
@@ -187,10 +189,12 @@ pub use convert::{controller, robot_answer};
 pub use error::ApiError;
 pub use heartbeat::Supervisor;
 pub use host::is_host_name;
+pub use listener::{Accepted, Listener};
 pub use log::{LogWriter, dropped_lines};
 pub use openapi::{asyncapi_document, openapi_document};
+pub use platform::{Job, JobQueue, OperatingSystem, Platform, WorkKind};
 pub use robots::{Robots, RobotsError};
-pub use server::{RunningServer, ServeError, bind, serve, serve_supervised};
+pub use server::{RunningServer, ServeError, bind, serve, serve_on, serve_supervised};
 pub use state::AppState;
 pub use tls::{Tls, TlsError};
 pub use token::{Token, TokenError};

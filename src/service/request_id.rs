@@ -3,6 +3,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use uuid::Uuid;
+
+use super::platform::Platform;
 
 /// The header with the ID.
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -18,14 +21,13 @@ pub struct RequestIds {
     next: AtomicU64,
 }
 
-impl Default for RequestIds {
-    fn default() -> Self {
-        let prefix = uuid::Uuid::new_v4().simple().to_string()[..8].to_owned();
+impl RequestIds {
+    /// Creates the IDs of one process.
+    pub fn new(platform: &dyn Platform) -> Self {
+        let prefix = Uuid::from_bytes(platform.random_bytes()).simple().to_string()[..8].to_owned();
         Self { prefix, next: AtomicU64::new(1) }
     }
-}
 
-impl RequestIds {
     /// Returns the client's ID if it is a short word, otherwise a new ID.
     pub fn for_request(&self, headers: &HeaderMap) -> HeaderValue {
         let is_valid = |id: &&HeaderValue| {

@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 use revprio_api::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
+use tokio::time::Instant;
 
 use super::background::{Abandoned, on_all_cores};
 use super::body::LargeBody;

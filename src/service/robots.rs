@@ -1,9 +1,10 @@
 //! The registry of the arms that requests can name.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use revprio_robot::{RobotModel, built_in};
+use tokio::time::Instant;
 
 /// Maximum number of registered robots. Each uses at most about 100 kilobytes, mostly names.
 const MAX_REGISTERED: usize = 64;

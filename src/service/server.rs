@@ -17,9 +17,9 @@ use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::TcpStream;
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tokio::sync::oneshot;
+use tokio::task::JoinSet;
 
 use super::app::Service;
 use super::config::ServiceConfig;
@@ -28,6 +28,7 @@ use super::drain::Draining;
 use super::error::connection_refusal;
 use super::gate::{LocalAddress, PeerAddress};
 use super::heartbeat::{Heartbeat, Supervisor};
+use super::listener::{Accepted, Listener};
 
 type RouterResult = Result<Response, Infallible>;
 
@@ -116,8 +117,6 @@ fn run(
     let drain_timeout = service.app.config.drain_timeout;
     let served = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let app = Arc::clone(&service.app);
-        tokio::spawn(async move { app.admission_queue.run_marker().await });
         let beating = Arc::clone(heartbeat);
         tokio::spawn(async move { beating.run().await });
         accept(listener, service, stop, heartbeat).await;
@@ -129,13 +128,18 @@ fn run(
     served
 }
 
-async fn accept(
-    listener: tokio::net::TcpListener,
-    service: Service,
-    stop: impl Future<Output = ()>,
-    heartbeat: &Heartbeat,
-) {
+/// Serves the connections of any listener in the current runtime until `stop` is ready, then answers the requests in flight
+/// and returns. Unlike [`serve`], it does not check the address, and connections that are still open stay open.
+pub async fn serve_on(listener: impl Listener, service: Service, stop: impl Future<Output = ()>) {
+    accept(listener, service, stop, &Heartbeat::new(None)).await;
+}
+
+async fn accept(mut listener: impl Listener, service: Service, stop: impl Future<Output = ()>, heartbeat: &Heartbeat) {
     let app = Arc::clone(&service.app);
+    let marked = Arc::clone(&app);
+    // The task ends with this function.
+    let mut marker = JoinSet::new();
+    marker.spawn(async move { marked.admission_queue.run_marker().await });
     let mut drained = std::pin::pin!(async {
         stop.await;
         app.drain.announce();
@@ -143,11 +147,12 @@ async fn accept(
     });
     loop {
         let accepted = tokio::select! {
-            accepted = listener.accept() => accepted,
+            biased;
             () = &mut drained => break,
+            accepted = listener.accept() => accepted,
         };
         match accepted {
-            Ok((stream, peer)) => admit(stream, peer, &service),
+            Ok(accepted) => admit(accepted, &service),
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
                 // The usual cause is too many open files.
@@ -165,23 +170,25 @@ async fn accept(
 }
 
 /// Starts a task that serves a connection, or refuses the connection if there are too many.
-fn admit(stream: TcpStream, peer: SocketAddr, service: &Service) {
+fn admit<S>(accepted: Accepted<S>, service: &Service)
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
+    let Accepted { stream, local, peer } = accepted;
     let (config, metrics) = (&service.app.config, &service.app.metrics);
     let Some((slot, full)) = service.app.connections.add() else {
         metrics.count_connection_fault("refused");
-        // The answer fits into any send buffer. An encrypted connection is only closed.
+        // An encrypted connection is only closed.
         if config.tls.is_none() {
-            let _ = stream.try_write(connection_refusal().as_bytes());
+            tokio::spawn(tokio::time::timeout(config.write_timeout, refuse(stream)));
         }
         return;
     };
     if full {
         metrics.count_connection_fault("closed_for_another");
     }
-    // Answers are small and the client waits for them: never delay one to fill a packet.
-    let _ = stream.set_nodelay(true);
     let set_task = slot.set_task();
-    let caller = Caller { local: stream.local_addr().ok(), peer, reads: slot.reads() };
+    let caller = Caller { local, peer, reads: slot.reads() };
     let connection = Connection::new(stream, slot, config.write_timeout);
     let draining = service.app.drain.subscribe();
     let task = match &config.tls {
@@ -200,6 +207,12 @@ fn admit(stream: TcpStream, peer: SocketAddr, service: &Service) {
     set_task(task.abort_handle());
 }
 
+/// Answers a connection above the limit. A new connection can be written to only after the runtime has polled it.
+async fn refuse(mut stream: impl AsyncWrite + Unpin) -> io::Result<()> {
+    stream.write_all(connection_refusal().as_bytes()).await?;
+    stream.shutdown().await
+}
+
 /// Answers the requests of one connection. After the shutdown began, it answers only requests that have arrived.
 async fn answer<C>(connection: C, caller: Caller, service: Service, mut draining: Draining)
 where
@@ -215,6 +228,7 @@ where
         .with_upgrades();
     let mut connection = std::pin::pin!(connection);
     let result = tokio::select! {
+        biased;
         result = connection.as_mut() => result,
         () = draining.begun() => {
             connection.as_mut().graceful_shutdown();

@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use revprio_api::wire;
 use revprio_core::controller::{Controller, Memory};
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
 use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
+use tokio::time::Instant;
 use uuid::Uuid;
 
 use super::checked_stepper::CheckedStepper;
@@ -17,6 +18,7 @@ use super::error::ApiError;
 use super::interleaving::{Interleaving, Source};
 use super::metrics::Metrics;
 use super::ownership::{Owner, Ownership};
+use super::platform::Platform;
 use super::price;
 use super::workers::Workers;
 
@@ -158,6 +160,7 @@ pub struct Sessions {
     limit: usize,
     idle_timeout: Duration,
     metrics: Arc<Metrics>,
+    platform: Arc<dyn Platform>,
     /// A session is locked while it steps, in another thread if the step is expensive. The thread of the steps must
     /// therefore never wait for the lock of a session.
     open: Mutex<HashMap<Uuid, Open>>,
@@ -165,8 +168,8 @@ pub struct Sessions {
 
 impl Sessions {
     /// Creates an empty table for at most `limit` sessions.
-    pub fn new(limit: usize, idle_timeout: Duration, metrics: Arc<Metrics>) -> Self {
-        Self { limit, idle_timeout, metrics, open: Mutex::default() }
+    pub fn new(limit: usize, idle_timeout: Duration, metrics: Arc<Metrics>, platform: Arc<dyn Platform>) -> Self {
+        Self { limit, idle_timeout, metrics, platform, open: Mutex::default() }
     }
 
     /// Time after which a session without a new state ends.
@@ -187,7 +190,7 @@ impl Sessions {
         for (id, session) in open {
             controllers.push(session.lock().await.entry(id));
         }
-        controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s));
+        controllers.sort_by(|a, b| a.idle_s.total_cmp(&b.idle_s).then_with(|| a.id.cmp(&b.id)));
         wire::SessionList { controllers }
     }
 
@@ -200,7 +203,7 @@ impl Sessions {
         controller: Controller,
         ownership: Ownership,
     ) -> Result<Uuid, ApiError> {
-        let id = Uuid::new_v4();
+        let id = Uuid::from_bytes(self.platform.random_bytes());
         let stepper = CheckedStepper::new(&request, controller)?;
         let session = Session {
             request,
@@ -314,10 +317,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::service::platform::OperatingSystem;
     use crate::service::robots::Robots;
 
     fn sessions() -> Sessions {
-        Sessions::new(2, Duration::from_mins(15), Arc::new(Metrics::new()))
+        Sessions::new(2, Duration::from_mins(15), Arc::new(Metrics::new()), Arc::new(OperatingSystem))
     }
 
     fn open(sessions: &Sessions) -> String {

@@ -11,21 +11,23 @@ use super::connection::Connections;
 use super::drain::Drain;
 use super::failures::Failures;
 use super::metrics::Metrics;
+use super::platform::{OperatingSystem, Platform, WorkKind};
 use super::request_id::RequestIds;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::simulations::Simulations;
 use super::stepper_cache::StepperCache;
-use super::workers::{Kind, Workers};
+use super::workers::Workers;
 
 /// A batch uses all cores while it runs. Each may hold a body and an answer of about 20 MB.
-const BATCHES: Kind = Kind { name: "batches", max: 4, threads: 1, low_priority: true };
+const BATCHES: WorkKind = WorkKind { name: "batches", max: 4, threads: 1, low_priority: true };
 
 /// A margin at the maximum delay takes some seconds.
-const MARGINS: Kind = Kind { name: "stability margins", max: 8, threads: 1, low_priority: true };
+const MARGINS: WorkKind = WorkKind { name: "stability margins", max: 8, threads: 1, low_priority: true };
 
 /// New controllers, robots and simulations: checks and stability warnings.
-const NEW: Kind = Kind { name: "new controllers, robots or simulations", max: 64, threads: 1, low_priority: true };
+const NEW: WorkKind =
+    WorkKind { name: "new controllers, robots or simulations", max: 64, threads: 1, low_priority: true };
 
 /// Batches take longer than other work by this factor.
 const BATCH_TIMEOUT_FACTOR: u32 = 10;
@@ -63,26 +65,37 @@ impl AppState {
 
     /// Creates the state of a service.
     pub fn with_config(robots: Robots, config: ServiceConfig) -> Self {
+        let platform: Arc<dyn Platform> = Arc::new(OperatingSystem);
+        Self::on_platform(robots, config, &platform)
+    }
+
+    /// Creates the state of a service on a platform that may be simulated.
+    pub fn on_platform(robots: Robots, config: ServiceConfig, platform: &Arc<dyn Platform>) -> Self {
         let metrics = Arc::new(Metrics::new());
         let threads = threads_beside_steps();
-        let large_problems = Kind { name: "large problems", max: 32, threads, low_priority: true };
+        let large_problems = WorkKind { name: "large problems", max: 32, threads, low_priority: true };
         // Arms wait for steps.
-        let large_steps = Kind { name: "large steps", max: 32, threads, low_priority: false };
+        let large_steps = WorkKind { name: "large steps", max: 32, threads, low_priority: false };
         Self {
             robots: robots.with_idle_timeout(config.session_idle),
-            sessions: Sessions::new(config.max_sessions, config.session_idle, Arc::clone(&metrics)),
+            sessions: Sessions::new(
+                config.max_sessions,
+                config.session_idle,
+                Arc::clone(&metrics),
+                Arc::clone(platform),
+            ),
             stepper_cache: StepperCache::default(),
-            batches: Workers::new(BATCHES, config.work_timeout * BATCH_TIMEOUT_FACTOR),
-            large_problems: Workers::new(large_problems, config.work_timeout),
-            large_steps: Workers::new(large_steps, config.work_timeout),
-            margins: Workers::new(MARGINS, config.work_timeout),
-            new: Workers::new(NEW, config.work_timeout),
+            batches: Workers::new(BATCHES, config.work_timeout * BATCH_TIMEOUT_FACTOR, platform),
+            large_problems: Workers::new(large_problems, config.work_timeout, platform),
+            large_steps: Workers::new(large_steps, config.work_timeout, platform),
+            margins: Workers::new(MARGINS, config.work_timeout, platform),
+            new: Workers::new(NEW, config.work_timeout, platform),
             simulations: Simulations::default(),
             connections: Connections::new(config.max_connections),
             metrics,
             admission_queue: AdmissionQueue::default(),
             large_bodies: Semaphore::new(config.max_large_bodies.min(Semaphore::MAX_PERMITS)),
-            request_ids: RequestIds::default(),
+            request_ids: RequestIds::new(&**platform),
             failures: Failures::default(),
             drain: Drain::new(),
             config,

@@ -1,8 +1,7 @@
 //! The calls of a control loop, shared by the HTTP handlers and by runs in this process.
 
-use std::time::Instant;
-
 use revprio_api::wire;
+use tokio::time::Instant;
 
 use super::checked_stepper::CheckedStepper;
 use super::convert::{self, LastState};

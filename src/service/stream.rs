@@ -101,7 +101,9 @@ impl Stream {
         let mut pings = interval_at(last_received + PING_INTERVAL, PING_INTERVAL);
         loop {
             let message = tokio::select! {
-                message = self.socket.recv() => message,
+                // The same order every time. Messages are last: a client that never pauses must not delay the others.
+                biased;
+                () = draining.begun() => return Err(DRAINING),
                 now = pings.tick() => {
                     if now.duration_since(last_received) >= MAX_SILENCE {
                         return Err(SILENT);
@@ -111,7 +113,7 @@ impl Stream {
                     }
                     continue;
                 }
-                () = draining.begun() => return Err(DRAINING),
+                message = self.socket.recv() => message,
             };
             last_received = Instant::now();
             let bytes = match message {

@@ -1,43 +1,31 @@
 //! Worker threads for work that is not bounded by the size of an arm. Steps do not wait for it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use tokio::sync::{Semaphore, oneshot};
 
-use super::background::{AbandonOnDrop, Abandoned, lower_priority};
+use super::background::{AbandonOnDrop, Abandoned};
 use super::error::ApiError;
-
-type Job = Box<dyn FnOnce() + Send>;
+use super::platform::{JobQueue, Platform, WorkKind};
 
 /// The threads for one kind of work, with a queue of their own. A full queue refuses work at once.
 pub struct Workers {
-    kind: Kind,
+    kind: WorkKind,
     timeout: Duration,
+    platform: Arc<dyn Platform>,
     /// Permits to run or wait.
     admitted: Arc<Semaphore>,
     /// Sends jobs to the threads, which start with the first job and end when this value is dropped.
-    queue: OnceLock<mpsc::Sender<Job>>,
-}
-
-/// A kind of work.
-#[derive(Debug, Clone, Copy)]
-pub struct Kind {
-    /// Name of the jobs in error texts, in the plural.
-    pub name: &'static str,
-    /// Maximum number of jobs at a time, running and waiting.
-    pub max: usize,
-    /// Number of threads.
-    pub threads: usize,
-    /// Whether the threads have a lower priority than the thread of the steps.
-    pub low_priority: bool,
+    queue: OnceLock<JobQueue>,
 }
 
 impl Workers {
     /// Creates the queue. A job that has not finished after `timeout` is abandoned, and its client gets status 503.
-    pub fn new(kind: Kind, timeout: Duration) -> Self {
-        Self { kind, timeout, admitted: Arc::new(Semaphore::new(kind.max)), queue: OnceLock::new() }
+    pub fn new(kind: WorkKind, timeout: Duration, platform: &Arc<dyn Platform>) -> Self {
+        let admitted = Arc::new(Semaphore::new(kind.max));
+        Self { kind, timeout, platform: Arc::clone(platform), admitted, queue: OnceLock::new() }
     }
 
     /// Runs `work` in one of the threads after the jobs before it, and waits for it. Refuses it if the queue is full.
@@ -45,7 +33,7 @@ impl Workers {
         &self,
         work: impl FnOnce(&Abandoned) -> T + Send + 'static,
     ) -> Result<T, ApiError> {
-        let Kind { name, max, .. } = self.kind;
+        let WorkKind { name, max, .. } = self.kind;
         let busy = |_| ApiError::busy(format!("{max} {name} are running or waiting; try again in a second"));
         // The job holds the permit, because it continues for a while after its client is gone.
         let permit = Arc::clone(&self.admitted).try_acquire_owned().map_err(busy)?;
@@ -65,8 +53,7 @@ impl Workers {
                 tracing::error!("background work failed");
             }
         };
-        let queue = self.queue.get_or_init(|| start(self.kind));
-        queue.send(Box::new(job)).map_err(|_| ApiError::internal())?;
+        self.queue.get_or_init(|| self.platform.start_workers(self.kind))(Box::new(job));
         match tokio::time::timeout(self.timeout, answer).await {
             Ok(answer) => answer.map_err(|_| ApiError::internal()),
             Err(_) => Err(ApiError::deadline(self.timeout)),
@@ -74,34 +61,19 @@ impl Workers {
     }
 }
 
-/// Starts the threads, and returns the sender of their jobs.
-fn start(kind: Kind) -> mpsc::Sender<Job> {
-    let (sender, jobs) = mpsc::channel::<Job>();
-    let jobs = Arc::new(Mutex::new(jobs));
-    for _ in 0..kind.threads {
-        let jobs = Arc::clone(&jobs);
-        let run = move || {
-            if kind.low_priority {
-                lower_priority();
-            }
-            // The lock is free while a job runs.
-            let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
-            while let Ok(job) = next() {
-                job();
-            }
-        };
-        if let Err(error) = std::thread::Builder::new().name("worker".to_owned()).spawn(run) {
-            tracing::error!(%error, "cannot start a thread for {}", kind.name);
-        }
-    }
-    sender
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::sync::mpsc;
 
-    const KIND: Kind = Kind { name: "tests", max: 2, threads: 1, low_priority: false };
+    use super::*;
+    use crate::service::platform::OperatingSystem;
+
+    const KIND: WorkKind = WorkKind { name: "tests", max: 2, threads: 1, low_priority: false };
+
+    fn workers(timeout: Duration) -> Workers {
+        let platform: Arc<dyn Platform> = Arc::new(OperatingSystem);
+        Workers::new(KIND, timeout, &platform)
+    }
 
     fn block_on<T>(future: impl Future<Output = T>) -> T {
         tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
@@ -113,7 +85,7 @@ mod tests {
 
     #[test]
     fn work_that_does_not_end_is_abandoned_at_its_deadline() {
-        let workers = Workers::new(KIND, Duration::from_millis(50));
+        let workers = workers(Duration::from_millis(50));
         let (ended, has_ended) = mpsc::channel();
         let endless = workers.run(move |abandoned| {
             while !abandoned.is_set() {
@@ -128,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_full_queue_refuses_work_and_an_empty_one_takes_it_again() {
-        let workers = Workers::new(KIND, Duration::from_mins(1));
+        let workers = workers(Duration::from_mins(1));
         block_on(async {
             let (release, released) = mpsc::channel::<()>();
             let (first, second) = (workers.run(move |_| released.recv().is_ok()), workers.run(|_| 2));
@@ -146,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_an_internal_error_and_the_thread_continues() {
-        let workers = Workers::new(KIND, Duration::from_mins(1));
+        let workers = workers(Duration::from_mins(1));
         for _ in 0..3 {
             let panicked = workers.run(|_| -> u8 { panic!("meant for a test") });
             assert_eq!(kind(block_on(panicked)), Some("internal"));

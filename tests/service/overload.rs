@@ -187,3 +187,19 @@ fn slow_clients_do_not_block_a_working_one(count: usize) {
     }
     drop(slow);
 }
+
+#[test]
+fn a_connection_above_the_limit_is_answered_and_closed() {
+    let service = Service::with(ServiceConfig { max_connections: 1, ..ServiceConfig::default() });
+    let mut busy = service.connect();
+    for _ in 0..20 {
+        busy.write_all(PROBE.as_bytes()).unwrap();
+        let mut answer = [0; 4096];
+        let length = busy.read(&mut answer).unwrap();
+        assert!(answer[..length].starts_with(b"HTTP/1.1 200 OK"));
+    }
+    // A control loop is never closed, so there is no place for another connection.
+    let mut answer = String::new();
+    service.connect().read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 503 ") && answer.contains("/problems/overloaded"), "{answer}");
+}

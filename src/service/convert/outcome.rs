@@ -3,6 +3,7 @@
 use revprio_api::wire;
 use revprio_core::resolution::{LimitViolation, Member, Resolution, Side};
 use revprio_robot::{Joint, RobotModel};
+use tokio::time::Instant;
 
 use super::terms;
 
@@ -184,7 +185,7 @@ fn finite(value: f64) -> f64 {
 }
 
 /// Time since `start`, µs.
-pub fn elapsed_us(start: std::time::Instant) -> f64 {
+pub fn elapsed_us(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e6
 }
 

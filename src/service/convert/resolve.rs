@@ -1,7 +1,6 @@
 //! `POST /v1/resolve`.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Limits, NullSpaceMotion};
@@ -11,6 +10,7 @@ use revprio_core::resolution::{Problem, ProblemError, Resolution};
 use revprio_core::task::{Task, TaskError, TaskStack};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{AxisSelection, Configuration, joint_limit_index};
+use tokio::time::Instant;
 
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;

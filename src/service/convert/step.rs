@@ -1,12 +1,11 @@
 //! The states of control periods and their answers.
 
-use std::time::Instant;
-
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, StepError};
 use revprio_core::limits::{Barrier, Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
+use tokio::time::Instant;
 
 use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
