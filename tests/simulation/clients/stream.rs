@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use futures_util::{SinkExt as _, StreamExt as _};
 use revprio_api::wire;
+use tokio::time::Instant;
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::{Error, Message};
@@ -28,7 +29,8 @@ struct Socket {
     format: Format,
     /// Whether the last answer said that the session has ended.
     has_ended: bool,
-    /// The longest time without a message of the client.
+    /// Time of the client's last message, and the longest time without one. A client that does not read sends no pongs.
+    last_sent: Instant,
     longest_silence: Duration,
 }
 
@@ -66,7 +68,14 @@ async fn connect(client: &mut Client, pilot: &mut Pilot) -> Option<Socket> {
         Ok((messages, _)) => {
             assert!(!is_wrong, "a stream with a wrong owner token is open");
             client.note(&format!("opens a stream in {format:?}"));
-            return Some(Socket { messages, instance, format, has_ended: false, longest_silence: Duration::ZERO });
+            return Some(Socket {
+                messages,
+                instance,
+                format,
+                has_ended: false,
+                last_sent: Instant::now(),
+                longest_silence: Duration::ZERO,
+            });
         }
         Err(Error::Http(refused)) => refused.status().as_u16(),
         Err(error) => {
@@ -96,7 +105,6 @@ async fn drive(client: &mut Client, pilot: &mut Pilot, mut socket: Socket) {
             2 if client.random.one_in(3) => return client.note("drops its stream"),
             3 if client.random.one_in(3) => {
                 let silence = client.random.millis(100, 45_000);
-                socket.longest_silence = socket.longest_silence.max(silence);
                 tokio::time::sleep(silence).await;
                 true
             }
@@ -138,6 +146,8 @@ async fn refused(client: &mut Client, pilot: &mut Pilot, socket: &mut Socket) ->
 
 /// Sends states, and returns their answers; `None`: the stream has ended.
 async fn send(client: &mut Client, socket: &mut Socket, calls: &[Call]) -> Option<Vec<Answer>> {
+    socket.longest_silence = socket.longest_silence.max(socket.last_sent.elapsed());
+    socket.last_sent = Instant::now();
     let sent: Vec<Sent> = calls.iter().map(|call| post(client, socket, call)).collect();
     for call in calls {
         let Call::Step { state, .. } = call else { continue };
