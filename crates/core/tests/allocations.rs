@@ -11,6 +11,7 @@ use revprio_core::controller::{
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Solver};
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use revprio_robot::{RobotModel, built_in};
 
@@ -30,7 +31,13 @@ fn tasks() -> Vec<TaskConfig> {
     let hold = Law::Position(PositionLaw::new(vec![5.0; 5]).unwrap());
     let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
     [("push", rows(&[Axis::X]), push), ("hold", rows(&others), hold)]
-        .map(|(name, rows, law)| TaskConfig { name: name.to_owned(), rows, law, scaled: false })
+        .map(|(name, rows, law)| TaskConfig {
+            name: name.to_owned(),
+            rows,
+            law,
+            scaled: false,
+            streaming: Streaming::default(),
+        })
         .into()
 }
 
@@ -60,8 +67,13 @@ impl Loop {
     fn new(config: ControllerConfig) -> Self {
         let controller = Controller::new(config).unwrap();
         let stepper = Stepper::new(controller).unwrap();
-        let measured =
-            Measurement { time_s: 0.0, joint_position: NOMINAL.to_vec(), joint_velocity: None, wrench: [0.0; 6] };
+        let measured = Measurement {
+            time_s: 0.0,
+            joint_position: NOMINAL.to_vec(),
+            joint_velocity: None,
+            wrench: [0.0; 6],
+            targets: Vec::new(),
+        };
         Self { stepper, memory: None, measured }
     }
 
@@ -137,7 +149,13 @@ fn auto_with_active_limits_allocates_nothing() {
 fn joints_and_null_space_motions_allocate_nothing() {
     let posture = JointRows { joints: vec![1, 4], target: JointTarget::MidRange };
     let law = Law::Position(PositionLaw::new(vec![1.0; 2]).unwrap());
-    let centre = TaskConfig { name: "centre".to_owned(), rows: TaskRows::Joints(posture), law, scaled: false };
+    let centre = TaskConfig {
+        name: "centre".to_owned(),
+        rows: TaskRows::Joints(posture),
+        law,
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     let config = config(Solver::Auto, Limits::Robot(LimitKind::PositionVelocityAcceleration));
     let tasks = config.tasks.iter().take(1).cloned().chain([centre]).collect();
     let null_space = Some(NullSpaceMotion::JointLimits { gain: 0.5 });

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use revprio_robot::kinematics::Configuration;
 
 use super::step::TaskTarget;
+use super::target_streams::ActiveStream;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::LimitedBox;
 use crate::linalg::{Matrix, Vector};
@@ -56,6 +57,8 @@ pub(super) struct Workspace {
     pub(super) command: Command,
     /// q̇ of an arm at rest, n.
     pub(super) zero_velocity: Vec<f64>,
+    /// The streams of targets of this period.
+    pub(super) streams: Vec<ActiveStream>,
 }
 
 impl Workspace {
@@ -81,9 +84,10 @@ impl Workspace {
             damping: config.damping,
             null_space_velocity: config.null_space.is_some().then(|| Vector::zeros(n)),
         };
-        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), force: Vec::new() };
+        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
-        Ok(Self { configuration, limited, problem, resolver: Resolver::default(), command, zero_velocity: zeros })
+        let (resolver, streams) = (Resolver::default(), Vec::new());
+        Ok(Self { configuration, limited, problem, resolver, command, zero_velocity: zeros, streams })
     }
 }

@@ -90,6 +90,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         initial_pose: *configuration.tool_pose(),
         last_command: arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone()),
         active_set: Vec::new(),
+        target_streams: Vec::new(),
     }
 }
 
