@@ -9,6 +9,7 @@ use revprio_core::resolution::{ActiveSet, Side};
 use super::numbers::{check_numbers, joint_list, number, numbers};
 use super::state_rules::LastState;
 use super::step::check_sequence;
+use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
 use crate::service::error::ApiError;
 
@@ -38,6 +39,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
             .map(Vector::from_vec)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
+        target_streams: target_streams(&memory.target_streams, config)?,
     })
 }
 
@@ -125,6 +127,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         },
         last_command: memory.last_command.as_slice().to_vec(),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
+        target_streams: target_streams_answer(&memory.target_streams, controller.config()),
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use revprio_api::wire;
 use revprio_core::controller::MAX_DELAY_PERIODS;
+use revprio_core::streaming::MAX_STREAMING_TIME;
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
@@ -87,6 +88,18 @@ fn request_ranges() -> Vec<FieldRange> {
             lower: Items(1, MAX_ROWS),
             upper: Items(1, MAX_ROWS),
         }
+        wire::Streaming {
+            hold_after_s: Between(0.0, MAX_STREAMING_TIME),
+            brake_after_s: Between(0.0, MAX_STREAMING_TIME),
+            delay_s: Between(0.0, MAX_STREAMING_TIME),
+            smoothing_s: Between(0.0, MAX_STREAMING_TIME),
+            max_velocity: Positive,
+            max_acceleration: Positive,
+        }
+        wire::StreamedTarget { velocity: Items(1, MAX_ROWS), force: Items(1, MAX_ROWS) }
+        wire::StreamedPose { position: Items(3, 3) }
+        wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+        wire::TargetReference { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
         wire::Pose { position: Items(3, 3) }
         wire::FramePose { position: Items(3, 3), rotation: Rows([3, 3], [3, 3]) }
         wire::Wrench { force: Items(3, 3), torque: Items(3, 3) }
@@ -133,6 +146,7 @@ fn request_ranges() -> Vec<FieldRange> {
             joint_position: Items(1, MAX_JOINTS),
             last_command: Items(1, MAX_JOINTS),
             active_set: Items(0, MAX_TASKS),
+            target_streams: Items(0, 2 * MAX_TASKS),
         }
         Scenario {
             duration_s: Positive,

@@ -120,7 +120,7 @@ impl StreamedValue {
 
 impl StreamedTarget {
     /// Checks that the target fits its task and the time of the measurement.
-    pub(super) fn check(&self, config: &ControllerConfig, time_s: f64) -> Result<(), TargetError> {
+    pub fn check(&self, config: &ControllerConfig, time_s: f64) -> Result<(), TargetError> {
         let task = config.tasks.get(self.task).ok_or(TargetError::Quantity)?;
         let quantity = self.value.quantity();
         if !task.quantities().contains(&quantity) || (self.velocity.is_some() && !quantity.is_position()) {

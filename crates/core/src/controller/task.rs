@@ -198,6 +198,14 @@ impl TaskRows {
         }
     }
 
+    /// Returns the joints of the task, index from 0; empty for tasks of the tool and for constant rows.
+    pub fn joints(&self) -> &[usize] {
+        match self {
+            Self::Joints(rows) => &rows.joints,
+            Self::Tool(_) | Self::Raw(_) => &[],
+        }
+    }
+
     /// Returns the quantity of streamed positions; `None` if the rows have no position target.
     pub(super) fn position_quantity(&self) -> Option<Quantity> {
         match self {
