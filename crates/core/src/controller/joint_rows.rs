@@ -74,8 +74,7 @@ impl JointRows {
         });
         let [displacement, target_velocity, target_acceleration] = match (&self.target, streamed) {
             (JointTarget::Position(_), Some((value, active))) => {
-                let velocity = active.stream.reference.velocity.clone();
-                [&self.select(position) - value, velocity, active.acceleration.clone()]
+                [&self.select(position) - value, active.velocity.clone(), active.acceleration.clone()]
             }
             (JointTarget::Position(profile), None) => {
                 let SetPoint { value, rate, acceleration } = profile.at(arm.time_s);

@@ -81,7 +81,10 @@ pub struct TargetReport {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ActiveStream {
     pub stream: TargetStream,
-    /// Acceleration of the reference, as its velocity, per second.
+    /// Velocity of the target for the law. A law that integrates uses the velocity of the last period and the
+    /// acceleration, as of the arm; the others use the velocity of this period.
+    pub velocity: TaskVector,
+    /// Acceleration of the target, velocity per second.
     pub acceleration: TaskVector,
     ignored: Option<Ignored>,
 }
@@ -201,7 +204,7 @@ fn accept(
 impl ActiveStream {
     fn new(stream: TargetStream) -> Self {
         let acceleration = TaskVector::zeros(stream.reference.velocity.len());
-        Self { stream, acceleration, ignored: None }
+        Self { stream, velocity: acceleration.clone(), acceleration, ignored: None }
     }
 
     fn key(&self) -> (usize, Quantity) {
@@ -219,7 +222,9 @@ impl ActiveStream {
         let achieved = previous.task_velocities[self.stream.task].as_slice();
         let held = is_held.then(|| task.rows.actual(achieved, arm));
         self.stream.update(arm.time_s, &task.streaming, bound, held.as_ref(), config.period_s);
-        self.acceleration = &(&self.stream.reference.velocity - &before) * (1.0 / config.period_s);
+        let after = &self.stream.reference.velocity;
+        self.acceleration = &(after - &before) * (1.0 / config.period_s);
+        self.velocity = if task.law.integrates() { before } else { after.clone() };
     }
 
     fn report(&self, time_s: f64) -> TargetReport {

@@ -164,7 +164,7 @@ impl MovingPose {
         let vectors = |six: &TaskVector| [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])];
         Some(Self {
             pose: IsometryMatrix3::from_parts(pose.translation, pose.rotation.to_rotation_matrix()),
-            velocity: vectors(&active.stream.reference.velocity),
+            velocity: vectors(&active.velocity),
             acceleration: vectors(&active.acceleration),
         })
     }

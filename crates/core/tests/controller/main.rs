@@ -10,4 +10,5 @@ mod laws;
 mod limits;
 mod memory;
 mod positions;
+mod streaming;
 mod targets;
