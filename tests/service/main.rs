@@ -25,6 +25,7 @@ mod sequence;
 mod simulations;
 mod states;
 mod stream;
+mod streaming;
 mod tasks;
 mod warnings;
 mod watch;

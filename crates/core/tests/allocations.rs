@@ -4,14 +4,15 @@
 use std::sync::Arc;
 
 use allocation_counter::measure;
+use nalgebra::{UnitQuaternion, Vector3};
 use revprio_core::controller::{
     Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion, Stepper,
-    TaskConfig, TaskRows, ToolRows,
+    StreamedTarget, StreamedValue, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Solver};
-use revprio_core::streaming::Streaming;
+use revprio_core::streaming::{Quantity, Streaming};
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use revprio_robot::{RobotModel, built_in};
 
@@ -126,6 +127,30 @@ fn every_method_allocates_nothing() {
         let tally = after_warm_up(ControllerConfig { method, ..config });
         assert_eq!((tally.allocations, tally.qp), (0, 0), "{method:?}");
     }
+}
+
+#[test]
+fn streamed_targets_allocate_nothing() {
+    let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
+    let pose = StreamedValue::Pose {
+        position: Some(Vector3::new(0.6, 0.1, 0.4)),
+        orientation: Some(UnitQuaternion::identity()),
+    };
+    let hold = arm.stepper.controller().config().tasks.iter().position(|task| task.accepts(Quantity::Pose)).unwrap();
+    let mut run = |targets: u32| {
+        let mut allocations = 0;
+        for _ in 0..targets {
+            arm.measured.targets =
+                vec![StreamedTarget { task: hold, time_s: arm.measured.time_s, value: pose.clone(), velocity: None }];
+            // A target arrives, then periods without one.
+            allocations += arm.run(1).allocations;
+            arm.measured.targets.clear();
+            allocations += arm.run(300).allocations;
+        }
+        allocations
+    };
+    run(4);
+    assert_eq!(run(4), 0);
 }
 
 #[test]

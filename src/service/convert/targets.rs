@@ -62,8 +62,7 @@ fn read(
     controller: &Controller,
 ) -> Result<Vec<StreamedTarget>, ApiError> {
     let task = &controller.config().tasks[index];
-    let quantities = task.quantities();
-    let accepts = |quantity: Quantity| quantities.contains(&quantity);
+    let accepts = |quantity: Quantity| task.accepts(quantity);
     let velocity_fits = accepts(Quantity::Velocity) || given.pose.is_some() || given.joint_position.is_some();
     for (field, is_given, fits) in [
         ("pose", given.pose.is_some(), accepts(Quantity::Pose)),
@@ -72,7 +71,7 @@ fn read(
         ("velocity", given.velocity.is_some(), velocity_fits),
     ] {
         if is_given && !fits {
-            return Err(ApiError::invalid(format!("/{field}"), misfit(task, &quantities)));
+            return Err(ApiError::invalid(format!("/{field}"), misfit(task)));
         }
     }
     let time_s = given.time_s.map_or(Ok(time_s), |time_s| number(time_s, "/time_s"))?;
@@ -91,7 +90,7 @@ fn read(
         values.push(StreamedValue::Velocity(velocity.clone()));
     }
     if values.is_empty() {
-        return Err(ApiError::invalid("", misfit(task, &quantities)));
+        return Err(ApiError::invalid("", misfit(task)));
     }
     let target = |value: StreamedValue| {
         let is_position = matches!(value, StreamedValue::Pose { .. } | StreamedValue::JointPosition(_));
@@ -113,7 +112,7 @@ pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Control
 }
 
 /// Explains which targets a task accepts.
-fn misfit(task: &TaskConfig, quantities: &[Quantity]) -> String {
+fn misfit(task: &TaskConfig) -> String {
     let name = &task.name;
     let accepted = |quantity: &Quantity| match quantity {
         Quantity::Pose => "`pose`, if known with its `velocity`",
@@ -121,7 +120,7 @@ fn misfit(task: &TaskConfig, quantities: &[Quantity]) -> String {
         Quantity::Velocity => "`velocity`",
         Quantity::Force => "`force`",
     };
-    match quantities.iter().map(accepted).collect::<Vec<_>>().as_slice() {
+    match task.quantities().iter().map(accepted).collect::<Vec<_>>().as_slice() {
         [] => format!("task `{name}` follows no target, because it has bounds or the target `mid_range`"),
         accepted => format!("a target of task `{name}` is {}", accepted.join(", or ")),
     }

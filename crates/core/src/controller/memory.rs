@@ -96,7 +96,7 @@ fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
         (Some(_), None) => false,
         (None, _) => true,
     };
-    task.quantities().contains(&stream.quantity)
+    task.accepts(stream.quantity)
         && stream.previous.iter().chain(&stream.newest).all(fits)
         && in_order
         && fits_value(&stream.reference.value)

@@ -126,7 +126,7 @@ impl StreamedTarget {
     pub fn check(&self, config: &ControllerConfig, time_s: f64) -> Result<(), TargetError> {
         let task = config.tasks.get(self.task).ok_or(TargetError::Quantity)?;
         let quantity = self.value.quantity();
-        if !task.quantities().contains(&quantity) || (self.velocity.is_some() && !quantity.is_position()) {
+        if !task.accepts(quantity) || (self.velocity.is_some() && !quantity.is_position()) {
             return Err(TargetError::Quantity);
         }
         let expected = task.rows.len();
@@ -316,12 +316,20 @@ impl RowKind<'_> {
 }
 
 impl TaskConfig {
+    /// Returns whether streamed targets of this task can be of a quantity.
+    pub fn accepts(&self, quantity: Quantity) -> bool {
+        match quantity {
+            Quantity::Pose | Quantity::JointPosition => {
+                self.law.follows_position() && self.rows.position_quantity() == Some(quantity)
+            }
+            Quantity::Velocity => self.law.follows_velocity(),
+            Quantity::Force => self.law.follows_force(),
+        }
+    }
+
     /// Returns what streamed targets of this task can be.
     pub fn quantities(&self) -> Vec<Quantity> {
-        let position = self.rows.position_quantity().filter(|_| self.law.follows_position());
-        let velocity = self.law.follows_velocity().then_some(Quantity::Velocity);
-        let force = self.law.follows_force().then_some(Quantity::Force);
-        [position, velocity, force].into_iter().flatten().collect()
+        Quantity::ALL.into_iter().filter(|quantity| self.accepts(*quantity)).collect()
     }
 
     /// Returns the bound of an entry of a streamed target: a row, or the first entry of a part of a pose. A part of a pose

@@ -20,6 +20,9 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All quantities.
+    pub const ALL: [Self; 4] = [Self::Pose, Self::JointPosition, Self::Velocity, Self::Force];
+
     /// Returns whether the quantity is a position, which has a velocity.
     pub fn is_position(self) -> bool {
         matches!(self, Self::Pose | Self::JointPosition)
