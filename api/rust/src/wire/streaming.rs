@@ -58,7 +58,7 @@ pub struct StreamedTarget {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<JointVector>,
     /// Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool` those
-    /// of the target. Default for a `pose` or a `joint_position`: estimated from the last two targets.
+    /// of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(example = json!([0.1, 0.0, -0.05]))]
     pub velocity: Option<Vec<f64>>,
@@ -142,7 +142,7 @@ pub struct TargetSample {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(example = json!([15.0]))]
     pub values: Option<Vec<f64>>,
-    /// Given velocity: of a pose linear and angular in base axes, otherwise per row.
+    /// Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(example = json!([0.1, 0.0, -0.05, 0.0, 0.0, 0.0]))]
     pub velocity: Option<Vec<f64>>,

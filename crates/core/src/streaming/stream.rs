@@ -14,7 +14,7 @@ pub struct Target {
     pub time_s: f64,
     /// The value.
     pub value: TargetValue,
-    /// Velocity of the value, a displacement per second; `None`: estimated from the last two targets.
+    /// Velocity of the value, a displacement per second. A stream of positions estimates it if it is `None`.
     pub velocity: Option<TaskVector>,
 }
 
@@ -69,18 +69,23 @@ impl TargetStream {
     }
 
     /// Adds a target unless it is not newer than the newest one.
-    pub(crate) fn accept(&mut self, target: Target, settings: &Streaming) -> Option<Ignored> {
+    pub(crate) fn accept(&mut self, mut target: Target, settings: &Streaming) -> Option<Ignored> {
         if let Some(newest) = &self.newest
             && target.time_s <= newest.time_s
         {
             let (time_s, newest_s) = (target.time_s, newest.time_s);
-            return Some(if target == *newest { Ignored::Repeated } else { Ignored::Older { time_s, newest_s } });
+            let is_same = time_s == newest_s
+                && target.value == newest.value
+                && (target.velocity.is_none() || target.velocity == newest.velocity);
+            return Some(if is_same { Ignored::Repeated } else { Ignored::Older { time_s, newest_s } });
         }
-        let replaced = self.newest.replace(target);
         // A line over a drop-out would not be the motion of the target.
-        let is_recent =
-            |old: &Target| self.newest.as_ref().is_some_and(|new| new.time_s - old.time_s <= settings.brake_after_s);
-        self.previous = replaced.filter(is_recent);
+        let is_recent = |old: &Target| target.time_s - old.time_s <= settings.brake_after_s;
+        self.previous = self.newest.take().filter(is_recent);
+        if target.velocity.is_none() && self.quantity.is_position() {
+            target.velocity = self.previous.as_ref().map(|previous| estimated_velocity(previous, &target, settings));
+        }
+        self.newest = Some(target);
         None
     }
 
@@ -143,55 +148,52 @@ impl TargetStream {
     fn desired(&self, time_s: f64, settings: &Streaming, bound: impl Fn(usize) -> Bound) -> (TargetState, Reference) {
         let Some(newest) = &self.newest else { return (TargetState::Braking, self.reference.clone()) };
         let age = time_s - newest.time_s - settings.delay_s;
-        let velocity = self.velocity(newest, bound);
+        let velocity = velocity_within(newest, bound);
         let still = || TaskVector::zeros(velocity.len());
         let moved = |age: f64| newest.value.plus(&(&velocity * age));
         let (state, value, velocity) = if age <= 0.0 {
-            let (value, velocity) = self.interpolated(newest, &velocity, age, settings);
-            (TargetState::Following, value, velocity)
+            (TargetState::Following, self.interpolated(newest, &velocity, age, settings), velocity)
         } else if age <= settings.hold_after_s {
-            let velocity = if self.quantity.is_position() { velocity.clone() } else { still() };
-            (TargetState::Extrapolating, newest.value.plus(&(&velocity * age)), velocity)
+            (TargetState::Extrapolating, moved(age), velocity)
         } else if age <= settings.brake_after_s {
-            let age = if self.quantity.is_position() { settings.hold_after_s } else { 0.0 };
-            (TargetState::Holding, moved(age), still())
+            (TargetState::Holding, moved(settings.hold_after_s), still())
         } else {
             (TargetState::Braking, self.reference.value.clone(), still())
         };
         (state, Reference { value, velocity })
     }
 
-    /// Returns value and velocity on the line through the last two targets. Before the older one, the line goes on for
+    /// Returns the value on the line through the last two targets. Before the older one, the line goes on for
     /// `hold_after_s` at most.
-    fn interpolated(
-        &self,
-        newest: &Target,
-        velocity: &TaskVector,
-        age: f64,
-        settings: &Streaming,
-    ) -> (TargetValue, TaskVector) {
+    fn interpolated(&self, newest: &Target, velocity: &TaskVector, age: f64, settings: &Streaming) -> TargetValue {
         let Some(previous) = &self.previous else {
-            let still = TaskVector::zeros(velocity.len());
-            let velocity = if self.quantity.is_position() { velocity } else { &still };
-            return (newest.value.plus(&(velocity * age.max(-settings.hold_after_s))), velocity.clone());
+            return newest.value.plus(&(velocity * age.max(-settings.hold_after_s)));
         };
-        let interval = newest.time_s - previous.time_s;
-        let after = (interval + age).max(-settings.hold_after_s);
-        let slope = &newest.value.minus(&previous.value) * (1.0 / interval);
-        (previous.value.plus(&(&slope * after)), slope)
+        let after = (newest.time_s - previous.time_s + age).max(-settings.hold_after_s);
+        previous.value.plus(&(&slope(previous, newest) * after))
     }
+}
 
-    /// Returns the velocity of the newest target, within the bounds.
-    fn velocity(&self, newest: &Target, bound: impl Fn(usize) -> Bound) -> TaskVector {
-        let mut velocity = match (&newest.velocity, &self.previous) {
-            (Some(velocity), _) => velocity.clone(),
-            (None, Some(previous)) => &newest.value.minus(&previous.value) * (1.0 / (newest.time_s - previous.time_s)),
-            (None, None) => TaskVector::zeros(newest.value.len()),
-        };
-        for group in newest.value.groups() {
-            let max = bound(group.start).velocity;
-            clamp_norm(&mut velocity[group], max);
-        }
-        velocity
+/// Returns the velocity from one target to the next.
+fn slope(from: &Target, to: &Target) -> TaskVector {
+    &to.value.minus(&from.value) * (1.0 / (to.time_s - from.time_s))
+}
+
+/// Returns the velocity of a target, smoothed over the targets before it. The slope between two targets alone would
+/// amplify noise the more, the more targets come per second.
+fn estimated_velocity(previous: &Target, target: &Target, settings: &Streaming) -> TaskVector {
+    let slope = slope(previous, target);
+    let Some(before) = previous.velocity.as_ref().filter(|_| settings.smoothing_s > 0.0) else { return slope };
+    let blend = -((previous.time_s - target.time_s) / settings.smoothing_s).exp_m1();
+    before + &(&(&slope - before) * blend)
+}
+
+/// Returns the velocity of a target, within the bounds; zero for velocities and forces.
+fn velocity_within(target: &Target, bound: impl Fn(usize) -> Bound) -> TaskVector {
+    let mut velocity = target.velocity.clone().unwrap_or_else(|| TaskVector::zeros(target.value.len()));
+    for group in target.value.groups() {
+        let max = bound(group.start).velocity;
+        clamp_norm(&mut velocity[group], max);
     }
+    velocity
 }
