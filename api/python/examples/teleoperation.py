@@ -3,8 +3,8 @@
     revprio serve &
     python teleoperation.py --url http://127.0.0.1:8080
 
-The hand sends its position at 30, 60 and 90 Hz. The control loop runs at 250 Hz, in simulated time. The program prints how
-well the arm follows, how much the commands change, and when the tool is at rest after a drop-out.
+The hand sends its position at 30, 60 and 90 Hz. The control loop runs at 250 Hz, in simulated time. The program prints
+how well the arm follows, how much the commands change, and when the tool is at rest after a drop-out.
 """
 
 import argparse
@@ -50,7 +50,8 @@ def hand(time_s: float) -> Array:
     """Returns the displacement of the hand from its start, m: at rest at first, then a figure of eight."""
     phase = 2.0 * max(time_s - 0.5, 0.0)
     grow = 1 - np.exp(-phase)
-    return SIZE_M * grow * np.array([0.5 * np.sin(phase), np.sin(phase), np.sin(2 * phase)])
+    eight: Array = np.array([0.5 * np.sin(phase), np.sin(phase), np.sin(2 * phase)])
+    return SIZE_M * grow * eight
 
 
 def targets(start: Array, rate_hz: float, duration_s: float) -> list[Target]:
