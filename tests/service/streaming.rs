@@ -150,7 +150,7 @@ fn a_damaged_memory_of_targets_is_refused() {
         let targets = json!({"hand": {"pose": {"position": [0.5, 0.2, 0.1]}}, "turn": {"velocity": [0.1]}});
         let state = json!({"sequence": sequence, "time_s": 0.001 * sequence as f64, "targets": targets,
             "joint_position": example("state.json")["joint_position"],
-            "wrench": {"force": [0.0; 3], "torque": [0.0; 3]}});
+            "wrench": {"force": [0.0, 0.0, 0.0], "torque": [0.0, 0.0, 0.0]}});
         json!({"controller": controller(), "state": state, "memory": memory})
     };
     let memory = service.call("/v1/step", &body(Value::Null, 1))["memory"].clone();

@@ -50,8 +50,8 @@ def hand(time_s: float) -> Array:
     """Returns the displacement of the hand from its start, m: at rest at first, then a figure of eight."""
     phase = 2.0 * max(time_s - 0.5, 0.0)
     grow = 1 - np.exp(-phase)
-    eight: Array = np.array([0.5 * np.sin(phase), np.sin(phase), np.sin(2 * phase)])
-    return SIZE_M * grow * eight
+    eight = np.array([0.5 * np.sin(phase), np.sin(phase), np.sin(2 * phase)])
+    return np.asarray(SIZE_M * grow * eight)
 
 
 def targets(start: Array, rate_hz: float, duration_s: float) -> list[Target]:

@@ -57,7 +57,7 @@ def test_targets_are_followed_by_sessions_stateless_controllers_and_streams(
     client: Client, config: ControllerConfig
 ) -> None:
     def follow(controller: Controller) -> list[tuple[str | None, float | None, list[float]]]:
-        outcomes = []
+        outcomes: list[tuple[str | None, float | None, list[float]]] = []
         for period in range(120):
             # The targets end after 60 ms.
             newest = {"push": StreamedTarget(force=[0.1 * period])} if period % 20 == 0 and period <= 60 else None

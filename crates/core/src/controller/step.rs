@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::stepper::Workspace;
-use super::target_streams::{self, ActiveStream, StreamedTarget, TargetError, TargetReport, TaskStreams};
+use super::target_streams::{self, ActiveStream, TargetReport, TaskStreams};
 use super::task::ArmState;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig, WrenchFrame};
 use crate::limits::{Hold, Motion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};

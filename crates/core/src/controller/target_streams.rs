@@ -1,70 +1,10 @@
 //! The streamed targets of all tasks in one period.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
 use super::task::ArmState;
-use super::{ControllerConfig, Measurement, Memory, TaskConfig};
+use super::{ControllerConfig, Measurement, Memory, StreamedTarget};
 use crate::law::TargetForce;
 use crate::linalg::TaskVector;
-use crate::streaming::{Bound, Ignored, MAX_AHEAD, Quantity, Target, TargetState, TargetStream, TargetValue};
-
-/// A target that arrives with a measurement.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StreamedTarget {
-    /// Index of the task, from 0.
-    pub task: usize,
-    /// Time of the target on the clock of the measurements, s.
-    pub time_s: f64,
-    /// The value.
-    pub value: StreamedValue,
-    /// Velocity of the value along the rows of the task, m entries, m/s and rad/s; `None`: estimated. In the tool
-    /// frame: along the axes of the target.
-    pub velocity: Option<Vec<f64>>,
-}
-
-/// The value of a target.
-#[derive(Debug, Clone, PartialEq)]
-pub enum StreamedValue {
-    /// A pose (m) of the reference point, in the task's fixed frame, if it has one, otherwise in the base frame. A part
-    /// that is `None` is that of the tool.
-    Pose {
-        /// The position, m.
-        position: Option<Vector3<f64>>,
-        /// The orientation.
-        orientation: Option<UnitQuaternion<f64>>,
-    },
-    /// Positions of the joints of the task, rad or m.
-    JointPosition(Vec<f64>),
-    /// The velocity ẋ of the task, m/s and rad/s.
-    Velocity(Vec<f64>),
-    /// The force F_d of the task, N and N·m.
-    Force(Vec<f64>),
-}
-
-/// Why a target is refused.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum TargetError {
-    /// There is no such task, or its law does not follow such targets.
-    #[error("the law of this task does not follow such targets")]
-    Quantity,
-    /// The number of values is not the number of rows.
-    #[error("{given} values for {expected} rows; give one per row")]
-    Rows {
-        /// Rows of the task.
-        expected: usize,
-        /// Values given.
-        given: usize,
-    },
-    /// A number is not finite.
-    #[error("the numbers of a target must be finite")]
-    NotFinite,
-    /// Time of the target is too far ahead.
-    #[error("the target is {ahead_s} s ahead of the state; give at most {MAX_AHEAD} s, on the clock of the states")]
-    Ahead {
-        /// Time of the target minus time of the state, s.
-        ahead_s: f64,
-    },
-}
+use crate::streaming::{Bound, Ignored, Quantity, Target, TargetState, TargetStream, TargetValue};
 
 /// The streamed target of a task in one period, as the answer reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,58 +36,6 @@ pub(super) struct TaskStreams<'a> {
     pub position: Option<&'a ActiveStream>,
     /// Velocity or force.
     pub rows: Option<&'a ActiveStream>,
-}
-
-impl StreamedValue {
-    fn quantity(&self) -> Quantity {
-        match self {
-            Self::Pose { .. } => Quantity::Pose,
-            Self::JointPosition(_) => Quantity::JointPosition,
-            Self::Velocity(_) => Quantity::Velocity,
-            Self::Force(_) => Quantity::Force,
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        match self {
-            Self::Pose { position, orientation } => {
-                position.is_none_or(|position| position.iter().all(|entry| entry.is_finite()))
-                    && orientation.is_none_or(|orientation| orientation.coords.iter().all(|entry| entry.is_finite()))
-            }
-            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) => {
-                rows.iter().all(|entry| entry.is_finite())
-            }
-        }
-    }
-}
-
-impl StreamedTarget {
-    /// Checks that the target fits its task and the time of the measurement.
-    pub fn check(&self, config: &ControllerConfig, time_s: f64) -> Result<(), TargetError> {
-        let task = config.tasks.get(self.task).ok_or(TargetError::Quantity)?;
-        let quantity = self.value.quantity();
-        if !task.accepts(quantity) || (self.velocity.is_some() && !quantity.is_position()) {
-            return Err(TargetError::Quantity);
-        }
-        let expected = task.rows.len();
-        let rows = match &self.value {
-            StreamedValue::Pose { .. } => None,
-            StreamedValue::JointPosition(rows) | StreamedValue::Velocity(rows) | StreamedValue::Force(rows) => {
-                Some(rows)
-            }
-        };
-        for given in rows.into_iter().chain(&self.velocity).map(Vec::len) {
-            if given != expected {
-                return Err(TargetError::Rows { expected, given });
-            }
-        }
-        let is_finite = |rows: &Vec<f64>| rows.iter().all(|entry| entry.is_finite());
-        if !(self.time_s.is_finite() && self.value.is_finite() && self.velocity.as_ref().is_none_or(is_finite)) {
-            return Err(TargetError::NotFinite);
-        }
-        let ahead_s = self.time_s - time_s;
-        if ahead_s > MAX_AHEAD { Err(TargetError::Ahead { ahead_s }) } else { Ok(()) }
-    }
 }
 
 /// Overwrites `streams` with the streams of this period.
@@ -279,79 +167,5 @@ impl<'a> TaskStreams<'a> {
             let worst = if b.state > a.state { b } else { a };
             TargetReport { ignored: a.ignored.or(b.ignored), ..worst }
         })
-    }
-}
-
-/// Maximum velocity and acceleration of a streamed target on a row, unless the task states its own.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum RowKind<'a> {
-    /// A linear axis of the tool, m.
-    Linear,
-    /// An angular axis of the tool, rad.
-    Angular,
-    /// A joint.
-    Joint(&'a revprio_robot::Joint),
-    /// A constant row, of any unit.
-    Raw,
-}
-
-/// Acceleration of joints without an acceleration limit, and of constant rows.
-const DEFAULT_ACCELERATION: f64 = 5.0;
-
-impl RowKind<'_> {
-    /// Linear axes: 1 m/s and 5 m/s²; angular axes: 2 rad/s and 10 rad/s². A hand moves so when it works, not when it
-    /// throws.
-    fn bound(self) -> Bound {
-        match self {
-            Self::Linear => Bound { velocity: 1.0, acceleration: 5.0 },
-            Self::Angular => Bound { velocity: 2.0, acceleration: 10.0 },
-            Self::Joint(joint) => {
-                let acceleration = Some(joint.limits.acceleration).filter(|value| value.is_finite() && *value > 0.0);
-                let acceleration = acceleration.unwrap_or(DEFAULT_ACCELERATION);
-                Bound { velocity: joint.limits.velocity, acceleration }
-            }
-            Self::Raw => Bound { velocity: f64::INFINITY, acceleration: DEFAULT_ACCELERATION },
-        }
-    }
-}
-
-impl TaskConfig {
-    /// Returns whether streamed targets of this task can be of a quantity.
-    pub fn accepts(&self, quantity: Quantity) -> bool {
-        match quantity {
-            Quantity::Pose | Quantity::JointPosition => {
-                self.law.follows_position() && self.rows.position_quantity() == Some(quantity)
-            }
-            Quantity::Velocity => self.law.follows_velocity(),
-            Quantity::Force => self.law.follows_force(),
-        }
-    }
-
-    /// Returns what streamed targets of this task can be.
-    pub fn quantities(&self) -> Vec<Quantity> {
-        Quantity::ALL.into_iter().filter(|quantity| self.accepts(*quantity)).collect()
-    }
-
-    /// Returns the bound of an entry of a streamed target: a row, or the first entry of a part of a pose. A part of a pose
-    /// has the smallest bounds of its rows.
-    pub(super) fn bound(&self, quantity: Quantity, entry: usize, robot: &revprio_robot::RobotModel) -> Bound {
-        let of_row = |row: usize| {
-            let default = self.rows.kind(row, robot).bound();
-            let own = |values: &Option<Vec<f64>>, default: f64| values.as_ref().map_or(default, |values| values[row]);
-            Bound {
-                velocity: own(&self.streaming.max_velocity, default.velocity),
-                acceleration: own(&self.streaming.max_acceleration, default.acceleration),
-            }
-        };
-        if quantity != Quantity::Pose {
-            return of_row(entry);
-        }
-        let kind = if entry < 3 { RowKind::Linear } else { RowKind::Angular };
-        let rows = (0..self.rows.len()).filter(|&row| self.rows.kind(row, robot) == kind).map(of_row);
-        let smallest = rows.reduce(|a, b| Bound {
-            velocity: a.velocity.min(b.velocity),
-            acceleration: a.acceleration.min(b.acceleration),
-        });
-        smallest.unwrap_or_else(|| kind.bound())
     }
 }

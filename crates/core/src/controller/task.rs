@@ -5,8 +5,9 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use super::null_space::mid_range_rate;
-use super::target_streams::{RowKind, StreamedTarget, StreamedValue, TaskStreams};
-use super::{JointRows, JointTarget, RawRows, ToolRows};
+use super::target_bounds::RowKind;
+use super::target_streams::TaskStreams;
+use super::{JointRows, JointTarget, RawRows, StreamedTarget, StreamedValue, ToolRows};
 use crate::law::{Law, Profile, TaskState};
 use crate::linalg::{Matrix, TaskVector};
 use crate::streaming::{Quantity, Reference, Streaming, StreamingError, TargetValue};

@@ -3,8 +3,10 @@
 use nalgebra::{Isometry3, IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame, orientation_error};
 
-use super::target_streams::{ActiveStream, RowKind, StreamedTarget, StreamedValue};
+use super::target_bounds::RowKind;
+use super::target_streams::ActiveStream;
 use super::task::ArmState;
+use super::{StreamedTarget, StreamedValue};
 use crate::law::{Profile, SetPoint, TaskState};
 use crate::linalg::TaskVector;
 use crate::streaming::{Reference, TargetValue};
