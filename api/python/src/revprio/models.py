@@ -1240,7 +1240,7 @@ class TargetSample(Body):
     values: ArrayLike | None = None
     """Values per row, if the target is not a pose."""
     velocity: ArrayLike | None = None
-    """Given velocity: of a pose linear and angular in base axes, otherwise per row."""
+    """Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row."""
 
 
 class TargetStream(Body):
@@ -1574,7 +1574,7 @@ class StreamedTarget(Body):
     """Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it."""
     velocity: ArrayLike | None = None
     """Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool`
-    those of the target. Default for a `pose` or a `joint_position`: estimated from the last two targets."""
+    those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets."""
 
 
 class Wrench(Body):

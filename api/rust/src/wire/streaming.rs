@@ -74,6 +74,7 @@ pub struct StreamedTarget {
 pub struct StreamedPose {
     /// Position x, y, z, m; required if the task has a linear axis.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = json!([0.6, 0.1, 0.5]))]
     pub position: Option<[f64; 3]>,
     /// Orientation, unit quaternion; required if the task has an angular axis.
     #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
@@ -121,6 +122,7 @@ pub struct TargetStream {
     pub newest: Option<TargetSample>,
     /// The target before it.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    #[schema(example = json!({"time_s": 0.98, "values": [14.0]}))]
     pub previous: Option<TargetSample>,
     /// The target that the law followed in the last period, with its velocity.
     #[serde(deserialize_with = "object::deserialize")]

@@ -75,7 +75,7 @@ fn accept(
 ) {
     let (k, quantity) = (given.task, given.value.quantity());
     let task = &config.tasks[k];
-    let index = match streams.binary_search_by_key(&(k, quantity), |active| active.key()) {
+    let index = match streams.binary_search_by_key(&(k, quantity), ActiveStream::key) {
         Ok(index) => index,
         Err(index) => {
             let reference = task.own_reference(quantity, arm, previous.task_velocities[k].as_slice());

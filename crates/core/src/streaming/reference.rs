@@ -124,6 +124,8 @@ fn norm(entries: &[f64]) -> f64 {
 pub(super) fn clamp_norm(entries: &mut [f64], max: f64) {
     let length = norm(entries);
     if length > max {
-        entries.iter_mut().for_each(|entry| *entry *= max / length);
+        for entry in entries {
+            *entry *= max / length;
+        }
     }
 }

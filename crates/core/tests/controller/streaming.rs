@@ -100,11 +100,11 @@ impl Run {
         late: f64,
         path: impl Fn(f64) -> (f64, Option<f64>),
     ) {
-        let mut sent = (self.time() / interval).floor() as u64;
+        let mut sent = (self.time() / interval).floor();
         while self.time() < end {
             let due = ((self.time() - late) / interval).floor();
-            let target = (due > sent as f64).then(|| {
-                sent = due as u64;
+            let target = (due > sent).then(|| {
+                sent = due;
                 let time_s = due * interval;
                 let (value, velocity) = path(time_s);
                 target_at(task, time_s, value, velocity)
@@ -391,7 +391,7 @@ fn largest_excess(controller: &Controller, lag_s: f64, delay: usize, noise: f64,
     let (mut q, mut speed) = (NOMINAL.to_vec(), vec![0.0; 7]);
     let mut commands = vec![vec![0.0; 7]; delay + 1];
     let (mut excess, mut next, mut moved) = ([f64::NEG_INFINITY; 2], 0.0, 0);
-    for i in 0..(5.0 / period) as u32 {
+    for i in 0..5000_u32 {
         let time_s = f64::from(i) * period;
         let mut targets = Vec::new();
         let dropped = time_s % 1.6 > 1.0;
