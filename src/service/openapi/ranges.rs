@@ -88,18 +88,6 @@ fn request_ranges() -> Vec<FieldRange> {
             lower: Items(1, MAX_ROWS),
             upper: Items(1, MAX_ROWS),
         }
-        wire::Streaming {
-            hold_after_s: Between(0.0, MAX_STREAMING_TIME),
-            brake_after_s: Between(0.0, MAX_STREAMING_TIME),
-            delay_s: Between(0.0, MAX_STREAMING_TIME),
-            smoothing_s: Between(0.0, MAX_STREAMING_TIME),
-            max_velocity: Positive,
-            max_acceleration: Positive,
-        }
-        wire::StreamedTarget { velocity: Items(1, MAX_ROWS), force: Items(1, MAX_ROWS) }
-        wire::StreamedPose { position: Items(3, 3) }
-        wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
-        wire::TargetReference { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
         wire::Pose { position: Items(3, 3) }
         wire::FramePose { position: Items(3, 3), rotation: Rows([3, 3], [3, 3]) }
         wire::Wrench { force: Items(3, 3), torque: Items(3, 3) }
@@ -178,6 +166,24 @@ fn request_ranges() -> Vec<FieldRange> {
     }
 }
 
+/// Returns the ranges of fields of streamed targets.
+fn target_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::Streaming {
+            hold_after_s: Between(0.0, MAX_STREAMING_TIME),
+            brake_after_s: Between(0.0, MAX_STREAMING_TIME),
+            delay_s: Between(0.0, MAX_STREAMING_TIME),
+            smoothing_s: Between(0.0, MAX_STREAMING_TIME),
+            max_velocity: Positive,
+            max_acceleration: Positive,
+        }
+        wire::StreamedTarget { velocity: Items(1, MAX_ROWS), force: Items(1, MAX_ROWS) }
+        wire::StreamedPose { position: Items(3, 3) }
+        wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+        wire::TargetReference { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+    }
+}
+
 /// Returns the ranges of fields of answers.
 fn answer_ranges() -> Vec<FieldRange> {
     field_ranges! {
@@ -222,7 +228,8 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    for FieldRange { schema, field, range } in request_ranges().into_iter().chain(answer_ranges()) {
+    let ranges = [request_ranges(), target_ranges(), answer_ranges()];
+    for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;
         for_each_field(schema, field, &mut |field| {
