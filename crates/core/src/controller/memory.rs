@@ -5,7 +5,7 @@ use nalgebra::IsometryMatrix3;
 use super::ControllerConfig;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
-use crate::streaming::{Quantity, Target, TargetStream, TargetValue};
+use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
 /// The complete state of a controller. Another process with the same
 /// controller can continue from it and computes the same commands, to the last bit.
@@ -92,7 +92,7 @@ fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
         target.time_s.is_finite() && fits_value(&target.value) && target.velocity.as_deref().is_none_or(fits_velocity)
     };
     let in_order = match (&stream.previous, &stream.newest) {
-        (Some(previous), Some(newest)) => previous.time_s < newest.time_s,
+        (Some(previous), Some(newest)) => newest.time_s - previous.time_s >= MIN_INTERVAL,
         (Some(_), None) => false,
         (None, _) => true,
     };

@@ -27,5 +27,5 @@ mod value;
 
 pub use reference::{Bound, Reference};
 pub use settings::{MAX_STREAMING_TIME, Streaming, StreamingError};
-pub use stream::{Ignored, MAX_AHEAD, Target, TargetState, TargetStream};
+pub use stream::{Ignored, MAX_AHEAD, MIN_INTERVAL, Target, TargetState, TargetStream};
 pub use value::{Quantity, TargetValue};

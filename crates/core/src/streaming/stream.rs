@@ -7,6 +7,9 @@ use crate::linalg::TaskVector;
 /// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
 pub const MAX_AHEAD: f64 = 1.0;
 
+/// Minimum time between two targets, s. The velocity between targets that are nearer means nothing.
+pub const MIN_INTERVAL: f64 = 1e-6;
+
 /// One target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
@@ -36,7 +39,7 @@ pub enum TargetState {
 pub enum Ignored {
     /// It equals the newest target.
     Repeated,
-    /// It is not newer than the newest target.
+    /// It is not newer than the newest target by [`MIN_INTERVAL`].
     Older {
         /// Its time, s.
         time_s: f64,
@@ -71,7 +74,7 @@ impl TargetStream {
     /// Adds a target unless it is not newer than the newest one.
     pub(crate) fn accept(&mut self, mut target: Target, settings: &Streaming) -> Option<Ignored> {
         if let Some(newest) = &self.newest
-            && target.time_s <= newest.time_s
+            && target.time_s - newest.time_s < MIN_INTERVAL
         {
             let (time_s, newest_s) = (target.time_s, newest.time_s);
             let is_same = time_s == newest_s
@@ -163,13 +166,14 @@ impl TargetStream {
         (state, Reference { value, velocity })
     }
 
-    /// Returns the value on the line through the last two targets. Before the older one, the line goes on for
-    /// `hold_after_s` at most.
+    /// Returns the value on the line through the last two targets. Before the older one, the line of positions goes on
+    /// for `hold_after_s` at most, and velocities and forces stay.
     fn interpolated(&self, newest: &Target, velocity: &TaskVector, age: f64, settings: &Streaming) -> TargetValue {
+        let earliest = if self.quantity.is_position() { -settings.hold_after_s } else { 0.0 };
         let Some(previous) = &self.previous else {
-            return newest.value.plus(&(velocity * age.max(-settings.hold_after_s)));
+            return newest.value.plus(&(velocity * age.max(earliest)));
         };
-        let after = (newest.time_s - previous.time_s + age).max(-settings.hold_after_s);
+        let after = (newest.time_s - previous.time_s + age).max(earliest);
         previous.value.plus(&(&slope(previous, newest) * after))
     }
 }

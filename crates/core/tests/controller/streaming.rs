@@ -67,13 +67,15 @@ struct Run {
     q: Vec<f64>,
     period_s: f64,
     samples: Vec<Sample>,
+    /// F_d of the last period, N.
+    force: f64,
 }
 
 impl Run {
     fn new(task: TaskConfig, period_s: f64) -> Self {
         let config = ControllerConfig { period_s, ..config(&gantry(JointLimits::NONE), vec![task]) };
         let stepper = Stepper::new(controller(config)).unwrap();
-        Self { stepper, memory: None, q: vec![0.0; 3], period_s, samples: Vec::new() }
+        Self { stepper, memory: None, q: vec![0.0; 3], period_s, samples: Vec::new(), force: 0.0 }
     }
 
     fn time(&self) -> f64 {
@@ -84,6 +86,7 @@ impl Run {
         let time_s = self.time();
         let measured = Measurement { time_s, targets: target.into_iter().collect(), ..measurement(&self.q) };
         let command = self.stepper.step(&mut self.memory, &measured).unwrap();
+        self.force = command.targets[0].force.first().copied().flatten().unwrap_or(0.0);
         let (asked, report) = (command.targets[0].velocity[0], command.targets[0].streamed);
         self.samples.push(Sample { time_s, x: self.q[0], asked, report });
         let velocity = command.resolution.joint_velocity.as_slice();
@@ -235,6 +238,28 @@ fn velocities_and_forces_are_held_and_then_brake() {
 }
 
 #[test]
+fn forces_are_interpolated_and_never_extrapolated() {
+    let task = along_x(force(&[Axis::X], &[0.0]));
+    let mut run =
+        Run::new(TaskConfig { streaming: Streaming { delay_s: 0.1, ..Streaming::default() }, ..task }, PERIOD);
+    let push = |time_s: f64, force: f64| {
+        Some(StreamedTarget { task: 0, time_s, value: StreamedValue::Force(vec![force]), velocity: None })
+    };
+    run.step(push(0.0, 10.0));
+    let mut forces = Vec::new();
+    while run.time() < 0.4 {
+        let target = if run.samples.len() == 20 { push(0.02, 30.0) } else { None };
+        run.step(target);
+        forces.push(run.force);
+    }
+    // At 0.11 s the task is half-way between the targets of 0 s and 0.02 s.
+    for (period, expected) in [(30, 10.0), (100, 10.0), (110, 20.0), (120, 30.0), (300, 30.0)] {
+        assert!((forces[period - 1] - expected).abs() < 1e-9, "{period}: {} N", forces[period - 1]);
+    }
+    assert!(forces.iter().all(|force| (10.0..=30.0).contains(force)));
+}
+
+#[test]
 fn a_position_task_that_is_held_back_stops_where_the_arm_is() {
     // The joint moves at 0.1 m/s at most, and its target is a metre ahead when the targets end.
     let slow = JointLimits { velocity: 0.1, ..JointLimits::NONE };
@@ -283,6 +308,8 @@ fn targets_that_are_not_newer_are_ignored_and_reported() {
     assert_eq!(ignored(&mut run, 0.01, 0.2), Some(Ignored::Older { time_s: 0.01, newest_s: 0.02 }));
     let newest = run.memory.as_ref().unwrap().target_streams[0].newest.clone().unwrap();
     assert_eq!(newest.time_s, 0.02);
+    // Nearer targets would have a velocity without meaning, or none that is finite.
+    assert_eq!(ignored(&mut run, 0.02 + 1e-12, 0.3), Some(Ignored::Older { time_s: 0.02 + 1e-12, newest_s: 0.02 }));
     assert_eq!(ignored(&mut run, 0.021, 0.2), None);
     assert_eq!(run.step(None).report.unwrap().ignored, None);
 }
