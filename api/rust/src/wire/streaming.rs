@@ -122,7 +122,6 @@ pub struct TargetStream {
     pub newest: Option<TargetSample>,
     /// The target before it.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
-    #[schema(example = json!({"time_s": 0.98, "values": [14.0]}))]
     pub previous: Option<TargetSample>,
     /// The target that the law followed in the last period, with its velocity.
     #[serde(deserialize_with = "object::deserialize")]

@@ -55,6 +55,7 @@ pub(super) fn update(
     }
     for active in &mut *streams {
         active.ignored = None;
+        active.stream.advance(config.period_s);
         active.stream.forget_future(measurement.time_s);
     }
     for target in &measurement.targets {

@@ -104,6 +104,11 @@ impl TargetStream {
         self.newest.as_ref().map(|newest| time_s - newest.time_s)
     }
 
+    /// Moves the reference on to the next period of `period` s.
+    pub(crate) fn advance(&mut self, period: f64) {
+        self.reference.advance(period);
+    }
+
     /// Computes the reference and the state of the period at `time_s`.
     ///
     /// A reference that brakes and is `held` starts each period from that value: the position of an arm whose law must
@@ -117,7 +122,6 @@ impl TargetStream {
         period: f64,
     ) {
         let was_braking = self.state == TargetState::Braking;
-        self.reference.advance(period);
         let (state, desired) = self.desired(time_s, settings, bound);
         self.state = state;
         let smoothing = settings.smoothing_s;
