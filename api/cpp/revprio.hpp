@@ -195,6 +195,7 @@ struct Measurement {
     std::optional<std::vector<double>> joint_velocity; ///< q̇, n, rad/s or m/s; default: the last command.
     std::vector<double> force{0, 0, 0};                ///< N; see wrench_convention, wrench_frame of the controller.
     std::vector<double> torque{0, 0, 0};               ///< N·m.
+    Json targets = Json::object(); ///< New targets by task name, as in teleoperation; see `State` of the interface.
 };
 
 /// A controller whose memory the service keeps. The destructor ends the session.
@@ -223,6 +224,7 @@ public:
                       {"joint_position", now.joint_position},
                       {"wrench", {{"force", now.force}, {"torque", now.torque}}}};
         if (now.joint_velocity) state["joint_velocity"] = *now.joint_velocity;
+        if (!now.targets.empty()) state["targets"] = now.targets;
         return client_.call("POST", path_ + "/step", state, true, client_.step_timeout());
     }
 

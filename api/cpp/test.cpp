@@ -74,6 +74,19 @@ void closed_loop(revprio::Client& client) {
     }
 }
 
+void targets(revprio::Client& client) {
+    revprio::Session session(client, client.call("GET", "/v1/scenarios/stiff_wall").at("controller"));
+    revprio::Measurement now;
+    now.joint_position = POSTURE;
+    now.targets["push x"] = Json::parse(R"({"force": [10]})");
+    const Json followed = session.step(now).at("tasks").at(0);
+    check(followed.at("target_state") == "following" && followed.at("target_force").at(0) == 10.0,
+          "a task follows its target");
+    now.targets["push x"] = Json::parse(R"({"velocity": [1]})");
+    const auto problem = expect_throw<revprio::Problem>([&] { session.step(now); }, "another target is refused");
+    check(problem.pointer == "/targets/push x/velocity", "the problem names the field of the target");
+}
+
 void refusals(revprio::Client& client) {
     const Json tasks = Json::parse(R"([{"axes": ["x"], "velocity": [0.05]}])");
     const Json good = {{"robot", "sawyer_dh"}, {"joint_position", POSTURE}, {"tasks", tasks}};
@@ -193,6 +206,7 @@ int main(int argc, char** argv) {
     watchdog();
     refusals(client);
     closed_loop(client);
+    targets(client);
     loop_ends_at_rest(client);
     token(argv[2]);
     std::puts("all tests passed");

@@ -120,6 +120,8 @@ class Models:
             return "ArrayLike" if is_request else "FloatArray"
         if kind == "array":
             return f"list[{self.type(schema['items'], name, is_request=is_request)}]"
+        if isinstance(schema.get("additionalProperties"), dict):
+            return f"dict[str, {self.type(schema['additionalProperties'], name, is_request=is_request)}]"
         if "properties" in schema:
             return self.model(schema.get("title", name), schema, is_request=is_request)
         message = f"{name}: no Python type for {schema}"

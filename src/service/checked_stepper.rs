@@ -48,6 +48,7 @@ impl CheckedStepper {
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         let mut answer = convert::step_answer(&controller, &self.rules, sequence, command, start);
         self.rules.warn(&mut answer.warnings, measurement, &controller, command);
+        convert::warn_about_targets(&mut answer.warnings, &controller, command);
         if let Some(last) = last {
             last.compare(&mut answer.warnings, sequence, measurement, &controller);
         }

@@ -26,6 +26,7 @@ mod simulations;
 mod speed_limits;
 mod states;
 mod stream;
+mod streaming;
 mod tasks;
 mod warnings;
 mod watch;

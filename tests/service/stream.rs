@@ -11,13 +11,14 @@ use tungstenite::{Message, WebSocket};
 use crate::harness::{Service, example, without};
 
 /// A client of one stream.
-struct Client {
+pub struct Client {
     socket: WebSocket<TcpStream>,
     protocol: Option<String>,
 }
 
 impl Client {
-    fn open(service: &Service, session: &str, protocol: Option<&str>) -> Self {
+    /// Opens a stream of a session.
+    pub fn open(service: &Service, session: &str, protocol: Option<&str>) -> Self {
         let mut request = (service.url().replace("http", "ws") + session + "/stream").into_client_request().unwrap();
         if let Some(protocol) = protocol {
             request.headers_mut().insert("sec-websocket-protocol", protocol.parse().unwrap());
@@ -28,7 +29,7 @@ impl Client {
     }
 
     /// Sends a text message and returns the answer.
-    fn call(&mut self, text: &str) -> Value {
+    pub fn call(&mut self, text: &str) -> Value {
         self.socket.send(Message::text(text)).unwrap();
         self.read()
     }

@@ -23,6 +23,7 @@ from revprio import (
     ResolveTask,
     Scenario,
     Session,
+    StreamedTarget,
     UnauthorizedError,
     Watchdog,
     aio,
@@ -52,6 +53,15 @@ def test_both_have_the_same_methods_with_the_same_arguments(blocking: type, asyn
         return {name: parameters for name, parameters in public.items() if name != "open"}
 
     assert methods(blocking) == methods(asynchronous)
+
+
+def test_an_asynchronous_controller_sends_targets(url: str) -> None:
+    async def call() -> str | None:
+        async with AsyncClient(url) as client, client.stateless(**example("controller")) as controller:
+            answer = await controller.step(Q, wrench=np.zeros(6), targets={"push": StreamedTarget(force=[10.0])})
+            return answer.tasks[0].target_state
+
+    assert asyncio.run(call()) == "following"
 
 
 def test_both_give_the_same_answers(url: str) -> None:

@@ -18,6 +18,7 @@ from revprio import (
     Session,
     State,
     Stateless,
+    StreamedTarget,
     Wrench,
 )
 
@@ -50,6 +51,39 @@ def test_session_stateless_and_stream_give_identical_answers(client: Client, con
     np.testing.assert_array_equal(by_session, by_memory)
     np.testing.assert_array_equal(by_session, by_stream)
     assert np.abs(by_session).max() > 0
+
+
+def test_targets_are_followed_by_sessions_stateless_controllers_and_streams(
+    client: Client, config: ControllerConfig
+) -> None:
+    def follow(controller: Controller) -> list[tuple[str | None, float | None, list[float]]]:
+        outcomes: list[tuple[str | None, float | None, list[float]]] = []
+        for period in range(120):
+            # The targets end after 60 ms.
+            newest = {"push": StreamedTarget(force=[0.1 * period])} if period % 20 == 0 and period <= 60 else None
+            answer = controller.step(Q, wrench=np.zeros(6), targets=newest)
+            push = answer.tasks[0]
+            outcomes.append((push.target_state, push.target_age_s, answer.joint_velocity.tolist()))
+        return outcomes
+
+    with Session(client, config) as session:
+        by_session = follow(session)
+    with Stateless(client, config) as stateless:
+        assert follow(stateless) == by_session
+    with Session(client, config) as session, session.stream() as stream:
+        assert follow(stream) == by_session
+    states = [state for state, _, _ in by_session]
+    assert states[0] == "following"
+    assert states[1] == states[109] == "extrapolating"
+    assert states[112] == "holding"
+    assert by_session[119][1] == pytest.approx(0.059)
+
+
+def test_a_target_that_does_not_fit_is_refused(client: Client, config: ControllerConfig) -> None:
+    with Session(client, config) as session, pytest.raises(InvalidError) as refused:
+        session.step(Q, wrench=np.zeros(6), targets={"push": StreamedTarget(joint_position=Q)})
+    assert refused.value.pointer == "/targets/push/joint_position"
+    assert "`force`" in str(refused.value)
 
 
 def test_a_closed_loop_equals_the_built_in_simulation(client: Client) -> None:

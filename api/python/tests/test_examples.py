@@ -45,6 +45,24 @@ def test_the_mujoco_arm_touches_the_wall_and_holds_30_n(
     assert figure.stat().st_size > 1000
 
 
+def test_the_arm_follows_the_hand_and_stops_without_it(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    monkeypatch.setattr(sys, "argv", ["teleoperation.py", "--url", url, "--duration", "6", "--rates", "45"])
+    import teleoperation  # noqa: PLC0415  its directory was added to the path above
+
+    runs = teleoperation.main()
+    default = runs["default", 45.0]
+    # 12 cm of motion with 10 ms of lag and one period of delay.
+    assert default.error_mm() < 10
+    assert np.abs(np.diff(default.command, axis=0)).max() <= 10 * teleoperation.PERIOD_S + 1e-9  # limits of the joints
+    assert default.rest_s() < 0.2 + 0.2 + teleoperation.LAG_S + 3 * teleoperation.PERIOD_S
+    assert {"following", "extrapolating", "holding", "braking"} >= set(default.states) - {"none"}
+    assert "braking" in default.states
+    jerky = runs["last target only", 45.0]
+    assert jerky.error_mm() > 3 * default.error_mm()
+    assert jerky.acceleration() > default.acceleration()
+
+
 @pytest.mark.parametrize("readme", [ROOT / "README.md", ROOT / "api/python/README.md"], ids=["project", "client"])
 def test_the_snippets_of_the_readme_run(url: str, readme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     snippets = re.findall(r"```python\n(.*?)```", readme.read_text(encoding="utf-8"), re.DOTALL)

@@ -38,6 +38,7 @@ REQUESTS: dict[str, type[Body]] = {
     "step": models.StepRequest,
     "step_again": models.StepRequest,
     "step_inequality": models.StepRequest,
+    "step_targets": models.StepRequest,
 }
 
 

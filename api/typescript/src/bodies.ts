@@ -28,6 +28,8 @@ export type StabilityRequest = Schemas["StabilityRequest"];
 export type State = Schemas["State"];
 export type StepAnswer = Schemas["StepAnswer"];
 export type StepRequest = Schemas["StepRequest"];
+export type StreamedTarget = Schemas["StreamedTarget"];
+export type Streaming = Schemas["Streaming"];
 export type Wrench = Schemas["Wrench"];
 
 /** Measured values of one period: a state without its number. Default of `time_s`: sequence number times period. */

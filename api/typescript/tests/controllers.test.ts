@@ -51,6 +51,17 @@ suite("controllers", () => {
     assert.ok(Math.max(...expected.flat().map(Math.abs)) > 0);
   });
 
+  test("a measurement can have targets", async (t) => {
+    const session = await testClient((await serve(t)).url).session(CONTROLLER);
+    const first = await session.step({ ...AT_REST, targets: { push: { force: [10] } } });
+    assert.equal(first.tasks[0]!.target_state, "following");
+    assert.deepEqual(first.tasks[0]!.target_force, [10]);
+    const second = await session.step(AT_REST);
+    assert.equal(second.tasks[0]!.target_state, "extrapolating");
+    const wrong = session.step({ ...AT_REST, targets: { push: { velocity: [1] } } });
+    await assert.rejects(wrong, { pointer: "/targets/push/velocity" });
+  });
+
   test("a closed loop equals the built-in simulation", async (t) => {
     const client = testClient((await serve(t)).url);
     const scenario: Scenario = { ...(await client.scenario("stiff_wall")), duration_s: 0.45 };

@@ -9,6 +9,7 @@ use revprio_core::controller::{Controller, ControllerConfig, Measurement, Steppe
 use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 use revprio_core::robot::built_in;
 use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
+use revprio_core::streaming::Streaming;
 
 /// Pushes for three seconds with an arm that follows its commands exactly.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,7 +17,13 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
     let law = ForceLaw::new(gains, Profile::constant(vec![30.0])?).ok_or("gains and force differ in size")?;
     let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
-    let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
+    let push = TaskConfig {
+        name: "push".to_owned(),
+        rows,
+        law: Law::Force(law),
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     let controller = Controller::new(ControllerConfig::new(Arc::clone(&sawyer), period, vec![push]))?;
     let mut stepper = Stepper::new(controller)?;
 
@@ -27,7 +34,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         force = 1000.0 * (Configuration::new(&sawyer, &q)?.tool_pose().translation.x - surface);
         let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // of the tool on the environment
         let time_s = period * f64::from(cycle);
-        let measured = Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench };
+        let measured =
+            Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench, targets: Vec::new() };
         let command = stepper.step(&mut memory, &measured)?;
         q.iter_mut().zip(&command.resolution.joint_velocity).for_each(|(q, speed)| *q += period * speed);
     }

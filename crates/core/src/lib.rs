@@ -165,6 +165,7 @@ pub mod law;
 pub mod limits;
 pub mod linalg;
 pub mod resolution;
+pub mod streaming;
 pub mod task;
 
 pub use revprio_robot as robot;

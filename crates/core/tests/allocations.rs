@@ -4,13 +4,15 @@
 use std::sync::Arc;
 
 use allocation_counter::measure;
+use nalgebra::{UnitQuaternion, Vector3};
 use revprio_core::controller::{
     Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion, Stepper,
-    TaskConfig, TaskRows, ToolRows,
+    StreamedTarget, StreamedValue, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Solver};
+use revprio_core::streaming::{Quantity, Streaming};
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use revprio_robot::{RobotModel, built_in};
 
@@ -30,7 +32,13 @@ fn tasks() -> Vec<TaskConfig> {
     let hold = Law::Position(PositionLaw::new(vec![5.0; 5]).unwrap());
     let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
     [("push", rows(&[Axis::X]), push), ("hold", rows(&others), hold)]
-        .map(|(name, rows, law)| TaskConfig { name: name.to_owned(), rows, law, scaled: false })
+        .map(|(name, rows, law)| TaskConfig {
+            name: name.to_owned(),
+            rows,
+            law,
+            scaled: false,
+            streaming: Streaming::default(),
+        })
         .into()
 }
 
@@ -60,8 +68,13 @@ impl Loop {
     fn new(config: ControllerConfig) -> Self {
         let controller = Controller::new(config).unwrap();
         let stepper = Stepper::new(controller).unwrap();
-        let measured =
-            Measurement { time_s: 0.0, joint_position: NOMINAL.to_vec(), joint_velocity: None, wrench: [0.0; 6] };
+        let measured = Measurement {
+            time_s: 0.0,
+            joint_position: NOMINAL.to_vec(),
+            joint_velocity: None,
+            wrench: [0.0; 6],
+            targets: Vec::new(),
+        };
         Self { stepper, memory: None, measured }
     }
 
@@ -117,6 +130,30 @@ fn every_method_allocates_nothing() {
 }
 
 #[test]
+fn streamed_targets_allocate_nothing() {
+    let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
+    let pose = StreamedValue::Pose {
+        position: Some(Vector3::new(0.6, 0.1, 0.4)),
+        orientation: Some(UnitQuaternion::identity()),
+    };
+    let hold = arm.stepper.controller().config().tasks.iter().position(|task| task.accepts(Quantity::Pose)).unwrap();
+    let mut run = |targets: u32| {
+        let mut allocations = 0;
+        for _ in 0..targets {
+            arm.measured.targets =
+                vec![StreamedTarget { task: hold, time_s: arm.measured.time_s, value: pose.clone(), velocity: None }];
+            // A target arrives, then periods without one.
+            allocations += arm.run(1).allocations;
+            arm.measured.targets.clear();
+            allocations += arm.run(300).allocations;
+        }
+        allocations
+    };
+    run(4);
+    assert_eq!(run(4), 0);
+}
+
+#[test]
 fn auto_inside_the_limits_allocates_nothing() {
     let tally = after_warm_up(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
     assert_eq!((tally.allocations, tally.qp, tally.active_set), (0, 0, 0));
@@ -137,7 +174,13 @@ fn auto_with_active_limits_allocates_nothing() {
 fn joints_and_null_space_motions_allocate_nothing() {
     let posture = JointRows { joints: vec![1, 4], target: JointTarget::MidRange };
     let law = Law::Position(PositionLaw::new(vec![1.0; 2]).unwrap());
-    let centre = TaskConfig { name: "centre".to_owned(), rows: TaskRows::Joints(posture), law, scaled: false };
+    let centre = TaskConfig {
+        name: "centre".to_owned(),
+        rows: TaskRows::Joints(posture),
+        law,
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     let config = config(Solver::Auto, Limits::Robot(LimitKind::PositionVelocityAcceleration));
     let tasks = config.tasks.iter().take(1).cloned().chain([centre]).collect();
     let null_space = Some(NullSpaceMotion::JointLimits { gain: 0.5 });

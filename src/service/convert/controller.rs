@@ -75,6 +75,9 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Period(_) => "/period_s".to_owned(),
         ConfigError::NoTasks => "/tasks".to_owned(),
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
+        ConfigError::Task { task, source: TaskConfigError::Streaming(source) } => {
+            format!("/tasks/{task}/streaming/{}", source.field())
+        }
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Limits { .. } => "/limits".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
@@ -93,5 +96,6 @@ fn task_field(error: &TaskConfigError) -> &'static str {
         TaskConfigError::Unstable { .. } => "/law/gain",
         TaskConfigError::Jacobian { .. } => "/jacobian",
         TaskConfigError::Scaled => "/scale",
+        TaskConfigError::Streaming(_) => "/streaming",
     }
 }

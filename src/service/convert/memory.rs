@@ -10,6 +10,7 @@ use revprio_core::resolution::{ActiveSet, Side};
 use super::numbers::{check_numbers, joint_list, number, numbers};
 use super::state_rules::LastState;
 use super::step::check_sequence;
+use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
 use crate::service::error::ApiError;
 
@@ -40,6 +41,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
             .map(Vector::from_vec)?,
         drive: drive_state(memory, config)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
+        target_streams: target_streams(&memory.target_streams, config)?,
     })
 }
 
@@ -144,6 +146,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
             pending: memory.drive.pending.iter().map(|command| command.as_slice().to_vec()).collect(),
         }),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
+        target_streams: target_streams_answer(&memory.target_streams, controller.config()),
     }
 }
 

@@ -22,6 +22,8 @@ mod simulation;
 mod stability;
 mod state_rules;
 mod step;
+mod target_memory;
+mod targets;
 mod task;
 mod terms;
 
@@ -42,3 +44,4 @@ pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
 pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
 pub use step::{MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, watched_step};
+pub use targets::warn as warn_about_targets;

@@ -49,6 +49,8 @@ impl Outcome<'_> {
                 requested,
                 achieved,
                 target_force,
+                target_state: None,
+                target_age_s: None,
                 active_rows: outcome.active_rows.iter().map(active_row).collect(),
             }
         };

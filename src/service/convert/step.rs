@@ -11,6 +11,7 @@ use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
 use super::state_rules::StateRules;
+use super::targets;
 use crate::service::error::ApiError;
 
 /// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
@@ -32,11 +33,15 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     if state.sequence > MAX_SEQUENCE {
         return Err(ApiError::invalid("/sequence", format!("give at most {MAX_SEQUENCE}")));
     }
+    let time_s = number(state.time_s, "/time_s")?;
+    let targets = targets::targets(&state.targets, time_s, controller)?;
+    targets::check_times(&targets, time_s, controller)?;
     Ok(Measurement {
-        time_s: number(state.time_s, "/time_s")?,
+        time_s,
         joint_position: joint_vector(&state.joint_position, robot, "/joint_position")?,
         joint_velocity: state.joint_velocity.as_ref().map(|v| joint_vector(v, robot, "/joint_velocity")).transpose()?,
         wrench: wrench(state.wrench.as_ref(), controller)?,
+        targets,
     })
 }
 
@@ -62,6 +67,7 @@ pub fn step_error(error: &StepError) -> ApiError {
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::Target { .. } => "/targets",
         StepError::Memory(_) => return ApiError::invalid("/memory", error),
         StepError::Problem(_) => "",
     };
@@ -105,7 +111,7 @@ pub fn step_answer(
         valid_for_ms: valid_for_ms(&command.hold, rules),
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),
-        tasks: outcome.tasks(task),
+        tasks: tasks_with_targets(outcome.tasks(task), command),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),
@@ -117,6 +123,15 @@ pub fn step_answer(
         joint_limit_index: command.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
+}
+
+/// Adds the reports of streamed targets to the outcomes of tasks.
+fn tasks_with_targets(mut tasks: Vec<wire::TaskOutcome>, command: &Command) -> Vec<wire::TaskOutcome> {
+    for (task, target) in tasks.iter_mut().zip(&command.targets) {
+        task.target_state = target.streamed.map(|report| targets::state_answer(report.state));
+        task.target_age_s = target.streamed.and_then(|report| report.age_s);
+    }
+    tasks
 }
 
 /// Returns a period of a session for watchers. `last_command`: joint velocities of the previous period, n, if known.

@@ -10,6 +10,7 @@ use super::numbers::velocity_bounds;
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve::{axis_selection, own_jacobian, scaled_bounds};
+use super::targets::streaming;
 use crate::service::error::ApiError;
 
 /// Reads a task.
@@ -28,7 +29,8 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
             (Some(_), Some(_)) => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
         },
     };
-    Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale })
+    let streaming = streaming(task.streaming.as_ref(), rows.len()).map_err(|error| error.inside("/streaming"))?;
+    Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale, streaming })
 }
 
 fn tool_task(

@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 29] = examples! {
+const EXAMPLES: [Example; 30] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -38,6 +38,7 @@ const EXAMPLES: [Example; 29] = examples! {
     post "/v1/step" "step" => "step";
     post "/v1/step" "step_inequality" => "step_inequality";
     post "/v1/step" "step_again" => "step_again";
+    post "/v1/step" "step_targets" => "step_targets";
     post "/v1/controllers" "controller" => "controller";
     post "/v1/controllers" "controller_laws" => "controller_laws";
     get "/v1/controllers" => "sessions";

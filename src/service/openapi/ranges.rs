@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use revprio_api::wire;
 use revprio_core::controller::MAX_DELAY_PERIODS;
 use revprio_core::limits::MAX_DRIVE_DELAY;
+use revprio_core::streaming::MAX_STREAMING_TIME;
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
@@ -136,6 +137,7 @@ fn request_ranges() -> Vec<FieldRange> {
             joint_position: Items(1, MAX_JOINTS),
             last_command: Items(1, MAX_JOINTS),
             active_set: Items(0, MAX_TASKS),
+            target_streams: Items(0, 2 * MAX_TASKS),
         }
         Scenario {
             duration_s: Positive,
@@ -164,6 +166,24 @@ fn request_ranges() -> Vec<FieldRange> {
             speed: Between(MIN_SPEED, MAX_SPEED),
             external_force: Items(3, 3),
         }
+    }
+}
+
+/// Returns the ranges of fields of streamed targets.
+fn target_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::Streaming {
+            hold_after_s: Between(0.0, MAX_STREAMING_TIME),
+            brake_after_s: Between(0.0, MAX_STREAMING_TIME),
+            delay_s: Between(0.0, MAX_STREAMING_TIME),
+            smoothing_s: Between(0.0, MAX_STREAMING_TIME),
+            max_velocity: Positive,
+            max_acceleration: Positive,
+        }
+        wire::StreamedTarget { velocity: Items(1, MAX_ROWS), force: Items(1, MAX_ROWS) }
+        wire::StreamedPose { position: Items(3, 3) }
+        wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+        wire::TargetReference { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
     }
 }
 
@@ -211,7 +231,8 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    for FieldRange { schema, field, range } in request_ranges().into_iter().chain(answer_ranges()) {
+    let ranges = [request_ranges(), target_ranges(), answer_ranges()];
+    for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;
         for_each_field(schema, field, &mut |field| {

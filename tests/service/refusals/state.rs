@@ -3,7 +3,14 @@
 use super::{NO_POINTER, OMITTED, Row, assert_all_refused};
 use crate::harness::{Service, example};
 
-const STATE: [Row; 35] = [
+/// The task has five axes, not six.
+const POSE_WITH_TWIST: &str = r#"{"hold": {"velocity": [0, 0, 0, 0, 0, 0], "pose":
+    {"position": [0.6, 0, 0.4], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}}}"#;
+const POSE_OF_WRONG_LENGTH: &str =
+    r#"{"hold": {"pose": {"position": [0.6, 0, 0.4], "orientation": {"w": 2, "x": 0, "y": 0, "z": 0}}}}"#;
+const POSE_AS_LISTS: &str = r#"{"hold": {"pose": {"position": [0.6, 0, 0.4], "orientation": [1, 0, 0, 0]}}}"#;
+
+const STATE: [Row; 56] = [
     ("/sequence", OMITTED, 422, ""),
     ("/sequence", "-1", 422, "/sequence"),
     ("/sequence", "1.5", 422, "/sequence"),
@@ -38,6 +45,27 @@ const STATE: [Row; 35] = [
     ("/wrench/torque/2", "-Infinity", 400, NO_POINTER),
     ("/wrench/frame", r#""tool""#, 422, "/wrench/frame"),
     ("/memory", "null", 422, "/memory"),
+    ("/targets", "null", 422, "/targets"),
+    ("/targets", "[]", 422, "/targets"),
+    ("/targets", r#"{"hand": {"force": [1]}}"#, 422, "/targets/hand"),
+    ("/targets", r#"{"push": {}}"#, 422, "/targets/push"),
+    ("/targets", r#"{"push": [1]}"#, 422, "/targets/push"),
+    ("/targets", r#"{"push": {"wrench": [1]}}"#, 422, "/targets/push/wrench"),
+    ("/targets", r#"{"push": {"pose": {"position": [0, 0, 0]}}}"#, 422, "/targets/push/pose"),
+    ("/targets", r#"{"push": {"joint_position": [1]}}"#, 422, "/targets/push/joint_position"),
+    ("/targets", r#"{"push": {"velocity": [1]}}"#, 422, "/targets/push/velocity"),
+    ("/targets", r#"{"push": {"force": [1], "velocity": [1]}}"#, 422, "/targets/push/velocity"),
+    ("/targets", r#"{"push": {"force": [1, 2]}}"#, 422, "/targets/push/force"),
+    ("/targets", r#"{"push": {"force": [1e308]}}"#, 422, "/targets/push/force/0"),
+    ("/targets", r#"{"push": {"force": [NaN]}}"#, 400, NO_POINTER),
+    ("/targets", r#"{"push": {"force": [1], "time_s": 1.018}}"#, 422, "/targets/push/time_s"),
+    ("/targets", r#"{"push": {"force": [1], "time_s": -1e308}}"#, 422, "/targets/push/time_s"),
+    ("/targets", r#"{"push": {"force": [1]}, "push": {"force": [1]}}"#, 422, "/targets"),
+    ("/targets", r#"{"hold": {"pose": {"position": [0.6, 0, 0.4]}}}"#, 422, "/targets/hold/pose"),
+    ("/targets", r#"{"hold": {"pose": {"orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}}}"#, 422, "/targets/hold/pose"),
+    ("/targets", POSE_OF_WRONG_LENGTH, 422, "/targets/hold/pose/orientation"),
+    ("/targets", POSE_AS_LISTS, 422, "/targets/hold/pose/orientation"),
+    ("/targets", POSE_WITH_TWIST, 422, "/targets/hold/velocity"),
     ("/q", "[]", 422, "/q"),
 ];
 

@@ -10,6 +10,7 @@ use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
+use revprio_core::streaming::Streaming;
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
 use revprio_robot::{RobotModel, built_in};
@@ -142,7 +143,13 @@ fn controller_step(bencher: Bencher, solver: Solver) {
         let rows = ToolRows::new(AxisSelection::new(axes).unwrap());
         let (zeros, swing) = (vec![0.0; axes.len()], vec![amplitude; axes.len()]);
         let law = Law::Velocity(Profile::sine(zeros, swing, std::f64::consts::TAU, 0.0).unwrap());
-        TaskConfig { name: name.to_owned(), rows: TaskRows::Tool(rows), law, scaled: false }
+        TaskConfig {
+            name: name.to_owned(),
+            rows: TaskRows::Tool(rows),
+            law,
+            scaled: false,
+            streaming: Streaming::default(),
+        }
     };
     let others = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
     let tasks = vec![task("swing", &[Axis::X], 0.4), task("hold", &others, 0.0)];
@@ -151,7 +158,8 @@ fn controller_step(bencher: Bencher, solver: Solver) {
         Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
     let (mut stepper, mut memory) = (Stepper::new(controller).unwrap(), None);
     let joint_position = POSTURE.to_vec();
-    let mut measured = Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6] };
+    let mut measured =
+        Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() };
     bencher.bench_local(|| {
         let command = stepper.step(&mut memory, &measured).unwrap();
         let speeds = command.resolution.joint_velocity.iter();

@@ -6,7 +6,7 @@ import asyncio
 import math
 import ssl
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
 from types import TracebackType
 from typing import Self, TypeVar
@@ -42,6 +42,7 @@ from revprio.models import (
     State,
     StepAnswer,
     StepRequest,
+    StreamedTarget,
     Wrench,
 )
 from revprio.retry import RetryBudget, no_answer
@@ -208,9 +209,10 @@ class AsyncController(ABC):
         joint_velocity: JointVector | None = None,
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
+        targets: Mapping[str, StreamedTarget] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
-        return await self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s))
+        return await self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
 
     @abstractmethod
     async def step_state(self, state: State) -> StepAnswer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -20,6 +21,7 @@ from revprio.models import (
     State,
     StepAnswer,
     StepRequest,
+    StreamedTarget,
     Wrench,
 )
 from revprio.states import StateNumbering
@@ -44,6 +46,7 @@ class Controller(ABC):
         joint_velocity: JointVector | None = None,
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
+        targets: Mapping[str, StreamedTarget] | None = None,
     ) -> StepAnswer:
         """Runs one control period.
 
@@ -51,12 +54,13 @@ class Controller(ABC):
         `joint_velocity`: q̇, n, rad/s or m/s; default: the last commanded velocity.
         `wrench`: force (N) and torque (N·m), 6, as the controller's `wrench_convention` and `wrench_frame` define.
         `time_s`: time t of the set-point profiles, s; default: the sequence number times the period.
+        `targets`: new targets by task name, as in teleoperation; default: none. The service interpolates between them.
 
         Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
         `Watchdog`. If an answer is lost, the client sends the state again with the same sequence number; the service
         never runs the same number twice.
         """
-        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s))
+        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
 
     @abstractmethod
     def step_state(self, state: State) -> StepAnswer:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.controller import Controller
 from revprio.errors import RevprioError
-from revprio.models import StepAnswer, Wrench
+from revprio.models import StepAnswer, StreamedTarget, Wrench
 from revprio.watchdog import Watchdog
 
 
@@ -24,6 +24,9 @@ class Measurement:
     joint_position: JointVector
     joint_velocity: JointVector | None = None
     wrench: Wrench | ArrayLike | None = None
+    targets: Mapping[str, StreamedTarget] | None = None
+    """The newest targets with their own `time_s`. Give them in every period: a measurement is not sent while an earlier
+    one waits for its answer, and the service ignores a repeated target."""
 
 
 @dataclass

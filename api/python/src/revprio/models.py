@@ -110,7 +110,15 @@ __all__ = [
     "StepAnswer",
     "StepRequest",
     "StepsProfile",
+    "StreamedPose",
+    "StreamedQuantity",
+    "StreamedTarget",
+    "Streaming",
     "TargetPose",
+    "TargetReference",
+    "TargetSample",
+    "TargetState",
+    "TargetStream",
     "TaskOutcome",
     "TimeHistogram",
     "VelocityLaw",
@@ -265,6 +273,10 @@ class SolverReport(Answer):
     """Number of working sets (sets of active limits) that the solver tried."""
 
 
+TargetState = Literal["following", "extrapolating", "holding", "braking"]
+"""Where the streamed target of a period comes from."""
+
+
 class TaskOutcome(Answer):
     """The outcome of one task."""
 
@@ -285,8 +297,12 @@ class TaskOutcome(Answer):
     """Active rows of a task with bounds: rows that reach a bound and restrict the answer."""
     scale: float | None = None
     """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
+    target_age_s: float | None = None
+    """Time of the state minus time of the newest streamed target, s; negative if the target lies ahead."""
     target_force: FloatArray | None = None
     """Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state."""
+    target_state: TargetState | None = None
+    """Where the streamed target of this period comes from; absent if no target was streamed to this task."""
 
 
 class ViolatedLimit(Answer):
@@ -813,6 +829,28 @@ Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | H
 """The law that computes the velocity of a task."""
 
 
+class Streaming(Body):
+    """How a task follows streamed targets. The defaults suit 30 to 90 targets per second.  The age of a target is the
+    time of the state minus `time_s` of the target minus `delay_s`."""
+
+    brake_after_s: float | None = None
+    """Age of the newest target from which the task brakes to rest, s; at least `hold_after_s`; default 0.2."""
+    delay_s: float | None = None
+    """Delay with which targets are followed, s; default 0. A delay of one interval between targets makes the task
+    interpolate instead of extrapolate."""
+    hold_after_s: float | None = None
+    """Age of the newest target up to which it is extrapolated, s; after it the target is held; default 0.05."""
+    max_acceleration: ArrayLike | None = None
+    """Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s², for joints their
+    acceleration limits. The task brakes with it."""
+    max_velocity: ArrayLike | None = None
+    """Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints their velocity
+    limits."""
+    smoothing_s: float | None = None
+    """Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no smoothing. A
+    uniform motion is followed without lag."""
+
+
 class ControllerTask(Body):
     """One task of a controller: its rows, and their law or bounds of their velocity."""
 
@@ -834,6 +872,8 @@ class ControllerTask(Body):
     scale: bool | None = None
     """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
     default `false`."""
+    streaming: Streaming | None = None
+    """How the task follows the `targets` of the states; default: the defaults of its fields."""
     upper: UpperBounds | None = None
     """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
 
@@ -1200,6 +1240,51 @@ class LiveFrame(Answer):
     """Simulated time, s."""
 
 
+StreamedQuantity = Literal["pose", "joint_position", "velocity", "force"]
+"""What the targets of a stream are."""
+
+
+class TargetReference(Body):
+    """The target that a law followed, in the memory."""
+
+    velocity: ArrayLike
+    """Velocity: of a pose linear and angular in base axes, otherwise per row."""
+    pose: Pose | None = None
+    """Pose in the base frame, m."""
+    values: ArrayLike | None = None
+    """Values per row, if the target is not a pose."""
+
+
+class TargetSample(Body):
+    """A target in the memory."""
+
+    time_s: float
+    """Time of the target, s."""
+    pose: Pose | None = None
+    """Pose in the base frame, m."""
+    values: ArrayLike | None = None
+    """Values per row, if the target is not a pose."""
+    velocity: ArrayLike | None = None
+    """Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row."""
+
+
+class TargetStream(Body):
+    """The last targets of a task, as a part of the memory."""
+
+    quantity: StreamedQuantity
+    """What the targets are."""
+    reference: TargetReference
+    """The target that the law followed in the last period, with its velocity."""
+    state: TargetState
+    """State of the last period."""
+    task: str
+    """Name of the task."""
+    newest: TargetSample | None = None
+    """The newest target."""
+    previous: TargetSample | None = None
+    """The target before it."""
+
+
 class Memory(Body):
     """The memory of a controller. Clients send it back unchanged with the next state."""
 
@@ -1217,6 +1302,8 @@ class Memory(Body):
     """The commands that the drive still has to follow; default: the last command for long."""
     joint_position: ArrayLike | None = None
     """Joint position of the last state, rad or m; default: unknown."""
+    target_streams: list[TargetStream] | None = None
+    """Streamed targets of the tasks; default: none."""
     time_s: float | None = None
     """Time of the last state, s; default: unknown, then the next state is not compared with it."""
 
@@ -1490,6 +1577,33 @@ class StabilityRequest(Body):
     """Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`."""
 
 
+class StreamedPose(Body):
+    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame."""
+
+    orientation: Orientation | None = None
+    """Orientation, unit quaternion; required if the task has an angular axis."""
+    position: ArrayLike | None = None
+    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+
+
+class StreamedTarget(Body):
+    """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
+    `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
+    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`."""
+
+    force: ArrayLike | None = None
+    """Target force F_d per row, N and N·m."""
+    joint_position: JointVector | None = None
+    """Target positions of the joints of the task, in their order or by name, rad or m."""
+    pose: StreamedPose | None = None
+    """Target pose. It replaces `target_pose` and `target_displacement` of the law."""
+    time_s: float | None = None
+    """Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it."""
+    velocity: ArrayLike | None = None
+    """Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool`
+    those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets."""
+
+
 class Wrench(Body):
     """Force and torque at the tool point, along the axes of the controller's `wrench_frame`."""
 
@@ -1510,6 +1624,9 @@ class State(Body):
     """Time t of the measurement, s."""
     joint_velocity: JointVector | None = None
     """Measured joint velocity q̇, rad/s or m/s; default: the last command."""
+    targets: dict[str, StreamedTarget] | None = None
+    """New targets by task name, if any arrived since the last state; default: none. Between targets the task
+    interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
     """Measured wrench; required by the laws `force`, `impedance` and `hybrid`."""
 

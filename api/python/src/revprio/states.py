@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from revprio.bodies import ArrayLike, JointVector
-from revprio.models import State, Wrench
+from revprio.models import State, StreamedTarget, Wrench
 
 
 class StateNumbering:
@@ -22,10 +24,15 @@ class StateNumbering:
         joint_velocity: JointVector | None,
         wrench: Wrench | ArrayLike | None,
         time_s: float | None,
+        targets: Mapping[str, StreamedTarget] | None = None,
     ) -> State:
         """Returns the next state, without arguments that are `None`. Default of `time_s`: sequence number times T."""
         sequence = self._next
-        measured = {"joint_velocity": joint_velocity, "wrench": wrench if wrench is None else as_wrench(wrench)}
+        measured = {
+            "joint_velocity": joint_velocity,
+            "wrench": wrench if wrench is None else as_wrench(wrench),
+            "targets": dict(targets) if targets else None,
+        }
         state = State(
             sequence=sequence,
             time_s=sequence * self.period_s if time_s is None else time_s,

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::{
     Axis, Damping, Drive, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose,
-    Solver, StateChecks, WrenchConvention, WrenchFrame,
+    Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, integer, object};
 
@@ -116,6 +116,9 @@ pub struct ControllerTask {
     /// default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
+    /// How the task follows the `targets` of the states; default: the defaults of its fields.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub streaming: Option<Streaming>,
 }
 
 /// Answer to `POST /v1/controllers`.

@@ -25,6 +25,7 @@ mod simulation;
 mod stability;
 mod state_checks;
 mod step;
+mod streaming;
 pub mod string_or_map;
 mod string_tags;
 
@@ -53,3 +54,6 @@ pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
 pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
+pub use streaming::{
+    StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetReference, TargetSample, TargetState, TargetStream,
+};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Path, Side, Status};
+use super::{Path, Side, Status, TargetState};
 
 /// The outcome of one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,6 +26,14 @@ pub struct TaskOutcome {
     /// Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_force: Option<Vec<Option<f64>>>,
+    /// Where the streamed target of this period comes from; absent if no target was streamed to this task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = "following")]
+    pub target_state: Option<TargetState>,
+    /// Time of the state minus time of the newest streamed target, s; negative if the target lies ahead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 0.012)]
+    pub target_age_s: Option<f64>,
     /// Active rows of a task with bounds: rows that reach a bound and restrict the answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"row": 0, "side": "upper", "multiplier": 0.04}]))]

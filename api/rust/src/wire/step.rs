@@ -1,13 +1,15 @@
 //! One control period: measured state in, joint velocities out.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
     ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Side, Singularity, SolverReport,
-    TaskOutcome, ViolatedInequality, ViolatedLimit,
+    StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
-use super::{integer, object};
+use super::{integer, object, streaming};
 
 /// The measured state of one control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,6 +28,11 @@ pub struct State {
     /// Measured wrench; required by the laws `force`, `impedance` and `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
+    /// New targets by task name, if any arrived since the last state; default: none. Between targets the task
+    /// interpolates or extrapolates, as its `streaming` says.
+    #[serde(default, deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"hand": {"time_s": 0.95, "pose": {"position": [0.6, 0.1, 0.4]}}}))]
+    pub targets: BTreeMap<String, StreamedTarget>,
 }
 
 /// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
@@ -78,6 +85,9 @@ pub struct Memory {
     pub drive: Option<DriveState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
+    /// Streamed targets of the tasks; default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub target_streams: Vec<TargetStream>,
 }
 
 /// A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion.

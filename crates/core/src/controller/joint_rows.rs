@@ -4,9 +4,11 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::TaskConfigError;
+use super::target_streams::ActiveStream;
 use super::task::ArmState;
 use crate::law::{Profile, SetPoint, TaskState};
 use crate::linalg::TaskVector;
+use crate::streaming::{Reference, TargetValue};
 
 /// The joints of a task and their target.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,24 +46,50 @@ impl JointRows {
         TaskVector::from_fn(self.joints.len(), |row| joints[self.joints[row]])
     }
 
+    /// Returns the own target, from which streamed targets start.
+    pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
+        match &self.target {
+            JointTarget::Position(profile) => {
+                let SetPoint { value, rate, .. } = profile.at(arm.time_s);
+                let value = TargetValue::Rows(TaskVector::from_slice(&value));
+                Reference { value, velocity: TaskVector::from_slice(&rate) }
+            }
+            JointTarget::MidRange => self.actual(&vec![0.0; self.joints.len()], arm),
+        }
+    }
+
+    /// Returns the measured positions with a velocity of the task, m.
+    pub(super) fn actual(&self, velocity: &[f64], arm: &ArmState) -> Reference {
+        let value = TargetValue::Rows(self.select(arm.configuration.joint_position()));
+        Reference { value, velocity: TaskVector::from_slice(velocity) }
+    }
+
     /// Returns the state for the law; `velocity`: q̇ of the joints of this task, m.
-    pub(super) fn state(&self, velocity: TaskVector, arm: &ArmState) -> TaskState {
+    pub(super) fn state(&self, velocity: TaskVector, arm: &ArmState, streamed: Option<&ActiveStream>) -> TaskState {
         let position = arm.configuration.joint_position();
         let zero = TaskVector::zeros(velocity.len());
-        let [displacement, target_velocity, target_acceleration] = match &self.target {
-            JointTarget::Position(profile) => {
+        let streamed = streamed.and_then(|active| match &active.stream.reference.value {
+            TargetValue::Rows(value) => Some((value, active)),
+            TargetValue::Pose(_) => None,
+        });
+        let [displacement, target_velocity, target_acceleration] = match (&self.target, streamed) {
+            (JointTarget::Position(_), Some((value, active))) => {
+                [&self.select(position) - value, active.velocity.clone(), active.acceleration.clone()]
+            }
+            (JointTarget::Position(profile), None) => {
                 let SetPoint { value, rate, acceleration } = profile.at(arm.time_s);
                 let [value, rate, acceleration] =
                     [value, rate, acceleration].map(|entries| TaskVector::from_slice(&entries));
                 [&self.select(position) - &value, rate, acceleration]
             }
-            JointTarget::MidRange => {
+            (JointTarget::MidRange, _) => {
                 let mut gradient = TaskVector::zeros(position.len());
                 let slopes = joint_limit_slopes(arm.robot, position);
                 gradient.iter_mut().zip(slopes).for_each(|(entry, slope)| *entry = slope);
                 [self.select(&gradient), zero.clone(), zero.clone()]
             }
         };
-        TaskState { time_s: arm.time_s, velocity, displacement, target_velocity, target_acceleration, force: zero }
+        let time_s = arm.time_s;
+        TaskState { time_s, velocity, displacement, target_velocity, target_acceleration, force: zero, streamed: None }
     }
 }

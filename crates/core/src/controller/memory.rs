@@ -6,6 +6,7 @@ use super::ControllerConfig;
 use crate::limits::DriveState;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
+use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
 /// The complete state of a controller. Another process with the same
 /// controller can continue from it and computes the same commands, to the last bit.
@@ -21,6 +22,8 @@ pub struct Memory {
     pub drive: DriveState,
     /// Active limits of the last command, per level.
     pub active_set: Vec<ActiveSet>,
+    /// Streams of targets, in the order of tasks and quantities; empty if no target was streamed.
+    pub target_streams: Vec<TargetStream>,
 }
 
 /// Why a memory is refused: it belongs to another controller or is damaged.
@@ -40,6 +43,9 @@ pub enum MemoryError {
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
     )]
     ActiveSet,
+    /// A stream of targets does not fit the tasks.
+    #[error("the memory's targets do not fit the tasks; send back the memory of this controller's last answer")]
+    Targets,
 }
 
 impl Memory {
@@ -71,6 +77,39 @@ impl Memory {
         if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| is_bounded(row))) {
             return Err(MemoryError::ActiveSet);
         }
-        Ok(())
+        let ascending = self.target_streams.windows(2).all(|pair| key(&pair[0]) < key(&pair[1]));
+        if ascending && self.target_streams.iter().all(|stream| fits_task(stream, config)) {
+            Ok(())
+        } else {
+            Err(MemoryError::Targets)
+        }
     }
+}
+
+fn key(stream: &TargetStream) -> (usize, Quantity) {
+    (stream.task, stream.quantity)
+}
+
+/// Returns whether the values of a stream fit its task.
+fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
+    let Some(task) = config.tasks.get(stream.task) else { return false };
+    let is_pose = stream.quantity == Quantity::Pose;
+    let entries = if is_pose { 6 } else { task.rows.len() };
+    let fits_value = |value: &TargetValue| {
+        matches!(value, TargetValue::Pose(_)) == is_pose && value.len() == entries && value.is_valid()
+    };
+    let fits_velocity = |velocity: &[f64]| velocity.len() == entries && velocity.iter().all(|entry| entry.is_finite());
+    let fits = |target: &Target| {
+        target.time_s.is_finite() && fits_value(&target.value) && target.velocity.as_deref().is_none_or(fits_velocity)
+    };
+    let in_order = match (&stream.previous, &stream.newest) {
+        (Some(previous), Some(newest)) => newest.time_s - previous.time_s >= MIN_INTERVAL,
+        (Some(_), None) => false,
+        (None, _) => true,
+    };
+    task.accepts(stream.quantity)
+        && stream.previous.iter().chain(&stream.newest).all(fits)
+        && in_order
+        && fits_value(&stream.reference.value)
+        && fits_velocity(&stream.reference.velocity)
 }

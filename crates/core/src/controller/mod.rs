@@ -9,12 +9,14 @@
 //! use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 //! use revprio_core::robot::built_in;
 //! use revprio_core::robot::kinematics::{Axis, AxisSelection};
+//! use revprio_core::streaming::Streaming;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let gains = Gains::new(1, &[15.0], &[150.0], &[0.0])?; // kg, N·s/m, N/m
 //! let law = ForceLaw::new(gains, Profile::constant(vec![30.0])?).ok_or("sizes differ")?; // N
 //! let rows = TaskRows::Tool(ToolRows::new(AxisSelection::new(&[Axis::X])?));
-//! let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false };
+//! let streaming = Streaming::default();
+//! let push = TaskConfig { name: "push".to_owned(), rows, law: Law::Force(law), scaled: false, streaming };
 //! let controller = Controller::new(ControllerConfig::new(built_in()[0].clone(), 0.001, vec![push]))?;
 //! let mut stepper = Stepper::new(controller)?;
 //!
@@ -23,6 +25,7 @@
 //!     joint_position: vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2],
 //!     joint_velocity: None,
 //!     wrench: [0.0; 6],
+//!     targets: Vec::new(),
 //! };
 //! let mut memory = None;
 //! let command = stepper.step(&mut memory, &measured)?;
@@ -41,6 +44,9 @@ mod raw_rows;
 mod stability;
 mod step;
 mod stepper;
+mod streamed_target;
+mod target_bounds;
+mod target_streams;
 mod task;
 mod tool_rows;
 
@@ -52,5 +58,7 @@ pub use raw_rows::RawRows;
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError};
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use stepper::Stepper;
+pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
+pub use target_streams::TargetReport;
 pub use task::{TaskConfig, TaskConfigError, TaskRows};
 pub use tool_rows::{TargetPose, ToolRows};

@@ -40,6 +40,7 @@ impl RawRows {
             target_velocity: zero.clone(),
             target_acceleration: zero.clone(),
             force: zero,
+            streamed: None,
         }
     }
 }

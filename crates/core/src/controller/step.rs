@@ -4,11 +4,13 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::stepper::Workspace;
+use super::target_streams::{self, ActiveStream, TargetReport, TaskStreams};
 use super::task::ArmState;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
+use super::{ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig, WrenchFrame};
 use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
+use crate::streaming::{Quantity, TargetStream};
 use crate::task::TaskError;
 
 /// Maximum relative difference of achieved and requested velocity at which an axis counts as following.
@@ -25,6 +27,8 @@ pub struct Measurement {
     pub joint_velocity: Option<Vec<f64>>,
     /// Force (N), then torque (N·m), at the tool point, in the controller's wrench convention and frame.
     pub wrench: [f64; 6],
+    /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
+    pub targets: Vec<StreamedTarget>,
 }
 
 /// The targets of a task in one period.
@@ -34,6 +38,8 @@ pub struct TaskTarget {
     pub velocity: Vector,
     /// F_d per row, N and N·m; `None` on rows that follow no force.
     pub force: Vec<Option<f64>>,
+    /// The streamed target; `None` if no target was streamed to this task.
+    pub streamed: Option<TargetReport>,
 }
 
 /// The answer to one measurement.
@@ -77,6 +83,14 @@ pub enum StepError {
     /// Time or wrench is NaN or infinite.
     #[error("time and wrench must be finite numbers")]
     NotFinite,
+    /// A streamed target does not fit its task.
+    #[error("{source}")]
+    Target {
+        /// Index of the target in the measurement, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: TargetError,
+    },
     /// The memory belongs to another controller or is damaged.
     #[error(transparent)]
     Memory(#[from] MemoryError),
@@ -118,7 +132,7 @@ impl Controller {
             memory.check(&self.config)?;
         }
         let config = &self.config;
-        let Workspace { configuration, limited, problem, resolver, command, zero_velocity, distance_to_rest } =
+        let Workspace { configuration, limited, problem, resolver, command, zero_velocity, distance_to_rest, streams } =
             workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -133,7 +147,8 @@ impl Controller {
             Some(memory) => memory,
             None => initial.insert(self.initial_memory(&arm)),
         };
-        self.evaluate_laws(&mut command.targets, previous, &arm);
+        target_streams::update(streams, previous, measurement, &arm, config);
+        self.evaluate_laws(&mut command.targets, streams, previous, &arm);
         problem.tasks.overwrite(|k, jacobian, lower, upper| {
             let task = &config.tasks[k];
             task.rows.write_jacobian(configuration, jacobian);
@@ -170,6 +185,7 @@ impl Controller {
         };
         if let Some(memory) = memory {
             self.update_memory(memory, command);
+            update_streams(&mut memory.target_streams, streams);
         }
         Ok(command)
     }
@@ -181,7 +197,13 @@ impl Controller {
             return Err(StepError::JointVelocity { expected });
         }
         let finite = measurement.time_s.is_finite() && measurement.wrench.iter().all(|entry| entry.is_finite());
-        if finite { Ok(()) } else { Err(StepError::NotFinite) }
+        if !finite {
+            return Err(StepError::NotFinite);
+        }
+        for (index, target) in measurement.targets.iter().enumerate() {
+            target.check(&self.config, measurement.time_s).map_err(|source| StepError::Target { index, source })?;
+        }
+        Ok(())
     }
 
     fn arm_state<'a>(
@@ -225,18 +247,27 @@ impl Controller {
             drive: DriveState::moving(self.config.drive, &velocity),
             last_command: velocity,
             active_set: Vec::new(),
+            target_streams: Vec::new(),
         }
     }
 
     /// Computes the target of each task by its law.
-    fn evaluate_laws(&self, targets: &mut [TaskTarget], previous: &Memory, arm: &ArmState) {
-        for (target, (task, integrator)) in
-            targets.iter_mut().zip(self.config.tasks.iter().zip(&previous.task_velocities))
-        {
-            let velocity = task.law.velocity(&task.rows.state(arm), integrator.as_slice(), self.config.period_s);
+    fn evaluate_laws(&self, targets: &mut [TaskTarget], streams: &[ActiveStream], previous: &Memory, arm: &ArmState) {
+        let (config, period) = (&self.config, self.config.period_s);
+        let tasks = config.tasks.iter().zip(&previous.task_velocities);
+        for (k, (target, (task, integrator))) in targets.iter_mut().zip(tasks).enumerate() {
+            let (streams, integrator) = (TaskStreams::of(streams, k), integrator.as_slice());
+            let mut velocity = task.law.velocity(&task.state(arm, streams), integrator, period);
+            let mut force = task.law.target_force(arm.time_s);
+            if let Some(streamed) = streams.values() {
+                force.iter_mut().zip(streamed.iter()).for_each(|(force, value)| *force = force.map(|_| *value));
+            }
+            let bound = |row| task.bound(Quantity::Force, row, arm.robot);
+            streams.brake_forces(&mut velocity, &force, integrator, bound, period);
             target.velocity.copy_from_slice(&velocity);
             target.force.clear();
-            target.force.extend(task.law.target_force(arm.time_s));
+            target.force.extend(force);
+            target.streamed = streams.report(arm.time_s);
         }
     }
 
@@ -268,5 +299,16 @@ impl Controller {
         memory.last_command.copy_from(&resolution.joint_velocity);
         memory.drive.advance(self.config.drive, &resolution.joint_velocity, self.config.period_s);
         memory.active_set.clone_from(&resolution.active_set);
+    }
+}
+
+/// Keeps the streams of this period.
+fn update_streams(memory: &mut Vec<TargetStream>, streams: &[ActiveStream]) {
+    memory.truncate(streams.len());
+    for (index, active) in streams.iter().enumerate() {
+        match memory.get_mut(index) {
+            Some(stream) => stream.clone_from(&active.stream),
+            None => memory.push(active.stream.clone()),
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use revprio_robot::kinematics::Configuration;
 
 use super::step::TaskTarget;
+use super::target_streams::ActiveStream;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::{JointMotion, LimitedBox};
 use crate::linalg::{Matrix, Vector};
@@ -58,6 +59,8 @@ pub(super) struct Workspace {
     pub(super) zero_velocity: Vec<f64>,
     /// p − q, n.
     pub(super) distance_to_rest: Vec<f64>,
+    /// The streams of targets of this period.
+    pub(super) streams: Vec<ActiveStream>,
 }
 
 impl Workspace {
@@ -84,7 +87,7 @@ impl Workspace {
             damping: config.damping,
             null_space_velocity: config.null_space.is_some().then(|| Vector::zeros(n)),
         };
-        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), force: Vec::new() };
+        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
         Ok(Self {
@@ -95,6 +98,7 @@ impl Workspace {
             command,
             distance_to_rest: zeros.clone(),
             zero_velocity: zeros,
+            streams: Vec::new(),
         })
     }
 }

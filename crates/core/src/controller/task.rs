@@ -5,9 +5,12 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use super::null_space::mid_range_rate;
-use super::{JointRows, JointTarget, RawRows, ToolRows};
+use super::target_bounds::RowKind;
+use super::target_streams::TaskStreams;
+use super::{JointRows, JointTarget, RawRows, StreamedTarget, StreamedValue, ToolRows};
 use crate::law::{Law, Profile, TaskState};
 use crate::linalg::{Matrix, TaskVector};
+use crate::streaming::{Quantity, Reference, Streaming, StreamingError, TargetValue};
 
 /// One task with its law.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +24,8 @@ pub struct TaskConfig {
     /// Whether the task is slowed down in its direction to keep limits, instead of changing its direction. A task with
     /// bounds cannot be.
     pub scaled: bool,
+    /// How the task follows streamed targets.
+    pub streaming: Streaming,
 }
 
 /// The rows of a task.
@@ -61,6 +66,9 @@ pub enum TaskConfigError {
     /// A task with bounds is to be scaled.
     #[error("a task with bounds has no direction to keep; do not scale it")]
     Scaled,
+    /// The settings of streamed targets are out of range.
+    #[error(transparent)]
+    Streaming(#[from] StreamingError),
     /// A joint does not exist, is listed twice, or has no range although the target is the middle of it.
     #[error("joints must exist and be listed once; the target mid-range needs joints with a range")]
     Joints,
@@ -117,10 +125,31 @@ impl TaskConfig {
                 }
             }
         }
+        self.streaming.check(expected)?;
         if self.scaled && self.law.bounds().is_some() {
             return Err(TaskConfigError::Scaled);
         }
         self.check_gain(robot, period)
+    }
+
+    /// Returns the target from which streamed targets start: that of the configuration. `velocity`: ẋ of the last period, m.
+    pub(super) fn own_reference(&self, quantity: Quantity, arm: &ArmState, velocity: &[f64]) -> Reference {
+        match (quantity, &self.rows) {
+            (Quantity::Pose, TaskRows::Tool(rows)) => rows.own_reference(arm),
+            (Quantity::JointPosition, TaskRows::Joints(rows)) => rows.own_reference(arm),
+            _ => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+        }
+    }
+
+    /// Returns the state for the law.
+    pub(super) fn state(&self, arm: &ArmState, streams: TaskStreams) -> TaskState {
+        let velocity = self.rows.velocity(arm);
+        let state = match &self.rows {
+            TaskRows::Tool(rows) => rows.state(velocity, arm, streams.position),
+            TaskRows::Joints(rows) => rows.state(velocity, arm, streams.position),
+            TaskRows::Raw(_) => RawRows::state(velocity, arm),
+        };
+        TaskState { streamed: streams.values().cloned(), ..state }
     }
 
     /// Checks the gain of a position law: each period multiplies a displacement by 1 − K T, so K T must be below 2.
@@ -170,12 +199,50 @@ impl TaskRows {
         }
     }
 
-    /// Returns the state for the law.
-    pub(super) fn state(&self, arm: &ArmState) -> TaskState {
+    /// Returns the joints of the task, index from 0; empty for tasks of the tool and for constant rows.
+    pub fn joints(&self) -> &[usize] {
         match self {
-            Self::Tool(rows) => rows.state(self.velocity(arm), arm),
-            Self::Joints(rows) => rows.state(self.velocity(arm), arm),
-            Self::Raw(_) => RawRows::state(self.velocity(arm), arm),
+            Self::Joints(rows) => &rows.joints,
+            Self::Tool(_) | Self::Raw(_) => &[],
+        }
+    }
+
+    /// Returns the quantity of streamed positions; `None` if the rows have no position target.
+    pub(super) fn position_quantity(&self) -> Option<Quantity> {
+        match self {
+            Self::Tool(_) => Some(Quantity::Pose),
+            Self::Joints(rows) => matches!(rows.target, JointTarget::Position(_)).then_some(Quantity::JointPosition),
+            Self::Raw(_) => None,
+        }
+    }
+
+    /// Returns the kind of a row, which decides the default bounds of its streamed targets.
+    pub(super) fn kind<'a>(&self, row: usize, robot: &'a RobotModel) -> RowKind<'a> {
+        match self {
+            Self::Tool(rows) => rows.kind(row),
+            Self::Joints(rows) => RowKind::Joint(&robot.joints()[rows.joints[row]]),
+            Self::Raw(_) => RowKind::Raw,
+        }
+    }
+
+    /// Returns the measured position with a velocity of the task, m.
+    pub(super) fn actual(&self, velocity: &[f64], arm: &ArmState) -> Reference {
+        match self {
+            Self::Tool(rows) => rows.actual(velocity, arm),
+            Self::Joints(rows) => rows.actual(velocity, arm),
+            Self::Raw(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+        }
+    }
+
+    /// Returns value and velocity of a streamed target.
+    pub(super) fn target(&self, given: &StreamedTarget, arm: &ArmState) -> (TargetValue, Option<TaskVector>) {
+        match (&given.value, self) {
+            (StreamedValue::Pose { .. }, Self::Tool(rows)) => rows.streamed_target(given, arm),
+            (StreamedValue::Pose { .. }, _) => (TargetValue::Rows(TaskVector::zeros(self.len())), None),
+            (StreamedValue::JointPosition(rows) | StreamedValue::Velocity(rows) | StreamedValue::Force(rows), _) => {
+                let velocity = given.velocity.as_ref().map(|velocity| TaskVector::from_slice(velocity));
+                (TargetValue::Rows(TaskVector::from_slice(rows)), velocity)
+            }
         }
     }
 }

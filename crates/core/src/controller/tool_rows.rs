@@ -1,11 +1,15 @@
 //! Tasks of axes of the tool, and their target pose.
 
-use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
+use nalgebra::{Isometry3, IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame, orientation_error};
 
+use super::target_bounds::RowKind;
+use super::target_streams::ActiveStream;
 use super::task::ArmState;
+use super::{StreamedTarget, StreamedValue};
 use crate::law::{Profile, SetPoint, TaskState};
 use crate::linalg::TaskVector;
+use crate::streaming::{Reference, TargetValue};
 
 /// Axes of the tool in a frame, and their target pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,10 +49,10 @@ impl ToolRows {
     }
 
     /// Returns the state for the law; `velocity`: Ẋ, m.
-    pub(super) fn state(&self, velocity: TaskVector, arm: &ArmState) -> TaskState {
+    pub(super) fn state(&self, velocity: TaskVector, arm: &ArmState, streamed: Option<&ActiveStream>) -> TaskState {
         let placed = self.frame.at(arm.configuration);
         let rows = |[linear, angular]: [Vector3<f64>; 2]| self.select(&placed.components(linear, angular));
-        let target = self.target(arm);
+        let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm));
         let actual = self.frame.pose(arm.configuration.tool_pose());
         let displacement = [
             actual.translation.vector - target.pose.translation.vector,
@@ -61,7 +65,69 @@ impl ToolRows {
             target_velocity: rows(target.velocity),
             target_acceleration: rows(target.acceleration),
             force: self.select(&placed.wrench(&arm.wrench)),
+            streamed: None,
         }
+    }
+
+    /// Returns whether the axis of a row is linear or angular.
+    pub(super) fn kind<'a>(&self, row: usize) -> RowKind<'a> {
+        if self.axes.axes()[row].index() < 3 { RowKind::Linear } else { RowKind::Angular }
+    }
+
+    /// Returns the own target, from which streamed targets start.
+    pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
+        let MovingPose { pose, velocity: [linear, angular], .. } = self.target(arm);
+        let velocity = TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);
+        Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
+    }
+
+    /// Returns the measured pose with a velocity of the task, m.
+    pub(super) fn actual(&self, velocity: &[f64], arm: &ArmState) -> Reference {
+        let pose = self.frame.pose(arm.configuration.tool_pose());
+        let velocity = self.displacement(velocity, &pose.rotation);
+        Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
+    }
+
+    /// Returns the pose and the velocity of a streamed target, base axes.
+    pub(super) fn streamed_target(&self, given: &StreamedTarget, arm: &ArmState) -> (TargetValue, Option<TaskVector>) {
+        let actual = self.frame.pose(arm.configuration.tool_pose());
+        let frame = match self.frame.frame {
+            Frame::Base | Frame::Tool => Isometry3::identity(),
+            Frame::Fixed(frame) => quaternion_pose(&frame),
+        };
+        let mut pose = quaternion_pose(&actual);
+        if let StreamedValue::Pose { position, orientation } = &given.value {
+            if let Some(position) = position {
+                pose.translation.vector = (frame * nalgebra::Point3::from(*position)).coords;
+            }
+            if let Some(orientation) = orientation {
+                pose.rotation = frame.rotation * orientation;
+            }
+        }
+        let rotation = pose.rotation.to_rotation_matrix();
+        let velocity = given.velocity.as_ref().map(|velocity| self.displacement(velocity, &rotation));
+        (TargetValue::Pose(pose), velocity)
+    }
+
+    /// Returns entries of the rows as a linear and an angular vector, base axes; `target`: the orientation whose axes the
+    /// tool frame stands for.
+    fn displacement(&self, entries: &[f64], target: &Rotation3<f64>) -> TaskVector {
+        let [linear, angular] = self.vectors(entries, &self.rotation(target));
+        TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+    }
+
+    /// Returns the rotation from the axes of the rows to the base axes.
+    fn rotation(&self, target: &Rotation3<f64>) -> Rotation3<f64> {
+        match self.frame.frame {
+            Frame::Base => Rotation3::identity(),
+            Frame::Tool => *target,
+            Frame::Fixed(frame) => frame.rotation,
+        }
+    }
+
+    fn vectors(&self, entries: &[f64], axes: &Rotation3<f64>) -> [Vector3<f64>; 2] {
+        let [x, y, z, rx, ry, rz] = self.axes.scatter(entries);
+        [axes * Vector3::new(x, y, z), axes * Vector3::new(rx, ry, rz)]
     }
 
     /// Returns X_d with its derivatives.
@@ -72,16 +138,14 @@ impl ToolRows {
             (TargetPose::Fixed(pose), Frame::Base | Frame::Tool) => pose,
         };
         let Some(displacement) = &self.target_displacement else { return MovingPose::resting(pose) };
-        let axes = match self.frame.frame {
-            Frame::Base => Rotation3::identity(),
-            Frame::Tool => pose.rotation,
-            Frame::Fixed(frame) => frame.rotation,
-        };
-        MovingPose::displaced(&pose, &displacement.at(arm.time_s), |entries| {
-            let [x, y, z, rx, ry, rz] = self.axes.scatter(entries);
-            [axes * Vector3::new(x, y, z), axes * Vector3::new(rx, ry, rz)]
-        })
+        let axes = self.rotation(&pose.rotation);
+        MovingPose::displaced(&pose, &displacement.at(arm.time_s), |entries| self.vectors(entries, &axes))
     }
+}
+
+/// Returns a pose with its orientation as a quaternion.
+fn quaternion_pose(pose: &IsometryMatrix3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(pose.translation, UnitQuaternion::from_rotation_matrix(&pose.rotation))
 }
 
 /// A pose with its linear and angular velocity and acceleration, base axes.
@@ -94,6 +158,17 @@ struct MovingPose {
 impl MovingPose {
     fn resting(pose: IsometryMatrix3<f64>) -> Self {
         Self { pose, velocity: [Vector3::zeros(); 2], acceleration: [Vector3::zeros(); 2] }
+    }
+
+    /// Returns the target of a stream; `None` if it is no pose.
+    fn streamed(active: &ActiveStream) -> Option<Self> {
+        let TargetValue::Pose(pose) = &active.stream.reference.value else { return None };
+        let vectors = |six: &TaskVector| [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])];
+        Some(Self {
+            pose: IsometryMatrix3::from_parts(pose.translation, pose.rotation.to_rotation_matrix()),
+            velocity: vectors(&active.velocity),
+            acceleration: vectors(&active.acceleration),
+        })
     }
 
     /// Returns the pose moved by a displacement. `vectors` converts entries to linear and angular vectors, base axes.

@@ -32,7 +32,7 @@ impl ForceLaw {
 
     /// Returns Ẍ = M_d⁻¹ (F_d − F_e − B_d Ẋ), m/s² and rad/s².
     pub fn acceleration(&self, state: &TaskState) -> TaskVector {
-        let (target, damping) = (self.target_force(state.time_s), self.gains.damping());
+        let (target, damping) = (state.set_point(&self.target_force), self.gains.damping());
         self.gains.accelerate(|row| target[row] - state.force[row] - damping[row] * state.velocity[row])
     }
 }
@@ -106,7 +106,7 @@ impl HybridLaw {
 
     /// Returns Ẍ = Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX), m/s² and rad/s².
     pub fn acceleration(&self, state: &TaskState) -> TaskVector {
-        let (target, damping) = (self.target_force.at(state.time_s).value, self.gains.damping());
+        let (target, damping) = (state.set_point(&self.target_force), self.gains.damping());
         let relative_velocity = state.relative_velocity();
         let pull = |row: usize| {
             if self.position_controlled[row] {
@@ -137,6 +137,7 @@ mod tests {
             target_velocity: TaskVector::from_slice(&[0.0, 0.3]),
             target_acceleration: TaskVector::from_slice(&[0.0, -0.7]),
             force: TaskVector::from_slice(&[4.0, -3.0]),
+            streamed: None,
         }
     }
 

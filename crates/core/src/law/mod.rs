@@ -48,9 +48,17 @@ pub struct TaskState {
     pub target_acceleration: TaskVector,
     /// F_e, force and torque of the tool on the environment, N and N·m.
     pub force: TaskVector,
+    /// Streamed values that replace the profile of the law: ẋ of the velocity law, F_d of the force and the hybrid law;
+    /// `None`: the profile.
+    pub streamed: Option<TaskVector>,
 }
 
 impl TaskState {
+    /// Returns the streamed values, or those of the profile of the law.
+    fn set_point(&self, profile: &Profile) -> TaskVector {
+        self.streamed.clone().unwrap_or_else(|| TaskVector::from_slice(&profile.at(self.time_s).value))
+    }
+
     /// Returns ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
     pub fn relative_velocity(&self) -> TaskVector {
         &self.velocity - &self.target_velocity
@@ -98,6 +106,21 @@ impl Law {
         }
     }
 
+    /// Returns whether the law follows a velocity.
+    pub fn follows_velocity(&self) -> bool {
+        matches!(self, Self::Velocity(_))
+    }
+
+    /// Returns whether the law follows a position.
+    pub fn follows_position(&self) -> bool {
+        matches!(self, Self::Position(_) | Self::Impedance(_) | Self::Hybrid(_))
+    }
+
+    /// Returns whether the law follows a force.
+    pub fn follows_force(&self) -> bool {
+        matches!(self, Self::Force(_) | Self::Hybrid(_))
+    }
+
     /// Returns the bounds of an inequality task; `None` for laws that compute a velocity.
     pub fn bounds(&self) -> Option<&VelocityBounds> {
         match self {
@@ -110,7 +133,7 @@ impl Law {
     /// is the allowed velocity nearest to the measured one.
     pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
         let acceleration = match self {
-            Self::Velocity(profile) => return TaskVector::from_slice(&profile.at(state.time_s).value),
+            Self::Velocity(profile) => return state.set_point(profile),
             Self::Bounds(bounds) => return bounds.velocity(state),
             Self::Position(law) => return law.velocity(state),
             Self::Force(law) => law.acceleration(state),

@@ -9,6 +9,7 @@ use revprio_core::controller::{
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_core::limits::{Drive, LimitKind};
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
 
@@ -73,7 +74,7 @@ pub fn hybrid(axes: &[Axis], stiffness: f64, target: &[f64], position_controlled
 
 pub fn task(axes: &[Axis], law: Law) -> TaskConfig {
     let name = axes.iter().map(|axis| format!("{axis:?}")).collect::<Vec<_>>().concat();
-    TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law, scaled: false }
+    TaskConfig { name, rows: TaskRows::Tool(tool_rows(axes)), law, scaled: false, streaming: Streaming::default() }
 }
 
 /// Returns rows along the base axes at the tool point, with the initial pose as target.
@@ -101,7 +102,13 @@ pub fn controller(config: ControllerConfig) -> Controller {
 }
 
 pub fn measurement(joint_position: &[f64]) -> Measurement {
-    Measurement { time_s: 0.0, joint_position: joint_position.to_vec(), joint_velocity: None, wrench: [0.0; 6] }
+    Measurement {
+        time_s: 0.0,
+        joint_position: joint_position.to_vec(),
+        joint_velocity: None,
+        wrench: [0.0; 6],
+        targets: Vec::new(),
+    }
 }
 
 /// An arm that follows its commands exactly, and the memory of its controller.

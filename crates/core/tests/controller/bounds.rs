@@ -6,6 +6,7 @@ use revprio_core::controller::{
 use revprio_core::law::{Law, VelocityBounds};
 use revprio_core::linalg::Matrix;
 use revprio_core::resolution::{Method, Side};
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::Axis;
 
 use crate::arms::{
@@ -18,7 +19,13 @@ fn between(lower: &[f64], upper: &[f64]) -> Law {
 
 fn raw(rows: &[[f64; 7]], law: Law) -> TaskConfig {
     let jacobian = Matrix::from_fn(rows.len(), 7, |i, j| rows[i][j]);
-    TaskConfig { name: "raw".to_owned(), rows: TaskRows::Raw(RawRows { jacobian }), law, scaled: false }
+    TaskConfig {
+        name: "raw".to_owned(),
+        rows: TaskRows::Raw(RawRows { jacobian }),
+        law,
+        scaled: false,
+        streaming: Streaming::default(),
+    }
 }
 
 fn strict(tasks: Vec<TaskConfig>) -> ControllerConfig {

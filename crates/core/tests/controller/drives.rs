@@ -7,6 +7,7 @@ use revprio_core::controller::{
     Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Stepper, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::limits::{APPROACH_RATE, Barrier, Drive, LimitKind, PlanePoint, VirtualPlane};
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 
@@ -43,7 +44,7 @@ impl LaggingArm {
 
     fn measure(&mut self, time_s: f64) -> Measurement {
         let joint_position = self.q.iter().map(|q| q + self.noise * self.random.signed()).collect();
-        Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6] }
+        Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() }
     }
 
     fn follow(&mut self, command: &[f64], period: f64) {
@@ -115,7 +116,13 @@ fn posture(
     period: f64,
 ) -> Controller {
     let rows = TaskRows::Joints(JointRows { target: JointTarget::Position(constant(&[target])), joints: vec![joint] });
-    let task = TaskConfig { name: "posture".to_owned(), law: position(1, 5.0), rows, scaled: false };
+    let task = TaskConfig {
+        name: "posture".to_owned(),
+        law: position(1, 5.0),
+        rows,
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     let config = ControllerConfig::new(Arc::clone(robot), period, vec![task]);
     controller(ControllerConfig { limits: Limits::Robot(kind), drive, ..config })
 }
@@ -213,7 +220,13 @@ fn jumping_targets_do_not_drive_a_joint_out_of_its_range() {
 fn into_ceiling(kind: LimitKind, drive: Drive, period: f64, ceiling: f64) -> Controller {
     let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], ceiling, PlanePoint::Tool, APPROACH_RATE).unwrap();
     let rows = ToolRows { target_displacement: Some(constant(&[0.6])), ..tool_rows(&[Axis::Z]) };
-    let up = TaskConfig { name: "up".to_owned(), law: position(1, 3.0), rows: TaskRows::Tool(rows), scaled: false };
+    let up = TaskConfig {
+        name: "up".to_owned(),
+        law: position(1, 3.0),
+        rows: TaskRows::Tool(rows),
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     let hold = task(&[Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], position(5, 2.0));
     let config = ControllerConfig::new(sawyer(), period, vec![up, hold]);
     controller(ControllerConfig { barriers: vec![Barrier::Plane(plane)], limits: Limits::Robot(kind), drive, ..config })

@@ -7,6 +7,7 @@ use revprio_core::controller::{
     Command, Controller, ControllerConfig, Measurement, TargetPose, TaskConfig, TaskRows, ToolRows, WrenchFrame,
 };
 use revprio_core::law::{Law, Profile};
+use revprio_core::streaming::Streaming;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Axis, Frame, TaskFrame};
 
@@ -28,7 +29,13 @@ fn at_point(point: Vector3<f64>) -> ToolRows {
 }
 
 fn all_rows(rows: ToolRows, law: Law) -> TaskConfig {
-    TaskConfig { name: "all".to_owned(), rows: TaskRows::Tool(rows), law, scaled: false }
+    TaskConfig {
+        name: "all".to_owned(),
+        rows: TaskRows::Tool(rows),
+        law,
+        scaled: false,
+        streaming: Streaming::default(),
+    }
 }
 
 fn one_task(rows: ToolRows, law: Law) -> Controller {

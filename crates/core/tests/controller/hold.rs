@@ -6,6 +6,7 @@ use revprio_core::controller::{
     Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, TaskConfig, TaskRows,
 };
 use revprio_core::limits::{LimitKind, braking_deceleration, spare_time};
+use revprio_core::streaming::Streaming;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{Loop, Random, config, constant, controller, measurement, position, sawyer, step};
@@ -72,7 +73,13 @@ fn furthest(
 fn posture(robot: &Arc<RobotModel>, joints: Vec<usize>, target: &[f64], kind: LimitKind, period: f64) -> Controller {
     let gain = 0.5 / period;
     let rows = TaskRows::Joints(JointRows { target: JointTarget::Position(constant(target)), joints });
-    let task = TaskConfig { name: "posture".to_owned(), law: position(target.len(), gain), rows, scaled: false };
+    let task = TaskConfig {
+        name: "posture".to_owned(),
+        law: position(target.len(), gain),
+        rows,
+        scaled: false,
+        streaming: Streaming::default(),
+    };
     controller(ControllerConfig { limits: Limits::Robot(kind), period_s: period, ..config(robot, vec![task]) })
 }
 

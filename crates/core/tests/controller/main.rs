@@ -11,4 +11,5 @@ mod laws;
 mod limits;
 mod memory;
 mod positions;
+mod streaming;
 mod targets;

@@ -9,6 +9,7 @@ use revprio_core::controller::{
 };
 use revprio_core::law::Law;
 use revprio_core::linalg::{Matrix, Svd, Vector};
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, joint_limit_gradient, joint_limit_index, orientation_error};
 use revprio_robot::{JointLimits, RobotModel};
 
@@ -18,7 +19,7 @@ use super::arms::{
 
 fn joints(joints: &[usize], target: JointTarget, law: Law) -> TaskConfig {
     let rows = TaskRows::Joints(JointRows { joints: joints.to_vec(), target });
-    TaskConfig { name: "posture".to_owned(), rows, law, scaled: false }
+    TaskConfig { name: "posture".to_owned(), rows, law, scaled: false, streaming: Streaming::default() }
 }
 
 fn to_pose(goal: nalgebra::IsometryMatrix3<f64>, axes: &[Axis], gain: f64) -> TaskConfig {

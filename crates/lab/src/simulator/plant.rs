@@ -1,5 +1,6 @@
 //! The simulated world: arm, sensors, contacts and external pushes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -210,6 +211,7 @@ impl Measured {
             joint_position: self.sensed.joint_position.clone().into(),
             joint_velocity: Some(self.sensed.joint_velocity.clone().into()),
             wrench: Some(wire::Wrench { force: self.sensed.force, torque: self.sensed.torque }),
+            targets: BTreeMap::new(),
         }
     }
 }

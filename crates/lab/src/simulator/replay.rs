@@ -1,5 +1,6 @@
 //! Sends the states of a recording again and compares the answers.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use revprio_api::Service;
@@ -141,6 +142,7 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         joint_position: sensed.joint_position.into(),
         joint_velocity: Some(sensed.joint_velocity.into()),
         wrench: Some(wire::Wrench { force: sensed.force, torque: sensed.torque }),
+        targets: BTreeMap::new(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use revprio_api::wire;
 use revprio_api::{ClientError, Service};
+use std::collections::BTreeMap;
 
 use super::operator::Cycle;
 
@@ -41,6 +42,7 @@ impl<'a> Stateless<'a> {
             joint_position: Vec::new().into(),
             joint_velocity: None,
             wrench: None,
+            targets: BTreeMap::new(),
         };
         let request = wire::StepRequest { controller, state: nothing, memory: None };
         Self { service, request, sent_memory: None, achieved: Vec::new(), blend: None, pending: None }

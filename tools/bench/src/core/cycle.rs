@@ -63,6 +63,7 @@ impl Cycle {
                 joint_position: q.clone(),
                 joint_velocity: None,
                 wrench,
+                targets: Vec::new(),
             });
             let resolution = &cycle.step()?.resolution;
             q.iter_mut().zip(resolution.joint_velocity.iter()).for_each(|(q, qdot)| *q += period * qdot);

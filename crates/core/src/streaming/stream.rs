@@ -1,0 +1,207 @@
+//! One stream of targets.
+
+use super::reference::clamp_norm;
+use super::{Bound, Quantity, Reference, Streaming, TargetValue};
+use crate::linalg::TaskVector;
+
+/// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
+pub const MAX_AHEAD: f64 = 1.0;
+
+/// Minimum time between two targets, s. The velocity between targets that are nearer means nothing.
+pub const MIN_INTERVAL: f64 = 1e-6;
+
+/// One target.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// Time of the target on the clock of the states, s.
+    pub time_s: f64,
+    /// The value.
+    pub value: TargetValue,
+    /// Velocity of the value, a displacement per second. A stream of positions estimates it if it is `None`.
+    pub velocity: Option<TaskVector>,
+}
+
+/// Where the target of a period comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TargetState {
+    /// Interpolated: the newest target is not in the past.
+    Following,
+    /// Extrapolated from the newest target.
+    Extrapolating,
+    /// Held: the newest target is too old to be extrapolated.
+    Holding,
+    /// Braking to rest, or at rest: no target came for too long.
+    Braking,
+}
+
+/// Why a target is ignored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ignored {
+    /// It equals the newest target.
+    Repeated,
+    /// It is not newer than the newest target by [`MIN_INTERVAL`].
+    Older {
+        /// Its time, s.
+        time_s: f64,
+        /// Time of the newest target, s.
+        newest_s: f64,
+    },
+}
+
+/// A stream of targets of one quantity of one task: the last two targets and the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TargetStream {
+    /// Index of the task, from 0.
+    pub task: usize,
+    /// What the targets are.
+    pub quantity: Quantity,
+    /// The newest target.
+    pub newest: Option<Target>,
+    /// The target before it.
+    pub previous: Option<Target>,
+    /// The target of the last period.
+    pub reference: Reference,
+    /// The state of the last period.
+    pub state: TargetState,
+}
+
+impl TargetStream {
+    /// Starts a stream without targets at a reference.
+    pub fn new(task: usize, quantity: Quantity, reference: Reference) -> Self {
+        Self { task, quantity, newest: None, previous: None, reference, state: TargetState::Holding }
+    }
+
+    /// Adds a target unless it is not newer than the newest one.
+    pub(crate) fn accept(&mut self, mut target: Target, settings: &Streaming) -> Option<Ignored> {
+        if let Some(newest) = &self.newest
+            && target.time_s - newest.time_s < MIN_INTERVAL
+        {
+            let (time_s, newest_s) = (target.time_s, newest.time_s);
+            let is_same = time_s == newest_s
+                && target.value == newest.value
+                && (target.velocity.is_none() || target.velocity == newest.velocity);
+            return Some(if is_same { Ignored::Repeated } else { Ignored::Older { time_s, newest_s } });
+        }
+        // A line over a drop-out would not be the motion of the target.
+        let is_recent = |old: &Target| target.time_s - old.time_s <= settings.brake_after_s;
+        self.previous = self.newest.take().filter(is_recent);
+        if target.velocity.is_none() && self.quantity.is_position() {
+            target.velocity = self.previous.as_ref().map(|previous| estimated_velocity(previous, &target, settings));
+        }
+        self.newest = Some(target);
+        None
+    }
+
+    /// Forgets the targets if the clock of the states went back.
+    pub(crate) fn forget_future(&mut self, time_s: f64) {
+        if self.newest.as_ref().is_some_and(|newest| newest.time_s > time_s + MAX_AHEAD) {
+            (self.newest, self.previous) = (None, None);
+        }
+    }
+
+    /// Returns the time of the state minus the time of the newest target, s; `None` without a target.
+    pub fn age(&self, time_s: f64) -> Option<f64> {
+        self.newest.as_ref().map(|newest| time_s - newest.time_s)
+    }
+
+    /// Moves the reference on to the next period of `period` s.
+    pub(crate) fn advance(&mut self, period: f64) {
+        self.reference.advance(period);
+    }
+
+    /// Computes the reference and the state of the period at `time_s`.
+    ///
+    /// A reference that brakes and is `held` starts each period from that value: the position of an arm whose law must
+    /// not go on to a reference that is far away.
+    pub(crate) fn update(
+        &mut self,
+        time_s: f64,
+        settings: &Streaming,
+        bound: impl Fn(usize) -> Bound + Copy,
+        held: Option<&Reference>,
+        period: f64,
+    ) {
+        let was_braking = self.state == TargetState::Braking;
+        let (state, desired) = self.desired(time_s, settings, bound);
+        self.state = state;
+        let smoothing = settings.smoothing_s;
+        match (state, self.quantity) {
+            (TargetState::Braking, Quantity::Force) => {}
+            (TargetState::Braking, Quantity::Velocity) => {
+                let rest = TaskVector::zeros(self.reference.value.len());
+                self.reference.follow_rows(&rest, bound, 0.0, period);
+            }
+            (TargetState::Braking, Quantity::Pose | Quantity::JointPosition) => {
+                if let Some(held) = held.filter(|_| !was_braking) {
+                    self.reference.clone_from(held);
+                }
+                if let (false, Some(held)) = (self.reference.brake(bound, period), held) {
+                    self.reference.value.clone_from(&held.value);
+                }
+            }
+            (_, Quantity::Force) => self.reference.value = desired.value,
+            (_, Quantity::Velocity) => {
+                if let TargetValue::Rows(wanted) = &desired.value {
+                    self.reference.follow_rows(wanted, bound, smoothing, period);
+                }
+            }
+            (_, Quantity::Pose | Quantity::JointPosition) => {
+                self.reference.follow(&desired, bound, smoothing, period);
+            }
+        }
+    }
+
+    /// Returns the state and the desired value at `time_s`.
+    fn desired(&self, time_s: f64, settings: &Streaming, bound: impl Fn(usize) -> Bound) -> (TargetState, Reference) {
+        let Some(newest) = &self.newest else { return (TargetState::Braking, self.reference.clone()) };
+        let age = time_s - newest.time_s - settings.delay_s;
+        let velocity = velocity_within(newest, bound);
+        let still = || TaskVector::zeros(velocity.len());
+        let moved = |age: f64| newest.value.plus(&(&velocity * age));
+        let (state, value, velocity) = if age <= 0.0 {
+            (TargetState::Following, self.interpolated(newest, &velocity, age, settings), velocity)
+        } else if age <= settings.hold_after_s {
+            (TargetState::Extrapolating, moved(age), velocity)
+        } else if age <= settings.brake_after_s {
+            (TargetState::Holding, moved(settings.hold_after_s), still())
+        } else {
+            (TargetState::Braking, self.reference.value.clone(), still())
+        };
+        (state, Reference { value, velocity })
+    }
+
+    /// Returns the value on the line through the last two targets. Before the older one, the line of positions goes on
+    /// for `hold_after_s` at most, and velocities and forces stay.
+    fn interpolated(&self, newest: &Target, velocity: &TaskVector, age: f64, settings: &Streaming) -> TargetValue {
+        let earliest = if self.quantity.is_position() { -settings.hold_after_s } else { 0.0 };
+        let Some(previous) = &self.previous else {
+            return newest.value.plus(&(velocity * age.max(earliest)));
+        };
+        let after = (newest.time_s - previous.time_s + age).max(earliest);
+        previous.value.plus(&(&slope(previous, newest) * after))
+    }
+}
+
+/// Returns the velocity from one target to the next.
+fn slope(from: &Target, to: &Target) -> TaskVector {
+    &to.value.minus(&from.value) * (1.0 / (to.time_s - from.time_s))
+}
+
+/// Returns the velocity of a target, smoothed over the targets before it. The slope between two targets alone would
+/// amplify noise the more, the more targets come per second.
+fn estimated_velocity(previous: &Target, target: &Target, settings: &Streaming) -> TaskVector {
+    let slope = slope(previous, target);
+    let Some(before) = previous.velocity.as_ref().filter(|_| settings.smoothing_s > 0.0) else { return slope };
+    let blend = -((previous.time_s - target.time_s) / settings.smoothing_s).exp_m1();
+    before + &(&(&slope - before) * blend)
+}
+
+/// Returns the velocity of a target, within the bounds; zero for velocities and forces.
+fn velocity_within(target: &Target, bound: impl Fn(usize) -> Bound) -> TaskVector {
+    let mut velocity = target.velocity.clone().unwrap_or_else(|| TaskVector::zeros(target.value.len()));
+    for group in target.value.groups() {
+        let max = bound(group.start).velocity;
+        clamp_norm(&mut velocity[group], max);
+    }
+    velocity
+}

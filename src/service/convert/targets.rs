@@ -1,0 +1,224 @@
+//! Streamed targets: their settings, the targets of a state, and the warnings about them.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use revprio_api::wire::{self, JointVector};
+use revprio_core::controller::{
+    Command, Controller, StreamedTarget, StreamedValue, TargetError, TargetReport, TaskConfig, TaskRows,
+};
+use revprio_core::streaming::{Ignored, Quantity, Streaming, TargetState};
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::pose as pose_of;
+
+use super::numbers::{check_numbers, number};
+use super::profile::PerRow;
+use crate::service::error::{ApiError, escape_pointer};
+
+/// Reads the settings of a task with `rows` rows.
+pub fn streaming(given: Option<&wire::Streaming>, rows: usize) -> Result<Streaming, ApiError> {
+    let Some(given) = given else { return Ok(Streaming::default()) };
+    let default = Streaming::default();
+    let bounds = |values: &Option<wire::PerAxis<f64>>, field: &str| {
+        values.as_ref().map(|values| PerRow { rows }.numbers(values, field)).transpose()
+    };
+    Ok(Streaming {
+        hold_after_s: given.hold_after_s.unwrap_or(default.hold_after_s),
+        brake_after_s: given.brake_after_s.unwrap_or(default.brake_after_s),
+        delay_s: given.delay_s.unwrap_or(default.delay_s),
+        smoothing_s: given.smoothing_s.unwrap_or(default.smoothing_s),
+        max_velocity: bounds(&given.max_velocity, "/max_velocity")?,
+        max_acceleration: bounds(&given.max_acceleration, "/max_acceleration")?,
+    })
+}
+
+/// Reads the targets of a state at `time_s`.
+pub fn targets(
+    given: &BTreeMap<String, wire::StreamedTarget>,
+    time_s: f64,
+    controller: &Controller,
+) -> Result<Vec<StreamedTarget>, ApiError> {
+    let mut targets = Vec::with_capacity(given.len());
+    for (name, target) in given {
+        let read = task_index(name, controller).and_then(|task| read(target, task, time_s, controller));
+        targets.extend(read.map_err(|error| error.inside(&format!("/targets/{}", escape_pointer(name))))?);
+    }
+    Ok(targets)
+}
+
+fn task_index(name: &str, controller: &Controller) -> Result<usize, ApiError> {
+    let tasks = &controller.config().tasks;
+    tasks.iter().position(|task| task.name == name).ok_or_else(|| {
+        let known = tasks.iter().map(|task| format!("`{}`", task.name)).collect::<Vec<_>>().join(", ");
+        ApiError::invalid("", format!("there is no task `{name}`; the tasks of this controller: {known}"))
+    })
+}
+
+/// Reads the target of one task: one or two quantities.
+fn read(
+    given: &wire::StreamedTarget,
+    index: usize,
+    time_s: f64,
+    controller: &Controller,
+) -> Result<Vec<StreamedTarget>, ApiError> {
+    let task = &controller.config().tasks[index];
+    let accepts = |quantity: Quantity| task.accepts(quantity);
+    let velocity_fits = accepts(Quantity::Velocity) || given.pose.is_some() || given.joint_position.is_some();
+    for (field, is_given, fits) in [
+        ("pose", given.pose.is_some(), accepts(Quantity::Pose)),
+        ("joint_position", given.joint_position.is_some(), accepts(Quantity::JointPosition)),
+        ("force", given.force.is_some(), accepts(Quantity::Force)),
+        ("velocity", given.velocity.is_some(), velocity_fits),
+    ] {
+        if is_given && !fits {
+            return Err(ApiError::invalid(format!("/{field}"), misfit(task)));
+        }
+    }
+    let time_s = given.time_s.map_or(Ok(time_s), |time_s| number(time_s, "/time_s"))?;
+    let mut values = Vec::new();
+    if let Some(pose) = &given.pose {
+        values.push(read_pose(pose, task).map_err(|error| error.inside("/pose"))?);
+    }
+    if let Some(position) = &given.joint_position {
+        values.push(StreamedValue::JointPosition(joint_positions(position, task, &controller.config().robot)?));
+    }
+    if let Some(force) = &given.force {
+        values.push(StreamedValue::Force(rows(force, task, "/force")?));
+    }
+    let velocity = given.velocity.as_ref().map(|velocity| rows(velocity, task, "/velocity")).transpose()?;
+    if let Some(velocity) = velocity.as_ref().filter(|_| accepts(Quantity::Velocity)) {
+        values.push(StreamedValue::Velocity(velocity.clone()));
+    }
+    if values.is_empty() {
+        return Err(ApiError::invalid("", misfit(task)));
+    }
+    let target = |value: StreamedValue| {
+        let is_position = matches!(value, StreamedValue::Pose { .. } | StreamedValue::JointPosition(_));
+        StreamedTarget { task: index, time_s, value, velocity: velocity.clone().filter(|_| is_position) }
+    };
+    Ok(values.into_iter().map(target).collect())
+}
+
+/// Checks the times of targets.
+pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Controller) -> Result<(), ApiError> {
+    for target in targets {
+        let field = |error: &TargetError| if matches!(error, TargetError::Ahead { .. }) { "/time_s" } else { "" };
+        target.check(controller.config(), time_s).map_err(|error| {
+            let name = &controller.config().tasks[target.task].name;
+            ApiError::invalid(format!("/targets/{}{}", escape_pointer(name), field(&error)), error)
+        })?;
+    }
+    Ok(())
+}
+
+/// Explains which targets a task accepts.
+fn misfit(task: &TaskConfig) -> String {
+    let name = &task.name;
+    let accepted = |quantity: &Quantity| match quantity {
+        Quantity::Pose => "`pose`, if known with its `velocity`",
+        Quantity::JointPosition => "`joint_position`, if known with its `velocity`",
+        Quantity::Velocity => "`velocity`",
+        Quantity::Force => "`force`",
+    };
+    match task.quantities().iter().map(accepted).collect::<Vec<_>>().as_slice() {
+        [] => format!("task `{name}` follows no target, because it has bounds or the target `mid_range`"),
+        accepted => format!("a target of task `{name}` is {}", accepted.join(", or ")),
+    }
+}
+
+fn rows(values: &[f64], task: &TaskConfig, pointer: &str) -> Result<Vec<f64>, ApiError> {
+    let expected = task.rows.len();
+    if values.len() != expected {
+        let detail = format!("{} numbers for {expected} rows of task `{}`; give one per row", values.len(), task.name);
+        return Err(ApiError::invalid(pointer, detail));
+    }
+    check_numbers(values, pointer)?;
+    Ok(values.to_vec())
+}
+
+fn read_pose(pose: &wire::StreamedPose, task: &TaskConfig) -> Result<StreamedValue, ApiError> {
+    let has_axis = |is_linear: bool| match &task.rows {
+        TaskRows::Tool(rows) => rows.axes.axes().iter().any(|axis| (axis.index() < 3) == is_linear),
+        _ => false,
+    };
+    for (field, is_given, is_linear) in
+        [("position", pose.position.is_some(), true), ("orientation", pose.orientation.is_some(), false)]
+    {
+        if has_axis(is_linear) && !is_given {
+            let kind = if is_linear { "a linear" } else { "an angular" };
+            let detail = format!("task `{}` has {kind} axis and needs the `{field}`", task.name);
+            return Err(ApiError::invalid("", detail));
+        }
+    }
+    pose.position.map_or(Ok(()), |position| check_numbers(&position, "/position"))?;
+    let orientation = pose.orientation.map(|wire::Orientation { w, x, y, z }| {
+        let pose = pose_of([0.0; 3], [w, x, y, z]).map_err(|error| ApiError::invalid("/orientation", error))?;
+        Ok(UnitQuaternion::from_rotation_matrix(&pose.rotation))
+    });
+    Ok(StreamedValue::Pose { position: pose.position.map(Vector3::from), orientation: orientation.transpose()? })
+}
+
+/// Reads one position per joint of the task.
+fn joint_positions(given: &JointVector, task: &TaskConfig, robot: &RobotModel) -> Result<Vec<f64>, ApiError> {
+    let field = "/joint_position";
+    let named = match given {
+        JointVector::Ordered(values) => return rows(values, task, field),
+        JointVector::Named(named) => named,
+    };
+    let names: Vec<&str> = task.rows.joints().iter().map(|&joint| robot.joints()[joint].name.as_str()).collect();
+    if let Some((name, _)) = named.iter().find(|(name, _)| !names.contains(&name.as_str())) {
+        let detail = format!("task `{}` has no joint `{name}`; its joints: {}", task.name, names.join(", "));
+        return Err(ApiError::invalid(format!("{field}/{}", escape_pointer(name)), detail));
+    }
+    let position = |name: &&str| {
+        let found = named.iter().find(|(given, _)| given == name);
+        let missing = || ApiError::invalid(field, format!("the position of joint `{name}` is missing"));
+        let (name, value) = found.ok_or_else(missing)?;
+        number(*value, "").map_err(|error| error.inside(&format!("{field}/{}", escape_pointer(name))))
+    };
+    names.iter().map(position).collect()
+}
+
+/// Returns the state of a stream for answers.
+pub fn state_answer(state: TargetState) -> wire::TargetState {
+    match state {
+        TargetState::Following => wire::TargetState::Following,
+        TargetState::Extrapolating => wire::TargetState::Extrapolating,
+        TargetState::Holding => wire::TargetState::Holding,
+        TargetState::Braking => wire::TargetState::Braking,
+    }
+}
+
+/// Adds warnings about targets that are late, missing or ignored.
+pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {
+    for (task, target) in controller.config().tasks.iter().zip(&command.targets) {
+        let Some(report) = target.streamed else { continue };
+        warnings.extend(late(task, &report));
+        if let Some(Ignored::Older { time_s, newest_s }) = report.ignored {
+            warnings.push(format!(
+                "task `{}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
+                 the order of their times",
+                task.name
+            ));
+        }
+    }
+}
+
+fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
+    let name = &task.name;
+    let age = report.age_s.map_or_else(
+        || "its targets are of another clock".to_owned(),
+        |age| format!("its newest target is {age:.3} s old"),
+    );
+    match report.state {
+        TargetState::Following | TargetState::Extrapolating => None,
+        TargetState::Holding => Some(format!(
+            "task `{name}` holds its last target, because {age}; send targets at least every {} s",
+            task.streaming.hold_after_s
+        )),
+        TargetState::Braking => Some(format!(
+            "task `{name}` brakes to rest, because {age}; it follows again with the next target. Check the sender and \
+             its clock"
+        )),
+    }
+}
