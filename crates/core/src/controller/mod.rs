@@ -33,6 +33,7 @@
 //! # }
 //! ```
 
+mod capability;
 mod config;
 mod joint_rows;
 mod memory;
@@ -44,6 +45,7 @@ mod stepper;
 mod task;
 mod tool_rows;
 
+pub use capability::{BRAKING_SHARE, SteepGain};
 pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};

@@ -3,13 +3,14 @@
 use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
+use super::capability::Capability;
 use super::stepper::Workspace;
 use super::task::ArmState;
 use super::{ConfigError, ControllerConfig, Memory, MemoryError, TaskConfig, WrenchFrame};
 use crate::limits::{Hold, Motion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
-use crate::task::TaskError;
+use crate::task::{TaskError, TaskStack};
 
 /// Maximum relative difference of achieved and requested velocity at which an axis counts as following.
 const FOLLOWING_TOLERANCE: f64 = 1e-9;
@@ -118,7 +119,7 @@ impl Controller {
             memory.check(&self.config)?;
         }
         let config = &self.config;
-        let Workspace { configuration, limited, problem, resolver, command, zero_velocity } = workspace;
+        let Workspace { configuration, capability, limited, problem, resolver, command, zero_velocity } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
         let qdot = match (&measurement.joint_velocity, &*memory) {
@@ -132,12 +133,11 @@ impl Controller {
             Some(memory) => memory,
             None => initial.insert(self.initial_memory(&arm)),
         };
-        self.evaluate_laws(&mut command.targets, previous, &arm);
-        problem.tasks.overwrite(|k, jacobian, lower, upper| {
-            let task = &config.tasks[k];
-            task.rows.write_jacobian(configuration, jacobian);
+        problem.tasks.overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
+        self.evaluate_laws(&mut command.targets, capability, &problem.tasks, previous, &arm);
+        problem.tasks.overwrite(|k, _, lower, upper| {
             // The bounds of an inequality task are constant.
-            if task.law.bounds().is_none() {
+            if config.tasks[k].law.bounds().is_none() {
                 lower.copy_from(&command.targets[k].velocity);
                 upper.copy_from(&command.targets[k].velocity);
             }
@@ -224,12 +224,22 @@ impl Controller {
         }
     }
 
-    /// Computes the target of each task by its law.
-    fn evaluate_laws(&self, targets: &mut [TaskTarget], previous: &Memory, arm: &ArmState) {
-        for (target, (task, integrator)) in
-            targets.iter_mut().zip(self.config.tasks.iter().zip(&previous.task_velocities))
-        {
-            let velocity = task.law.velocity(&task.rows.state(arm), integrator.as_slice(), self.config.period_s);
+    /// Computes the target of each task by its law, bounded by what the joints can give. `tasks`: with the Jacobians of
+    /// this period.
+    fn evaluate_laws(
+        &self,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        tasks: &TaskStack,
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
+        capability.start_period();
+        let laws = self.config.tasks.iter().zip(&previous.task_velocities);
+        for (k, (target, (task, integrator))) in targets.iter_mut().zip(laws).enumerate() {
+            let state = task.rows.state(arm);
+            let velocity = task.law.velocity(&state, integrator.as_slice(), self.config.period_s);
+            let velocity = capability.bounded(k, &self.config, tasks, &state, velocity);
             target.velocity.copy_from_slice(&velocity);
             target.force.clear();
             target.force.extend(task.law.target_force(arm.time_s));

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use revprio_robot::kinematics::Configuration;
 
+use super::capability::Capability;
 use super::step::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::LimitedBox;
@@ -50,6 +51,7 @@ impl Stepper {
 /// previous content.
 pub(super) struct Workspace {
     pub(super) configuration: Configuration,
+    pub(super) capability: Capability,
     pub(super) limited: LimitedBox,
     pub(super) problem: Problem,
     pub(super) resolver: Resolver,
@@ -84,6 +86,7 @@ impl Workspace {
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), force: Vec::new() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
-        Ok(Self { configuration, limited, problem, resolver: Resolver::default(), command, zero_velocity: zeros })
+        let (capability, resolver) = (Capability::new(config), Resolver::default());
+        Ok(Self { configuration, capability, limited, problem, resolver, command, zero_velocity: zeros })
     }
 }

@@ -4,7 +4,6 @@ use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
-use super::null_space::mid_range_rate;
 use super::{JointRows, JointTarget, RawRows, ToolRows};
 use crate::law::{Law, Profile, TaskState};
 use crate::linalg::{Matrix, TaskVector};
@@ -127,8 +126,8 @@ impl TaskConfig {
     fn check_gain(&self, robot: &RobotModel, period: f64) -> Result<(), TaskConfigError> {
         let Law::Position(law) = &self.law else { return Ok(()) };
         let rate = |row: usize| match &self.rows {
-            TaskRows::Joints(JointRows { joints, target: JointTarget::MidRange }) => mid_range_rate(robot, joints[row]),
-            _ => 1.0,
+            TaskRows::Joints(rows) => rows.rate(robot, rows.joints[row]),
+            TaskRows::Tool(_) | TaskRows::Raw(_) => 1.0,
         };
         let bounds = (0..law.rows()).map(|row| 2.0 / (rate(row) * period));
         match bounds.zip(law.gain().iter()).enumerate().find(|(_, (bound, gain))| *gain >= bound) {

@@ -4,6 +4,7 @@ mod anti_windup;
 mod arms;
 mod barriers;
 mod bounds;
+mod braking;
 mod frames;
 mod hold;
 mod laws;
