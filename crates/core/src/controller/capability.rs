@@ -16,9 +16,9 @@
 //! its direction, and no joint decelerates by more than η a_j. λ keeps w bounded near singularities, by |v|/2λ; it
 //! shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 14 % at σ = 0.05, where damping begins.
 //!
-//! η = ½ ([`BRAKING_SHARE`]) is the share of one task. The other half is for what the estimate leaves out: the change of
-//! J along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
-//! most a_j.
+//! η = 0.4 ([`BRAKING_SHARE`]) is the share of one task. The rest is for what the estimate leaves out: the change of J
+//! along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
+//! most 0.8 a_j.
 //!
 //! The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
 //!
@@ -37,7 +37,7 @@ use crate::resolution::Solver;
 use crate::task::TaskStack;
 
 /// η, the share of a joint's deceleration that one position law uses to brake.
-pub const BRAKING_SHARE: f64 = 0.5;
+pub const BRAKING_SHARE: f64 = 0.4;
 
 /// λ, singular value of the tool's rows below which the estimate of joint velocities gives way, m/rad and 1.
 ///

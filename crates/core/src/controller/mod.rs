@@ -46,7 +46,7 @@ mod task;
 mod tool_rows;
 
 pub use capability::{BRAKING_SHARE, SteepGain};
-pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
+pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};

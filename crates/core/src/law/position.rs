@@ -13,7 +13,7 @@
 //! - Both parts have the slope K where they meet, so s is continuously differentiable.
 //! - A point that moves at s(d) decelerates by s s′: K² d ≤ φ a on the first part, and a s/(s + θ a) < a on the second.
 //!
-//! φ follows from the reaction time τ of the controller, φ = 1 − K τ, but is at least 0.2 ([`MIN_LINEAR_SHARE`]). Without
+//! φ follows from the reaction time τ of the controller, φ = 1 − K τ, but is at least 0.1 ([`MIN_LINEAR_SHARE`]). Without
 //! reaction time, φ = 1 and s = √(2 a (d − a/2K²)). With ρ = a/(K |v|), the available deceleration over the demanded one,
 //!
 //! f(ρ) = ρ (φ − 1 + √(1 + 2/ρ − 2φ)) for ρ φ < 1, otherwise 1.
@@ -127,7 +127,7 @@ impl PositionLaw {
 }
 
 /// Minimum of φ: at this share of its usual range the bare gain remains in force, however large K is.
-const MIN_LINEAR_SHARE: f64 = 0.2;
+const MIN_LINEAR_SHARE: f64 = 0.1;
 
 /// Returns φ of the module; `gain`: K, 1/s; `reaction`: τ, s.
 pub(crate) fn linear_share(gain: f64, reaction: f64) -> f64 {
@@ -194,8 +194,8 @@ mod tests {
     }
 
     #[test]
-    fn a_long_reaction_time_leaves_a_fifth_of_the_linear_range() {
-        assert_eq!([linear_share(10.0, 0.0), linear_share(10.0, 0.02), linear_share(50.0, 1.0)], [1.0, 0.8, 0.2]);
+    fn a_long_reaction_time_leaves_a_tenth_of_the_linear_range() {
+        assert_eq!([linear_share(10.0, 0.0), linear_share(10.0, 0.02), linear_share(50.0, 1.0)], [1.0, 0.8, 0.1]);
     }
 
     #[test]
