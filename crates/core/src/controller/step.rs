@@ -133,7 +133,9 @@ impl Controller {
             Some(memory) => memory,
             None => initial.insert(self.initial_memory(&arm)),
         };
-        problem.tasks.overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
+        problem
+            .tasks
+            .overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, previous, &arm);
         problem.tasks.overwrite(|k, _, lower, upper| {
             // The bounds of an inequality task are constant.

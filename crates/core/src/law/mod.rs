@@ -16,7 +16,10 @@
 //!
 //! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one
 //! velocity per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame;
-//! if these axes turn, the integrator turns with them.
+//! if these axes turn, the integrator turns with them. An axis that does not follow its request continues from the achieved
+//! velocity; see [`AntiWindup`](crate::controller::AntiWindup). So in a direction with the damping gain D = σ²/(σ² + λ²)
+//! the velocity stays below T D/(1 − D) times the acceleration of the law: near a singularity the arm moves slowly in the
+//! weak direction, and does not wind up.
 
 mod bounds;
 mod gains;
@@ -26,8 +29,8 @@ mod position;
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use gains::{GainError, Gains};
 pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
-pub(crate) use position::{braking_factor, linear_share};
 pub use position::{Braking, PositionLaw, PositionLawError};
+pub(crate) use position::{braking_factor, linear_share};
 pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 
 use smallvec::SmallVec;

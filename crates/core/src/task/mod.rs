@@ -157,7 +157,8 @@ impl TaskStack {
         let mut result = Ok(());
         for (task, Task { jacobian, .. }) in self.tasks.iter_mut().enumerate() {
             write(task, jacobian);
-            result = result.and(if all_finite(jacobian.as_slice()) { Ok(()) } else { Err(TaskError::NotFinite { task }) });
+            result =
+                result.and(if all_finite(jacobian.as_slice()) { Ok(()) } else { Err(TaskError::NotFinite { task }) });
         }
         result
     }
