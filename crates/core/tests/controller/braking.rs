@@ -27,6 +27,11 @@ const ANGULAR: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
 /// Length of a step, m.
 const STEP: f64 = 0.3;
 
+/// Returns the number of periods in a duration, both in s.
+fn periods(duration: f64, period: f64) -> u32 {
+    (0..1_000_000_u32).find(|i| f64::from(*i) * period >= duration).unwrap()
+}
+
 /// An arm whose joints follow the commands with a lag (s) and a delay (whole periods).
 struct DrivenArm {
     q: Vec<f64>,
@@ -108,8 +113,8 @@ impl ToolStep {
         let mut memory = None;
         let goal = self.goal().translation.vector;
         let mut found = Approach { overshoot: f64::NEG_INFINITY, left: 0.0 };
-        for i in 0..(duration / period) as usize {
-            step_arm(&mut stepper, &mut memory, &mut arm, i as f64 * period);
+        for i in 0..periods(duration, period) {
+            step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
             let beyond = pose(&self.robot, &arm.q).translation.vector - goal;
             found.overshoot = found.overshoot.max(beyond.dot(&self.direction));
             found.left = self.left(&arm);
@@ -292,8 +297,8 @@ fn postures_are_reached_without_overshoot_for_any_gain() {
                 let mut stepper = with_limits(&robot, period, limits, posture(&joints, &target, law));
                 let (mut arm, mut memory) = (DrivenArm::at_rest(&start, lag, delay), None);
                 let duration = 2.0 + 12.0 / gain;
-                for i in 0..(duration / period) as usize {
-                    step_arm(&mut stepper, &mut memory, &mut arm, i as f64 * period);
+                for i in 0..periods(duration, period) {
+                    step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
                     let beyond = arm.q.iter().zip(&target).map(|(q, goal)| q - goal).fold(f64::MIN, f64::max);
                     assert!(beyond <= 0.01, "{name}, lag {lag} s, period {period} s, gain {gain}: {beyond} rad");
                 }
