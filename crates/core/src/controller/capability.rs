@@ -24,12 +24,13 @@
 //!
 //! # How an integrator is bounded
 //!
-//! The velocity of row r can at most be Σ_j |J_rj| V_j. Force, impedance and hybrid laws ask for no more.
+//! The velocity of row r can at most be Σ_j |J_rj| V_j. Force, impedance and hybrid laws ask for no more, unless
+//! [`AntiWindup::ExceptDamping`] keeps them as published.
 
 use nalgebra::{Cholesky, Dyn};
 
 use super::null_space::mid_range_rate;
-use super::{ControllerConfig, JointRows, JointTarget, Limits, TaskConfig, TaskRows};
+use super::{AntiWindup, ControllerConfig, JointRows, JointTarget, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
 use crate::limits::{braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
@@ -115,7 +116,7 @@ impl Capability {
                 };
                 TaskVector::from_fn(velocity.len(), braked)
             }
-            law if law.integrates() => {
+            law if law.integrates() && config.anti_windup == AntiWindup::Always => {
                 let jacobian = &tasks.tasks()[k].jacobian;
                 TaskVector::from_fn(velocity.len(), |row| {
                     let largest = self.largest_speed(jacobian, row);

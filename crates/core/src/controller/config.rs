@@ -45,8 +45,8 @@ pub enum AntiWindup {
     /// On every axis that does not follow its request, whatever holds it back: limits, other tasks or damping.
     #[default]
     Always,
-    /// As `Always`, but not if damping alone holds the axis back. The laws of the paper behave so. Near a singularity a
-    /// damped task then winds up. Do not use it on a real arm.
+    /// As `Always`, but not if damping alone holds the axis back, and requests have no bound. The laws of the paper behave
+    /// so. Near a singularity a damped task then winds up. Do not use it on a real arm.
     ExceptDamping,
 }
 
