@@ -29,8 +29,7 @@
 
 use nalgebra::{Cholesky, Dyn};
 
-use super::null_space::mid_range_rate;
-use super::{AntiWindup, ControllerConfig, JointRows, JointTarget, Limits, TaskConfig, TaskRows};
+use super::{AntiWindup, ControllerConfig, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
 use crate::limits::{braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
@@ -70,11 +69,11 @@ impl Capability {
         let n = config.robot.joint_count();
         let (speed, deceleration) = (0..n).map(|joint| joint_capability(config, joint)).unzip();
         let is_pose =
-            |task: &TaskConfig| matches!(task.rows, TaskRows::Tool(_)) && matches!(task.law, Law::Position(_));
+            |task: &TaskConfig| task.rows.joint(&config.robot, 0).is_none() && matches!(task.law, Law::Position(_));
         let first_pose = config.tasks.iter().position(is_pose).unwrap_or(0);
         // A posture below moves in the null space of the pose and does not change its motion.
         let is_stacked = |(k, task): &(usize, &TaskConfig)| {
-            task.law.bounds().is_none() && (*k < first_pose || !matches!(task.rows, TaskRows::Joints(_)))
+            task.law.bounds().is_none() && (*k < first_pose || task.rows.joint(&config.robot, 0).is_none())
         };
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
@@ -103,12 +102,11 @@ impl Capability {
         match &task.law {
             Law::Position(law) if *law.braking() != Braking::None => {
                 let feedback = law.feedback(state);
-                let factor = match &task.rows {
-                    TaskRows::Joints(rows) => self.joint_factors(law, rows, config, &feedback),
-                    TaskRows::Tool(_) | TaskRows::Raw(_) => {
-                        let factor = self.tool_factor(k, law, tasks, &feedback);
-                        TaskVector::from_fn(feedback.len(), |_| factor)
-                    }
+                let factor = if task.rows.joint(&config.robot, 0).is_some() {
+                    self.joint_factors(law, &task.rows, config, &feedback)
+                } else {
+                    let factor = self.tool_factor(k, law, tasks, &feedback);
+                    TaskVector::from_fn(feedback.len(), |_| factor)
                 };
                 let braked = |row: usize| match factor[row] {
                     1.0 => velocity[row],
@@ -141,13 +139,14 @@ impl Capability {
     fn joint_factors(
         &self,
         law: &PositionLaw,
-        rows: &JointRows,
+        rows: &TaskRows,
         config: &ControllerConfig,
         feedback: &[f64],
     ) -> TaskVector {
         TaskVector::from_fn(feedback.len(), |row| {
-            let (joint, speed) = (rows.joints[row], feedback[row].abs());
-            let gain = law.gain()[row] * rows.rate(&config.robot, joint);
+            // A task of joints has a joint in each row.
+            let Some((joint, rate)) = rows.joint(&config.robot, row) else { return 1.0 };
+            let (gain, speed) = (law.gain()[row] * rate, feedback[row].abs());
             let available = (BRAKING_SHARE * self.deceleration[joint]).min(max_acceleration(law, row));
             let linear = linear_share(gain, self.reaction);
             factor(available / (gain * speed), linear, self.speed[joint] / speed)
@@ -229,15 +228,5 @@ fn joint_capability(config: &ControllerConfig, joint: usize) -> (f64, f64) {
             if kind.includes_velocity() { limits.velocity } else { f64::INFINITY },
             if kind.includes_position() { braking_deceleration(limits) } else { f64::INFINITY },
         ),
-    }
-}
-
-impl JointRows {
-    /// Returns the rate per unit of gain at which the law moves a joint to its target.
-    pub(super) fn rate(&self, robot: &revprio_robot::RobotModel, joint: usize) -> f64 {
-        match self.target {
-            JointTarget::MidRange => mid_range_rate(robot, joint),
-            JointTarget::Position(_) => 1.0,
-        }
     }
 }

@@ -4,6 +4,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::TaskConfigError;
+use super::null_space::mid_range_rate;
 use super::task::ArmState;
 use crate::law::{Profile, SetPoint, TaskState};
 use crate::linalg::TaskVector;
@@ -42,6 +43,14 @@ impl JointRows {
     /// Selects the entries of the joints of this task, m.
     pub(super) fn select(&self, joints: &[f64]) -> TaskVector {
         TaskVector::from_fn(self.joints.len(), |row| joints[self.joints[row]])
+    }
+
+    /// Returns the rate per unit of gain at which the law moves a joint to its target.
+    pub(super) fn rate(&self, robot: &RobotModel, joint: usize) -> f64 {
+        match self.target {
+            JointTarget::MidRange => mid_range_rate(robot, joint),
+            JointTarget::Position(_) => 1.0,
+        }
     }
 
     /// Returns the state for the law; `velocity`: q̇ of the joints of this task, m.

@@ -1,6 +1,6 @@
 //! Gains of position laws that demand more deceleration than the joints have.
 
-use super::{ControllerConfig, TaskRows};
+use super::ControllerConfig;
 use crate::law::{Braking, Law};
 
 /// A gain that demands more deceleration than a joint has, at the joint's full speed.
@@ -27,16 +27,13 @@ impl ControllerConfig {
     pub fn steep_gains(&self) -> impl Iterator<Item = SteepGain<'_>> {
         self.tasks.iter().filter_map(|task| {
             let Law::Position(law) = &task.law else { return None };
-            let joints: Vec<(usize, f64)> = match &task.rows {
-                TaskRows::Joints(rows) => {
-                    let rate =
-                        |(row, &joint): (usize, &usize)| (joint, law.gain()[row] * rows.rate(&self.robot, joint));
-                    rows.joints.iter().enumerate().map(rate).collect()
-                }
-                TaskRows::Tool(_) | TaskRows::Raw(_) => {
-                    (0..self.robot.joint_count()).map(|joint| (joint, law.gain().max())).collect()
-                }
+            let of_row = |row: usize| {
+                let (joint, rate) = task.rows.joint(&self.robot, row)?;
+                Some((joint, law.gain()[row] * rate))
             };
+            // Rows of the tool may move every joint.
+            let every = || (0..self.robot.joint_count()).map(|joint| (joint, law.gain().max())).collect();
+            let joints: Vec<_> = (0..law.rows()).map(of_row).collect::<Option<_>>().unwrap_or_else(every);
             let steep = joints.into_iter().filter_map(|(joint, gain)| {
                 let limits = &self.robot.joints()[joint].limits;
                 let ratio = limits.acceleration / limits.velocity;
