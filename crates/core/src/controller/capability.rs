@@ -1,27 +1,5 @@
 //! What the joints can give, and the tasks' requests bounded by it.
 //!
-//! # How a position law brakes
-//!
-//! [`PositionLaw`](crate::law::PositionLaw) needs the ratio ρ of the deceleration that the joints can give to the one
-//! that its feedback v demands. On joints both are known: ρ = η a_j / (K |v_j|), row by row.
-//!
-//! On rows of the tool let J be all rows of the tool that tasks control, and w the joint velocity of the feedback of this
-//! task alone,
-//!
-//! w = (JᵀJ + λ² I)⁻¹ J_kᵀ v,
-//!
-//! which for λ → 0 is the motion with J_k w = v that leaves the other tasks at rest. While J stays the same, v decays
-//! along a straight line, w with it, and a decay at the rate K demands the deceleration K |w_j| of joint j. So
-//! ρ = min_j η a_j / (K |w_j|), with the largest K of the rows. One factor slows all rows of the task, so the tool keeps
-//! its direction, and no joint decelerates by more than η a_j. λ keeps w bounded near singularities, by |v|/2λ; it
-//! shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 14 % at σ = 0.05, where damping begins.
-//!
-//! η = 0.4 ([`BRAKING_SHARE`]) is the share of one task. The rest is for what the estimate leaves out: the change of J
-//! along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
-//! most 0.8 a_j.
-//!
-//! The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
-//!
 //! # How an integrator is bounded
 //!
 //! The velocity of row r can at most be Σ_j |J_rj| V_j. Force, impedance and hybrid laws ask for no more, unless
@@ -37,6 +15,28 @@ use crate::resolution::Solver;
 use crate::task::TaskStack;
 
 /// η, the share of a joint's deceleration that one position law uses to brake.
+///
+/// # How a position law brakes
+///
+/// [`PositionLaw`](crate::law::PositionLaw) needs the ratio ρ of the deceleration that the joints can give to the one
+/// that its feedback v demands. On joints both are known: ρ = η a_j / (K |v_j|), row by row.
+///
+/// On rows of the tool let J be all rows of the tool that tasks control, and w the joint velocity of the feedback of this
+/// task alone,
+///
+/// w = (JᵀJ + λ² I)⁻¹ J_kᵀ v,
+///
+/// which for λ → 0 is the motion with J_k w = v that leaves the other tasks at rest. While J stays the same, v decays
+/// along a straight line, w with it, and a decay at the rate K demands the deceleration K |w_j| of joint j. So
+/// ρ = min_j η a_j / (K |w_j|), with the largest K of the rows. One factor slows all rows of the task, so the tool keeps
+/// its direction, and no joint decelerates by more than η a_j. λ keeps w bounded near singularities, by |v|/2λ; it
+/// shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 14 % at σ = 0.05, where damping begins.
+///
+/// η = 0.4 is the share of one task. The rest is for what the estimate leaves out: the change of J
+/// along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
+/// most 0.8 a_j.
+///
+/// The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
 pub const BRAKING_SHARE: f64 = 0.4;
 
 /// λ, singular value of the tool's rows below which the estimate of joint velocities gives way, m/rad and 1.

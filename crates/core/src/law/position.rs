@@ -1,24 +1,4 @@
 //! The position law: `pose` on rows of the tool, `posture` on joints.
-//!
-//! # The braking profile
-//!
-//! The law ẋ = ẋ_d + K (x_d − x) alone demands the deceleration K |K (x_d − x)|. A distant target therefore demands more
-//! than the joints can give, and the arm passes the target. So the law slows its feedback v = K (x_d − x) down to f v. Let
-//! a be the deceleration that the joints can give, d = |v|/K the distance, and s(d) = f |v| the speed:
-//!
-//! s(d) = K d up to the speed s_0 = φ a/K; beyond, d = s_0/K + θ (s − s_0) + (s² − s_0²)/2a with θ = (1 − φ)/K.
-//!
-//! - Up to s_0 the factor is 1: small errors are corrected by the bare gain, exactly.
-//! - Beyond, s is the speed from which the arm stops at a, after it has moved on for the reaction time θ.
-//! - Both parts have the slope K where they meet, so s is continuously differentiable.
-//! - A point that moves at s(d) decelerates by s s′: K² d ≤ φ a on the first part, and a s/(s + θ a) < a on the second.
-//!
-//! φ follows from the reaction time τ of the controller, φ = 1 − K τ, but is at least 0.1 ([`MIN_LINEAR_SHARE`]). Without
-//! reaction time, φ = 1 and s = √(2 a (d − a/2K²)). With ρ = a/(K |v|), the available deceleration over the demanded one,
-//!
-//! f(ρ) = ρ (φ − 1 + √(1 + 2/ρ − 2φ)) for ρ φ < 1, otherwise 1.
-//!
-//! The controller finds a: see [`BRAKING_SHARE`](crate::controller::BRAKING_SHARE).
 
 use super::TaskState;
 use crate::linalg::{TaskVector, Vector};
@@ -27,6 +7,26 @@ use crate::linalg::{TaskVector, Vector};
 ///
 /// On rows of the tool it is closed-loop inverse kinematics; on joints it is q̇ = q̇_d + f K (q_d − q). Near the target
 /// f is 1, and the distance of each axis to its target decays as e^(−K t), exactly as (1 − K T)^i after i periods.
+///
+/// # The braking profile
+///
+/// The law ẋ = ẋ_d + K (x_d − x) alone demands the deceleration K |K (x_d − x)|. A distant target therefore demands more
+/// than the joints can give, and the arm passes the target. So the law slows its feedback v = K (x_d − x) down to f v. Let
+/// a be the deceleration that the joints can give, d = |v|/K the distance, and s(d) = f |v| the speed:
+///
+/// s(d) = K d up to the speed s_0 = φ a/K; beyond, d = s_0/K + θ (s − s_0) + (s² − s_0²)/2a with θ = (1 − φ)/K.
+///
+/// - Up to s_0 the factor is 1: small errors are corrected by the bare gain, exactly.
+/// - Beyond, s is the speed from which the arm stops at a, after it has moved on for the reaction time θ.
+/// - Both parts have the slope K where they meet, so s is continuously differentiable.
+/// - A point that moves at s(d) decelerates by s s′: K² d ≤ φ a on the first part, and a s/(s + θ a) < a on the second.
+///
+/// φ follows from the reaction time τ of the controller, φ = 1 − K τ, but is at least 0.1. Without
+/// reaction time, φ = 1 and s = √(2 a (d − a/2K²)). With ρ = a/(K |v|), the available deceleration over the demanded one,
+///
+/// f(ρ) = ρ (φ − 1 + √(1 + 2/ρ − 2φ)) for ρ φ < 1, otherwise 1.
+///
+/// The controller finds a: see [`BRAKING_SHARE`](crate::controller::BRAKING_SHARE).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionLaw {
     gain: Vector,
@@ -129,12 +129,12 @@ impl PositionLaw {
 /// Minimum of φ: at this share of its usual range the bare gain remains in force, however large K is.
 const MIN_LINEAR_SHARE: f64 = 0.1;
 
-/// Returns φ of the module; `gain`: K, 1/s; `reaction`: τ, s.
+/// Returns φ of [`PositionLaw`]; `gain`: K, 1/s; `reaction`: τ, s.
 pub(crate) fn linear_share(gain: f64, reaction: f64) -> f64 {
     (1.0 - gain * reaction).max(MIN_LINEAR_SHARE)
 }
 
-/// Returns f(ρ) of the module, from the available deceleration over the demanded one (`ratio`: ρ ≥ 0) and φ (`linear`).
+/// Returns f(ρ) of [`PositionLaw`], from the available deceleration over the demanded one (`ratio`: ρ ≥ 0) and φ (`linear`).
 pub(crate) fn braking_factor(ratio: f64, linear: f64) -> f64 {
     if ratio * linear < 1.0 {
         // ρ √(1 + 2/ρ − 2φ), also for ρ = 0.
