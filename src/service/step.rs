@@ -19,7 +19,7 @@ pub fn open_session(
 ) -> Result<wire::CreatedController, ApiError> {
     let controller = convert::controller(&request, robots)?;
     let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let warnings = convert::warnings(&request)?;
+    let warnings = convert::warnings(&request, controller.config())?;
     let id = sessions.create(request, controller, ownership)?.to_string();
     Ok(wire::CreatedController { id, joints, idle_timeout_s: sessions.idle_timeout().as_secs(), warnings })
 }

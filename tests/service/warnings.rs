@@ -74,3 +74,43 @@ fn the_environment_is_shown_and_does_not_change_commands() {
     stateless["controller"]["environment"] = controller["environment"].clone();
     assert_eq!(answer(&stateless), before);
 }
+
+/// Returns the example controller with a pose law in place of its second law.
+fn with_pose_law(law: Value) -> Value {
+    let mut controller = example("controller.json");
+    controller["tasks"][1]["law"] = law;
+    controller
+}
+
+#[test]
+fn a_gain_that_demands_more_deceleration_than_a_joint_has_is_named() {
+    let service = Service::start();
+    let warnings_for = |law| warnings(&service, &with_pose_law(law));
+    // The last joint of Sawyer: 10 rad/s² over 4.545 rad/s.
+    assert_eq!(warnings_for(json!({"kind": "pose", "gain": 2.2})), [""; 0]);
+    let braking = warnings_for(json!({"kind": "pose", "gain": 5}));
+    let bare = warnings_for(json!({"kind": "pose", "gain": 5, "braking": false}));
+    for (found, consequence) in [(&braking, "the law brakes"), (&bare, "may pass its target")] {
+        assert_eq!(found.len(), 1, "{found:?}");
+        for part in ["task `hold`", "gain 5 1/s", "2.20 1/s", "`j7`", consequence] {
+            assert!(found[0].contains(part), "`{part}` is not in {}", found[0]);
+        }
+    }
+}
+
+#[test]
+fn braking_slows_down_a_distant_pose_and_the_bare_gain_does_not() {
+    let service = Service::start();
+    let speed = |law: Value| {
+        let mut step = example("step.json");
+        step["controller"]["tasks"][1]["law"] = law;
+        step["controller"]["tasks"][1]["law"]["target_displacement"] =
+            json!({"kind": "constant", "value": [0.3, 0, 0, 0, 0]});
+        service.call("/v1/step", &step)["tasks"][1]["requested"][0].as_f64().unwrap()
+    };
+    let bare = speed(json!({"kind": "pose", "gain": 10, "braking": false}));
+    let braked = speed(json!({"kind": "pose", "gain": 10}));
+    let gentle = speed(json!({"kind": "pose", "gain": 10, "max_acceleration": 0.1}));
+    assert!((bare - 3.0).abs() < 1e-9, "{bare}");
+    assert!(gentle > 0.0 && gentle < 0.25 && braked > gentle && braked < 2.0, "{gentle} {braked}");
+}

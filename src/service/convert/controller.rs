@@ -52,6 +52,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: motion.map(|motion| null_space(motion, Some(&robot), robot.joint_count())).transpose()?,
+        anti_windup: terms::anti_windup(request.anti_windup),
         tasks: request.tasks.iter().enumerate().map(task).collect::<Result<_, _>>()?,
         robot,
     };

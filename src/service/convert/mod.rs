@@ -26,11 +26,12 @@ mod target_memory;
 mod targets;
 mod task;
 mod terms;
+mod warnings;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
 pub use controller::{MAX_LAG_S, MAX_TASKS, controller};
-pub use environment::{MAX_ENVIRONMENT_DELAY, warnings};
+pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{last_state, memory, memory_answer};
@@ -45,3 +46,4 @@ pub use stability::{contact_loop, margin, margin_answer};
 pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
 pub use step::{MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, watched_step};
 pub use targets::warn as warn_about_targets;
+pub use warnings::warnings;

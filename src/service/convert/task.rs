@@ -2,7 +2,9 @@
 
 use revprio_api::wire::{self, PerAxis};
 use revprio_core::controller::{JointRows, JointTarget, RawRows, TargetPose, TaskConfig, TaskRows, ToolRows};
-use revprio_core::law::{ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
+use revprio_core::law::{
+    Braking, ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, PositionLawError, Profile,
+};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 
@@ -16,9 +18,11 @@ use crate::service::error::ApiError;
 /// Reads a task.
 pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, ApiError> {
     let (rows, law) = match &task.law {
-        Some(wire::Law::Posture { joints, gain, target_position }) => {
+        Some(wire::Law::Posture { joints, gain, max_acceleration, braking, target_position }) => {
             check_posture_fields(task)?;
-            posture(joints.as_deref(), gain, target_position, robot).map_err(|error| error.inside("/law"))?
+            let joints = joint_indices(joints.as_deref(), target_position, robot);
+            let law = |reader: &LawReader| reader.position(gain, max_acceleration.as_ref(), *braking);
+            joints.and_then(|joints| posture(joints, target_position, law)).map_err(|error| error.inside("/law"))?
         }
         law => match (&task.axes, &task.jacobian) {
             (Some(axes), None) => tool_task(task, axes, law.as_ref())?,
@@ -70,18 +74,16 @@ fn raw_task(
 }
 
 fn posture(
-    joints: Option<&[String]>,
-    gain: &PerAxis<f64>,
+    joints: Vec<usize>,
     target: &wire::PostureTarget,
-    robot: &RobotModel,
+    law: impl Fn(&LawReader) -> Result<Law, ApiError>,
 ) -> Result<(TaskRows, Law), ApiError> {
-    let joints = joint_indices(joints, target, robot)?;
     let reader = LawReader(PerRow { rows: joints.len() });
     let target = match target {
         wire::PostureTarget::MidRange => JointTarget::MidRange,
         wire::PostureTarget::Profile(profile) => JointTarget::Position(reader.profile(profile, "/target_position")?),
     };
-    Ok((TaskRows::Joints(JointRows { joints, target }), reader.position(gain)?))
+    Ok((TaskRows::Joints(JointRows { joints, target }), law(&reader)?))
 }
 
 /// Refuses the fields that a posture does not have.
@@ -142,7 +144,10 @@ impl LawReader {
             wire::Law::Velocity { target_velocity } => {
                 Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
             }
-            wire::Law::Pose { gain, .. } | wire::Law::Posture { gain, .. } => self.position(gain)?,
+            wire::Law::Pose { gain, max_acceleration, braking, .. }
+            | wire::Law::Posture { gain, max_acceleration, braking, .. } => {
+                self.position(gain, max_acceleration.as_ref(), *braking)?
+            }
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;
                 let law = ForceLaw::new(gains, self.profile(target_force, "/target_force")?);
@@ -180,9 +185,32 @@ impl LawReader {
         Ok(ToolRows { target_pose, target_displacement, ..rows })
     }
 
-    fn position(&self, gain: &PerAxis<f64>) -> Result<Law, ApiError> {
-        let law = PositionLaw::new(self.0.numbers(gain, "/gain")?);
-        law.map(Law::Position).map_err(|error| ApiError::invalid(at_row(gain, "/gain", error.row), error))
+    fn position(
+        &self,
+        gain: &PerAxis<f64>,
+        max_acceleration: Option<&PerAxis<f64>>,
+        braking: bool,
+    ) -> Result<Law, ApiError> {
+        let gains = self.0.numbers(gain, "/gain")?;
+        let (field, default) = ("/max_acceleration", PerAxis::All(0.0));
+        let braking = match max_acceleration {
+            Some(_) if !braking => {
+                let detail = "a law with `braking` false has the bare gain; omit `max_acceleration` or `braking`";
+                return Err(ApiError::invalid(field, detail));
+            }
+            Some(values) => Braking::AtMost(self.0.numbers(values, field)?.into()),
+            None if braking => Braking::Joints,
+            None => Braking::None,
+        };
+        let law = PositionLaw::with_braking(gains, braking);
+        law.map(Law::Position).map_err(|error| {
+            let pointer = match error {
+                PositionLawError::Gain { row, .. } => at_row(gain, "/gain", row),
+                PositionLawError::Acceleration { row, .. } => at_row(max_acceleration.unwrap_or(&default), field, row),
+                PositionLawError::Size { .. } => field.to_owned(),
+            };
+            ApiError::invalid(pointer, error)
+        })
     }
 
     fn gains(

@@ -1,7 +1,7 @@
 //! Conversion of the enums of the interface to those of the library and back.
 
 use revprio_api::wire;
-use revprio_core::controller::{WrenchConvention, WrenchFrame};
+use revprio_core::controller::{AntiWindup, WrenchConvention, WrenchFrame};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Side, Solver, Status};
 use revprio_robot::JointKind;
@@ -22,6 +22,7 @@ same_variants!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquare
 same_variants!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });
 same_variants!(limit_kind: wire::LimitKind => LimitKind { None, Velocity, PositionVelocity, PositionVelocityAcceleration });
 same_variants!(wrench_convention: wire::WrenchConvention => WrenchConvention { OnEnvironment, OnTool });
+same_variants!(anti_windup: wire::AntiWindup => AntiWindup { Always, ExceptDamping });
 same_variants!(wrench_frame: wire::WrenchFrame => WrenchFrame { Base, Tool });
 same_variants!(side: wire::Side => Side { Lower, Upper });
 same_variants!(side_answer: Side => wire::Side { Lower, Upper });

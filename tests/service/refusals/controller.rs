@@ -199,8 +199,26 @@ const CONTROLLER: &[Row] = &[
     ("/tasks/0/law", r#"{"kind": "pose", "gain": [-1]}"#, 422, "/tasks/0/law/gain/0"),
     ("/tasks/0/law", r#"{"kind": "pose", "gain": 2000}"#, 422, "/tasks/0/law/gain"),
     ("/tasks/0/law", r#"{"kind": "pose", "gain": 1, "stiffness": 1}"#, 422, "/tasks/0/law"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": 1, "max_acceleration": 0}"#, 422, "/tasks/0/law/max_acceleration"),
+    (
+        "/tasks/0/law",
+        r#"{"kind": "pose", "gain": 1, "max_acceleration": [-1]}"#,
+        422,
+        "/tasks/0/law/max_acceleration/0",
+    ),
+    (
+        "/tasks/0/law",
+        r#"{"kind": "pose", "gain": 1, "max_acceleration": [1, 2]}"#,
+        422,
+        "/tasks/0/law/max_acceleration",
+    ),
+    ("/tasks/0/law", CONTRADICTORY_BRAKING, 422, "/tasks/0/law/max_acceleration"),
+    ("/tasks/0/law", r#"{"kind": "pose", "gain": 1, "braking": 1}"#, 422, "/tasks/0/law"),
+    ("/anti_windup", r#""never""#, 422, "/anti_windup"),
+    ("/anti_windup", "true", 422, "/anti_windup"),
 ];
 
+const CONTRADICTORY_BRAKING: &str = r#"{"kind": "pose", "gain": 1, "max_acceleration": 1, "braking": false}"#;
 const BOUNDS_AND_SCALE: &str = r#"{"name": "b", "axes": ["x"], "upper": [1], "scale": true}"#;
 const BOUNDS_CROSSED: &str = r#"{"name": "b", "axes": ["x", "y"], "lower": [0, 0.2], "upper": [null, 0.1]}"#;
 const BOUNDS_TOO_FEW: &str = r#"{"name": "b", "axes": ["x", "y"], "lower": [0, 0], "upper": [1]}"#;

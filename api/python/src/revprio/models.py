@@ -14,6 +14,7 @@ __all__ = [
     "ActiveLimit",
     "ActiveLimitName",
     "ActiveRow",
+    "AntiWindup",
     "ArmView",
     "Axis",
     "BatchAnswer",
@@ -185,6 +186,11 @@ class ActiveRow(Answer):
     """Index of the row in its task, from 0."""
     side: Side
     """Lower or upper bound."""
+
+
+AntiWindup = Literal["always", "except_damping"]
+"""When the integrators of `force`, `impedance` and `hybrid` follow the achieved velocity instead of the requested
+one."""
 
 
 class JointView(Answer):
@@ -740,12 +746,18 @@ reference point (m, unit quaternion), in the task's `frame` if that is a pose, o
 
 
 class PoseLaw(Tagged):
-    """Motion to a pose: ẋ = ẋ_d + K (x_d − x)."""
+    """Motion to a pose: ẋ = ẋ_d + f K (x_d − x). f is 1 near the target, and smaller where the joints could not
+    brake."""
 
     gain: ArrayLike
     """Gain K, 1/s."""
     kind: Literal["pose"] = "pose"
     """Selects the variant."""
+    braking: bool | None = None
+    """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
+    max_acceleration: ArrayLike | None = None
+    """Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints;
+    default: those limits alone."""
     target_displacement: Profile | None = None
     """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
     target_pose: TargetPose | None = None
@@ -758,7 +770,8 @@ joint, rad or m."""
 
 
 class PostureLaw(Tagged):
-    """Motion of joints to positions, q̇ = q̇_d + K (q_d − q), or to the middle of their ranges, q̇ = −K ∇H."""
+    """Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1
+    near the target, and smaller where the joint could not brake."""
 
     gain: ArrayLike
     """Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s."""
@@ -766,8 +779,13 @@ class PostureLaw(Tagged):
     """Selects the variant."""
     target_position: PostureTarget
     """Target positions q_d, rad or m, or `mid_range`."""
+    braking: bool | None = None
+    """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
     joints: list[str] | None = None
     """Names of the joints; default: all joints, for `mid_range` all joints with a range."""
+    max_acceleration: ArrayLike | None = None
+    """Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints; default:
+    those limits alone."""
 
 
 class ForceLaw(Tagged):
@@ -951,6 +969,8 @@ class ControllerConfig(Body):
     """Name of the robot."""
     tasks: list[ControllerTask]
     """The tasks, highest priority first."""
+    anti_windup: AntiWindup | None = None
+    """When integrators of laws follow the achieved velocity; default `always`."""
     damping: Damping | None = None
     """Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping."""
     drive: Drive | None = None
@@ -990,7 +1010,8 @@ class CreatedController(Answer):
     joints: list[str]
     """Names of the joints, in the order of all vectors of joints."""
     warnings: list[str] = Field(default_factory=list)
-    """Warnings: axes whose loop with the given environment is unstable, and what would make them stable."""
+    """Warnings: axes whose loop with the given environment is unstable, and what would make them stable; tasks whose
+    gain is above the ratio of the acceleration and speed limits of a joint."""
 
 
 class DenavitHartenberg(Answer):

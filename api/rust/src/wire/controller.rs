@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Axis, Damping, Drive, Environment, Frame, Inequality, Law, LimitKind, Limits, Method, NullSpaceVelocity, Pose,
-    Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
+    AntiWindup, Axis, Damping, Drive, Environment, Frame, Inequality, Law, LimitKind, Limits, Method,
+    NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, integer, object};
 
@@ -61,6 +61,9 @@ pub struct Controller {
     /// Bounds of a plausible state; default: those of `StateChecks`.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "StateChecks::is_default")]
     pub state_checks: StateChecks,
+    /// When integrators of laws follow the achieved velocity; default `always`.
+    #[serde(default, skip_serializing_if = "AntiWindup::is_default")]
+    pub anti_windup: AntiWindup,
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
@@ -130,7 +133,8 @@ pub struct CreatedController {
     pub joints: Vec<String>,
     /// Time without a new state after which the session ends, s; `GET` requests do not extend it.
     pub idle_timeout_s: u64,
-    /// Warnings: axes whose loop with the given environment is unstable, and what would make them stable.
+    /// Warnings: axes whose loop with the given environment is unstable, and what would make them stable; tasks whose gain
+    /// is above the ratio of the acceleration and speed limits of a joint.
     #[serde(default)]
     pub warnings: Vec<String>,
 }

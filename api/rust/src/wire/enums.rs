@@ -41,7 +41,7 @@ macro_rules! read_as_string {
     )+};
 }
 
-read_as_string!(Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, LimitKind);
+read_as_string!(AntiWindup, Axis, Method, Solver, Side, WrenchConvention, WrenchFrame, LimitKind);
 
 /// One axis of a twist or a wrench, in the frame of the task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -174,6 +174,26 @@ pub enum WrenchFrame {
     Base,
     /// The axes of the tool, as of a wrist sensor.
     Tool,
+}
+
+/// When the integrators of `force`, `impedance` and `hybrid` follow the achieved velocity instead of the requested one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case", remote = "Self")]
+pub enum AntiWindup {
+    /// On every axis that does not follow its request, whatever holds it back: limits, other tasks or damping; default.
+    #[default]
+    Always,
+    /// As `always`, but not if damping alone holds the axis back, like the laws of the paper. Near a singularity, a damped
+    /// task then winds up. Do not use it on a real arm.
+    ExceptDamping,
+}
+
+impl AntiWindup {
+    /// Returns whether this is the default.
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.

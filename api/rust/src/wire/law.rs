@@ -18,10 +18,17 @@ pub enum Law {
         #[serde(deserialize_with = "object::deserialize")]
         target_velocity: Profile,
     },
-    /// Motion to a pose: ẋ = ẋ_d + K (x_d − x).
+    /// Motion to a pose: ẋ = ẋ_d + f K (x_d − x). f is 1 near the target, and smaller where the joints could not brake.
     Pose {
         /// Gain K, 1/s.
         gain: PerAxis<f64>,
+        /// Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints; default:
+        /// those limits alone.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        max_acceleration: Option<PerAxis<f64>>,
+        /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
+        #[serde(default = "default_braking", skip_serializing_if = "is_default_braking")]
+        braking: bool,
         /// Target pose X_d; default `initial`, the pose at the first step.
         #[serde(default)]
         target_pose: TargetPose,
@@ -29,13 +36,21 @@ pub enum Law {
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
-    /// Motion of joints to positions, q̇ = q̇_d + K (q_d − q), or to the middle of their ranges, q̇ = −K ∇H.
+    /// Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1 near
+    /// the target, and smaller where the joint could not brake.
     Posture {
         /// Names of the joints; default: all joints, for `mid_range` all joints with a range.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         joints: Option<Vec<String>>,
         /// Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s.
         gain: PerAxis<f64>,
+        /// Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints; default:
+        /// those limits alone.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        max_acceleration: Option<PerAxis<f64>>,
+        /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
+        #[serde(default = "default_braking", skip_serializing_if = "is_default_braking")]
+        braking: bool,
         /// Target positions q_d, rad or m, or `mid_range`.
         target_position: PostureTarget,
     },
@@ -84,6 +99,15 @@ pub enum Law {
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
+}
+
+fn default_braking() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_default_braking(braking: &bool) -> bool {
+    *braking
 }
 
 impl Law {

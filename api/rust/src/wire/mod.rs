@@ -32,7 +32,8 @@ mod string_tags;
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{Drive, DriveState};
 pub use enums::{
-    Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention, WrenchFrame,
+    AntiWindup, Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention,
+    WrenchFrame,
 };
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};

@@ -39,6 +39,17 @@ pub enum WrenchFrame {
     Tool,
 }
 
+/// When the integrators of force, impedance and hybrid laws follow the achieved velocity instead of the requested one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AntiWindup {
+    /// On every axis that does not follow its request, whatever holds it back: limits, other tasks or damping.
+    #[default]
+    Always,
+    /// As `Always`, but not if damping alone holds the axis back, and requests have no bound. The laws of the paper behave
+    /// so. Near a singularity a damped task then winds up. Do not use it on a real arm.
+    ExceptDamping,
+}
+
 /// The limits of the joint velocities.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Limits {
@@ -95,6 +106,8 @@ pub struct ControllerConfig {
     pub wrench_frame: WrenchFrame,
     /// Joint motion in the null space of the tasks; `None`: rest.
     pub null_space: Option<NullSpaceMotion>,
+    /// When integrators follow the achieved velocity.
+    pub anti_windup: AntiWindup,
     /// The tasks, highest priority first.
     pub tasks: Vec<TaskConfig>,
 }
@@ -117,6 +130,7 @@ impl ControllerConfig {
             wrench_convention: WrenchConvention::default(),
             wrench_frame: WrenchFrame::default(),
             null_space: None,
+            anti_windup: AntiWindup::default(),
             tasks,
         }
     }

@@ -4,6 +4,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::TaskConfigError;
+use super::null_space::mid_range_rate;
 use super::target_streams::ActiveStream;
 use super::task::ArmState;
 use crate::law::{Profile, SetPoint, TaskState};
@@ -62,6 +63,14 @@ impl JointRows {
     pub(super) fn actual(&self, velocity: &[f64], arm: &ArmState) -> Reference {
         let value = TargetValue::Rows(self.select(arm.configuration.joint_position()));
         Reference { value, velocity: TaskVector::from_slice(velocity) }
+    }
+
+    /// Returns the rate per unit of gain at which the law moves a joint to its target.
+    pub(super) fn rate(&self, robot: &RobotModel, joint: usize) -> f64 {
+        match self.target {
+            JointTarget::MidRange => mid_range_rate(robot, joint),
+            JointTarget::Position(_) => 1.0,
+        }
     }
 
     /// Returns the state for the law; `velocity`: q̇ of the joints of this task, m.

@@ -36,12 +36,14 @@
 //! # }
 //! ```
 
+mod capability;
 mod config;
 mod joint_rows;
 mod memory;
 mod null_space;
 mod raw_rows;
 mod stability;
+mod steep_gain;
 mod step;
 mod stepper;
 mod streamed_target;
@@ -50,12 +52,14 @@ mod target_streams;
 mod task;
 mod tool_rows;
 
-pub use config::{ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
+pub use capability::BRAKING_SHARE;
+pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{NullSpaceError, NullSpaceMotion};
 pub use raw_rows::RawRows;
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError};
+pub use steep_gain::SteepGain;
 pub use step::{Command, Controller, Measurement, StepError, TaskTarget};
 pub use stepper::Stepper;
 pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};

@@ -3,15 +3,19 @@
 use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
+use super::capability::Capability;
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TargetReport, TaskStreams};
 use super::task::ArmState;
-use super::{ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig, WrenchFrame};
+use super::{
+    AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
+    WrenchFrame,
+};
 use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::streaming::{Quantity, TargetStream};
-use crate::task::TaskError;
+use crate::task::{TaskError, TaskStack};
 
 /// Maximum relative difference of achieved and requested velocity at which an axis counts as following.
 const FOLLOWING_TOLERANCE: f64 = 1e-9;
@@ -132,8 +136,17 @@ impl Controller {
             memory.check(&self.config)?;
         }
         let config = &self.config;
-        let Workspace { configuration, limited, problem, resolver, command, zero_velocity, distance_to_rest, streams } =
-            workspace;
+        let Workspace {
+            configuration,
+            capability,
+            limited,
+            problem,
+            resolver,
+            command,
+            zero_velocity,
+            distance_to_rest,
+            streams,
+        } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
         let qdot = match (&measurement.joint_velocity, &*memory) {
@@ -148,12 +161,13 @@ impl Controller {
             None => initial.insert(self.initial_memory(&arm)),
         };
         target_streams::update(streams, previous, measurement, &arm, config);
-        self.evaluate_laws(&mut command.targets, streams, previous, &arm);
-        problem.tasks.overwrite(|k, jacobian, lower, upper| {
-            let task = &config.tasks[k];
-            task.rows.write_jacobian(configuration, jacobian);
+        problem
+            .tasks
+            .overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
+        self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
+        problem.tasks.overwrite(|k, _, lower, upper| {
             // The bounds of an inequality task are constant.
-            if task.law.bounds().is_none() {
+            if config.tasks[k].law.bounds().is_none() {
                 lower.copy_from(&command.targets[k].velocity);
                 upper.copy_from(&command.targets[k].velocity);
             }
@@ -251,13 +265,25 @@ impl Controller {
         }
     }
 
-    /// Computes the target of each task by its law.
-    fn evaluate_laws(&self, targets: &mut [TaskTarget], streams: &[ActiveStream], previous: &Memory, arm: &ArmState) {
+    /// Computes the target of each task by its law, bounded by what the joints can give. `tasks`: with the Jacobians of
+    /// this period.
+    fn evaluate_laws(
+        &self,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        tasks: &TaskStack,
+        streams: &[ActiveStream],
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
         let (config, period) = (&self.config, self.config.period_s);
-        let tasks = config.tasks.iter().zip(&previous.task_velocities);
-        for (k, (target, (task, integrator))) in targets.iter_mut().zip(tasks).enumerate() {
+        capability.start_period();
+        let laws = config.tasks.iter().zip(&previous.task_velocities);
+        for (k, (target, (task, integrator))) in targets.iter_mut().zip(laws).enumerate() {
             let (streams, integrator) = (TaskStreams::of(streams, k), integrator.as_slice());
-            let mut velocity = task.law.velocity(&task.state(arm, streams), integrator, period);
+            let state = task.state(arm, streams);
+            let velocity = task.law.velocity(&state, integrator, period);
+            let mut velocity = capability.bounded(k, config, tasks, &state, velocity);
             let mut force = task.law.target_force(arm.time_s);
             if let Some(streamed) = streams.values() {
                 force.iter_mut().zip(streamed.iter()).for_each(|(force, value)| *force = force.map(|_| *value));
@@ -273,26 +299,22 @@ impl Controller {
 
     /// Updates the memory after a command, with anti-windup.
     ///
-    /// While any limit, inequality or bound of a task is active, tasks conflict or the answer is not certified, the
-    /// integrator of every axis that does not follow its request continues from the achieved velocity. So the command does not jump when the limit
-    /// is released. For a law without integrator the memory holds the achieved velocity.
+    /// The integrator of every axis that does not follow its request continues from the achieved velocity, whatever holds
+    /// the axis back: a limit, an inequality, another task or damping. So the request of the next period differs from the
+    /// achieved velocity by T M_d⁻¹ f alone, where f is the force of the law; it cannot jump when the axis is released.
+    /// For a law without integrator the memory holds the achieved velocity.
     ///
-    /// Departs: damping alone does not reset the integrator. A reset would add a second damping to the classical
-    /// control: its F_x RMSE on `force_tracking_singular` would be 2.4 N instead of 1.4 N. The cost: near a
-    /// singularity, a damped lower task winds up (to 9 m/s after 5 s of `stiff_wall_singular`). Once the arm leaves the
-    /// singularity, that task may command joint speeds up to their limits.
+    /// Departs: the paper's laws do not know what was achieved. With [`AntiWindup::ExceptDamping`] damping alone does not
+    /// reset the integrator, and the classical control keeps its published behaviour: on `force_tracking_singular`, its
+    /// F_x RMSE is 1.4 N, and 2.4 N with a reset, which acts like a second damping.
     fn update_memory(&self, memory: &mut Memory, Command { resolution, targets, .. }: &Command) {
-        let held_back = !resolution.active_limits.is_empty()
-            || !resolution.active_inequalities.is_empty()
-            || resolution.tasks.iter().any(|task| !task.active_rows.is_empty())
-            || resolution.singularity.algorithmic
-            || resolution.solver.status != Status::Optimal;
+        let resets = self.config.anti_windup == AntiWindup::Always || is_held_back(resolution);
         for (k, velocity) in memory.task_velocities.iter_mut().enumerate() {
             let (requested, achieved) = (&targets[k].velocity, &resolution.tasks[k].achieved);
             for (row, velocity) in velocity.iter_mut().enumerate() {
                 let followed =
                     (achieved[row] - requested[row]).abs() <= FOLLOWING_TOLERANCE * requested[row].abs().max(1.0);
-                let continues = self.config.tasks[k].law.integrates() && (followed || !held_back);
+                let continues = self.config.tasks[k].law.integrates() && (followed || !resets);
                 *velocity = if continues { requested[row] } else { achieved[row] };
             }
         }
@@ -311,4 +333,13 @@ fn update_streams(memory: &mut Vec<TargetStream>, streams: &[ActiveStream]) {
             None => memory.push(active.stream.clone()),
         }
     }
+}
+
+/// Returns whether anything but damping may hold tasks back.
+fn is_held_back(resolution: &Resolution) -> bool {
+    !resolution.active_limits.is_empty()
+        || !resolution.active_inequalities.is_empty()
+        || resolution.tasks.iter().any(|task| !task.active_rows.is_empty())
+        || resolution.singularity.algorithmic
+        || resolution.solver.status != Status::Optimal
 }

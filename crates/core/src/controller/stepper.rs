@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use revprio_robot::kinematics::Configuration;
 
+use super::capability::Capability;
 use super::step::TaskTarget;
 use super::target_streams::ActiveStream;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
@@ -51,6 +52,7 @@ impl Stepper {
 /// previous content.
 pub(super) struct Workspace {
     pub(super) configuration: Configuration,
+    pub(super) capability: Capability,
     pub(super) limited: LimitedBox,
     pub(super) problem: Problem,
     pub(super) resolver: Resolver,
@@ -92,6 +94,7 @@ impl Workspace {
         let configuration = Configuration::new(&config.robot, &zeros)?;
         Ok(Self {
             configuration,
+            capability: Capability::new(config),
             limited,
             problem,
             resolver: Resolver::default(),

@@ -4,7 +4,6 @@ use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
-use super::null_space::mid_range_rate;
 use super::target_bounds::RowKind;
 use super::target_streams::TaskStreams;
 use super::{JointRows, JointTarget, RawRows, StreamedTarget, StreamedValue, ToolRows};
@@ -155,10 +154,7 @@ impl TaskConfig {
     /// Checks the gain of a position law: each period multiplies a displacement by 1 − K T, so K T must be below 2.
     fn check_gain(&self, robot: &RobotModel, period: f64) -> Result<(), TaskConfigError> {
         let Law::Position(law) = &self.law else { return Ok(()) };
-        let rate = |row: usize| match &self.rows {
-            TaskRows::Joints(JointRows { joints, target: JointTarget::MidRange }) => mid_range_rate(robot, joints[row]),
-            _ => 1.0,
-        };
+        let rate = |row: usize| self.rows.joint(robot, row).map_or(1.0, |(_, rate)| rate);
         let bounds = (0..law.rows()).map(|row| 2.0 / (rate(row) * period));
         match bounds.zip(law.gain().iter()).enumerate().find(|(_, (bound, gain))| *gain >= bound) {
             Some((row, (bound, &gain))) => Err(TaskConfigError::Unstable { row, gain, bound }),
@@ -175,6 +171,15 @@ impl TaskRows {
             Self::Tool(rows) => rows.axes.len(),
             Self::Joints(rows) => rows.joints.len(),
             Self::Raw(rows) => rows.jacobian.nrows(),
+        }
+    }
+
+    /// Returns the joint that a row moves, and the rate per unit of gain at which a position law moves it to its target;
+    /// `None` for rows that move several joints. All rows of a task are of one kind.
+    pub(super) fn joint(&self, robot: &RobotModel, row: usize) -> Option<(usize, f64)> {
+        match self {
+            Self::Joints(rows) => Some((rows.joints[row], rows.rate(robot, rows.joints[row]))),
+            Self::Tool(_) | Self::Raw(_) => None,
         }
     }
 

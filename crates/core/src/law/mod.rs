@@ -8,15 +8,18 @@
 //! |---|---|---|---|
 //! | velocity | ẋ given | the velocity itself | positions drift by rounding and by the error of the arm's loop |
 //! | bounds | lower ≤ ẋ ≤ upper given | the velocity is inside its bounds as far as higher tasks and limits permit | as the velocity law: a bound on a velocity is no bound on a position |
-//! | pose | ẋ = ẋ_d + K (x_d − x) | the distance to a resting or moving target shrinks as (1 − K T)^i in i periods | K T ≥ 2 diverges and is refused; lag or delay of the arm lowers this bound; an orientation error of half a turn has no shortest direction |
-//! | posture | q̇ = q̇_d + K (q_d − q), or q̇ = −K ∇H | the same for joints; H decreases | as above; as a lower task it gives way to higher ones |
+//! | pose | ẋ = ẋ_d + f K (x_d − x) | near the target f = 1: the distance to a resting or moving target shrinks as (1 − K T)^i in i periods; a distant target is approached no faster than the joints can brake, see [`PositionLaw`] | K T ≥ 2 diverges and is refused; lag or delay of the arm lowers this bound; an orientation error of half a turn has no shortest direction |
+//! | posture | q̇ = q̇_d + f K (q_d − q), or q̇ = −f K ∇H | the same for joints; H decreases | as above; as a lower task it gives way to higher ones |
 //! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, for any stiffness of the environment | without contact the tool moves at F_d/B_d; with a stiff contact and lag or delay of the arm it bounces, see [the stability margins](crate::controller::ContactLoop) |
 //! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; without contact a uniformly moving target is followed without error | B_d = 0 oscillates without decay, K_d = 0 drifts; bounces as the force law does |
 //! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where S is 1 | as the force and the impedance law; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
 //!
 //! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one
 //! velocity per task axis from period to period, the *integrator*. Its entries are along the axes of the task's frame;
-//! if these axes turn, the integrator turns with them.
+//! if these axes turn, the integrator turns with them. An axis that does not follow its request continues from the achieved
+//! velocity; see [`AntiWindup`](crate::controller::AntiWindup). So in a direction with the damping gain D = σ²/(σ² + λ²)
+//! the velocity stays below T D/(1 − D) times the acceleration of the law: near a singularity the arm moves slowly in the
+//! weak direction, and does not wind up.
 
 mod bounds;
 mod gains;
@@ -26,7 +29,8 @@ mod position;
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use gains::{GainError, Gains};
 pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
-pub use position::{GainRangeError, PositionLaw};
+pub use position::{Braking, PositionLaw, PositionLawError};
+pub(crate) use position::{braking_factor, linear_share};
 pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 
 use smallvec::SmallVec;

@@ -20,6 +20,11 @@ pub enum LimitKind {
 }
 
 impl LimitKind {
+    /// Returns whether the speed limit applies.
+    pub fn includes_velocity(self) -> bool {
+        self != Self::None
+    }
+
     /// Returns whether the position limits apply.
     pub fn includes_position(self) -> bool {
         matches!(self, Self::PositionVelocity | Self::PositionVelocityAcceleration)

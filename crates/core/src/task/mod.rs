@@ -151,6 +151,18 @@ impl TaskStack {
         result
     }
 
+    /// Overwrites Jacobians: calls `write(index, J_k)` for each task, which must keep the size. On an error the stack holds
+    /// the invalid numbers and must be overwritten again.
+    pub fn overwrite_jacobians(&mut self, mut write: impl FnMut(usize, &mut Matrix)) -> Result<(), TaskError> {
+        let mut result = Ok(());
+        for (task, Task { jacobian, .. }) in self.tasks.iter_mut().enumerate() {
+            write(task, jacobian);
+            result =
+                result.and(if all_finite(jacobian.as_slice()) { Ok(()) } else { Err(TaskError::NotFinite { task }) });
+        }
+        result
+    }
+
     /// Returns the tasks, highest priority first.
     pub fn tasks(&self) -> &[Task] {
         &self.tasks

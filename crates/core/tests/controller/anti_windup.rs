@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{Controller, ControllerConfig, Limits, TaskConfig};
-use revprio_core::law::{ForceLaw, Law, Profile};
+use revprio_core::controller::{AntiWindup, Command, Controller, ControllerConfig, Limits, Stepper, TaskConfig};
+use revprio_core::law::{ForceLaw, Law, Point, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::resolution::{Method, Solver};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{JointLimits, RobotModel};
 
-use super::arms::{Loop, NOMINAL, PERIOD, config, controller, force, gains, gantry, sawyer, task};
+use super::arms::{Loop, NOMINAL, PERIOD, config, controller, force, gains, gantry, impedance, sawyer, task};
 
 /// F_d / M_d T: maximum change of a velocity in one period, m/s.
 const ONE_PERIOD: f64 = PERIOD * 30.0 / 15.0;
@@ -129,6 +129,126 @@ fn a_fixed_joint_does_not_wind_up_tasks_of_any_priority() {
                 assert!(integrator.abs() < 1e-9, "{context}: wound up to {integrator} m/s");
                 assert!(active.iter().any(|limit| limit.joint == 0), "{context}: {active:?}");
             }
+        }
+    }
+}
+
+/// 0.01 rad from a singular posture of Sawyer whose weak direction is mostly x.
+const SINGULAR: [f64; 7] = [0.531, 1.877, 0.803, -0.661, 0.717, -2.326, -0.263];
+const OTHERS: [Axis; 5] = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// Returns a push along x above a spring on the other axes. The push changes its sign at `change` (s).
+fn reversed_push(change: f64, limits: LimitKind, anti_windup: AntiWindup) -> ControllerConfig {
+    let point = |time_s: f64, force: f64| Point { time_s, value: vec![force] };
+    let push = Profile::steps(vec![point(0.0, 30.0), point(change, -30.0)]).unwrap();
+    let push = Law::Force(ForceLaw::new(gains(&[Axis::X], 0.0), push).unwrap());
+    let tasks = vec![task(&[Axis::X], push), task(&OTHERS, impedance(&OTHERS, 1000.0))];
+    ControllerConfig { limits: Limits::Robot(limits), anti_windup, ..config(&sawyer(), tasks) }
+}
+
+/// Largest values over a run next to a singularity.
+#[derive(Debug, Default)]
+struct Extremes {
+    /// Request of a row of the lower task, m/s and rad/s.
+    request: f64,
+    /// Change of a joint velocity within one period, rad/s.
+    change: f64,
+    /// Excess of such a change over A T, rad/s.
+    excess: f64,
+    /// Difference of an integrator and the achieved velocity, m/s and rad/s.
+    windup: f64,
+}
+
+/// Runs from the singular posture; the arm follows exactly.
+fn run_near_singularity(config: ControllerConfig, periods: usize) -> Extremes {
+    let controller = controller(config);
+    let mut stepper = Stepper::new(controller).unwrap();
+    let (robot, mut arm, mut found) = (sawyer(), Loop::at_rest(&SINGULAR), Extremes::default());
+    let mut before: Option<Command> = None;
+    for _ in 0..periods {
+        let measurement = arm.measurement(PERIOD, [0.0; 6]);
+        let command = stepper.step(&mut arm.memory, &measurement).unwrap().clone();
+        arm.follow(&command, PERIOD);
+        let memory = arm.memory.as_ref().unwrap();
+        for (outcome, integrator) in command.resolution.tasks.iter().zip(&memory.task_velocities) {
+            found.windup = found.windup.max((&outcome.achieved - integrator).amax());
+        }
+        found.request = found.request.max(command.targets[1].velocity.amax());
+        if let Some(before) = &before {
+            let change = &command.resolution.joint_velocity - &before.resolution.joint_velocity;
+            found.change = found.change.max(change.amax());
+            for (change, joint) in change.iter().zip(robot.joints()) {
+                found.excess = found.excess.max(change.abs() - joint.limits.acceleration * PERIOD);
+            }
+        }
+        before = Some(command);
+    }
+    found
+}
+
+#[test]
+fn next_to_a_singularity_a_damped_task_winds_up_only_if_damping_is_excepted() {
+    let run = |anti_windup, change| {
+        run_near_singularity(reversed_push(change, LimitKind::PositionVelocity, anti_windup), 5000)
+    };
+    // The published laws: 1.8 rad/s in one period after the change of sign at 1 s, and requests of 13 rad/s and more after
+    // 3 s.
+    let [early, late] = [1.0, 3.0].map(|change| run(AntiWindup::ExceptDamping, change));
+    assert!(early.change > 1.5 && late.request > 13.0 && early.windup > 5.0, "{early:?} {late:?}");
+    let [early, late] = [1.0, 3.0].map(|change| run(AntiWindup::Always, change));
+    assert!(early.change < 0.2 && early.request < 2.0, "{early:?}");
+    assert!(late.request < 5.0, "{late:?}");
+    assert!(early.windup < 1e-8 && late.windup < 1e-8, "{early:?} {late:?}");
+}
+
+#[test]
+fn next_to_a_singularity_no_integrator_winds_up_with_any_method_and_solver() {
+    let methods = [
+        Method::Pseudoinverse,
+        Method::DampedLeastSquares,
+        Method::TaskPriority,
+        Method::SingularityRobust,
+        Method::ReversePriority,
+        Method::StrictReversePriority,
+    ];
+    for method in methods {
+        for solver in [Solver::Auto, Solver::Qp, Solver::ClosedForm] {
+            for limits in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
+                let config = reversed_push(1.0, limits, AntiWindup::Always);
+                let found = run_near_singularity(ControllerConfig { method, solver, ..config }, 1500);
+                let context = format!("{method:?}, {solver:?}, {limits:?}: {found:?}");
+                assert!(found.windup < 1e-8, "{context}");
+                // Lower tasks take over again within the acceleration limits.
+                let accelerates = limits.includes_acceleration() && solver != Solver::ClosedForm;
+                assert!(!accelerates || found.excess < 1e-9, "{context}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_law_requests_more_than_the_joints_can_give() {
+    for method in [Method::ReversePriority, Method::DampedLeastSquares] {
+        for (law, start) in [(force(&OTHERS, &[1e6; 5]), NOMINAL), (impedance(&OTHERS, 1e6), SINGULAR)] {
+            let tasks = vec![task(&[Axis::X], force(&[Axis::X], &[-1e5])), task(&OTHERS, law)];
+            let limits = Limits::Robot(LimitKind::PositionVelocity);
+            let controller = controller(ControllerConfig { method, limits, ..config(&sawyer(), tasks) });
+            let (robot, mut arm, mut bounded) = (sawyer(), Loop::at_rest(&start), false);
+            for _ in 0..300 {
+                let configuration = arm.configuration(&robot);
+                let reach = |axis: &Axis| -> f64 {
+                    let row = configuration.jacobian().row(axis.index()).into_owned();
+                    row.iter().zip(robot.joints()).map(|(a, joint)| a.abs() * joint.limits.velocity).sum()
+                };
+                let reaches: Vec<f64> = [Axis::X].iter().chain(&OTHERS).map(reach).collect();
+                let command = arm.step(&controller, [0.0; 6]);
+                let requests = command.targets.iter().flat_map(|target| target.velocity.iter().copied());
+                for (request, reach) in requests.zip(&reaches) {
+                    assert!(request.abs() <= reach * (1.0 + 1e-12), "{method:?}: {request} beyond {reach}");
+                    bounded |= request.abs() > 0.999 * reach;
+                }
+            }
+            assert!(bounded, "the bound must be reached");
         }
     }
 }

@@ -4,6 +4,7 @@ mod anti_windup;
 mod arms;
 mod barriers;
 mod bounds;
+mod braking;
 mod drives;
 mod frames;
 mod hold;

@@ -1,0 +1,385 @@
+//! Position laws that brake before their target, on arms with drives that follow exactly or with lag and delay.
+
+use std::sync::Arc;
+
+use nalgebra::{IsometryMatrix3, Vector3};
+use revprio_core::controller::{
+    BRAKING_SHARE, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, Stepper,
+    TargetPose, TaskConfig, TaskRows, ToolRows,
+};
+use revprio_core::law::{Braking, Law, PositionLaw};
+use revprio_core::limits::LimitKind;
+use revprio_core::linalg::Vector;
+use revprio_robot::kinematics::{Axis, Configuration};
+use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
+
+use super::arms::{Random, constant, gantry, position, task, tool_rows};
+
+/// A drive: lag, s, and delay, periods.
+type Drive = (f64, usize);
+
+const DRIVES: [Drive; 2] = [(0.0, 0), (0.02, 1)];
+const ROBOTS: [&str; 3] = ["panda", "ur5e", "sawyer"];
+
+const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+const ANGULAR: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// Length of a step, m.
+const STEP: f64 = 0.3;
+
+/// Returns the number of periods in a duration, both in s.
+fn periods(duration: f64, period: f64) -> u32 {
+    (0..1_000_000_u32).find(|i| f64::from(*i) * period >= duration).unwrap()
+}
+
+/// An arm whose joints follow the commands with a lag (s) and a delay (whole periods).
+struct DrivenArm {
+    q: Vec<f64>,
+    velocity: Vec<f64>,
+    queue: Vec<Vec<f64>>,
+    lag_s: f64,
+}
+
+impl DrivenArm {
+    fn at_rest(q: &[f64], lag_s: f64, delay_periods: usize) -> Self {
+        let zero = vec![0.0; q.len()];
+        Self { q: q.to_vec(), velocity: zero.clone(), queue: vec![zero; delay_periods], lag_s }
+    }
+
+    /// Moves for one period.
+    fn follow(&mut self, command: &[f64], period: f64) {
+        self.queue.push(command.to_vec());
+        let acting = self.queue.remove(0);
+        let left = if self.lag_s > 0.0 { (-period / self.lag_s).exp() } else { 0.0 };
+        for ((q, v), u) in self.q.iter_mut().zip(&mut self.velocity).zip(&acting) {
+            let gap = *v - u;
+            *q += period * u + gap * self.lag_s * (1.0 - left);
+            *v = u + gap * left;
+        }
+    }
+}
+
+/// The greatest excess over the target along the step, and the distance at the end, m.
+#[derive(Debug, Clone, Copy)]
+struct Approach {
+    overshoot: f64,
+    left: f64,
+}
+
+/// One step of the tool along a line that the arm can follow.
+struct ToolStep {
+    robot: Arc<RobotModel>,
+    start: Vec<f64>,
+    direction: Vector3<f64>,
+}
+
+fn pose(robot: &RobotModel, q: &[f64]) -> IsometryMatrix3<f64> {
+    *Configuration::new(robot, q).unwrap().tool_pose()
+}
+
+impl ToolStep {
+    fn goal(&self) -> IsometryMatrix3<f64> {
+        let mut goal = pose(&self.robot, &self.start);
+        goal.translation.vector += self.direction * STEP;
+        goal
+    }
+
+    /// Returns the distance that is left, m.
+    fn left(&self, arm: &DrivenArm) -> f64 {
+        (pose(&self.robot, &arm.q).translation.vector - self.goal().translation.vector).norm()
+    }
+
+    /// Returns the tasks of the step: one of six rows, or position above orientation.
+    fn tasks(&self, gain: f64, split: bool, braking: &Braking) -> Vec<TaskConfig> {
+        let rows: &[&[Axis]] = if split { &[&LINEAR, &ANGULAR] } else { &[&Axis::ALL] };
+        let to_goal = |axes: &&[Axis]| {
+            let law = PositionLaw::with_braking(vec![gain; axes.len()], braking.clone()).unwrap();
+            let rows = ToolRows { target_pose: TargetPose::Fixed(self.goal()), ..tool_rows(axes) };
+            TaskConfig { rows: TaskRows::Tool(rows), ..task(axes, Law::Position(law)) }
+        };
+        rows.iter().map(to_goal).collect()
+    }
+
+    fn controller(&self, tasks: Vec<TaskConfig>, period: f64) -> Controller {
+        let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+        Controller::new(ControllerConfig { limits, ..ControllerConfig::new(Arc::clone(&self.robot), period, tasks) })
+            .unwrap()
+    }
+
+    fn run(&self, controller: Controller, duration: f64, (lag_s, delay_periods): Drive) -> Approach {
+        let period = controller.config().period_s;
+        let mut stepper = Stepper::new(controller).unwrap();
+        let mut arm = DrivenArm::at_rest(&self.start, lag_s, delay_periods);
+        let mut memory = None;
+        let goal = self.goal().translation.vector;
+        let mut found = Approach { overshoot: f64::NEG_INFINITY, left: 0.0 };
+        for i in 0..periods(duration, period) {
+            step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
+            let beyond = pose(&self.robot, &arm.q).translation.vector - goal;
+            found.overshoot = found.overshoot.max(beyond.dot(&self.direction));
+            found.left = self.left(&arm);
+        }
+        found
+    }
+}
+
+fn step_arm(stepper: &mut Stepper, memory: &mut Option<Memory>, arm: &mut DrivenArm, time_s: f64) {
+    let period = stepper.controller().config().period_s;
+    let measurement = Measurement {
+        time_s,
+        joint_position: arm.q.clone(),
+        joint_velocity: Some(arm.velocity.clone()),
+        wrench: [0.0; 6],
+    };
+    let command = stepper.step(memory, &measurement).unwrap().resolution.joint_velocity.clone();
+    arm.follow(command.as_slice(), period);
+}
+
+/// Returns whether the arm can follow the line far from singularities and from its position limits.
+fn is_free(step: &ToolStep) -> bool {
+    let period = 0.01;
+    let mut stepper = Stepper::new(step.controller(step.tasks(3.0, false, &Braking::Joints), period)).unwrap();
+    let (mut arm, mut memory) = (DrivenArm::at_rest(&step.start, 0.0, 0), None);
+    for i in 0..400 {
+        step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
+        let command = stepper.step(
+            &mut memory.clone(),
+            &Measurement { time_s: 0.0, joint_position: arm.q.clone(), joint_velocity: None, wrench: [0.0; 6] },
+        );
+        let smallest = command.unwrap().resolution.singularity.smallest_singular_value();
+        let inside = |(joint, q): (&Joint, &f64)| (joint.limits.upper - q).min(q - joint.limits.lower) > 0.3;
+        if smallest < 0.08 || !step.robot.joints().iter().zip(&arm.q).all(inside) {
+            return false;
+        }
+    }
+    step.left(&arm) < 1e-3
+}
+
+fn robot(name: &str) -> Arc<RobotModel> {
+    Arc::clone(built_in().iter().find(|robot| robot.name() == name).unwrap())
+}
+
+/// Returns steps of a robot from random postures in random directions.
+fn steps(name: &str, count: usize) -> Vec<ToolStep> {
+    let mut random = Random(17);
+    let mut found = Vec::new();
+    while found.len() < count {
+        let robot = robot(name);
+        let start = |joint: &Joint| {
+            let (lower, upper) = (joint.limits.lower.max(-3.0), joint.limits.upper.min(3.0));
+            0.5 * (lower + upper + random.signed() * (upper - lower))
+        };
+        let start = robot.joints().iter().map(start).collect();
+        let direction = Vector3::from_fn(|_, _| random.signed()).normalize();
+        let step = ToolStep { robot, start, direction };
+        if is_free(&step) {
+            found.push(step);
+        }
+    }
+    found
+}
+
+fn assert_steps_end_without_overshoot(name: &str) {
+    for (i, step) in steps(name, 4).iter().enumerate() {
+        for drive in DRIVES {
+            for (period, gains) in [(1e-3, &[2.0, 10.0, 50.0][..]), (4e-3, &[5.0, 20.0, 50.0]), (1e-2, &GAINS)] {
+                for &gain in gains {
+                    let controller = step.controller(step.tasks(gain, i % 2 == 0, &Braking::Joints), period);
+                    let found = step.run(controller, 1.5 + 10.0 / gain, drive);
+                    let context = format!("{name}, step {i}, {drive:?}, period {period} s, gain {gain}: {found:?}");
+                    assert!(found.overshoot <= 0.01 * STEP && found.left <= 1e-3, "{context}");
+                }
+            }
+        }
+    }
+}
+
+const GAINS: [f64; 5] = [2.0, 5.0, 10.0, 20.0, 50.0];
+
+#[test]
+fn steps_of_panda_end_without_overshoot_for_any_gain() {
+    assert_steps_end_without_overshoot("panda");
+}
+
+#[test]
+fn steps_of_ur5e_end_without_overshoot_for_any_gain() {
+    assert_steps_end_without_overshoot("ur5e");
+}
+
+#[test]
+fn steps_of_sawyer_end_without_overshoot_for_any_gain() {
+    assert_steps_end_without_overshoot("sawyer");
+}
+
+#[test]
+fn the_bare_gain_overshoots() {
+    for name in ROBOTS {
+        let step = &steps(name, 1)[0];
+        let controller = step.controller(step.tasks(20.0, false, &Braking::None), 4e-3);
+        let found = step.run(controller, 2.0, DRIVES[0]);
+        assert!(found.overshoot > 0.05 * STEP, "{name}: {found:?}");
+    }
+}
+
+/// Prints the table of docs/guides/choose-gains.md.
+#[test]
+#[ignore = "prints a table"]
+fn overshoot_table() {
+    for drive in [(0.0, 0), (0.02, 1), (0.03, 2)] {
+        for period in [1e-3, 1e-2] {
+            for gain in GAINS {
+                let largest = |braking: &Braking| {
+                    let overshoot = |(i, step): (usize, &ToolStep)| {
+                        let controller = step.controller(step.tasks(gain, i % 2 == 0, braking), period);
+                        step.run(controller, 1.5 + 10.0 / gain, drive).overshoot
+                    };
+                    let steps = ROBOTS.iter().map(|name| steps(name, 4));
+                    let each = steps.flat_map(|steps| steps.iter().enumerate().map(overshoot).collect::<Vec<_>>());
+                    100.0 / STEP * each.fold(0.0, f64::max)
+                };
+                let [braked, bare] = [Braking::Joints, Braking::None].map(|braking| largest(&braking));
+                println!("{drive:?}, period {period} s, gain {gain}: {braked:.2} % braked, {bare:.1} % bare");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_the_acceleration_box_no_joint_brakes_harder_than_the_share_of_two_tasks() {
+    for name in ROBOTS {
+        for step in steps(name, 2) {
+            for split in [false, true] {
+                let controller = step.controller(step.tasks(20.0, split, &Braking::Joints), 1e-3);
+                let limits = Limits::Robot(LimitKind::PositionVelocity);
+                let config = ControllerConfig { limits, ..controller.config().clone() };
+                let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+                let (mut arm, mut memory) = (DrivenArm::at_rest(&step.start, 0.0, 0), None);
+                let mut before: Option<Vec<f64>> = None;
+                for i in 0..3000 {
+                    step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * 1e-3);
+                    for (joint, (now, last)) in arm.velocity.iter().zip(before.iter().flatten()).enumerate() {
+                        let deceleration = (last.abs() - now.abs()) / 1e-3;
+                        let limit = step.robot.joints()[joint].limits.acceleration;
+                        // Farther away, at full speed, curved joint paths demand more, whatever the law does.
+                        let is_braking = step.left(&arm) < 0.1;
+                        let context = || format!("{name}, period {i}, joint {joint}: {deceleration} rad/s²");
+                        assert!(!is_braking || deceleration <= 0.8 * limit, "{}", context());
+                    }
+                    before = Some(arm.velocity.clone());
+                }
+            }
+        }
+    }
+}
+
+fn posture(joints: &[usize], target: &[f64], law: PositionLaw) -> TaskConfig {
+    let rows = JointRows { joints: joints.to_vec(), target: JointTarget::Position(constant(target)) };
+    TaskConfig { name: "posture".to_owned(), rows: TaskRows::Joints(rows), law: Law::Position(law), scaled: false }
+}
+
+fn with_limits(robot: &Arc<RobotModel>, period: f64, limits: LimitKind, task: TaskConfig) -> Stepper {
+    let config = ControllerConfig::new(Arc::clone(robot), period, vec![task]);
+    Stepper::new(Controller::new(ControllerConfig { limits: Limits::Robot(limits), ..config }).unwrap()).unwrap()
+}
+
+#[test]
+fn postures_are_reached_without_overshoot_for_any_gain() {
+    let limits = LimitKind::PositionVelocityAcceleration;
+    for name in ROBOTS {
+        let robot = robot(name);
+        let middle = |joint: &Joint| 0.5 * (joint.limits.lower + joint.limits.upper);
+        let start: Vec<f64> = robot.joints().iter().map(|joint| middle(joint) - 0.5).collect();
+        let target: Vec<f64> = start.iter().map(|q| q + 1.0).collect();
+        let joints: Vec<usize> = (0..start.len()).collect();
+        for (lag, delay) in DRIVES {
+            for (period, gain) in [1e-3, 1e-2].into_iter().flat_map(|period| GAINS.map(|gain| (period, gain))) {
+                let law = PositionLaw::new(vec![gain; start.len()]).unwrap();
+                let mut stepper = with_limits(&robot, period, limits, posture(&joints, &target, law));
+                let (mut arm, mut memory) = (DrivenArm::at_rest(&start, lag, delay), None);
+                let duration = 2.0 + 12.0 / gain;
+                for i in 0..periods(duration, period) {
+                    step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
+                    let beyond = arm.q.iter().zip(&target).map(|(q, goal)| q - goal).fold(f64::MIN, f64::max);
+                    assert!(beyond <= 0.01, "{name}, lag {lag} s, period {period} s, gain {gain}: {beyond} rad");
+                }
+                assert!(arm.q.iter().zip(&target).all(|(q, goal)| (q - goal).abs() < 1e-3), "{name}: {:?}", arm.q);
+            }
+        }
+    }
+}
+
+#[test]
+fn small_errors_are_corrected_by_the_bare_gain_to_the_last_bit() {
+    for step in steps("sawyer", 2) {
+        for gain in [2.0, 20.0] {
+            let near = ToolStep {
+                robot: Arc::clone(&step.robot),
+                start: step.start.clone(),
+                direction: step.direction * 3e-3,
+            };
+            let command = |braking| {
+                let mut stepper = Stepper::new(near.controller(near.tasks(gain, true, &braking), 1e-3)).unwrap();
+                let mut arm = DrivenArm::at_rest(&near.start, 0.0, 0);
+                step_arm(&mut stepper, &mut None, &mut arm, 0.0);
+                arm.velocity
+            };
+            assert_eq!(command(Braking::Joints), command(Braking::None));
+        }
+    }
+}
+
+/// Returns the distances and speeds of a gantry joint with a step of 1 m and the gain 10.
+fn approach(limits: JointLimits, braking: Braking) -> Vec<(f64, f64)> {
+    let law = PositionLaw::with_braking(vec![10.0], braking).unwrap();
+    let mut stepper = with_limits(&gantry(limits), 1e-3, LimitKind::PositionVelocity, posture(&[0], &[1.0], law));
+    let (mut arm, mut memory) = (DrivenArm::at_rest(&[0.0; 3], 0.0, 0), None);
+    (0..4000)
+        .map(|i| {
+            let distance = 1.0 - arm.q[0];
+            step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * 1e-3);
+            (distance, arm.velocity[0])
+        })
+        .collect()
+}
+
+fn largest_deceleration(approach: &[(f64, f64)]) -> f64 {
+    approach.windows(2).map(|pair| (pair[0].1 - pair[1].1) / 1e-3).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_law_can_state_its_own_acceleration() {
+    for limits in [JointLimits::NONE, JointLimits { acceleration: 8.0, velocity: 2.0, ..JointLimits::NONE }] {
+        let own = approach(limits, Braking::AtMost(Vector::from_element(1, 0.5)));
+        let found = largest_deceleration(&own);
+        assert!(found > 0.4 && found <= 0.5, "{found} m/s²");
+        assert!(own.last().unwrap().0.abs() < 1e-3, "{:?}", own.last());
+    }
+}
+
+#[test]
+fn joints_without_acceleration_limit_brake_with_the_default_and_those_without_limits_have_the_bare_gain() {
+    let slow = JointLimits { velocity: 0.5, ..JointLimits::NONE };
+    let found = largest_deceleration(&approach(slow, Braking::Joints));
+    // 0.5 m/s in 0.25 s, of which the law uses its share.
+    assert!(found > 0.9 * BRAKING_SHARE * 2.0 && found <= BRAKING_SHARE * 2.0, "{found} m/s²");
+    for (distance, speed) in approach(JointLimits::NONE, Braking::Joints) {
+        assert_eq!(speed, 0.0 - 10.0 * -distance);
+    }
+}
+
+#[test]
+fn gains_above_the_ratio_of_acceleration_and_speed_are_found() {
+    let robot = robot("panda");
+    // A/V of the joints: 6.9, 3.4, 4.6, 5.7, 5.7, 7.7, 7.7 1/s.
+    let found = |task: TaskConfig| {
+        let config = ControllerConfig::new(Arc::clone(&robot), 1e-3, vec![task]);
+        config.steep_gains().map(|found| (found.joint.to_owned(), found.gain, found.brakes)).collect::<Vec<_>>()
+    };
+    let law = |gain: f64| PositionLaw::new(vec![gain; 3]).unwrap();
+    assert_eq!(found(task(&LINEAR, position(3, 3.4))), []);
+    assert_eq!(found(task(&LINEAR, position(3, 5.0))), [("panda_joint2".to_owned(), 5.0, true)]);
+    assert_eq!(found(posture(&[0, 5, 6], &[0.0; 3], law(6.5))), []);
+    assert_eq!(found(posture(&[0, 5, 6], &[0.0; 3], law(7.0))), [("panda_joint1".to_owned(), 7.0, true)]);
+    let bare = PositionLaw::with_braking(vec![7.0], Braking::None).unwrap();
+    assert_eq!(found(posture(&[0], &[0.0], bare)), [("panda_joint1".to_owned(), 7.0, false)]);
+}
