@@ -240,6 +240,22 @@ where
     }
 }
 
+impl Service {
+    /// Serves one connection over any transport, such as a pipe in memory, until either side ends it. `peer` is the address
+    /// of the client in the log.
+    ///
+    /// Only [`serve`] detects overload and clients that do not read. Elsewhere, set [`ServiceConfig::max_lag`] to
+    /// [`Duration::MAX`].
+    pub async fn serve_connection<C>(&self, connection: C, peer: SocketAddr)
+    where
+        C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    {
+        let Some((slot, _)) = self.app.connections.add() else { return };
+        let caller = Caller { local: None, peer, reads: slot.reads() };
+        answer(connection, caller, self.clone(), self.app.drain.subscribe()).await;
+    }
+}
+
 /// The client of one connection.
 struct Caller {
     /// The address that accepted the connection.

@@ -53,6 +53,7 @@ fn measurement(state: &wire::State) -> Measurement {
         joint_position: values(&state.joint_position),
         joint_velocity: state.joint_velocity.as_ref().map(values),
         wrench: [force[0], force[1], force[2], torque[0], torque[1], torque[2]],
+        targets: Vec::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A client that controls an arm: it measures, sends the state, and commands the arm as the guide demands.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -110,6 +111,7 @@ impl Pilot {
             joint_position: self.arm.position().into(),
             joint_velocity: random.one_in(2).then(|| self.arm.velocity().into()),
             wrench: (self.design.needs_wrench() || random.one_in(2)).then(|| wrench(random, 20.0)),
+            targets: BTreeMap::new(),
         };
         Measured { state: Arc::new(state), at: Instant::now() }
     }
@@ -214,6 +216,7 @@ pub fn wild_state(design: &Design, sequence: u64, random: &mut Random) -> wire::
         joint_position: position.into(),
         joint_velocity: random.one_in(2).then(|| velocity.into()),
         wrench: Some(wrench(random, 90.0)),
+        targets: BTreeMap::new(),
     }
 }
 

@@ -109,12 +109,65 @@ mod tests {
 
     const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0 };
 
+    /// Returns the hold of the first joint of an arm, 1 mm before its upper limit. The other joints rest in their middle.
+    fn near_the_limit(kind: LimitKind, command: f64, measured: f64) -> Hold {
+        let robot = &revprio_robot::built_in()[0];
+        let mut joint_position: Vec<f64> =
+            robot.joints().iter().map(|joint| 0.5 * (joint.limits.lower + joint.limits.upper)).collect();
+        joint_position[0] = robot.joints()[0].limits.upper - 1e-3;
+        let mut velocities = vec![vec![0.0; robot.joint_count()]; 2];
+        (velocities[0][0], velocities[1][0]) = (command, measured);
+        let motion = Motion {
+            joint_position: &joint_position,
+            joint_velocity: &velocities[1],
+            last_command: &velocities[0],
+            command: &velocities[0],
+        };
+        let mut hold = Hold::default();
+        hold.update(robot, kind, motion, 0.001);
+        hold
+    }
+
+    #[test]
+    fn a_fast_command_and_a_fast_joint_are_each_reported() {
+        let hold = |command, measured| near_the_limit(LimitKind::PositionVelocity, command, measured);
+        assert_eq!((hold(1.0, 0.0).too_fast, hold(0.0, 1.0).too_fast), (vec![0], vec![0]));
+        // The joint at rest needs no distance to stop; away from the limit there is enough.
+        assert_eq!((hold(0.0, 0.0).too_fast, hold(-1.0, -1.0).too_fast), (vec![], vec![]));
+        let slow = hold(0.01, 0.01);
+        assert!(slow.too_fast.is_empty() && slow.time_s > 0.0 && slow.time_s < 0.1, "{slow:?}");
+        assert_eq!((hold(1.0, 0.0).time_s, hold(0.0, 0.0).time_s), (0.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn a_speed_that_stops_within_the_distance_is_not_reported() {
+        let joint = &revprio_robot::built_in()[0].joints()[0].limits;
+        // v²/2a = d
+        let fastest = (2.0 * 1e-3 * braking_deceleration(joint)).sqrt();
+        let is_reported =
+            |velocity: f64| !near_the_limit(LimitKind::PositionVelocity, velocity, 0.0).too_fast.is_empty();
+        assert!(!is_reported(0.99 * fastest) && is_reported(1.01 * fastest));
+        let range = joint.upper - joint.lower - 1e-3;
+        let fastest_back = (2.0 * range * braking_deceleration(joint)).sqrt();
+        assert!(!is_reported(-0.99 * fastest_back) && is_reported(-1.01 * fastest_back));
+    }
+
+    #[test]
+    fn limits_without_positions_bound_no_hold() {
+        for kind in [LimitKind::None, LimitKind::Velocity] {
+            assert_eq!(near_the_limit(kind, 1.0, 1.0), Hold::default(), "{kind:?}");
+        }
+    }
+
     #[test]
     fn the_hold_time_leaves_room_for_braking_and_for_the_last_command() {
         let close = |given: f64, expected: f64| assert!((given - expected).abs() < 1e-5, "{given} {expected}");
         close(hold_time(&LIMITS, 0.1, 1.0, 0.0, 0.01), 0.1 - 1.0 / 16.0);
         close(hold_time(&LIMITS, 0.1, 1.0, 1.5, 0.01), 0.1 - 1.0 / 16.0 - 0.005);
         assert_eq!(hold_time(&LIMITS, 0.05, 1.0, 0.0, 0.01), 0.0);
+        // A measured position may be rounded beyond the point where braking must start.
+        let at_the_point = hold_time(&LIMITS, 1.0 / 16.0, 1.0, 0.0, 0.01);
+        assert!((at_the_point - POSITION_TOLERANCE).abs() < 1e-12, "{at_the_point}");
         assert_eq!(hold_time(&LIMITS, f64::INFINITY, 1.0, 0.0, 0.01), f64::INFINITY);
         close(
             hold_time(

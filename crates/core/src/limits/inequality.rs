@@ -88,7 +88,16 @@ mod tests {
     #[test]
     fn a_violation_is_measured_as_joint_speed() {
         let wall = Inequality::new("wall", vec![3.0, 4.0], 5.0).unwrap();
+        assert_eq!(wall.name(), "wall");
         assert_eq!(wall.violation(&Vector::from_vec(vec![3.0, 4.0])), 4.0);
         assert_eq!(wall.violation(&Vector::from_vec(vec![0.6, 0.8])), 0.0);
+    }
+
+    #[test]
+    fn rounding_of_fast_joints_is_no_violation() {
+        let sum = Inequality::new("sum", vec![1.0, 1.0], 0.0).unwrap();
+        let excess = |difference: f64| sum.violation(&Vector::from_vec(vec![1e3, difference - 1e3]));
+        assert_eq!(excess(1e-10), 0.0);
+        assert!(excess(1e-6) > 0.0);
     }
 }

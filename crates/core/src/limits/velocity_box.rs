@@ -324,13 +324,28 @@ mod tests {
     fn a_return_into_a_narrow_range_stops_before_its_other_end() {
         let narrow = JointLimits { lower: -0.01, upper: 0.01, ..LIMITS };
         for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
-            for q in [-1.0, -0.011, 0.011, 1.0] {
+            for q in [-1.0, -0.1, -0.011, 0.011, 0.1, 1.0] {
                 let Interval { lower, upper, .. } = at(&narrow, kind, q, 0.0, T);
                 assert!(lower <= upper, "{kind:?} {q}: {lower} {upper}");
                 let speed = if q > 0.0 { -lower } else { upper };
                 assert!(speed * T + speed * speed / 16.0 <= q.abs() + 0.01, "{kind:?} {q}: {lower} {upper}");
             }
         }
+    }
+
+    #[test]
+    fn a_box_allows_its_bounds_and_nothing_outside() {
+        let bounds = VelocityBox::new(&[-1.0, 0.0], &[2.0, 0.0]).unwrap();
+        let entries = |vector: &Vector| vector.iter().copied().collect::<Vec<_>>();
+        assert_eq!((entries(bounds.lower()), entries(bounds.upper())), (vec![-1.0, 0.0], vec![2.0, 0.0]));
+        for inside in [[-1.0, 0.0], [0.5, 0.0], [2.0, 0.0]] {
+            assert!(bounds.allows(&inside) && bounds.violation(&Vector::from_vec(inside.into())) == 0.0, "{inside:?}");
+        }
+        for outside in [[-1.5, 0.0], [2.5, 0.0], [0.0, 0.5], [0.0, -0.5]] {
+            assert!(!bounds.allows(&outside), "{outside:?}");
+            assert_eq!(bounds.violation(&Vector::from_vec(outside.into())), 0.5, "{outside:?}");
+        }
+        assert!(!bounds.allows(&[f64::NAN, 0.0]));
     }
 
     #[test]
