@@ -117,14 +117,9 @@ mod tests {
         joint_position[0] = robot.joints()[0].limits.upper - 1e-3;
         let mut velocities = vec![vec![0.0; robot.joint_count()]; 2];
         (velocities[0][0], velocities[1][0]) = (command, measured);
-        let motion = Motion {
-            joint_position: &joint_position,
-            joint_velocity: &velocities[1],
-            last_command: &velocities[0],
-            command: &velocities[0],
-        };
+        let motion = JointMotion { position: &joint_position, distance_to_rest: &[], last_command: &velocities[0] };
         let mut hold = Hold::default();
-        hold.update(robot, kind, motion, 0.001);
+        hold.update(robot, kind, motion, &velocities[1], &velocities[0], 0.001);
         hold
     }
 

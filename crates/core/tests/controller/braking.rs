@@ -10,6 +10,7 @@ use revprio_core::controller::{
 use revprio_core::law::{Braking, Law, PositionLaw};
 use revprio_core::limits::LimitKind;
 use revprio_core::linalg::Vector;
+use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
@@ -130,6 +131,7 @@ fn step_arm(stepper: &mut Stepper, memory: &mut Option<Memory>, arm: &mut Driven
         joint_position: arm.q.clone(),
         joint_velocity: Some(arm.velocity.clone()),
         wrench: [0.0; 6],
+        targets: Vec::new(),
     };
     let command = stepper.step(memory, &measurement).unwrap().resolution.joint_velocity.clone();
     arm.follow(command.as_slice(), period);
@@ -144,7 +146,13 @@ fn is_free(step: &ToolStep) -> bool {
         step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * period);
         let command = stepper.step(
             &mut memory.clone(),
-            &Measurement { time_s: 0.0, joint_position: arm.q.clone(), joint_velocity: None, wrench: [0.0; 6] },
+            &Measurement {
+                time_s: 0.0,
+                joint_position: arm.q.clone(),
+                joint_velocity: None,
+                wrench: [0.0; 6],
+                targets: Vec::new(),
+            },
         );
         let smallest = command.unwrap().resolution.singularity.smallest_singular_value();
         let inside = |(joint, q): (&Joint, &f64)| (joint.limits.upper - q).min(q - joint.limits.lower) > 0.3;
@@ -274,7 +282,13 @@ fn without_the_acceleration_box_no_joint_brakes_harder_than_the_share_of_two_tas
 
 fn posture(joints: &[usize], target: &[f64], law: PositionLaw) -> TaskConfig {
     let rows = JointRows { joints: joints.to_vec(), target: JointTarget::Position(constant(target)) };
-    TaskConfig { name: "posture".to_owned(), rows: TaskRows::Joints(rows), law: Law::Position(law), scaled: false }
+    TaskConfig {
+        name: "posture".to_owned(),
+        rows: TaskRows::Joints(rows),
+        law: Law::Position(law),
+        scaled: false,
+        streaming: Streaming::default(),
+    }
 }
 
 fn with_limits(robot: &Arc<RobotModel>, period: f64, limits: LimitKind, task: TaskConfig) -> Stepper {
