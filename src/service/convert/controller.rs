@@ -61,7 +61,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
 
-fn drive(drive: wire::Drive) -> Result<Drive, ApiError> {
+fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
     let delay = usize::try_from(drive.delay_periods).ok().filter(|delay| *delay <= MAX_DRIVE_DELAY);
     let too_long = || ApiError::invalid("/drive/delay_periods", format!("give at most {MAX_DRIVE_DELAY}"));
     let lag_s = number(drive.lag_s, "/drive/lag_s")?;

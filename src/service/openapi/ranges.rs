@@ -81,7 +81,7 @@ fn request_ranges() -> Vec<FieldRange> {
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
-        wire::Drive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
+        wire::JointDrive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
         wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
         wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {

@@ -30,7 +30,6 @@ __all__ = [
     "CreatedController",
     "Damping",
     "DenavitHartenberg",
-    "Drive",
     "DriveState",
     "Environment",
     "EnvironmentAxis",
@@ -44,6 +43,7 @@ __all__ = [
     "ImpedanceLaw",
     "Inequality",
     "Interactive",
+    "JointDrive",
     "JointKind",
     "JointLimitsNullSpaceMotion",
     "JointView",
@@ -896,7 +896,7 @@ class ControllerTask(Body):
     """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
 
 
-class Drive(Body):
+class JointDrive(Body):
     """How the joints follow a command: after a dead time, with a first-order lag. Limits hold behind it. Give values
     that are too large rather than too small: the arm then brakes a little early."""
 
@@ -973,7 +973,7 @@ class ControllerConfig(Body):
     """When integrators of laws follow the achieved velocity; default `always`."""
     damping: Damping | None = None
     """Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping."""
-    drive: Drive | None = None
+    drive: JointDrive | None = None
     """How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods."""
     environment: Environment | None = None
     """Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    AntiWindup, Axis, Damping, Drive, Environment, Frame, Inequality, Law, LimitKind, Limits, Method,
+    AntiWindup, Axis, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits, Method,
     NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, integer, object};
@@ -27,8 +27,8 @@ pub struct Controller {
     #[serde(default = "default_limits")]
     pub limits: Limits,
     /// How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
-    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "Drive::is_default")]
-    pub drive: Drive,
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "JointDrive::is_default")]
+    pub drive: JointDrive,
     /// Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,

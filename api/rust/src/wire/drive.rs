@@ -9,7 +9,7 @@ use super::integer;
 /// too large rather than too small: the arm then brakes a little early.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Drive {
+pub struct JointDrive {
     /// Time constant L of the lag, s; default 0.03.
     pub lag_s: f64,
     /// Dead time D from the measurement of a state to the motion that its answer causes, whole periods; default 2.
@@ -17,13 +17,13 @@ pub struct Drive {
     pub delay_periods: u64,
 }
 
-impl Default for Drive {
+impl Default for JointDrive {
     fn default() -> Self {
         Self { lag_s: 0.03, delay_periods: 2 }
     }
 }
 
-impl Drive {
+impl JointDrive {
     /// Returns whether the values are the default ones.
     pub(super) fn is_default(&self) -> bool {
         *self == Self::default()

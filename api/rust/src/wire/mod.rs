@@ -30,7 +30,7 @@ pub mod string_or_map;
 mod string_tags;
 
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
-pub use drive::{Drive, DriveState};
+pub use drive::{DriveState, JointDrive};
 pub use enums::{
     AntiWindup, Axis, Damping, JointKind, LimitKind, Limits, Method, Path, Side, Solver, Status, WrenchConvention,
     WrenchFrame,
