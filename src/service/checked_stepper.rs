@@ -1,10 +1,11 @@
-//! A stepper that checks the states.
+//! A stepper that checks the states, alone and with the memory of its last step.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use revprio_api::wire;
 use revprio_core::controller::{Controller, Measurement, Memory, Stepper};
+use revprio_core::linalg::Vector;
 
 use super::convert::{self, LastState, StateRules};
 use super::error::ApiError;
@@ -51,6 +52,53 @@ impl CheckedStepper {
         if let Some(last) = last {
             last.compare(&mut answer.warnings, sequence, measurement, &controller);
         }
+        Ok(answer)
+    }
+}
+
+/// A controller from state to state: the memory of its last step, and the state to compare the next one with.
+pub struct ControlLoop {
+    stepper: CheckedStepper,
+    memory: Option<Memory>,
+    last_state: Option<LastState>,
+}
+
+impl ControlLoop {
+    /// Starts without memory.
+    pub fn new(stepper: CheckedStepper) -> Self {
+        Self { stepper, memory: None, last_state: None }
+    }
+
+    /// Returns the controller.
+    pub fn controller(&self) -> &Arc<Controller> {
+        self.stepper.controller()
+    }
+
+    /// Reads a state and refuses one beyond the bounds of the controller.
+    pub fn measurement(&self, state: &wire::State) -> Result<Measurement, ApiError> {
+        self.stepper.measurement(state)
+    }
+
+    /// Sequence number of the last state.
+    pub fn last_sequence(&self) -> Option<u64> {
+        self.last_state.as_ref().map(|last| last.sequence)
+    }
+
+    /// Joint velocities q̇ of the last command, n.
+    pub fn last_command(&self) -> Option<&Vector> {
+        self.memory.as_ref().map(|memory| &memory.last_command)
+    }
+
+    /// Computes the answer to a measurement of [`Self::measurement`]. The caller checks the sequence number.
+    pub fn step(
+        &mut self,
+        sequence: u64,
+        measurement: Measurement,
+        start: Instant,
+    ) -> Result<wire::StepAnswer, ApiError> {
+        let answer = self.stepper.step(&mut self.memory, self.last_state.as_ref(), sequence, &measurement, start)?;
+        let Measurement { time_s, joint_position, .. } = measurement;
+        self.last_state = Some(LastState { sequence, time_s, joint_position });
         Ok(answer)
     }
 }
