@@ -19,12 +19,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use revprio::service::ApiError;
 
-create_exception!(_native, Refused, PyException, "A refused request; the argument is the problem as JSON.");
+create_exception!(_native, RefusedError, PyException, "A refused request; the argument is the problem as JSON.");
 
 /// Converts a refusal to an exception with its problem object.
 fn refused(py: Python<'_>, error: ApiError) -> PyErr {
     let problem = serde_json::to_vec(&error.into_wire()).unwrap_or_default();
-    Refused::new_err(PyBytes::new(py, &problem).unbind())
+    RefusedError::new_err(PyBytes::new(py, &problem).unbind())
 }
 
 /// Runs the program with these arguments, without the name of the program. Returns its exit status.
@@ -42,6 +42,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<controller::Controller>()?;
     module.add_class::<controller::StepAnswer>()?;
     module.add_class::<service::ResolveAnswer>()?;
-    module.add("Refused", module.py().get_type::<Refused>())?;
+    module.add("RefusedError", module.py().get_type::<RefusedError>())?;
     module.add_function(wrap_pyfunction!(run_program, module)?)
 }
