@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Any, SupportsIndex
 
 from pydantic import BaseModel
 
@@ -90,6 +90,21 @@ class Lazy:
         """Reads all fields and returns one."""
         read(self)
         return getattr(self, name)
+
+    def __copy__(self) -> Any:  # noqa: ANN401
+        """Copies all fields."""
+        read(self)
+        return self.__copy__()
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Any:  # noqa: ANN401
+        """Copies all fields."""
+        read(self)
+        return self.__deepcopy__(memo)
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> tuple[Any, ...] | str:
+        """Copies and stores all fields, as an object of the base class."""
+        read(self)
+        return self.__reduce_ex__(protocol)
 
 
 class LazyStepAnswer(Lazy, StepAnswer):

@@ -12,8 +12,7 @@ def service_url(url: str) -> str:
 
     Raises an `AddressError` if it is not an address of HTTP.
     """
-    full = url.strip().rstrip("/")
-    full = full if "://" in full else f"http://{full}"
+    full = url if "://" in url else f"http://{url}"
     try:
         parts = urlsplit(full)
         is_address = parts.scheme in {"http", "https"} and bool(parts.hostname) and parts.port != 0
@@ -21,4 +20,4 @@ def service_url(url: str) -> str:
         is_address = False
     if not is_address:
         raise AddressError(url)
-    return full
+    return full.rstrip("/")
