@@ -4,13 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The manifest of each crate and the crates of the workspace that it may use.
-const LAYERS: [(&str, &[&str]); 6] = [
+const LAYERS: [(&str, &[&str]); 7] = [
     ("crates/robot", &[]),
     ("crates/core", &["revprio-robot"]),
     ("api/rust", &[]),
     // Never the core: the simulator sees the service as every client does.
     ("crates/lab", &["revprio-api", "revprio-robot"]),
     (".", &["revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
+    ("api/python/native", &["revprio", "revprio-api"]),
     ("tools/bench", &["revprio", "revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
 ];
 

@@ -45,7 +45,11 @@ def test_the_mujoco_arm_touches_the_wall_and_holds_30_n(
     assert figure.stat().st_size > 1000
 
 
-@pytest.mark.parametrize("readme", [ROOT / "README.md", ROOT / "api/python/README.md"], ids=["project", "client"])
+@pytest.mark.parametrize(
+    "readme",
+    [ROOT / "README.md", ROOT / "api/python/README.md", ROOT / "docs/guides/python.md"],
+    ids=["project", "client", "guide"],
+)
 def test_the_snippets_of_the_readme_run(url: str, readme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     snippets = re.findall(r"```python\n(.*?)```", readme.read_text(encoding="utf-8"), re.DOTALL)
     assert snippets
