@@ -32,9 +32,11 @@ KINDS = {
 
 
 def invalid(error: ValidationError, given: object) -> InvalidError:
-    """Returns the exception for a body with wrong fields. It names the first one. `given`: the fields."""
+    """Returns the exception for a body with wrong fields. It names one of them. `given`: the fields."""
     details = error.errors(include_url=False)
-    first = max(details, key=lambda item: len(item["loc"])) if _is_union(details) else details[0]
+    unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
+    # An unknown field is often a misspelled one, which is then missing. Of several types, the nearest has most parts.
+    first = max(unknown or details, key=lambda detail: len(detail["loc"]) if _is_union(details) else 0)
     pointer = "".join(f"/{part}" for part in _place(first["loc"], given))
     problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=_text(first, error.title))
     return InvalidError(problem.model_copy(update={"pointer": pointer or None}))
