@@ -23,7 +23,6 @@ PERIODS, PERIOD_S, WEIGHT, ROUNDS = 2000, 1e-3, 1e3, 3
 START = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
 AMPLITUDE = np.array([0.8, 0.6, 0.5, 1.5, 1.2, 1.0])
 FREQUENCY = np.array([2.0, 3.0, 3.0, 3.0, 3.0, 3.0])
-AXES = ["x", "y", "z", "rx", "ry", "rz"]
 TOOL = "tool"
 Array = NDArray[np.float64]
 Step = Callable[[int], Array]
@@ -41,11 +40,11 @@ def controller() -> Any:  # noqa: ANN401
     """Returns a controller of revprio with these targets."""
     import revprio  # noqa: PLC0415 - the other programs need not have it
 
-    def task(name: str, rows: slice) -> revprio.ControllerTask:
+    def task(name: str, axes: list[revprio.Axis], rows: slice) -> revprio.ControllerTask:
         profile = revprio.SineProfile(amplitude=AMPLITUDE[rows], offset=0, angular_frequency_rad_s=FREQUENCY[rows][0])
-        return revprio.ControllerTask(name=name, axes=AXES[rows], law=revprio.VelocityLaw(target_velocity=profile))
+        return revprio.ControllerTask(name=name, axes=axes, law=revprio.VelocityLaw(target_velocity=profile))
 
-    tasks = [task("first", slice(0, 1)), task("second", slice(1, 6))]
+    tasks = [task("first", ["x"], slice(0, 1)), task("second", ["y", "z", "rx", "ry", "rz"], slice(1, 6))]
     return revprio.Controller(robot="sawyer", period_s=PERIOD_S, limits="velocity", damping=None, tasks=tasks)
 
 
@@ -71,7 +70,7 @@ def with_revprio(states: Any) -> Step:  # noqa: ANN401
     """Steps a controller in the process."""
     arms = [controller() for _ in range(ROUNDS + 1)]
     calls = iter(range(len(arms) * PERIODS))
-    return lambda i: arms[next(calls) // PERIODS].step(states["positions"][i]).joint_velocity  # type: ignore[no-any-return]
+    return lambda i: arms[next(calls) // PERIODS].step(states["positions"][i]).joint_velocity
 
 
 def with_pink(states: Any) -> Step:  # noqa: ANN401
