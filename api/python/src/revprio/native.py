@@ -8,12 +8,14 @@ from typing import Any, SupportsIndex
 from pydantic import BaseModel
 
 from revprio import _native
-from revprio.bodies import ArrayLike, JointVector
 from revprio.errors import ProblemError, problem_error
-from revprio.models import Problem, ResolveAnswer, StepAnswer, Wrench
+from revprio.models import Problem, ResolveAnswer, StepAnswer
 
 DICT = BaseModel.__dict__["__dict__"]
 """The attribute that holds the fields of a model."""
+
+set_fields = DICT.__set__
+"""Sets the fields of a model, `set_fields(model, fields)`."""
 
 
 @cache
@@ -30,24 +32,6 @@ def controller(config: bytes) -> _native.Controller:
         raise problem(refusal) from None
 
 
-def step(  # noqa: PLR0913, PLR0917 - the fields of a state
-    controller: _native.Controller,
-    sequence: int,
-    time_s: float,
-    joint_position: JointVector,
-    joint_velocity: JointVector | None,
-    wrench: Wrench | ArrayLike | None,
-) -> StepAnswer:
-    """Runs one control period."""
-    try:
-        fields = controller.step(sequence, time_s, joint_position, joint_velocity, wrench)
-    except _native.RefusedError as refusal:
-        raise problem(refusal) from None
-    answer = LazyStepAnswer.__new__(LazyStepAnswer)
-    DICT.__set__(answer, fields)
-    return answer
-
-
 def resolve(request: bytes) -> ResolveAnswer:
     """Resolves a request in JSON."""
     try:
@@ -55,7 +39,7 @@ def resolve(request: bytes) -> ResolveAnswer:
     except _native.RefusedError as refusal:
         raise problem(refusal) from None
     answer = LazyResolveAnswer.__new__(LazyResolveAnswer)
-    DICT.__set__(answer, fields)
+    set_fields(answer, fields)
     return answer
 
 
@@ -127,5 +111,5 @@ def read(answer: Lazy) -> None:
     object.__setattr__(answer, "__pydantic_extra__", None)
     object.__setattr__(answer, "__pydantic_private__", None)
     # The arrays that were returned before stay the same objects.
-    DICT.__set__(answer, {**vars(whole), **{name: value for name, value in known.items() if name != "_answer"}})
+    set_fields(answer, {**vars(whole), **{name: value for name, value in known.items() if name != "_answer"}})
     object.__setattr__(answer, "__class__", kind)
