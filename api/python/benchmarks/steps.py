@@ -203,7 +203,7 @@ def report(name: str, step: Step, states: Any) -> None:  # noqa: ANN401
 
 def report_share(states: Any) -> None:  # noqa: ANN401
     """Prints the part of a step that is not computed in Rust, in periods with active limits."""
-    best = np.full((2, PERIODS), np.inf)
+    best: Array = np.full((2, PERIODS), np.inf)
     for _ in range(ROUNDS):
         with controller() as arm:
             micros, answers = np.zeros(PERIODS), []
@@ -212,7 +212,7 @@ def report_share(states: Any) -> None:  # noqa: ANN401
                 answers.append(arm.step(q))
                 micros[i] = (time.perf_counter() - start) * 1e6
         # Reading the explanation between the steps would slow the steps down.
-        best = np.minimum(best, [micros, [answer.elapsed_us for answer in answers]])
+        best = np.minimum(best, np.array([micros, [answer.elapsed_us for answer in answers]]))
         limited = np.array([bool(answer.active_limits) for answer in answers])
     python, rust = np.median(best[:, limited], axis=1)
     overhead = np.median(best[0, limited] - best[1, limited])
