@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::background::map_on_all_cores;
-use super::checked_stepper::{CheckedStepper, ControlLoop};
+use super::checked_stepper::{CheckedStepper, ComputedStep, ControlLoop};
 use super::convert;
 use super::error::ApiError;
 use super::format::Format;
@@ -115,14 +115,20 @@ impl LocalController {
         &self.warnings
     }
 
+    /// Braking deceleration of the joints in all answers, n, rad/s² or m/s²; infinite: stop at once.
+    pub fn braking_deceleration(&self) -> Vec<f64> {
+        let joints = self.control.controller().config().robot.joints();
+        joints.iter().map(|joint| revprio_core::limits::braking_deceleration(&joint.limits)).collect()
+    }
+
     /// Computes the answer to a state, whose sequence number must increase.
-    pub fn step(&mut self, state: &wire::State) -> Result<wire::StepAnswer, ApiError> {
+    pub fn step(&mut self, state: &wire::State) -> Result<ComputedStep, ApiError> {
         let start = Instant::now();
         let measurement = self.control.measurement(state)?;
         if let Some(last) = self.control.last_sequence() {
             convert::check_sequence(last, state.sequence)?;
         }
-        self.control.step(state.sequence, measurement, start)
+        self.control.command(state.sequence, measurement, start)
     }
 }
 
@@ -160,7 +166,12 @@ mod tests {
         for sequence in 0..50 {
             request.state.sequence = sequence;
             let stateless = service.step(&request).unwrap();
-            assert_eq!(controller.step(&request.state).unwrap().joint_velocity, stateless.joint_velocity);
+            let step = controller.step(&request.state).unwrap();
+            let answer = step.answer();
+            assert_eq!(step.joint_velocity(), stateless.joint_velocity);
+            assert_eq!(step.valid_for_ms(), stateless.valid_for_ms);
+            let expected = wire::StepAnswer { memory: None, elapsed_us: answer.elapsed_us, ..stateless.clone() };
+            assert_eq!(answer, expected);
             request.memory = stateless.memory;
         }
     }
@@ -183,7 +194,7 @@ mod tests {
         let mut controller = service.controller(&example("controller")).unwrap();
         let state = serde_json::from_slice(&example("state")).unwrap();
         assert!(controller.step(&state).is_ok());
-        assert_eq!(problem(controller.step(&state).unwrap_err()).0, 409);
+        assert_eq!(controller.step(&state).err().map(|error| problem(error).0), Some(409));
     }
 
     #[test]

@@ -183,6 +183,7 @@ mod token;
 mod workers;
 
 pub use app::{Service, router};
+pub use checked_stepper::ComputedStep;
 pub use config::ServiceConfig;
 pub use convert::{controller, robot_answer};
 pub use error::ApiError;

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use revprio::service::LocalController;
+use revprio::service::{ComputedStep, LocalController};
 use revprio_api::wire;
 
 use crate::{arguments, refused};
@@ -21,13 +21,13 @@ pub struct Controller {
 
 /// The answer to a state, of which Python has read the numbers of the command.
 #[pyclass(frozen)]
-pub struct StepAnswer(wire::StepAnswer);
+pub struct StepAnswer(ComputedStep);
 
 #[pymethods]
 impl StepAnswer {
     /// Returns the whole answer as JSON.
     fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        crate::service::json(py, &self.0)
+        crate::service::json(py, &self.0.answer())
     }
 }
 
@@ -41,10 +41,10 @@ impl Controller {
     }
 
     /// Returns the deceleration of all answers.
-    fn deceleration<'py>(&self, py: Python<'py>, answer: &wire::StepAnswer) -> Bound<'py, PyArray1<f64>> {
+    fn deceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let create = || {
-            let values = answer.braking_deceleration.iter().map(|value| value.unwrap_or(f64::NAN));
-            let array = PyArray1::from_iter(py, values);
+            let values = self.lock().braking_deceleration();
+            let array = PyArray1::from_iter(py, values.iter().map(|&v| if v.is_finite() { v } else { f64::NAN }));
             array.readwrite().make_nonwriteable();
             array.unbind()
         };
@@ -87,10 +87,10 @@ impl Controller {
         };
         let answer = py.detach(|| self.lock().step(&state)).map_err(|error| refused(py, error))?;
         let fields = PyDict::new(py);
-        fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, &answer.joint_velocity))?;
+        fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, answer.joint_velocity()))?;
         fields.set_item(intern!(py, "sequence"), sequence)?;
-        fields.set_item(intern!(py, "valid_for_ms"), answer.valid_for_ms)?;
-        fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py, &answer))?;
+        fields.set_item(intern!(py, "valid_for_ms"), answer.valid_for_ms())?;
+        fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py))?;
         fields.set_item(intern!(py, "_answer"), StepAnswer(answer))?;
         Ok(fields)
     }
