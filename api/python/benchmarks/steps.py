@@ -10,10 +10,12 @@ included. pink, mink and placo have no priorities: the first task has 1000 times
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,8 +38,8 @@ def targets(period: int) -> Array:
     return velocity
 
 
-def controller() -> Any:  # noqa: ANN401
-    """Returns a controller of revprio with these targets."""
+def configuration() -> Any:  # noqa: ANN401
+    """Returns the configuration of a controller of revprio with these targets."""
     import revprio  # noqa: PLC0415 - the other programs need not have it
 
     def task(name: str, axes: list[revprio.Axis], rows: slice) -> revprio.ControllerTask:
@@ -45,7 +47,15 @@ def controller() -> Any:  # noqa: ANN401
         return revprio.ControllerTask(name=name, axes=axes, law=revprio.VelocityLaw(target_velocity=profile))
 
     tasks = [task("first", ["x"], slice(0, 1)), task("second", ["y", "z", "rx", "ry", "rz"], slice(1, 6))]
-    return revprio.Controller(robot="sawyer", period_s=PERIOD_S, limits="velocity", damping=None, tasks=tasks)
+    return revprio.ControllerConfig(robot="sawyer", period_s=PERIOD_S, limits="velocity", damping=None, tasks=tasks)
+
+
+def controller() -> Any:  # noqa: ANN401
+    """Returns a controller of revprio with these targets."""
+    import revprio  # noqa: PLC0415
+
+    config = configuration()
+    return revprio.Controller(**{name: getattr(config, name) for name in config.model_fields_set})
 
 
 def write_states() -> None:
@@ -62,6 +72,8 @@ def write_states() -> None:
             first.append(answer.tasks[0].achieved[0])
             active += bool(answer.active_limits)
             q = q + PERIOD_S * answer.joint_velocity
+    Path(STATES).with_suffix(".positions.json").write_text(json.dumps([list(q) for q in positions]))
+    Path(STATES).with_suffix(".controller.json").write_bytes(configuration().json_bytes())
     np.savez(STATES, positions=positions, limit=limit, rows=rows, first=first)
     print(f"limits active in {active / PERIODS:.0%} of {PERIODS} periods")
 
@@ -201,22 +213,19 @@ def report(name: str, step: Step, states: Any) -> None:  # noqa: ANN401
     print(f"| {name} | {np.median(micros):.1f} | {np.quantile(micros, 0.99):.1f} | {excess:.1e} | {first:.1e} |")
 
 
-def report_share(states: Any) -> None:  # noqa: ANN401
-    """Prints the part of a step that is not computed in Rust, in periods with active limits."""
-    best: Array = np.full((2, PERIODS), np.inf)
+def report_limited(states: Any) -> None:  # noqa: ANN401
+    """Prints the median time of the steps with active limits; `core_step` prints that of the same steps in Rust."""
+    with controller() as arm:
+        answers = [arm.step(q) for q in states["positions"]]
+    limited = np.array([bool(answer.active_limits) for answer in answers])
+    best = np.full(PERIODS, np.inf)
     for _ in range(ROUNDS):
         with controller() as arm:
-            micros, answers = np.zeros(PERIODS), []
             for i, q in enumerate(states["positions"]):
                 start = time.perf_counter()
-                answers.append(arm.step(q))
-                micros[i] = (time.perf_counter() - start) * 1e6
-        # Reading the explanation between the steps would slow the steps down.
-        best = np.minimum(best, np.array([micros, [answer.elapsed_us for answer in answers]]))
-        limited = np.array([bool(answer.active_limits) for answer in answers])
-    python, rust = np.median(best[:, limited], axis=1)
-    overhead = np.median(best[0, limited] - best[1, limited])
-    print(f"with active limits: {python:.1f} µs, of which {rust:.1f} µs in Rust; {overhead:.2f} µs more in Python")
+                arm.step(q)
+                best[i] = min(best[i], time.perf_counter() - start)
+    print(f"steps with active limits in Python: {np.median(best[limited]) * 1e6:.2f} µs")
 
 
 def report_threads(states: Any) -> None:  # noqa: ANN401
@@ -248,7 +257,7 @@ def main() -> None:
         return report_threads(states)
     make = {"revprio": with_revprio, "pink": with_pink, "mink": with_mink, "placo": with_placo}[program]
     report(program, make(states), states)
-    return report_share(states) if program == "revprio" else None
+    return report_limited(states) if program == "revprio" else None
 
 
 if __name__ == "__main__":
