@@ -133,6 +133,8 @@ class AsyncClient:
         """As `Client.session`; `async with` opens it."""
         return AsyncSession(self, config)
 
+    Controller = session  # as `revprio.Controller`
+
     async def sessions(self) -> list[SessionEntry]:
         """As `Client.sessions`."""
         return (await self.call(routes.LIST_CONTROLLERS())).controllers

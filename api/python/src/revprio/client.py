@@ -97,7 +97,7 @@ class Client(Calls):
         """Opens a controller whose memory the service keeps: `client.session(robot=…, period_s=…, tasks=[…])`."""
         return Session(self, config)
 
-    Controller = session  # noqa: RUF100,N815 - as `revprio.Controller`
+    Controller = session  # as `revprio.Controller`
 
     def sessions(self) -> list[SessionEntry]:
         """Lists the open sessions of all clients."""
