@@ -11,6 +11,7 @@ const LAYERS: [(&str, &[&str]); 7] = [
     // Never the core: the simulator sees the service as every client does.
     ("crates/lab", &["revprio-api", "revprio-robot"]),
     (".", &["revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
+    ("api/python/native", &["revprio", "revprio-api"]),
     ("tools/bench", &["revprio", "revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
     ("tools/fuzz", &["revprio", "revprio-api", "revprio-robot"]),
 ];

@@ -26,7 +26,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, LowerBounds, Tagged, UpperBounds
+from revprio.bodies import (
+    Answer,
+    ArrayLike,
+    Body,
+    FloatArray,
+    JointVector,
+    LowerBounds,
+    Matrix,
+    OneOrMore,
+    Tagged,
+    UpperBounds,
+    Vector,
+)
 '''
 
 
@@ -76,9 +88,9 @@ class Models:
         required = schema.get("required", [])
         tagged = is_tagged(schema)
         lines = [f"class {name}({'Tagged' if tagged else 'Body' if is_request else 'Answer'}):"]
-        lines += indented(docstring(schema))
-        properties = schema["properties"].items()
-        for field, content in sorted(properties, key=lambda item: item[0] not in required):
+        fields = sorted(schema["properties"].items(), key=lambda item: item[0] not in required)
+        lines += indented(class_docstring(schema, dict(fields)))
+        for field, content in fields:
             kind = self.type(content, f"{name}{field.title()}", is_request=is_request)
             if field == "kind" and tagged:
                 lines.append(f'    kind: {kind} = "{content["enum"][0]}"')
@@ -110,6 +122,14 @@ class Models:
         union = " | ".join(sorted(kinds, key="None".__eq__))
         return f'Annotated[{union}, Field(discriminator="kind")]' if all(map(is_tagged, options)) else union
 
+    def numbers(self, name: str) -> str:
+        """Returns the annotation of numbers in a request."""
+        return "Matrix" if name.endswith("Jacobian") else "Vector"
+
+    def schema_of(self, schema: Schema) -> Schema:
+        """Returns the schema that a reference names, or the schema itself."""
+        return self.schemas[schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else schema
+
     def plain(self, kind: str, schema: Schema, name: str, *, is_request: bool) -> str:
         """Returns the annotation of a schema with one JSON type."""
         if kind in SIMPLE:
@@ -117,15 +137,23 @@ class Models:
         if kind == "array" and is_request and is_nullable(schema["items"]):
             return "LowerBounds" if name.endswith("Lower") else "UpperBounds"
         if kind == "array" and is_numeric(schema["items"]):
-            return "ArrayLike" if is_request else "FloatArray"
+            return self.numbers(name) if is_request else "FloatArray"
         if kind == "array":
-            return f"list[{self.type(schema['items'], name, is_request=is_request)}]"
+            items = self.type(schema["items"], name, is_request=is_request)
+            return (
+                f"OneOrMore[{items}]" if is_request and is_word(self.schema_of(schema["items"])) else f"list[{items}]"
+            )
         if isinstance(schema.get("additionalProperties"), dict):
             return f"dict[str, {self.type(schema['additionalProperties'], name, is_request=is_request)}]"
         if "properties" in schema:
             return self.model(schema.get("title", name), schema, is_request=is_request)
         message = f"{name}: no Python type for {schema}"
         raise ValueError(message)
+
+
+def is_word(schema: Schema) -> bool:
+    """Returns whether the schema is a string."""
+    return schema.get("type") == "string"
 
 
 def references(schema: object) -> Iterator[str]:
@@ -160,18 +188,35 @@ def is_numeric(schema: Schema) -> bool:
 
 
 def docstring(schema: Schema) -> str:
-    """Returns the docstring of a schema: its description and its fixed sizes."""
-    text = schema.get("description", "")
+    """Returns the docstring of a schema."""
+    text = describe(schema)
+    return textwrap.fill(f'"""{text}"""', width=116) if text else ""
+
+
+def describe(schema: Schema) -> str:
+    """Returns the description of a schema and its fixed sizes."""
+    text: str = schema.get("description", "")
     size, items = schema.get("minItems"), schema.get("items", {})
     if size and size == schema.get("maxItems"):
         inner = items.get("minItems")
         text += f" Shape: {size} × {inner}." if inner == items.get("maxItems") and inner else f" Shape: {size}."
-    return textwrap.fill(f'"""{text.strip()}"""', width=116) if text else ""
+    return text.strip()
+
+
+def class_docstring(schema: Schema, fields: dict[str, Schema]) -> str:
+    """Returns the docstring of a class: its description, and that of each field for `help()`."""
+    described = [(name, describe(content)) for name, content in fields.items() if "description" in content]
+    lines = [
+        textwrap.fill(f"{name}: {text}", width=112, initial_indent="- ", subsequent_indent="  ")
+        for name, text in described
+    ]
+    head = docstring(schema)
+    return "\n".join([head.removesuffix('"""'), "", "Fields:", "", *lines, '"""']) if lines else head
 
 
 def indented(text: str) -> list[str]:
     """Indents a text for a class body."""
-    return [f"    {line}" for line in text.splitlines()]
+    return [f"    {line}".rstrip() for line in text.splitlines()]
 
 
 def remedies(document: Schema) -> str:

@@ -20,6 +20,8 @@ mod sweep;
 mod tool;
 mod traces;
 
+use std::ffi::OsString;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
@@ -212,6 +214,28 @@ pub enum CliError {
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
 }
+
+/// Runs the program with these arguments, the first of which is its name. Returns its exit status.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // The output may be full or closed.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(FAILURE);
+        }
+    };
+    match cli.run() {
+        Ok(()) => 0,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            FAILURE
+        }
+    }
+}
+
+/// Exit status of a command that failed.
+const FAILURE: u8 = 1;
 
 impl Cli {
     /// Runs the command.

@@ -1,8 +1,8 @@
 //! Long work in other threads, so that steps do not wait.
 
 use std::num::NonZero;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::available_parallelism;
 
 use super::error::ApiError;
@@ -44,8 +44,28 @@ pub async fn background<T: Send + 'static>(work: impl FnOnce(&Abandoned) -> T + 
     })
 }
 
+/// Returns `work` of each item, in order, computed on all cores with a low priority. `items_per_thread`: number of items
+/// that justify one more thread. Returns `None` if `is_abandoned` ended the work early.
+pub fn map_on_all_cores<T: Sync, R: Send>(
+    items: &[T],
+    items_per_thread: usize,
+    is_abandoned: impl Fn() -> bool + Sync,
+    work: impl Fn(usize, &T) -> R + Sync,
+) -> Option<Vec<R>> {
+    let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::default()).collect();
+    let next = AtomicUsize::new(0);
+    on_all_cores(items.len() / items_per_thread, || {
+        while !is_abandoned() {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let (Some(item), Some(result)) = (items.get(i), results.get(i)) else { break };
+            *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(work(i, item));
+        }
+    });
+    results.into_iter().map(|result| result.into_inner().ok().flatten()).collect()
+}
+
 /// Runs `work` in at most `max` threads at a time, and waits for them. The number of cores also limits the threads.
-pub fn on_all_cores(max: usize, work: impl Fn() + Sync) {
+fn on_all_cores(max: usize, work: impl Fn() + Sync) {
     let threads = available_threads().min(max);
     if threads <= 1 {
         return work();

@@ -1,9 +1,10 @@
-//! A stepper that checks the states.
+//! A stepper that checks the states, alone and with the memory of its last step.
 
 use std::sync::Arc;
 
 use revprio_api::wire;
-use revprio_core::controller::{Controller, Measurement, Memory, Stepper};
+use revprio_core::controller::{Command, Controller, Measurement, Memory, Stepper};
+use revprio_core::linalg::Vector;
 use tokio::time::Instant;
 
 use super::convert::{self, LastState, StateRules};
@@ -44,14 +45,126 @@ impl CheckedStepper {
         measurement: &Measurement,
         start: Instant,
     ) -> Result<wire::StepAnswer, ApiError> {
+        let (controller, rules) = (self.stepper.controller().clone(), self.rules);
+        let (command, warnings) = self.command(memory, last, sequence, measurement)?;
+        Ok(wire::StepAnswer { warnings, ..convert::step_answer(&controller, &rules, sequence, command, start) })
+    }
+
+    /// Computes the command of a step, and the warnings of its answer.
+    fn command(
+        &mut self,
+        memory: &mut Option<Memory>,
+        last: Option<&LastState>,
+        sequence: u64,
+        measurement: &Measurement,
+    ) -> Result<(&Command, Vec<String>), ApiError> {
         let controller = self.stepper.controller().clone();
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
-        let mut answer = convert::step_answer(&controller, &self.rules, sequence, command, start);
-        self.rules.warn(&mut answer.warnings, measurement, &controller, command);
-        convert::warn_about_targets(&mut answer.warnings, &controller, command);
+        let mut warnings = Vec::new();
+        self.rules.warn(&mut warnings, measurement, &controller, command);
+        convert::warn_about_targets(&mut warnings, &controller, command);
         if let Some(last) = last {
-            last.compare(&mut answer.warnings, sequence, measurement, &controller);
+            last.compare(&mut warnings, sequence, measurement, &controller);
         }
+        Ok((command, warnings))
+    }
+}
+
+/// A controller from state to state: the memory of its last step, and the state to compare the next one with.
+pub struct ControlLoop {
+    stepper: CheckedStepper,
+    memory: Option<Memory>,
+    last_state: Option<LastState>,
+}
+
+impl ControlLoop {
+    /// Starts without memory.
+    pub fn new(stepper: CheckedStepper) -> Self {
+        Self { stepper, memory: None, last_state: None }
+    }
+
+    /// Returns the controller.
+    pub fn controller(&self) -> &Arc<Controller> {
+        self.stepper.controller()
+    }
+
+    /// Reads a state and refuses one beyond the bounds of the controller.
+    pub fn measurement(&self, state: &wire::State) -> Result<Measurement, ApiError> {
+        self.stepper.measurement(state)
+    }
+
+    /// Sequence number of the last state.
+    pub fn last_sequence(&self) -> Option<u64> {
+        self.last_state.as_ref().map(|last| last.sequence)
+    }
+
+    /// Joint velocities q̇ of the last command, n.
+    pub fn last_command(&self) -> Option<&Vector> {
+        self.memory.as_ref().map(|memory| &memory.last_command)
+    }
+
+    /// Computes the answer to a measurement of [`Self::measurement`]. The caller checks the sequence number.
+    pub fn step(
+        &mut self,
+        sequence: u64,
+        measurement: Measurement,
+        start: Instant,
+    ) -> Result<wire::StepAnswer, ApiError> {
+        let answer = self.stepper.step(&mut self.memory, self.last_state.as_ref(), sequence, &measurement, start)?;
+        self.remember(sequence, measurement);
         Ok(answer)
+    }
+
+    /// Computes the command for a measurement of [`Self::measurement`], as [`Self::step`], without its explanation.
+    pub fn command(
+        &mut self,
+        sequence: u64,
+        measurement: Measurement,
+        start: Instant,
+    ) -> Result<ComputedStep, ApiError> {
+        let (controller, rules) = (Arc::clone(self.stepper.controller()), self.stepper.rules);
+        let last = self.last_state.as_ref();
+        let (command, warnings) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
+        let command = command.clone();
+        self.remember(sequence, measurement);
+        let elapsed_us = start.elapsed().as_secs_f64() * 1e6;
+        Ok(ComputedStep { controller, rules, sequence, command, warnings, elapsed_us })
+    }
+
+    fn remember(&mut self, sequence: u64, measurement: Measurement) {
+        let Measurement { time_s, joint_position, .. } = measurement;
+        self.last_state = Some(LastState { sequence, time_s, joint_position });
+    }
+}
+
+/// A step whose answer is written only when it is read: that takes about as long as the step.
+pub struct ComputedStep {
+    controller: Arc<Controller>,
+    rules: StateRules,
+    sequence: u64,
+    command: Command,
+    warnings: Vec<String>,
+    elapsed_us: f64,
+}
+
+impl ComputedStep {
+    /// Joint velocities q̇, n, rad/s or m/s.
+    pub fn joint_velocity(&self) -> &[f64] {
+        self.command.resolution.joint_velocity.as_slice()
+    }
+
+    /// Validity of the command, ms.
+    pub fn valid_for_ms(&self) -> u64 {
+        convert::valid_for_ms(&self.command.hold, &self.rules)
+    }
+
+    /// Returns the whole answer.
+    pub fn answer(&self) -> wire::StepAnswer {
+        let start = Instant::now();
+        wire::StepAnswer {
+            warnings: self.warnings.clone(),
+            elapsed_us: self.elapsed_us,
+            ..convert::step_answer(&self.controller, &self.rules, self.sequence, &self.command, start)
+        }
     }
 }

@@ -134,7 +134,7 @@
 //! 2. `robots`, `convert`: the registry of arms; bodies to types of the library and back
 //! 3. `log`, `metrics`, `connection`, `admission_queue`, `drain`, `failures`, `heartbeat`, `listener`, `background`,
 //!    `platform`, `workers`, `price`, `events`: the running server
-//! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `simulations`: the controllers
+//! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `local`, `simulations`: the controllers
 //! 5. `state`: all of these together
 //! 6. `body`, `resolve`, `step_once`, `stream`, `gate`: modules that use the state
 //! 7. `handlers`, then `routes`, then `openapi`, then `app`, then `server`
@@ -161,6 +161,7 @@ mod host;
 mod in_process;
 mod interleaving;
 mod listener;
+mod local;
 mod log;
 mod metrics;
 mod openapi;
@@ -184,12 +185,14 @@ mod token;
 mod workers;
 
 pub use app::{Service, router};
+pub use checked_stepper::ComputedStep;
 pub use config::ServiceConfig;
 pub use convert::{controller, robot_answer};
 pub use error::ApiError;
 pub use heartbeat::Supervisor;
 pub use host::is_host_name;
 pub use listener::{Accepted, Listener};
+pub use local::{LocalController, LocalService};
 pub use log::{LogWriter, dropped_lines};
 pub use openapi::{asyncapi_document, openapi_document};
 pub use platform::{Job, JobQueue, OperatingSystem, Platform, WorkKind};

@@ -1,24 +1,18 @@
 //! Stateless resolution: one problem, or a batch.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use revprio_api::wire::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest};
+use revprio_api::wire::{BatchAnswer, BatchRequest, ResolveAnswer, ResolveRequest};
 use tokio::time::Instant;
 
-use super::background::{Abandoned, on_all_cores};
+use super::background::{Abandoned, map_on_all_cores};
 use super::body::LargeBody;
 use super::convert::{self, ResolveProblem};
 use super::error::ApiError;
 use super::format::RawBody;
 use super::price;
 use super::state::AppState;
-
-/// Maximum number of problems in a batch.
-pub const MAX_ITEMS: usize = 10_000;
-
-/// Number of problems that justify one more thread. Starting a thread costs as much as several problems.
-const ITEMS_PER_THREAD: usize = 16;
+use super::step::{self, ITEMS_PER_THREAD};
 
 /// Resolves one problem. One above the budget is solved in another thread, so that steps do not wait.
 pub async fn single(body: RawBody, app: &Arc<AppState>) -> Result<ResolveAnswer, ApiError> {
@@ -40,8 +34,7 @@ fn one(request: &ResolveRequest, app: &AppState) -> Result<ResolveAnswer, ApiErr
 }
 
 fn solve(problem: &ResolveProblem, start: Instant, app: &AppState) -> Result<ResolveAnswer, ApiError> {
-    let resolution = revprio_core::resolution::resolve(&problem.problem, &[]).map_err(convert::resolution_error)?;
-    let answer = convert::resolve_answer(problem, &resolution, start);
+    let answer = step::resolve(problem, start)?;
     app.metrics.count_resolution(&answer.solver);
     Ok(answer)
 }
@@ -55,30 +48,12 @@ pub async fn batch(body: LargeBody<BatchRequest>, app: &Arc<AppState>) -> Result
 /// Resolves many independent problems.
 fn many(request: &BatchRequest, app: &AppState, abandoned: &Abandoned) -> Result<BatchAnswer, ApiError> {
     let problems = &request.items;
-    if problems.len() > MAX_ITEMS {
-        return Err(ApiError::invalid("/items", format!("{} items; a batch has at most {MAX_ITEMS}", problems.len())));
-    }
-    let answers: Vec<Mutex<Option<BatchItem>>> = problems.iter().map(|_| Mutex::default()).collect();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        while !abandoned.is_set() {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let (Some(problem), Some(answer)) = (problems.get(i), answers.get(i)) else { break };
-            let item = batch_item(i, one(problem, app), app);
-            *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(item);
-        }
+    step::check_batch_size(problems.len())?;
+    let item = |i: usize, problem: &ResolveRequest| {
+        let answer = one(problem, app);
+        let _ = answer.as_ref().inspect_err(|error| app.metrics.count_problem(error.kind()));
+        step::batch_item(i, answer)
     };
-    on_all_cores(problems.len() / ITEMS_PER_THREAD, work);
-    let items = answers.into_iter().map(|answer| answer.into_inner().ok().flatten());
-    Ok(BatchAnswer { items: items.collect::<Option<_>>().ok_or_else(ApiError::internal)? })
-}
-
-fn batch_item(i: usize, answer: Result<ResolveAnswer, ApiError>, app: &AppState) -> BatchItem {
-    match answer {
-        Ok(answer) => BatchItem::Answer(Box::new(answer)),
-        Err(error) => {
-            app.metrics.count_problem(error.kind());
-            BatchItem::Problem(error.inside(&format!("/items/{i}")).into_wire())
-        }
-    }
+    let items = map_on_all_cores(problems, ITEMS_PER_THREAD, || abandoned.is_set(), item);
+    Ok(BatchAnswer { items: items.ok_or_else(ApiError::internal)? })
 }

@@ -5,15 +5,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use revprio_api::wire;
-use revprio_core::controller::{Controller, Memory};
+use revprio_core::controller::Controller;
 use revprio_core::linalg::Vector;
 use serde::{Serialize, Serializer};
 use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
 use tokio::time::Instant;
 use uuid::Uuid;
 
-use super::checked_stepper::CheckedStepper;
-use super::convert::{self, LastState};
+use super::checked_stepper::{CheckedStepper, ControlLoop};
+use super::convert;
 use super::error::ApiError;
 use super::interleaving::{Interleaving, Source};
 use super::metrics::Metrics;
@@ -58,9 +58,7 @@ pub struct Session {
     /// The controller of the request.
     pub request: wire::Controller,
     ownership: Ownership,
-    stepper: CheckedStepper,
-    memory: Option<Memory>,
-    last_state: Option<LastState>,
+    control: ControlLoop,
     interleaving: Interleaving,
     last_step: watch::Sender<Option<Arc<Step>>>,
     steps: u64,
@@ -80,7 +78,7 @@ impl Session {
         now: Instant,
         metrics: &Metrics,
     ) -> Result<SharedAnswer, ApiError> {
-        let measurement = self.stepper.measurement(&state)?;
+        let measurement = self.control.measurement(&state)?;
         self.last_call = now;
         if let Some(last) = &*self.last_step.borrow() {
             if last.state == state {
@@ -91,13 +89,9 @@ impl Session {
             checked.inspect_err(|_| self.interleaving.count_refused())?;
         }
         // Only watchers use the last command.
-        let last_command = self.memory.as_ref().filter(|_| self.last_step.receiver_count() > 0);
-        let last_command = last_command.map(|memory| memory.last_command.clone());
-        let last_state = self.last_state.as_ref();
-        let mut answer = self.stepper.step(&mut self.memory, last_state, state.sequence, &measurement, now)?;
+        let last_command = self.control.last_command().filter(|_| self.last_step.receiver_count() > 0).cloned();
+        let mut answer = self.control.step(state.sequence, measurement, now)?;
         self.interleaving.count_step(source, &mut answer.warnings);
-        let (sequence, time_s) = (state.sequence, measurement.time_s);
-        self.last_state = Some(LastState { sequence, time_s, joint_position: measurement.joint_position });
         metrics.count_resolution(&answer.solver);
         self.steps += 1;
         let elapsed = self.last_step_time.replace(now).map(|last| now.duration_since(last));
@@ -112,7 +106,7 @@ impl Session {
 
     /// Returns the controller.
     pub fn controller(&self) -> Arc<Controller> {
-        Arc::clone(self.stepper.controller())
+        Arc::clone(self.control.controller())
     }
 
     /// Subscribes to the steps. A watcher never delays a step.
@@ -204,13 +198,11 @@ impl Sessions {
         ownership: Ownership,
     ) -> Result<Uuid, ApiError> {
         let id = Uuid::from_bytes(self.platform.random_bytes());
-        let stepper = CheckedStepper::new(&request, controller)?;
+        let control = ControlLoop::new(CheckedStepper::new(&request, controller)?);
         let session = Session {
             request,
             ownership,
-            stepper,
-            memory: None,
-            last_state: None,
+            control,
             interleaving: Interleaving::default(),
             last_step: watch::Sender::new(None),
             steps: 0,
@@ -258,7 +250,7 @@ impl Sessions {
         let now = Instant::now();
         let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
         session.ownership.owner.allow(client)?;
-        if price::of_controller(session.stepper.controller().config()) <= price::STEP_BUDGET {
+        if price::of_controller(session.control.controller().config()) <= price::STEP_BUDGET {
             return session.answer(state, source, now, &self.metrics);
         }
         let metrics = Arc::clone(&self.metrics);

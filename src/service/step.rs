@@ -1,14 +1,20 @@
-//! The calls of a control loop, shared by the HTTP handlers and by runs in this process.
+//! The calls that compute joint velocities, shared by the HTTP handlers and by runs in this process.
 
 use revprio_api::wire;
 use tokio::time::Instant;
 
 use super::checked_stepper::CheckedStepper;
-use super::convert::{self, LastState};
+use super::convert::{self, LastState, ResolveProblem};
 use super::error::ApiError;
 use super::ownership::Ownership;
 use super::robots::Robots;
 use super::sessions::Sessions;
+
+/// Maximum number of problems in a batch.
+pub const MAX_ITEMS: usize = 10_000;
+
+/// Number of problems that justify one more thread. Starting a thread costs as much as several problems.
+pub const ITEMS_PER_THREAD: usize = 16;
 
 /// Opens a session for a controller.
 pub fn open_session(
@@ -48,4 +54,26 @@ pub fn stateless_step(
         LastState { sequence: state.sequence, time_s: measurement.time_s, joint_position: measurement.joint_position };
     answer.memory = memory.map(|memory| convert::memory_answer(&controller, last, &memory));
     Ok(answer)
+}
+
+/// Resolves a problem that was read at `start`.
+pub fn resolve(problem: &ResolveProblem, start: Instant) -> Result<wire::ResolveAnswer, ApiError> {
+    let resolution = revprio_core::resolution::resolve(&problem.problem, &[]).map_err(convert::resolution_error)?;
+    Ok(convert::resolve_answer(problem, &resolution, start))
+}
+
+/// Refuses a batch that is too long.
+pub fn check_batch_size(items: usize) -> Result<(), ApiError> {
+    if items <= MAX_ITEMS {
+        return Ok(());
+    }
+    Err(ApiError::invalid("/items", format!("{items} items; a batch has at most {MAX_ITEMS}")))
+}
+
+/// Returns the result of item `i` of a batch.
+pub fn batch_item(i: usize, answer: Result<wire::ResolveAnswer, ApiError>) -> wire::BatchItem {
+    match answer {
+        Ok(answer) => wire::BatchItem::Answer(Box::new(answer)),
+        Err(error) => wire::BatchItem::Problem(error.inside(&format!("/items/{i}")).into_wire()),
+    }
 }

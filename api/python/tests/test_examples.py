@@ -63,7 +63,11 @@ def test_the_arm_follows_the_hand_and_stops_without_it(url: str, monkeypatch: py
     assert jerky.acceleration() > default.acceleration()
 
 
-@pytest.mark.parametrize("readme", [ROOT / "README.md", ROOT / "api/python/README.md"], ids=["project", "client"])
+@pytest.mark.parametrize(
+    "readme",
+    [ROOT / "README.md", ROOT / "api/python/README.md", ROOT / "docs/guides/python.md"],
+    ids=["project", "client", "guide"],
+)
 def test_the_snippets_of_the_readme_run(url: str, readme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     snippets = re.findall(r"```python\n(.*?)```", readme.read_text(encoding="utf-8"), re.DOTALL)
     assert snippets

@@ -76,7 +76,7 @@ pub fn step_error(error: &StepError) -> ApiError {
 
 /// Returns how long a command may be held, whole ms.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is from 0 to the maximum")]
-fn valid_for_ms(hold: &Hold, rules: &StateRules) -> u64 {
+pub fn valid_for_ms(hold: &Hold, rules: &StateRules) -> u64 {
     (hold.time_s * 1e3).min(rules.valid_for_ms as f64) as u64
 }
 

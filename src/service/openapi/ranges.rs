@@ -14,8 +14,8 @@ use crate::service::convert::{
     MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
     MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
 };
-use crate::service::resolve::MAX_ITEMS;
 use crate::service::robots::MAX_NAME;
+use crate::service::step::MAX_ITEMS;
 
 /// The range of a field.
 enum Range {

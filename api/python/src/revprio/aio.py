@@ -50,6 +50,7 @@ from revprio.simulations import POLL_S, has_ended
 from revprio.states import StateNumbering
 from revprio.streaming import SUBPROTOCOL, ReplyMatcher, refused_handshake, websocket_url
 from revprio.typed import fields_of
+from revprio.url import service_url
 from revprio.watchdog import Watchdog
 
 A = TypeVar("A")
@@ -70,7 +71,7 @@ class AsyncClient:
         owner: str | None = None,
     ) -> None:
         """As `Client`."""
-        self.url = url.rstrip("/")
+        self.url = service_url(url)
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
         self._headers = routes.request_headers(token, owner)
@@ -132,6 +133,8 @@ class AsyncClient:
     def session(self, config: ControllerConfig) -> AsyncSession:
         """As `Client.session`; `async with` opens it."""
         return AsyncSession(self, config)
+
+    Controller = session  # as `revprio.Controller`
 
     async def sessions(self) -> list[SessionEntry]:
         """As `Client.sessions`."""

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias, TypeVar
 
 import numpy as np
+import pydantic_core
 from numpy.typing import ArrayLike as AnyArrayLike
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, PlainValidator, ValidationError
+
+T = TypeVar("T")
 
 
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     """Converts numbers to an array; `None` becomes nan."""
     try:
         return np.asarray(value, dtype=np.float64)
-    except TypeError as error:
-        raise ValueError(str(error)) from error
+    except (TypeError, ValueError):
+        message = "give a number, a list or an array of numbers, with rows of equal length"
+        raise ValueError(message) from None
 
 
 def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
@@ -27,12 +32,25 @@ def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     return array
 
 
+def _vector(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    return np.atleast_1d(_finite(value))
+
+
+def _matrix(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    return np.atleast_2d(_finite(value))
+
+
+def _list(value: Any) -> Any:  # noqa: ANN401
+    return [value] if isinstance(value, str) else value
+
+
 def _bounds(value: Any, none: float) -> NDArray[np.float64]:  # noqa: ANN401
     """Converts bounds to an array with `none` for no bound; a nan is an error, because it is no bound by mistake."""
     try:
-        array = _array([none if bound is None else bound for bound in value])
-    except TypeError as error:
-        raise ValueError(str(error)) from error
+        array = _array([none if bound is None else bound for bound in ([value] if np.isscalar(value) else value)])
+    except TypeError:
+        message = "give one bound per row, None for no bound"
+        raise ValueError(message) from None
     if not (np.isfinite(array) | (array == none)).all():
         message = f"every bound must be a finite number, or None or {none} for no bound"
         raise ValueError(message)
@@ -67,6 +85,15 @@ FloatArray: TypeAlias = Annotated[NDArray[np.float64], PlainValidator(_array), P
 ArrayLike: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_finite), PlainSerializer(_plain)]
 """An array in a request: anything that NumPy converts to an array of finite numbers."""
 
+Vector: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_vector), PlainSerializer(_plain)]
+"""A list of finite numbers in a request: anything that NumPy converts to one. A single number is a list of one."""
+
+Matrix: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_matrix), PlainSerializer(_plain)]
+"""A matrix of finite numbers in a request, row by row. A list of numbers is a matrix of one row."""
+
+OneOrMore: TypeAlias = Annotated[list[T] | T, BeforeValidator(_list)]
+"""A list of words, or one word."""
+
 LowerBounds: TypeAlias = Annotated[
     AnyArrayLike | Sequence[float | None], PlainValidator(_lower), PlainSerializer(_plain_bounds)
 ]
@@ -81,10 +108,71 @@ JointVector: TypeAlias = Annotated[AnyArrayLike | Mapping[str, float], PlainVali
 """One number per joint: an array in the robot's joint order, or a mapping by joint name in any order."""
 
 
-class Body(BaseModel):
+class _Source:
+    """An annotation that is shown as it is written."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __repr__(self) -> str:
+        return self._text
+
+
+class _Readable(BaseModel):
+    """A model whose signature `help()` shows as it is written."""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
+        """Replaces the annotations in the signature by their source text."""
+        bases = reversed(cls.__mro__)
+        annotations = {name: text for base in bases for name, text in inspect.get_annotations(base).items()}
+        signature = inspect.signature(cls)
+        parameters = [
+            parameter.replace(annotation=_Source(str(annotations.get(name, parameter.annotation))))
+            for name, parameter in signature.parameters.items()
+        ]
+        cls.__signature__ = signature.replace(parameters=parameters)
+
+
+if TYPE_CHECKING:
+    # Type checkers must see the metaclass of pydantic, which defines the arguments of the models.
+    _Refusing = _Readable
+else:
+
+    class _BodyMeta(type(BaseModel)):
+        def __call__(cls, *args: Any, **fields: Any) -> Any:  # noqa: ANN401
+            if args:
+                message = f"name the fields: {cls.__name__}(field=value, …)"
+                raise TypeError(message)
+            try:
+                return super().__call__(**fields)
+            except ValidationError as error:
+                raise _invalid(error, fields) from None
+
+    class _Refusing(_Readable, metaclass=_BodyMeta):
+        """A model that raises an `InvalidError` if its fields are wrong, as the service would."""
+
+
+class Body(_Refusing):
     """Part of a request. Fields that were not set are not sent; the service then uses its defaults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+        """Creates the body from a mapping; raises an `InvalidError` that names the wrong field."""
+        try:
+            return super().model_validate(obj, **options)
+        except ValidationError as error:
+            raise _invalid(error, obj) from None
+
+    @classmethod
+    def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401
+        """Creates the body from JSON; raises an `InvalidError` that names the wrong field."""
+        try:
+            return super().model_validate_json(json_data, **options)
+        except ValidationError as error:
+            raise _invalid(error, pydantic_core.from_json(json_data, allow_partial=True)) from None
 
     def json_bytes(self) -> bytes:
         """Returns the JSON text to send."""
@@ -99,7 +187,13 @@ class Tagged(Body):
         self.model_fields_set.add("kind")
 
 
-class Answer(BaseModel):
+def _invalid(error: ValidationError, given: object) -> Exception:
+    from revprio.invalid import invalid  # noqa: PLC0415 - the module uses the models, which use this one
+
+    return invalid(error, given)
+
+
+class Answer(_Readable):
     """Part of an answer. Unknown fields, such as those of a newer service, are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, arbitrary_types_allowed=True)

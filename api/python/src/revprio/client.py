@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ssl
 import time
-from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Self, TypeVar
@@ -13,36 +12,26 @@ import httpx
 from websockets.sync.client import ClientConnection, connect
 
 from revprio import routes
-from revprio.controller import Session, Stateless
+from revprio.calls import Calls
+from revprio.controller import Session
 from revprio.errors import RevprioError
 from revprio.models import (
-    BatchItem,
-    BatchRequest,
     ControllerConfig,
-    KinematicsAnswer,
-    KinematicsRequest,
-    ResolveAnswer,
-    ResolveRequest,
-    Robot,
-    RobotRegistration,
     Scenario,
     ScenarioEntry,
     SessionEntry,
     SimulationRequest,
-    StabilityAnswer,
-    StabilityRequest,
-    StepAnswer,
-    StepRequest,
 )
 from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import SimulationRun
 from revprio.streaming import SUBPROTOCOL, websocket_url
 from revprio.typed import fields_of
+from revprio.url import service_url
 
 A = TypeVar("A")
 
 
-class Client:
+class Client(Calls):
     """A client of one service. It keeps its connections open between calls: use it in a `with` block, or call `close`.
 
     Every method raises a `RevprioError` if no answer comes or the service refuses the request; see `revprio.errors`.
@@ -61,7 +50,7 @@ class Client:
     ) -> None:
         """Creates the client; nothing is sent before the first call.
 
-        `url`: base address of the service.
+        `url`: base address of the service; `http://` may be left out.
         `token`: the content of the service's `--token-file`.
         `timeout_s`: time limit of a call including its retries, s; `step_timeout_s`: the same for a control period.
         `retries`: maximum number of retries of a call. Only calls that are safe to repeat are retried.
@@ -69,7 +58,7 @@ class Client:
         `owner`: owner token of the sessions that this client opens; default: a random one. Other clients cannot step
         these sessions. Clients with the same token can.
         """
-        self.url = url.rstrip("/")
+        self.url = service_url(url)
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
         self._headers = routes.request_headers(token, owner)
@@ -103,64 +92,16 @@ class Client:
             proxy=None,
         )
 
-    @fields_of(ResolveRequest)
-    def resolve(self, request: ResolveRequest) -> ResolveAnswer:
-        """Computes joint velocities for tasks: `client.resolve(robot=…, joint_position=…, tasks=[…])`.
-
-        In the answer, `joint_velocity` has n numbers, rad/s or m/s; `tasks` has the result of each task, highest
-        priority first.
-        """
-        return self.call(routes.RESOLVE(body=request))
-
-    def resolve_batch(self, items: Sequence[ResolveRequest]) -> list[BatchItem]:
-        """Resolves many requests at once. Returns, in the same order, an answer or a `Problem` for each."""
-        return self.call(routes.RESOLVE_BATCH(body=BatchRequest(items=list(items)))).items
-
-    @fields_of(KinematicsRequest)
-    def kinematics(self, request: KinematicsRequest) -> KinematicsAnswer:
-        """Returns tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames."""
-        return self.call(routes.KINEMATICS(body=request))
-
-    @fields_of(StabilityRequest)
-    def stability(self, request: StabilityRequest) -> StabilityAnswer:
-        """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
-        return self.call(routes.STABILITY(body=request))
-
-    @fields_of(StepRequest)
-    def step(self, request: StepRequest) -> StepAnswer:
-        """Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you."""
-        return self.call(routes.STEP(body=request), self.step_timeout_s)
-
     @fields_of(ControllerConfig)
     def session(self, config: ControllerConfig) -> Session:
         """Opens a controller whose memory the service keeps: `client.session(robot=…, period_s=…, tasks=[…])`."""
         return Session(self, config)
 
+    Controller = session  # as `revprio.Controller`
+
     def sessions(self) -> list[SessionEntry]:
         """Lists the open sessions of all clients."""
         return self.call(routes.LIST_CONTROLLERS()).controllers
-
-    @fields_of(ControllerConfig)
-    def stateless(self, config: ControllerConfig) -> Stateless:
-        """Returns a controller that sends its memory with each request."""
-        return Stateless(self, config)
-
-    def robots(self) -> list[Robot]:
-        """Lists the robots that requests can name, with limits and units of their joints."""
-        return self.call(routes.ROBOTS()).robots
-
-    def robot(self, name: str) -> Robot:
-        """Returns the robot of this name, with limits and units of its joints."""
-        return self.call(routes.ROBOT(name))
-
-    @fields_of(RobotRegistration)
-    def register_robot(self, registration: RobotRegistration) -> Robot:
-        """Registers a robot from the text of a URDF file. `tip` names the link of its tool."""
-        return self.call(routes.REGISTER_ROBOT(body=registration))
-
-    def delete_robot(self, name: str) -> None:
-        """Deletes a registered robot."""
-        self.call(routes.DELETE_ROBOT(name))
 
     def scenarios(self) -> list[ScenarioEntry]:
         """Lists the scenarios that ship with the service."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from types import TracebackType
@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Self
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from revprio import routes
+from revprio import native, routes
+from revprio._native import RefusedError
 from revprio.bodies import ArrayLike, JointVector
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError
 from revprio.models import (
@@ -24,20 +25,43 @@ from revprio.models import (
     StreamedTarget,
     Wrench,
 )
+from revprio.native import LazyStepAnswer, set_fields
 from revprio.states import StateNumbering
 from revprio.streaming import ReplyMatcher, refused_handshake
+from revprio.typed import fields_of
 
 if TYPE_CHECKING:
+    from revprio.calls import Calls
     from revprio.client import Client
 
+new = object.__new__
 
-class Controller(ABC):
-    """A running controller, made by `Client.session` or `Client.stateless`. Use it in a `with` block."""
 
-    def __init__(self, period_s: float) -> None:
-        """`period_s`: control period T, s."""
-        self.period_s = period_s
-        self._numbering = StateNumbering(period_s)
+class Controller:
+    """A running controller: once per period, a measured state goes in and joint velocities come out.
+
+    `Controller(robot=…, period_s=…, tasks=[…])` computes in this process, without a server. `Client.session` and
+    `Client.stateless` return controllers with the same methods that a service computes. Different controllers may run
+    in different threads: `step` computes without the lock of the interpreter.
+    """
+
+    @fields_of(ControllerConfig)
+    def __init__(self, config: ControllerConfig) -> None:
+        """Starts a controller in this process. Raises an `InvalidError` that names the wrong field."""
+        self.period_s: float = config.period_s
+        """Control period T, s."""
+        self._native = native.controller(config.json_bytes())
+        self._next = 0
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints, in the order of all arrays."""
+        return self._native.joints
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about contacts that are unstable with the controller's `environment`."""
+        return self._native.warnings
 
     def step(
         self,
@@ -57,16 +81,35 @@ class Controller(ABC):
         `targets`: new targets by task name, as in teleoperation; default: none. The service interpolates between them.
 
         Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
-        `Watchdog`. If an answer is lost, the client sends the state again with the same sequence number; the service
-        never runs the same number twice.
+        `Watchdog`. With a service: if an answer is lost, the client sends the state again with the same sequence
+        number; the service never runs the same number twice.
         """
-        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
+        # Every call here counts: the whole method costs less than a microsecond besides the step.
+        sequence = self._next
+        self._next = sequence + 1
+        if time_s is None:
+            time_s = sequence * self.period_s
+        sent = None if targets is None else native.targets_json(targets)
+        try:
+            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, sent)
+        except RefusedError as refusal:
+            raise native.problem(refusal) from None
+        answer = new(LazyStepAnswer)
+        set_fields(answer, fields)
+        return answer
 
-    @abstractmethod
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._next = state.sequence
+        return Controller.step(
+            self,
+            state.joint_position,
+            joint_velocity=state.joint_velocity,
+            wrench=state.wrench,
+            time_s=state.time_s,
+            targets=state.targets,
+        )
 
-    @abstractmethod
     def close(self) -> None:
         """Ends the controller."""
 
@@ -81,7 +124,32 @@ class Controller(ABC):
         self.close()
 
 
-class Session(Controller):
+class RemoteController(Controller):
+    """A controller that a service computes."""
+
+    def __init__(self, period_s: float) -> None:
+        """`period_s`: control period T, s."""
+        self.period_s = period_s
+        self._numbering = StateNumbering(period_s)
+
+    def step(
+        self,
+        joint_position: JointVector,
+        *,
+        joint_velocity: JointVector | None = None,
+        wrench: Wrench | ArrayLike | None = None,
+        time_s: float | None = None,
+        targets: Mapping[str, StreamedTarget] | None = None,
+    ) -> StepAnswer:
+        """As `Controller.step`."""
+        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
+
+    @abstractmethod
+    def step_state(self, state: State) -> StepAnswer:
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+
+
+class Session(RemoteController):
     """A controller whose memory the service keeps."""
 
     def __init__(self, client: Client, config: ControllerConfig) -> None:
@@ -90,6 +158,16 @@ class Session(Controller):
         self._client = client
         self.created: CreatedController = client.call(routes.CREATE_CONTROLLER(body=config))
         """The answer of the service: session name, joint order, and warnings about unstable contacts."""
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints, in the order of all arrays."""
+        return self.created.joints
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about contacts that are unstable with the controller's `environment`."""
+        return self.created.warnings
 
     @property
     def id(self) -> str:
@@ -130,10 +208,10 @@ class Session(Controller):
                 raise
 
 
-class Stateless(Controller):
+class Stateless(RemoteController):
     """A controller that sends its memory with each request, so that any replica of the service can answer it."""
 
-    def __init__(self, client: Client, config: ControllerConfig) -> None:
+    def __init__(self, client: Calls, config: ControllerConfig) -> None:
         """Starts without memory."""
         super().__init__(config.period_s)
         self._client, self._config = client, config
@@ -151,7 +229,7 @@ class Stateless(Controller):
         """Does nothing, because the service stores nothing."""
 
 
-class Stream(Controller):
+class Stream(RemoteController):
     """A session over a WebSocket."""
 
     def __init__(self, client: Client, session: Session) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from revprio.models import REMEDIES, Problem, Simulation
 
 __all__ = [
-    "ConflictError", "ForeignAnswerError", "InvalidError", "LateAnswerError", "NoAnswerError", "NotFoundError",
+    "AddressError", "ConflictError", "ForeignAnswerError", "InvalidError", "LateAnswerError", "NoAnswerError",
+    "NotFoundError",
     "ProblemError", "RevprioError", "SimulationError", "UnauthorizedError", "UnavailableError",
 ]  # fmt: skip
 
@@ -42,6 +43,15 @@ class ForeignAnswerError(RevprioError):
         self.is_silence = status >= 500  # noqa: PLR2004
 
 
+class AddressError(RevprioError, ValueError):
+    """The address of a service is not an address of HTTP."""
+
+    def __init__(self, url: str) -> None:
+        """`url`: the wrong address."""
+        super().__init__(f"`{url}` is not the address of a service; give one such as http://127.0.0.1:8080")
+        self.url = url
+
+
 class SimulationError(RevprioError):
     """A simulation failed or was cancelled."""
 
@@ -73,8 +83,11 @@ class ProblemError(RevprioError):
         self.is_silence = problem.status in (408, 429) or problem.status >= 500  # noqa: PLR2004
 
 
-class InvalidError(ProblemError):
-    """400, 413, 415, 422: the request is malformed, too large or invalid; `pointer` names the field."""
+class InvalidError(ProblemError, ValueError):
+    """400, 413, 415, 422: the request is malformed, too large or invalid; `pointer` names the field.
+
+    The client raises it too, for a body that it can refuse itself.
+    """
 
 
 class UnauthorizedError(ProblemError):

@@ -6,7 +6,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from revprio.bodies import Answer, ArrayLike, Body, FloatArray, JointVector, LowerBounds, Tagged, UpperBounds
+from revprio.bodies import (
+    Answer,
+    ArrayLike,
+    Body,
+    FloatArray,
+    JointVector,
+    LowerBounds,
+    Matrix,
+    OneOrMore,
+    Tagged,
+    UpperBounds,
+    Vector,
+)
 
 
 __all__ = [
@@ -135,7 +147,15 @@ __all__ = [
 
 
 class ActiveInequality(Answer):
-    """An active inequality: it holds with equality and restricts the answer."""
+    """An active inequality: it holds with equality and restricts the answer.
+
+    Fields:
+
+    - bound: Upper bound b.
+    - multiplier: Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a larger
+      b.
+    - name: Name of the inequality.
+    """
 
     bound: float
     """Upper bound b."""
@@ -150,7 +170,16 @@ Side = Literal["lower", "upper"]
 
 
 class ActiveLimit(Answer):
-    """An active limit: a bound that the answer reaches and that restricts it."""
+    """An active limit: a bound that the answer reaches and that restricts it.
+
+    Fields:
+
+    - joint: Name of the joint.
+    - multiplier: Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider
+      bound.
+    - side: Lower or upper bound.
+    - value: Bound, rad/s or m/s.
+    """
 
     joint: str
     """Name of the joint."""
@@ -163,7 +192,16 @@ class ActiveLimit(Answer):
 
 
 class ActiveLimitName(Body):
-    """An active limit: a joint, an inequality, or a row of a task, and a side."""
+    """An active limit: a joint, an inequality, or a row of a task, and a side.
+
+    Fields:
+
+    - side: Lower or upper bound; `upper` for an inequality.
+    - inequality: Name of the inequality, for an inequality.
+    - joint: Name of the joint, for a limit of a joint.
+    - row: Index of the row in its task, from 0.
+    - task: Name of the task, for a row of a task.
+    """
 
     side: Side
     """Lower or upper bound; `upper` for an inequality."""
@@ -178,7 +216,15 @@ class ActiveLimitName(Body):
 
 
 class ActiveRow(Answer):
-    """An active row: a row of a task that reaches a bound and restricts the answer."""
+    """An active row: a row of a task that reaches a bound and restricts the answer.
+
+    Fields:
+
+    - multiplier: Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider
+      bound.
+    - row: Index of the row in its task, from 0.
+    - side: Lower or upper bound.
+    """
 
     multiplier: float
     """Lagrange multiplier: decrease of ½ residual² of the highest restricted task per unit of a wider bound."""
@@ -194,7 +240,15 @@ one."""
 
 
 class JointView(Answer):
-    """The axis of a joint, and the velocities that its limits allow."""
+    """The axis of a joint, and the velocities that its limits allow.
+
+    Fields:
+
+    - axis: Direction of the axis, unit vector, base frame.
+    - origin: Point on the axis, base frame, m.
+    - lower: Minimum velocity in this period, rad/s or m/s; `null` without a bound.
+    - upper: Maximum velocity in this period, rad/s or m/s; `null` without a bound.
+    """
 
     axis: FloatArray
     """Direction of the axis, unit vector, base frame."""
@@ -207,7 +261,15 @@ class JointView(Answer):
 
 
 class Orientation(Body):
-    """An orientation as a unit quaternion."""
+    """An orientation as a unit quaternion.
+
+    Fields:
+
+    - w: Scalar part.
+    - x: x of the vector part.
+    - y: y of the vector part.
+    - z: z of the vector part.
+    """
 
     w: float
     """Scalar part."""
@@ -220,16 +282,28 @@ class Orientation(Body):
 
 
 class Pose(Body):
-    """A pose in the frame that the description of its field names."""
+    """A pose in the frame that the description of its field names.
+
+    Fields:
+
+    - orientation: Orientation, unit quaternion.
+    - position: Position x, y, z, m. Shape: 3.
+    """
 
     orientation: Orientation
     """Orientation, unit quaternion."""
-    position: ArrayLike
+    position: Vector
     """Position x, y, z, m. Shape: 3."""
 
 
 class ArmView(Answer):
-    """An arm at a posture, for drawing."""
+    """An arm at a posture, for drawing.
+
+    Fields:
+
+    - joints: The joints, base first.
+    - tool: Tool pose in the base frame, m.
+    """
 
     joints: list[JointView]
     """The joints, base first."""
@@ -242,7 +316,14 @@ Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
 
 
 class Singularity(Answer):
-    """Distance of the tasks from singularities."""
+    """Distance of the tasks from singularities.
+
+    Fields:
+
+    - algorithmic: Whether the rows of any task depend on the rows of lower tasks.
+    - manipulability: Manipulability, the product of the singular values of all task rows together.
+    - smallest_singular_value: Smallest singular value of all task rows together.
+    """
 
     algorithmic: bool
     """Whether the rows of any task depend on the rows of lower tasks."""
@@ -260,7 +341,20 @@ Status = Literal["optimal", "not_certified", "failed"]
 
 
 class SolverReport(Answer):
-    """Solver path, status and certificate of an answer."""
+    """Solver path, status and certificate of an answer.
+
+    Fields:
+
+    - iterations: Number of iterations of Clarabel over all levels.
+    - path: Solver path that found the answer.
+    - status: Whether the answer is certified optimal.
+    - failures: Number of levels that Clarabel failed to solve; an exact active-set method solved them.
+    - kkt_residual: Largest relative residual of the optimality conditions; `null` without an answer or if not
+      finite, never if `status` is `optimal`.
+    - rank_uncertain: Whether a rank decision lies so near its threshold that rounding may have decided it; default
+      `false`.
+    - working_sets: Number of working sets (sets of active limits) that the solver tried.
+    """
 
     iterations: int
     """Number of iterations of Clarabel over all levels."""
@@ -284,7 +378,27 @@ TargetState = Literal["following", "extrapolating", "holding", "braking"]
 
 
 class TaskOutcome(Answer):
-    """The outcome of one task."""
+    """The outcome of one task.
+
+    Fields:
+
+    - achieved: Achieved task velocity J_k q̇, m/s and rad/s.
+    - algorithmic: Whether the rows of the task depend on the rows of lower tasks (algorithmic singularity, Eq.
+      (12)).
+    - name: Name of the task.
+    - rank: Rank of the task Jacobian J_k.
+    - requested: Requested task velocity ẋ_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to
+      the achieved one.
+    - residual_norm: Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation.
+    - active_rows: Active rows of a task with bounds: rows that reach a bound and restrict the answer.
+    - scale: Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction.
+    - target_age_s: Time of the state minus time of the newest streamed target, s; negative if the target lies
+      ahead.
+    - target_force: Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers
+      to a state.
+    - target_state: Where the streamed target of this period comes from; absent if no target was streamed to this
+      task.
+    """
 
     achieved: FloatArray
     """Achieved task velocity J_k q̇, m/s and rad/s."""
@@ -312,7 +426,15 @@ class TaskOutcome(Answer):
 
 
 class ViolatedLimit(Answer):
-    """A limit that the answer violates. Only the solver `closed_form` violates limits."""
+    """A limit that the answer violates. Only the solver `closed_form` violates limits.
+
+    Fields:
+
+    - joint: Name of the joint.
+    - limit: Bound, rad/s or m/s.
+    - side: Lower or upper bound.
+    - value: Velocity of the joint, rad/s or m/s.
+    """
 
     joint: str
     """Name of the joint."""
@@ -325,7 +447,16 @@ class ViolatedLimit(Answer):
 
 
 class ContradictionMember(Answer):
-    """A demand in a contradiction: a row of a task, a joint limit, or an inequality, and a side."""
+    """A demand in a contradiction: a row of a task, a joint limit, or an inequality, and a side.
+
+    Fields:
+
+    - side: Lower or upper bound.
+    - inequality: Name of the inequality, for an inequality.
+    - joint: Name of the joint, for a limit of a joint.
+    - row: Index of the row in its task, from 0.
+    - task: Name of the task, for a row of a task.
+    """
 
     side: Side
     """Lower or upper bound."""
@@ -340,7 +471,14 @@ class ContradictionMember(Answer):
 
 
 class Contradiction(Answer):
-    """A contradiction: demands that cannot all be kept, of which any one can be dropped so that the others can."""
+    """A contradiction: demands that cannot all be kept, of which any one can be dropped so that the others can.
+
+    Fields:
+
+    - members: Demands that contradict each other.
+    - task: Name of the task whose bounds cannot all be kept; `null` for the inequalities, which come before all
+      tasks.
+    """
 
     members: list[ContradictionMember]
     """Demands that contradict each other."""
@@ -350,7 +488,14 @@ class Contradiction(Answer):
 
 class ViolatedInequality(Answer):
     """An inequality that the answer violates: the solver is `closed_form`, or the inequalities contradict the joint
-    limits."""
+    limits.
+
+    Fields:
+
+    - bound: Upper bound b.
+    - name: Name of the inequality.
+    - value: Value a·q̇ of the answer.
+    """
 
     bound: float
     """Upper bound b."""
@@ -361,7 +506,26 @@ class ViolatedInequality(Answer):
 
 
 class ResolveAnswer(Answer):
-    """Joint velocities and their explanation."""
+    """Joint velocities and their explanation.
+
+    Fields:
+
+    - active_limits: Active limits: bounds that the answer reaches and that restrict it.
+    - elapsed_us: Time to compute the answer, µs.
+    - joint_velocity: Joint velocity q̇, the command, in joint order, rad/s or m/s.
+    - limit_conflict: Names of joints whose acceleration limit contradicts position or velocity limits and is not
+      kept.
+    - singularity: Distance of the tasks from singularities.
+    - solver: Solver path, status and certificate.
+    - tasks: Outcome of each task, highest priority first.
+    - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
+      that `limits` do not contain.
+    - active_inequalities: Active inequalities.
+    - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
+    - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
+      limit; only with a robot.
+    - violated_inequalities: Violated inequalities.
+    """
 
     active_limits: list[ActiveLimit]
     """Active limits: bounds that the answer reaches and that restrict it."""
@@ -392,7 +556,17 @@ class ResolveAnswer(Answer):
 
 
 class Problem(Answer):
-    """Why a request was refused, and the remedy."""
+    """Why a request was refused, and the remedy.
+
+    Fields:
+
+    - detail: Description of this problem, with the remedy.
+    - status: HTTP status code.
+    - title: Kind of problem in words.
+    - type: Identifier of the kind of problem, a relative reference that never changes.
+    - pointer: JSON pointer to the wrong field of the request, if there is one.
+    - request_id: Identifier of the request, as in the header `x-request-id` and in the log.
+    """
 
     detail: str
     """Description of this problem, with the remedy."""
@@ -447,7 +621,12 @@ BatchItem = ResolveAnswer | Problem
 
 
 class BatchAnswer(Answer):
-    """The results of a batch."""
+    """The results of a batch.
+
+    Fields:
+
+    - items: One answer or error per problem, in the order of the request.
+    """
 
     items: list[BatchItem]
     """One answer or error per problem, in the order of the request."""
@@ -459,31 +638,53 @@ last case, target poses are given in that frame."""
 
 
 class ResolveTask(Body):
-    """One task: axes of the tool or its own Jacobian, and their velocity or bounds of it."""
+    """One task: axes of the tool or its own Jacobian, and their velocity or bounds of it.
 
-    axes: list[Axis] | None = None
+    Fields:
+
+    - axes: Axes of the tool, one per row; instead of `jacobian`.
+    - frame: Axes along which the rows are measured; default `base`.
+    - jacobian: Task Jacobian J_k, m × n, row by row; instead of `axes`.
+    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
+      none.
+    - name: Name; default `task 1`, `task 2`, …
+    - reference_point: Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3.
+    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with
+      `velocity`; default `false`.
+    - upper: Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
+      none.
+    - velocity: Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`.
+    """
+
+    axes: OneOrMore[Axis] | None = None
     """Axes of the tool, one per row; instead of `jacobian`."""
     frame: Frame | None = None
     """Axes along which the rows are measured; default `base`."""
-    jacobian: ArrayLike | None = None
+    jacobian: Matrix | None = None
     """Task Jacobian J_k, m × n, row by row; instead of `axes`."""
     lower: LowerBounds | None = None
     """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
     name: str | None = None
     """Name; default `task 1`, `task 2`, …"""
-    reference_point: ArrayLike | None = None
+    reference_point: Vector | None = None
     """Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
     """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `velocity`;
     default `false`."""
     upper: UpperBounds | None = None
     """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
-    velocity: ArrayLike | None = None
+    velocity: Vector | None = None
     """Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`."""
 
 
 class Damping(Body):
-    """Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0."""
+    """Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
+
+    Fields:
+
+    - max_factor: Maximum damping factor λ_max ≥ 0, reached at a singular value of zero.
+    - threshold: Threshold δ > 0: damping acts if the smallest singular value is below it.
+    """
 
     max_factor: float
     """Maximum damping factor λ_max ≥ 0, reached at a singular value of zero."""
@@ -492,9 +693,17 @@ class Damping(Body):
 
 
 class JointsInequality(Tagged):
-    """The inequality a·q̇ ≤ b."""
+    """The inequality a·q̇ ≤ b.
 
-    coefficients: ArrayLike
+    Fields:
+
+    - coefficients: Coefficients a, one per joint, in joint order, any unit.
+    - kind: Selects the variant.
+    - upper: Upper bound b, rad/s (or m/s) times the unit of a.
+    - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
+    """
+
+    coefficients: Vector
     """Coefficients a, one per joint, in joint order, any unit."""
     kind: Literal["joints"] = "joints"
     """Selects the variant."""
@@ -505,11 +714,21 @@ class JointsInequality(Tagged):
 
 
 class PlaneInequality(Tagged):
-    """A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p)."""
+    """A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p).
+
+    Fields:
+
+    - kind: Selects the variant.
+    - normal: Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3.
+    - offset_m: Distance of the plane from the base origin along n, m.
+    - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
+    - point: Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
+    - rate_per_s: Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10.
+    """
 
     kind: Literal["plane"] = "plane"
     """Selects the variant."""
-    normal: ArrayLike
+    normal: Vector
     """Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3."""
     offset_m: float
     """Distance of the plane from the base origin along n, m."""
@@ -529,11 +748,17 @@ LimitKind = Literal["none", "velocity", "position_velocity", "position_velocity_
 
 
 class ExplicitLimits(Body):
-    """Bounds lower ≤ q̇ ≤ upper."""
+    """Bounds lower ≤ q̇ ≤ upper.
 
-    lower: ArrayLike
+    Fields:
+
+    - lower: Lower bounds, one per joint, rad/s or m/s.
+    - upper: Upper bounds, one per joint, rad/s or m/s.
+    """
+
+    lower: Vector
     """Lower bounds, one per joint, rad/s or m/s."""
-    upper: ArrayLike
+    upper: Vector
     """Upper bounds, one per joint, rad/s or m/s."""
 
 
@@ -552,7 +777,13 @@ Method = Literal[
 
 
 class JointLimitsNullSpaceMotion(Tagged):
-    """The velocity −k ∇H, away from the position limits, with the joint-limit index H."""
+    """The velocity −k ∇H, away from the position limits, with the joint-limit index H.
+
+    Fields:
+
+    - gain: Gain k, rad²/s or m²/s.
+    - kind: Selects the variant.
+    """
 
     gain: float
     """Gain k, rad²/s or m²/s."""
@@ -561,7 +792,14 @@ class JointLimitsNullSpaceMotion(Tagged):
 
 
 class PostureNullSpaceMotion(Tagged):
-    """The velocity K (q_d − q), towards a posture."""
+    """The velocity K (q_d − q), towards a posture.
+
+    Fields:
+
+    - gain: Gain K, 1/s.
+    - joint_position: Target posture q_d, rad or m.
+    - kind: Selects the variant.
+    """
 
     gain: float
     """Gain K, 1/s."""
@@ -582,7 +820,25 @@ Solver = Literal["closed_form", "qp", "auto"]
 
 
 class ResolveRequest(Body):
-    """Prioritised tasks at one posture, to resolve into joint velocities."""
+    """Prioritised tasks at one posture, to resolve into joint velocities.
+
+    Fields:
+
+    - tasks: The tasks, highest priority first.
+    - damping: Damping near singularities; default: no damping.
+    - inequalities: Inequalities on the joint velocities besides the limits; default: none.
+    - joint_position: Joint position q, rad or m; needed unless every task has its own `jacobian`.
+    - joint_velocity: Joint velocity of the last command, rad/s or m/s; needed for acceleration limits.
+    - limits: Limits of the joint velocities; default: `position_velocity` with robot, posture and period;
+      `velocity` with a robot alone; otherwise `none`.
+    - method: Resolution method, the meaning of priorities; default `reverse_priority`.
+    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default:
+      rest.
+    - period_s: Control period T, s; needed for position and acceleration limits.
+    - robot: Name of the robot; not needed if every task has its own `jacobian`.
+    - solver: Solver; default `auto`.
+    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
+    """
 
     tasks: list[ResolveTask]
     """The tasks, highest priority first."""
@@ -612,7 +868,12 @@ class ResolveRequest(Body):
 
 
 class BatchRequest(Body):
-    """Independent problems to resolve."""
+    """Independent problems to resolve.
+
+    Fields:
+
+    - items: Problems, at most 10 000.
+    """
 
     items: list[ResolveRequest]
     """Problems, at most 10 000."""
@@ -623,7 +884,14 @@ ContactKind = Literal["spring", "wall", "plane"]
 
 
 class Friction(Body):
-    """Friction of a tool with velocity v along a surface that it presses with F_n: (μ F_n/√(v² + v_s²) + B_t) v."""
+    """Friction of a tool with velocity v along a surface that it presses with F_n: (μ F_n/√(v² + v_s²) + B_t) v.
+
+    Fields:
+
+    - coulomb: Coefficient μ of dry friction.
+    - sticking_speed_m_s: Speed v_s, m/s. Below it, dry friction decreases to zero, so that a tool at rest has none.
+    - viscous: Viscous friction B_t, N·s/m, during contact.
+    """
 
     coulomb: float | None = None
     """Coefficient μ of dry friction."""
@@ -634,7 +902,13 @@ class Friction(Body):
 
 
 class ConstantProfile(Tagged):
-    """A constant value."""
+    """A constant value.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - value: Constant value.
+    """
 
     kind: Literal["constant"] = "constant"
     """Selects the variant."""
@@ -643,7 +917,16 @@ class ConstantProfile(Tagged):
 
 
 class SineProfile(Tagged):
-    """A sine: offset + amplitude sin(ω t + φ)."""
+    """A sine: offset + amplitude sin(ω t + φ).
+
+    Fields:
+
+    - amplitude: Amplitude.
+    - angular_frequency_rad_s: Angular frequency ω, rad/s.
+    - kind: Selects the variant.
+    - offset: Mean value.
+    - phase_rad: Phase φ, rad; default 0.
+    """
 
     amplitude: ArrayLike
     """Amplitude."""
@@ -658,7 +941,16 @@ class SineProfile(Tagged):
 
 
 class RampProfile(Tagged):
-    """A linear change from one value to another, constant before and after."""
+    """A linear change from one value to another, constant before and after.
+
+    Fields:
+
+    - duration_s: Duration, s; at least 1e-6.
+    - end: Value after the ramp.
+    - kind: Selects the variant.
+    - start: Value before the ramp.
+    - start_time_s: Start time, s; default 0.
+    """
 
     duration_s: float
     """Duration, s; at least 1e-6."""
@@ -673,7 +965,13 @@ class RampProfile(Tagged):
 
 
 class ProfilePoint(Body):
-    """A value at a time."""
+    """A value at a time.
+
+    Fields:
+
+    - time_s: Time t, s.
+    - value: Value at that time.
+    """
 
     time_s: float
     """Time t, s."""
@@ -682,7 +980,13 @@ class ProfilePoint(Body):
 
 
 class StepsProfile(Tagged):
-    """The value of the last point passed; before the first point, its value."""
+    """The value of the last point passed; before the first point, its value.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - points: Points in the order of their times.
+    """
 
     kind: Literal["steps"] = "steps"
     """Selects the variant."""
@@ -691,7 +995,13 @@ class StepsProfile(Tagged):
 
 
 class WaypointsProfile(Tagged):
-    """A smooth curve through all points, at rest at the first and the last point."""
+    """A smooth curve through all points, at rest at the first and the last point.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - points: Points in the order of their times.
+    """
 
     kind: Literal["waypoints"] = "waypoints"
     """Selects the variant."""
@@ -708,7 +1018,21 @@ Profile = Annotated[
 class Contact(Body):
     """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.  Paper: Eq.
     (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and acceleration are
-    relative to it."""
+    relative to it.
+
+    Fields:
+
+    - kind: Kind of contact.
+    - stiffness: Stiffness K_e, N/m.
+    - axis: Base axis of a spring or a wall.
+    - damping: Damping B_e, N·s/m.
+    - friction: Friction along a wall or a plane; none by default.
+    - inertia: Inertia M_e, kg.
+    - motion: Motion that is added to `offset_m`, m, one value.
+    - normal: Normal of a plane, out of the material, base axes; of any length except zero. Shape: 3.
+    - offset_m: X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is
+      in the negative direction. For a plane: the distance of the tool to it, against the normal.
+    """
 
     kind: ContactKind
     """Kind of contact."""
@@ -724,7 +1048,7 @@ class Contact(Body):
     """Inertia M_e, kg."""
     motion: Profile | None = None
     """Motion that is added to `offset_m`, m, one value."""
-    normal: ArrayLike | None = None
+    normal: Vector | None = None
     """Normal of a plane, out of the material, base axes; of any length except zero. Shape: 3."""
     offset_m: float | None = None
     """X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the
@@ -732,7 +1056,13 @@ class Contact(Body):
 
 
 class VelocityLaw(Tagged):
-    """A given velocity ẋ."""
+    """A given velocity ẋ.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - target_velocity: Task velocity ẋ, m/s and rad/s.
+    """
 
     kind: Literal["velocity"] = "velocity"
     """Selects the variant."""
@@ -747,7 +1077,20 @@ reference point (m, unit quaternion), in the task's `frame` if that is a pose, o
 
 class PoseLaw(Tagged):
     """Motion to a pose: ẋ = ẋ_d + f K (x_d − x). f is 1 near the target, and smaller where the joints could not
-    brake."""
+    brake.
+
+    Fields:
+
+    - gain: Gain K, 1/s.
+    - kind: Selects the variant.
+    - braking: Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default
+      `true`.
+    - max_acceleration: Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits
+      of the joints; default: those limits alone.
+    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
+      frame; default: none.
+    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+    """
 
     gain: ArrayLike
     """Gain K, 1/s."""
@@ -771,7 +1114,19 @@ joint, rad or m."""
 
 class PostureLaw(Tagged):
     """Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1
-    near the target, and smaller where the joint could not brake."""
+    near the target, and smaller where the joint could not brake.
+
+    Fields:
+
+    - gain: Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s.
+    - kind: Selects the variant.
+    - target_position: Target positions q_d, rad or m, or `mid_range`.
+    - braking: Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default
+      `true`.
+    - joints: Names of the joints; default: all joints, for `mid_range` all joints with a range.
+    - max_acceleration: Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of
+      the joints; default: those limits alone.
+    """
 
     gain: ArrayLike
     """Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s."""
@@ -781,7 +1136,7 @@ class PostureLaw(Tagged):
     """Target positions q_d, rad or m, or `mid_range`."""
     braking: bool | None = None
     """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
-    joints: list[str] | None = None
+    joints: OneOrMore[str] | None = None
     """Names of the joints; default: all joints, for `mid_range` all joints with a range."""
     max_acceleration: ArrayLike | None = None
     """Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints; default:
@@ -789,7 +1144,15 @@ class PostureLaw(Tagged):
 
 
 class ForceLaw(Tagged):
-    """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e."""
+    """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
+
+    Fields:
+
+    - damping: Damping B_d, N·s/m and N·m·s/rad.
+    - inertia: Inertia M_d, kg and kg·m².
+    - kind: Selects the variant.
+    - target_force: Target force F_d, N and N·m.
+    """
 
     damping: ArrayLike
     """Damping B_d, N·s/m and N·m·s/rad."""
@@ -802,7 +1165,18 @@ class ForceLaw(Tagged):
 
 
 class ImpedanceLaw(Tagged):
-    """Mass, damper and spring about a pose: M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e."""
+    """Mass, damper and spring about a pose: M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e.
+
+    Fields:
+
+    - damping: Damping B_d, N·s/m and N·m·s/rad.
+    - inertia: Inertia M_d, kg and kg·m².
+    - kind: Selects the variant.
+    - stiffness: Stiffness K_d, N/m and N·m/rad.
+    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
+      frame; default: none.
+    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+    """
 
     damping: ArrayLike
     """Damping B_d, N·s/m and N·m·s/rad."""
@@ -823,7 +1197,20 @@ PerAxisBool = bool | list[bool]
 
 
 class HybridLaw(Tagged):
-    """Force control on some axes, impedance on the others."""
+    """Force control on some axes, impedance on the others.
+
+    Fields:
+
+    - damping: Damping B_d, N·s/m and N·m·s/rad.
+    - inertia: Inertia M_d, kg and kg·m².
+    - kind: Selects the variant.
+    - position_controlled: Selection S per axis: `true` position-controlled, `false` force-controlled.
+    - stiffness: Stiffness K_d of the position-controlled axes, N/m and N·m/rad; ignored on the others.
+    - target_force: Target force F_d of the force-controlled axes, N and N·m; ignored on the others.
+    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
+      frame; default: none.
+    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+    """
 
     damping: ArrayLike
     """Damping B_d, N·s/m and N·m·s/rad."""
@@ -849,7 +1236,23 @@ Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | H
 
 class Streaming(Body):
     """How a task follows streamed targets. The defaults suit 30 to 90 targets per second.  The age of a target is the
-    time of the state minus `time_s` of the target minus `delay_s`."""
+    time of the state minus `time_s` of the target minus `delay_s`.
+
+    Fields:
+
+    - brake_after_s: Age of the newest target from which the task brakes to rest, s; at least `hold_after_s`;
+      default 0.2.
+    - delay_s: Delay with which targets are followed, s; default 0. A delay of one interval between targets makes
+      the task interpolate instead of extrapolate.
+    - hold_after_s: Age of the newest target up to which it is extrapolated, s; after it the target is held; default
+      0.05.
+    - max_acceleration: Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s²,
+      for joints their acceleration limits. The task brakes with it.
+    - max_velocity: Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints
+      their velocity limits.
+    - smoothing_s: Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no
+      smoothing. A uniform motion is followed without lag.
+    """
 
     brake_after_s: float | None = None
     """Age of the newest target from which the task brakes to rest, s; at least `hold_after_s`; default 0.2."""
@@ -870,22 +1273,41 @@ class Streaming(Body):
 
 
 class ControllerTask(Body):
-    """One task of a controller: its rows, and their law or bounds of their velocity."""
+    """One task of a controller: its rows, and their law or bounds of their velocity.
+
+    Fields:
+
+    - name: Name, unique in the controller.
+    - axes: Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`.
+    - frame: Axes along which rows, displacements and wrench are measured; default `base`.
+    - jacobian: Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law
+      `velocity` or bounds.
+    - law: Law that computes the velocity of the task; instead of `lower` and `upper`.
+    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
+      none.
+    - reference_point: Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool
+      point. Shape: 3.
+    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with
+      `law`; default `false`.
+    - streaming: How the task follows the `targets` of the states; default: the defaults of its fields.
+    - upper: Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
+      none.
+    """
 
     name: str
     """Name, unique in the controller."""
-    axes: list[Axis] | None = None
+    axes: OneOrMore[Axis] | None = None
     """Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`."""
     frame: Frame | None = None
     """Axes along which rows, displacements and wrench are measured; default `base`."""
-    jacobian: ArrayLike | None = None
+    jacobian: Matrix | None = None
     """Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law `velocity` or
     bounds."""
     law: Law | None = None
     """Law that computes the velocity of the task; instead of `lower` and `upper`."""
     lower: LowerBounds | None = None
     """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
-    reference_point: ArrayLike | None = None
+    reference_point: Vector | None = None
     """Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
     scale: bool | None = None
     """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
@@ -898,7 +1320,14 @@ class ControllerTask(Body):
 
 class JointDrive(Body):
     """How the joints follow a command: after a dead time, with a first-order lag. Limits hold behind it. Give values
-    that are too large rather than too small: the arm then brakes a little early."""
+    that are too large rather than too small: the arm then brakes a little early.
+
+    Fields:
+
+    - delay_periods: Dead time D from the measurement of a state to the motion that its answer causes, whole
+      periods; default 2.
+    - lag_s: Time constant L of the lag, s; default 0.03.
+    """
 
     delay_periods: int | None = None
     """Dead time D from the measurement of a state to the motion that its answer causes, whole periods; default 2."""
@@ -907,7 +1336,14 @@ class JointDrive(Body):
 
 
 class EnvironmentAxis(Body):
-    """The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X."""
+    """The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X.
+
+    Fields:
+
+    - stiffness: Stiffness K_e, N/m or N·m/rad.
+    - damping: Damping B_e, N·s/m or N·m·s/rad; default 0.
+    - inertia: Inertia M_e, kg or kg·m²; default 0.
+    """
 
     stiffness: float
     """Stiffness K_e, N/m or N·m/rad."""
@@ -919,7 +1355,21 @@ class EnvironmentAxis(Body):
 
 class Environment(Body):
     """The environment of the tool and the response of the arm, as far as known. It causes warnings of unstable loops
-    and changes no command."""
+    and changes no command.
+
+    Fields:
+
+    - delay_periods: Delay of a command, control periods; default 0.
+    - lag_s: Lag τ of the arm's velocity loop, s; default 0.
+    - rx: Environment about x of the base; default: none.
+    - ry: Environment about y of the base; default: none.
+    - rz: Environment about z of the base; default: none.
+    - velocity_measured: Whether states contain the measured joint velocity; otherwise the last command replaces it.
+      Default `true`.
+    - x: Environment along x of the base; default: none.
+    - y: Environment along y of the base; default: none.
+    - z: Environment along z of the base; default: none.
+    """
 
     delay_periods: int | None = None
     """Delay of a command, control periods; default 0."""
@@ -942,7 +1392,17 @@ class Environment(Body):
 
 
 class StateChecks(Body):
-    """Bounds of a plausible state. A state beyond a bound is refused with 422; a larger bound allows it."""
+    """Bounds of a plausible state. A state beyond a bound is refused with 422; a larger bound allows it.
+
+    Fields:
+
+    - max_force_n: Maximum magnitude of each entry of the measured force, N; default: no bound, and a warning above
+      10 000.
+    - max_torque_nm: Maximum magnitude of each entry of the measured torque, N·m; default: no bound, and a warning
+      above 10 000.
+    - position_tolerance: Maximum distance of a measured joint position outside the joint's range, rad or m; default
+      0.1. It applies if `limits` include positions and `solver` is not `closed_form`.
+    """
 
     max_force_n: float | None = None
     """Maximum magnitude of each entry of the measured force, N; default: no bound, and a warning above 10 000."""
@@ -961,7 +1421,30 @@ WrenchFrame = Literal["base", "tool"]
 
 
 class ControllerConfig(Body):
-    """A controller: robot, tasks with their laws, method, solver, limits and control period."""
+    """A controller: robot, tasks with their laws, method, solver, limits and control period.
+
+    Fields:
+
+    - period_s: Control period T, s.
+    - robot: Name of the robot.
+    - tasks: The tasks, highest priority first.
+    - anti_windup: When integrators of laws follow the achieved velocity; default `always`.
+    - damping: Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
+    - drive: How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
+    - environment: Environment that the tool touches, as far as known, for the stability warnings of `POST
+      /v1/controllers`; default: unknown.
+    - inequalities: Inequalities on the joint velocities besides the limits; default: none.
+    - limits: Limits of the joint velocities; default `position_velocity_acceleration`.
+    - method: Resolution method, the meaning of priorities; default `reverse_priority`.
+    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default:
+      rest.
+    - solver: Solver of each period's problem; default `auto`.
+    - state_checks: Bounds of a plausible state; default: those of `StateChecks`.
+    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
+    - valid_for_ms: Maximum validity of an answer, ms; default 100.
+    - wrench_convention: Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
+    - wrench_frame: Axes of the wrench in the states; default `base`.
+    """
 
     period_s: float
     """Control period T, s."""
@@ -1001,7 +1484,16 @@ class ControllerConfig(Body):
 
 
 class CreatedController(Answer):
-    """Answer to `POST /v1/controllers`."""
+    """Answer to `POST /v1/controllers`.
+
+    Fields:
+
+    - id: Identifier of the session, part of its address.
+    - idle_timeout_s: Time without a new state after which the session ends, s; `GET` requests do not extend it.
+    - joints: Names of the joints, in the order of all vectors of joints.
+    - warnings: Warnings: axes whose loop with the given environment is unstable, and what would make them stable;
+      tasks whose gain is above the ratio of the acceleration and speed limits of a joint.
+    """
 
     id: str
     """Identifier of the session, part of its address."""
@@ -1016,7 +1508,15 @@ class CreatedController(Answer):
 
 class DenavitHartenberg(Answer):
     """A Denavit-Hartenberg row, Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α); the joint position adds to θ (revolute) or d
-    (prismatic)."""
+    (prismatic).
+
+    Fields:
+
+    - a_m: Length a along x, m.
+    - alpha_rad: Twist α about x, rad.
+    - d_m: Offset d along z, m.
+    - theta_rad: Angle θ at joint position zero, rad.
+    """
 
     a_m: float
     """Length a along x, m."""
@@ -1029,16 +1529,28 @@ class DenavitHartenberg(Answer):
 
 
 class DriveState(Body):
-    """The commands that the drive still has to follow, in the memory of a controller."""
+    """The commands that the drive still has to follow, in the memory of a controller.
 
-    pending: list[ArrayLike]
+    Fields:
+
+    - pending: Commands of the last `delay_periods` periods, the oldest first, rad/s or m/s.
+    - velocity: Velocity of the joints behind the lag, rad/s or m/s.
+    """
+
+    pending: list[Vector]
     """Commands of the last `delay_periods` periods, the oldest first, rad/s or m/s."""
-    velocity: ArrayLike
+    velocity: Vector
     """Velocity of the joints behind the lag, rad/s or m/s."""
 
 
 class Outage(Body):
-    """A time in which the service does not run."""
+    """A time in which the service does not run.
+
+    Fields:
+
+    - duration_s: Duration, s.
+    - start_s: Start, s; above zero.
+    """
 
     duration_s: float
     """Duration, s."""
@@ -1047,7 +1559,18 @@ class Outage(Body):
 
 
 class Faults(Body):
-    """Faults of the connection between arm and service; none by default. The first answer always arrives."""
+    """Faults of the connection between arm and service; none by default. The first answer always arrives.
+
+    Fields:
+
+    - dropped: Share of the answers that are lost, 0 to 1.
+    - late: Share of the answers that are late. A late answer delays all later answers; they arrive together after
+      `late_periods`.
+    - late_periods: Delay of a late answer, periods.
+    - outages: Times at which the service does not run.
+    - reordered: Share of the answers that arrive one period late, after the next answer.
+    - repeated: Share of the answers that arrive a second time one period later.
+    """
 
     dropped: float | None = None
     """Share of the answers that are lost, 0 to 1."""
@@ -1065,16 +1588,28 @@ class Faults(Body):
 
 
 class FramePose(Body):
-    """A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion."""
+    """A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion.
 
-    position: ArrayLike
+    Fields:
+
+    - position: Position x, y, z in the base frame, m. Shape: 3.
+    - rotation: Rotation matrix, 3 × 3, row by row. Shape: 3 × 3.
+    """
+
+    position: Vector
     """Position x, y, z in the base frame, m. Shape: 3."""
-    rotation: ArrayLike
+    rotation: Vector
     """Rotation matrix, 3 × 3, row by row. Shape: 3 × 3."""
 
 
 class Interactive(Body):
-    """The pace of an interactive run."""
+    """The pace of an interactive run.
+
+    Fields:
+
+    - paused: Whether the run is paused; default `false`.
+    - speed: Simulated seconds per second of real time, if the machine is fast enough; default 1.
+    """
 
     paused: bool | None = None
     """Whether the run is paused; default `false`."""
@@ -1087,7 +1622,13 @@ JointKind = Literal["revolute", "prismatic"]
 
 
 class LinkFrame(Answer):
-    """The frame of one link."""
+    """The frame of one link.
+
+    Fields:
+
+    - joint: Name of the joint that moves the link.
+    - pose: Pose in the base frame, m: origin on the axis of the joint, z along it.
+    """
 
     joint: str
     """Name of the joint that moves the link."""
@@ -1096,7 +1637,17 @@ class LinkFrame(Answer):
 
 
 class KinematicsAnswer(Answer):
-    """The kinematics of a robot at a posture."""
+    """The kinematics of a robot at a posture.
+
+    Fields:
+
+    - jacobian: Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at
+      the tool point. Shape: 6.
+    - links: Frames of the links, base first: the frame of each joint after its motion.
+    - manipulability: Manipulability, the product of the singular values.
+    - pose: Tool pose in the base frame, m.
+    - singular_values: Singular values of J, largest first; min(6, n) of them.
+    """
 
     jacobian: FloatArray
     """Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool point.
@@ -1112,7 +1663,13 @@ class KinematicsAnswer(Answer):
 
 
 class KinematicsRequest(Body):
-    """A posture of a robot."""
+    """A posture of a robot.
+
+    Fields:
+
+    - joint_position: Joint position q, rad or m.
+    - robot: Name of the robot.
+    """
 
     joint_position: JointVector
     """Joint position q, rad or m."""
@@ -1121,7 +1678,14 @@ class KinematicsRequest(Body):
 
 
 class PathCounts(Answer):
-    """Number of periods per solver path."""
+    """Number of periods per solver path.
+
+    Fields:
+
+    - active_set: Solved by active sets, starting from the last one.
+    - closed_form: Solved by pseudo-inverses.
+    - qp: Solved by Clarabel.
+    """
 
     active_set: int
     """Solved by active sets, starting from the last one."""
@@ -1132,7 +1696,13 @@ class PathCounts(Answer):
 
 
 class TimeHistogram(Answer):
-    """A histogram of times."""
+    """A histogram of times.
+
+    Fields:
+
+    - counts: Counts, ten bins per decade: bin 0 below 1 µs, bin k from 10^((k−1)/10) µs, the last bin from 0.1 s.
+    - worst_us: Maximum time, µs.
+    """
 
     counts: list[int]
     """Counts, ten bins per decade: bin 0 below 1 µs, bin k from 10^((k−1)/10) µs, the last bin from 0.1 s."""
@@ -1146,7 +1716,23 @@ SimulationState = Literal["queued", "running", "finished", "failed", "cancelled"
 
 class SimulationMetrics(Answer):
     """The metrics of a run; `null` if one is not defined. "In contact" is touching a wall or, without a wall, measuring
-    a force."""
+    a force.
+
+    Fields:
+
+    - contacts: Number of separate intervals in contact.
+    - calls_per_second: Control periods per second of real time.
+    - final_force_n: F_x at the end, N.
+    - first_contact_s: Time of the first contact, s.
+    - largest_joint_speed_rad_s: Maximum joint speed, rad/s.
+    - overshoot_n: Maximum excess of F_x over its target, N.
+    - overshoot_percent: Maximum excess of F_x over its target, % of the target.
+    - peak_force_n: Maximum F_x, N.
+    - rmse_force_x_n: Root mean square of F_x − F_d,x, N; from 5 s in runs longer than 10 s, otherwise from the
+      first contact.
+    - rmse_force_y_n: Root mean square of F_y − F_d,y, N, over the same time.
+    - settling_time_s: Time from which F_x stays within 5 % of its target, s.
+    """
 
     contacts: int
     """Number of separate intervals in contact."""
@@ -1173,7 +1759,21 @@ class SimulationMetrics(Answer):
 
 
 class Simulation(Answer):
-    """A run of a scenario."""
+    """A run of a scenario.
+
+    Fields:
+
+    - id: Identifier of the run, part of its address.
+    - method: Resolution method.
+    - periods: Number of control periods of the whole run.
+    - progress: Finished fraction of the run, 0 to 1.
+    - scenario: Name of the scenario.
+    - solver: Solver.
+    - state: State of the run.
+    - error: Reason of the failure; only if the run failed.
+    - interactive: Pace of the run; only if it is interactive.
+    - metrics: Metrics of the run; only when it is finished.
+    """
 
     id: str
     """Identifier of the run, part of its address."""
@@ -1198,7 +1798,28 @@ class Simulation(Answer):
 
 
 class LiveSample(Answer):
-    """One control period, in single precision. Vectors of joints follow the robot's joint order."""
+    """One control period, in single precision. Vectors of joints follow the robot's joint order.
+
+    Fields:
+
+    - answered: Whether the service answered in this period.
+    - at_lower: Joints (index from 0) at their lower bound at any time since the previous sample.
+    - at_upper: Joints (index from 0) at their upper bound at any time since the previous sample.
+    - force: Force F_e of the tool on the environment, base axes, N.
+    - joint_position: Joint position q, rad or m.
+    - joint_velocity: Commanded joint velocity q̇, rad/s or m/s.
+    - path: Solver path of the command.
+    - position: Tool position in the base frame, m.
+    - residual_norms: Residual ‖J_k q̇ − ẋ_k‖ per task, highest priority first.
+    - round_trip_us: Time from state to answer, µs.
+    - smallest_singular_value: Smallest singular value of all task rows together.
+    - solve_us: Time to compute the answer, µs.
+    - status: Certificate of the command.
+    - target_force: Target force F_d, N; `null` on axes that are not force-controlled.
+    - time_s: Simulated time, s.
+    - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
+    - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
+    """
 
     answered: bool
     """Whether the service answered in this period."""
@@ -1237,7 +1858,21 @@ class LiveSample(Answer):
 
 
 class LiveFrame(Answer):
-    """The state of a run at one moment, and samples since the previous frame."""
+    """The state of a run at one moment, and samples since the previous frame.
+
+    Fields:
+
+    - arm: Present posture of the arm.
+    - done: Number of finished control periods.
+    - external_force: External force on the tool, N, base axes.
+    - paths: Number of periods per solver path.
+    - reached_speed: Recently reached speed, simulated seconds per second of real time.
+    - round_trip: Histogram of the times from state to answer.
+    - run: The run with its present pace, method and solver.
+    - samples: Some of the periods since the previous frame, evenly spaced, oldest first.
+    - solve_time: Histogram of the times to compute an answer.
+    - time_s: Simulated time, s.
+    """
 
     arm: ArmView
     """Present posture of the arm."""
@@ -1266,31 +1901,56 @@ StreamedQuantity = Literal["pose", "joint_position", "velocity", "force"]
 
 
 class TargetReference(Body):
-    """The target that a law followed, in the memory."""
+    """The target that a law followed, in the memory.
 
-    velocity: ArrayLike
+    Fields:
+
+    - velocity: Velocity: of a pose linear and angular in base axes, otherwise per row.
+    - pose: Pose in the base frame, m.
+    - values: Values per row, if the target is not a pose.
+    """
+
+    velocity: Vector
     """Velocity: of a pose linear and angular in base axes, otherwise per row."""
     pose: Pose | None = None
     """Pose in the base frame, m."""
-    values: ArrayLike | None = None
+    values: Vector | None = None
     """Values per row, if the target is not a pose."""
 
 
 class TargetSample(Body):
-    """A target in the memory."""
+    """A target in the memory.
+
+    Fields:
+
+    - time_s: Time of the target, s.
+    - pose: Pose in the base frame, m.
+    - values: Values per row, if the target is not a pose.
+    - velocity: Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row.
+    """
 
     time_s: float
     """Time of the target, s."""
     pose: Pose | None = None
     """Pose in the base frame, m."""
-    values: ArrayLike | None = None
+    values: Vector | None = None
     """Values per row, if the target is not a pose."""
-    velocity: ArrayLike | None = None
+    velocity: Vector | None = None
     """Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row."""
 
 
 class TargetStream(Body):
-    """The last targets of a task, as a part of the memory."""
+    """The last targets of a task, as a part of the memory.
+
+    Fields:
+
+    - quantity: What the targets are.
+    - reference: The target that the law followed in the last period, with its velocity.
+    - state: State of the last period.
+    - task: Name of the task.
+    - newest: The newest target.
+    - previous: The target before it.
+    """
 
     quantity: StreamedQuantity
     """What the targets are."""
@@ -1307,21 +1967,34 @@ class TargetStream(Body):
 
 
 class Memory(Body):
-    """The memory of a controller. Clients send it back unchanged with the next state."""
+    """The memory of a controller. Clients send it back unchanged with the next state.
+
+    Fields:
+
+    - active_set: Active limits of the last command, per level of the solver.
+    - initial_pose: Tool pose at the first step, base frame, m.
+    - last_command: Joint velocity of the last command, rad/s or m/s.
+    - sequence: Sequence number of the last state.
+    - task_velocities: Integrator velocity of each task, m/s and rad/s.
+    - drive: The commands that the drive still has to follow; default: the last command for long.
+    - joint_position: Joint position of the last state, rad or m; default: unknown.
+    - target_streams: Streamed targets of the tasks; default: none.
+    - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
+    """
 
     active_set: list[list[ActiveLimitName]]
     """Active limits of the last command, per level of the solver."""
     initial_pose: FramePose
     """Tool pose at the first step, base frame, m."""
-    last_command: ArrayLike
+    last_command: Vector
     """Joint velocity of the last command, rad/s or m/s."""
     sequence: int
     """Sequence number of the last state."""
-    task_velocities: list[ArrayLike]
+    task_velocities: list[Vector]
     """Integrator velocity of each task, m/s and rad/s."""
     drive: DriveState | None = None
     """The commands that the drive still has to follow; default: the last command for long."""
-    joint_position: ArrayLike | None = None
+    joint_position: Vector | None = None
     """Joint position of the last state, rad or m; default: unknown."""
     target_streams: list[TargetStream] | None = None
     """Streamed targets of the tasks; default: none."""
@@ -1331,7 +2004,14 @@ class Memory(Body):
 
 class Sensor(Body):
     """Errors of a sensor: it measures quantum · round((value + bias + noise)/quantum). Each field is one number for all
-    values, or one per value."""
+    values, or one per value.
+
+    Fields:
+
+    - bias: Constant offset.
+    - noise: Standard deviation of the normally distributed noise in each period.
+    - quantum: Resolution; unlimited if 0.
+    """
 
     bias: ArrayLike | None = None
     """Constant offset."""
@@ -1342,7 +2022,16 @@ class Sensor(Body):
 
 
 class Sensors(Body):
-    """Sensors of the arm. The default is ideal sensors."""
+    """Sensors of the arm. The default is ideal sensors.
+
+    Fields:
+
+    - force: Force along x, y and z of the sensor, N.
+    - joint_position: Joint positions q, rad or m; per joint.
+    - joint_velocity: Joint velocities q̇, rad/s or m/s; per joint.
+    - torque: Torque about x, y and z of the sensor, N·m.
+    - wrench_filter_s: Time constant τ of a first-order low-pass filter for force and torque, s; no filter if 0.
+    """
 
     force: Sensor | None = None
     """Force along x, y and z of the sensor, N."""
@@ -1357,7 +2046,14 @@ class Sensors(Body):
 
 
 class VelocityLoop(Body):
-    """How the arm follows a commanded velocity. The default is an ideal arm."""
+    """How the arm follows a commanded velocity. The default is an ideal arm.
+
+    Fields:
+
+    - clamp: Whether the drives clamp the command of each joint at the limits of the controller.
+    - delay_periods: Delay of a command, whole periods.
+    - lag_s: Time constant τ of a first-order lag, s.
+    """
 
     clamp: bool | None = None
     """Whether the drives clamp the command of each joint at the limits of the controller."""
@@ -1368,7 +2064,25 @@ class VelocityLoop(Body):
 
 
 class Scenario(Body):
-    """An experiment: controller, start posture, contacts and duration."""
+    """An experiment: controller, start posture, contacts and duration.
+
+    Fields:
+
+    - controller: The controller, as in a request.
+    - description: Description in one line.
+    - duration_s: Simulated duration, s.
+    - name: Name, as in `force_tracking`.
+    - start_joint_position: Joint positions q at the start, n, rad or m.
+    - contacts: Contacts of the tool.
+    - expectation: Expected result, in words.
+    - external_wrench: External force and torque on the tool at the tool point, base axes, N and N·m: six values
+      over time.
+    - faults: Faults of the connection between arm and service.
+    - seed: Seed of noise and faults; the same seed gives the same run.
+    - sensors: Errors of the sensors.
+    - substeps: Integration steps of arm and contacts per period.
+    - velocity_loop: How the arm follows its commands.
+    """
 
     controller: ControllerConfig
     """The controller, as in a request."""
@@ -1378,7 +2092,7 @@ class Scenario(Body):
     """Simulated duration, s."""
     name: str
     """Name, as in `force_tracking`."""
-    start_joint_position: ArrayLike
+    start_joint_position: Vector
     """Joint positions q at the start, n, rad or m."""
     contacts: list[Contact] | None = None
     """Contacts of the tool."""
@@ -1403,7 +2117,19 @@ NamedScenario = str | Scenario
 
 
 class RobotJoint(Answer):
-    """A joint and its limits; a limit is `null` if there is none."""
+    """A joint and its limits; a limit is `null` if there is none.
+
+    Fields:
+
+    - kind: Kind of motion.
+    - name: Name of the joint.
+    - unit: Unit of the position, `rad` or `m`; velocity and acceleration are per s and s².
+    - acceleration_limit: Maximum acceleration, rad/s² or m/s².
+    - denavit_hartenberg: Standard Denavit-Hartenberg row, if the robot was described by one.
+    - position_limit: Minimum and maximum position, rad or m. Shape: 2.
+    - published_range: Position range in a publication, if it differs; for information only. Shape: 2.
+    - velocity_limit: Maximum speed, rad/s or m/s.
+    """
 
     kind: JointKind
     """Kind of motion."""
@@ -1428,7 +2154,15 @@ RobotSource = Literal["denavit_hartenberg", "urdf"]
 
 
 class Robot(Answer):
-    """A robot arm."""
+    """A robot arm.
+
+    Fields:
+
+    - description: Description, one line of text.
+    - joints: Joints, base first; the order of all vectors of joints.
+    - name: Name for requests.
+    - source: Format that described the robot.
+    """
 
     description: str
     """Description, one line of text."""
@@ -1441,14 +2175,27 @@ class Robot(Answer):
 
 
 class RobotList(Answer):
-    """Answer to `GET /v1/robots`."""
+    """Answer to `GET /v1/robots`.
+
+    Fields:
+
+    - robots: Robots that requests can name.
+    """
 
     robots: list[Robot]
     """Robots that requests can name."""
 
 
 class RobotRegistration(Body):
-    """`POST /v1/robots`: registers the chain of a URDF text from one link to another."""
+    """`POST /v1/robots`: registers the chain of a URDF text from one link to another.
+
+    Fields:
+
+    - name: Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
+    - urdf: URDF text, `<robot …>`.
+    - base: Base link; default: the root of the tree.
+    - tip: Link of the tool frame; default: the only leaf of the tree.
+    """
 
     name: str
     """Name for requests: at most 64 letters, digits, `_`, `-` and `.`."""
@@ -1461,7 +2208,15 @@ class RobotRegistration(Body):
 
 
 class ScenarioEntry(Answer):
-    """One scenario of the list."""
+    """One scenario of the list.
+
+    Fields:
+
+    - description: Description in one line.
+    - name: Name.
+    - robot: Name of its robot.
+    - scenario: The whole scenario.
+    """
 
     description: str
     """Description in one line."""
@@ -1474,14 +2229,30 @@ class ScenarioEntry(Answer):
 
 
 class ScenarioList(Answer):
-    """Answer to `GET /v1/scenarios`."""
+    """Answer to `GET /v1/scenarios`.
+
+    Fields:
+
+    - scenarios: The scenarios that ship with the service.
+    """
 
     scenarios: list[ScenarioEntry]
     """The scenarios that ship with the service."""
 
 
 class SessionEntry(Answer):
-    """One session in a list of sessions."""
+    """One session in a list of sessions.
+
+    Fields:
+
+    - id: Identifier of the session.
+    - idle_s: Time since the last state, or since the session was opened, s.
+    - method: Resolution method.
+    - period_s: Control period T, s.
+    - robot: Name of the robot.
+    - solver: Solver.
+    - steps: Number of states answered by a step.
+    """
 
     id: str
     """Identifier of the session."""
@@ -1500,14 +2271,29 @@ class SessionEntry(Answer):
 
 
 class SessionList(Answer):
-    """Answer to `GET /v1/controllers`."""
+    """Answer to `GET /v1/controllers`.
+
+    Fields:
+
+    - controllers: Open sessions, the one with the most recent step first.
+    """
 
     controllers: list[SessionEntry]
     """Open sessions, the one with the most recent step first."""
 
 
 class SessionStatus(Answer):
-    """Answer to `GET /v1/controllers/{id}`."""
+    """Answer to `GET /v1/controllers/{id}`.
+
+    Fields:
+
+    - controller: Configuration of the controller, with its defaults.
+    - id: Identifier of the session.
+    - retries: Number of repeated states, which got the same answer again.
+    - steps: Number of states answered by a step.
+    - last_sequence: Sequence number of the last state; `null` before the first.
+    - missed_periods: Number of steps that came more than 1.5 periods after the previous step.
+    """
 
     controller: ControllerConfig
     """Configuration of the controller, with its defaults."""
@@ -1524,14 +2310,29 @@ class SessionStatus(Answer):
 
 
 class SimulationControl(Body):
-    """`POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing."""
+    """`POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
+
+    Fields:
+
+    - controller: New controller. It may differ from the present one in method, solver and the laws `force`,
+      `impedance`, `hybrid`.
+    - end: Whether to finish the run now and keep its trace so far; a paused run does one more period. Default
+      `false`.
+    - external_force: External force on the tool, N, base axes. It ends 1 s (real time) after the last request that
+      sets it. Shape: 3.
+    - method: New resolution method.
+    - paused: Whether the run is paused.
+    - solver: New solver.
+    - speed: Simulated seconds per second of real time.
+    - step: Number of control periods to run before the run pauses.
+    """
 
     controller: ControllerConfig | None = None
     """New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,
     `hybrid`."""
     end: bool | None = None
     """Whether to finish the run now and keep its trace so far; a paused run does one more period. Default `false`."""
-    external_force: ArrayLike | None = None
+    external_force: Vector | None = None
     """External force on the tool, N, base axes. It ends 1 s (real time) after the last request that sets it. Shape:
     3."""
     method: Method | None = None
@@ -1547,7 +2348,16 @@ class SimulationControl(Body):
 
 
 class SimulationRequest(Body):
-    """A simulation to run."""
+    """A simulation to run.
+
+    Fields:
+
+    - scenario: Name of a scenario that ships with the service, or a whole scenario.
+    - interactive: Interactive run: paced by the clock, shown live, and controlled by `POST
+      /v1/simulations/{id}/control`. If left out, the simulation runs as fast as possible.
+    - method: Method, instead of the method of the scenario.
+    - solver: Solver, instead of the solver of the scenario.
+    """
 
     scenario: NamedScenario
     """Name of a scenario that ships with the service, or a whole scenario."""
@@ -1561,7 +2371,18 @@ class SimulationRequest(Body):
 
 
 class StabilityAnswer(Answer):
-    """The stability margins of a loop."""
+    """The stability margins of a loop.
+
+    Fields:
+
+    - spectral_radius: Spectral radius of the loop from period to period; stable below 1.
+    - stable: Whether the loop is stable.
+    - stable_at_any_lag: Whether the loop is stable at any lag.
+    - largest_delay_periods: Maximum delay at which the loop is stable, control periods, at most 64; `null` if there
+      is none.
+    - largest_lag_s: Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
+    - smallest_damping: Minimum damping B_d at which the loop is stable; `null` if there is none.
+    """
 
     spectral_radius: float
     """Spectral radius of the loop from period to period; stable below 1."""
@@ -1578,7 +2399,20 @@ class StabilityAnswer(Answer):
 
 
 class StabilityRequest(Body):
-    """One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad."""
+    """One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
+
+    Fields:
+
+    - damping: Damping B_d of the law.
+    - environment: Environment that the tool touches.
+    - inertia: Inertia M_d > 0 of the law.
+    - period_s: Control period T, s.
+    - delay_periods: Delay of a command, control periods; default 0.
+    - lag_s: Lag τ of the arm's velocity loop, s; default 0.
+    - stiffness: Stiffness K_d of the law; default 0, as on a force-controlled axis.
+    - velocity_measured: Whether states contain the measured joint velocity; otherwise the last command replaces it.
+      Default `true`.
+    """
 
     damping: float
     """Damping B_d of the law."""
@@ -1599,20 +2433,37 @@ class StabilityRequest(Body):
 
 
 class StreamedPose(Body):
-    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame."""
+    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
+
+    Fields:
+
+    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
+    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    """
 
     orientation: Orientation | None = None
     """Orientation, unit quaternion; required if the task has an angular axis."""
-    position: ArrayLike | None = None
+    position: Vector | None = None
     """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
 
 
 class StreamedTarget(Body):
     """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
     `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
-    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`."""
+    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`.
 
-    force: ArrayLike | None = None
+    Fields:
+
+    - force: Target force F_d per row, N and N·m.
+    - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
+    - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
+    - time_s: Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after
+      it.
+    - velocity: Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the
+      frame `tool` those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
+    """
+
+    force: Vector | None = None
     """Target force F_d per row, N and N·m."""
     joint_position: JointVector | None = None
     """Target positions of the joints of the task, in their order or by name, rad or m."""
@@ -1620,22 +2471,39 @@ class StreamedTarget(Body):
     """Target pose. It replaces `target_pose` and `target_displacement` of the law."""
     time_s: float | None = None
     """Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it."""
-    velocity: ArrayLike | None = None
+    velocity: Vector | None = None
     """Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool`
     those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets."""
 
 
 class Wrench(Body):
-    """Force and torque at the tool point, along the axes of the controller's `wrench_frame`."""
+    """Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
 
-    force: ArrayLike
+    Fields:
+
+    - force: Force x, y, z, N. Shape: 3.
+    - torque: Torque x, y, z, N·m. Shape: 3.
+    """
+
+    force: Vector
     """Force x, y, z, N. Shape: 3."""
-    torque: ArrayLike
+    torque: Vector
     """Torque x, y, z, N·m. Shape: 3."""
 
 
 class State(Body):
-    """The measured state of one control period."""
+    """The measured state of one control period.
+
+    Fields:
+
+    - joint_position: Joint position q, rad or m.
+    - sequence: Sequence number of the period; must increase.
+    - time_s: Time t of the measurement, s.
+    - joint_velocity: Measured joint velocity q̇, rad/s or m/s; default: the last command.
+    - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
+      task interpolates or extrapolates, as its `streaming` says.
+    - wrench: Measured wrench; required by the laws `force`, `impedance` and `hybrid`.
+    """
 
     joint_position: JointVector
     """Joint position q, rad or m."""
@@ -1653,7 +2521,36 @@ class State(Body):
 
 
 class StepAnswer(Answer):
-    """Joint velocities for one control period and their explanation."""
+    """Joint velocities for one control period and their explanation.
+
+    Fields:
+
+    - active_limits: Active limits: bounds that the answer reaches and that restrict it.
+    - braking_deceleration: Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²;
+      `null`: stop at once. With it every joint stops inside its range after `valid_for_ms`, if the `limits` include
+      positions and the `solver` is not `closed_form`.
+    - elapsed_us: Time to compute the answer, µs.
+    - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
+      limit.
+    - joint_velocity: Joint velocity q̇, the command, in joint order, rad/s or m/s.
+    - limit_conflict: Names of joints whose acceleration limit contradicts position or velocity limits and is not
+      kept.
+    - sequence: Sequence number of the state.
+    - singularity: Distance of the tasks from singularities.
+    - solver: Solver path, status and certificate.
+    - tasks: Outcome of each task, highest priority first.
+    - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
+      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would
+      otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not
+      `closed_form`.
+    - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
+      that `limits` do not contain.
+    - active_inequalities: Active inequalities.
+    - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
+    - memory: Memory to send with the next state; only in answers without a session.
+    - violated_inequalities: Violated inequalities.
+    - warnings: Warnings: what is not plausible about the state, and what to do.
+    """
 
     active_limits: list[ActiveLimit]
     """Active limits: bounds that the answer reaches and that restrict it."""
@@ -1697,7 +2594,14 @@ class StepAnswer(Answer):
 
 
 class StepRequest(Body):
-    """`POST /v1/step`: controller, state and memory in one body, without a session."""
+    """`POST /v1/step`: controller, state and memory in one body, without a session.
+
+    Fields:
+
+    - controller: Controller.
+    - state: Measured state.
+    - memory: Memory of the last answer; `null` at the first step.
+    """
 
     controller: ControllerConfig
     """Controller."""
@@ -1708,7 +2612,14 @@ class StepRequest(Body):
 
 
 class WatchedStep(Answer):
-    """One control period of a session, as `GET /v1/controllers/{id}/watch` shows it."""
+    """One control period of a session, as `GET /v1/controllers/{id}/watch` shows it.
+
+    Fields:
+
+    - answer: The answer to it.
+    - state: The measured state.
+    - arm: The arm at this state, for drawing.
+    """
 
     answer: StepAnswer
     """The answer to it."""

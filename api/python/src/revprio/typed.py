@@ -29,6 +29,13 @@ def fields_of(body: Callable[P, B]) -> Callable[[Callable[[S, B], A]], Callable[
             parameters=[receiver, *of_body.parameters.values()],
             return_annotation=of_method.return_annotation,
         )
+        with_fields.__doc__ = "\n\n".join(filter(None, [inspect.getdoc(method), _fields(body)]))
         return with_fields
 
     return decorate
+
+
+def _fields(body: object) -> str:
+    """Returns the description of the fields of a body, for `help()`."""
+    _, heading, fields = (inspect.getdoc(body) or "").partition("Fields:")
+    return heading + fields

@@ -1,0 +1,67 @@
+//! Python objects to the bodies of the interface.
+
+use std::collections::BTreeMap;
+
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyMapping;
+use revprio::service::ApiError;
+use revprio_api::wire::{JointVector, StreamedTarget, Wrench};
+
+use crate::refused;
+
+/// Reads one number per joint: an array, or anything that NumPy converts to one, or a mapping by joint name.
+pub fn joint_vector(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<JointVector> {
+    if let Ok(array) = value.cast_exact::<PyArray1<f64>>() {
+        return Ok(JointVector::Ordered(entries(&array.readonly())));
+    }
+    let Ok(mapping) = value.cast::<PyMapping>() else { return floats(value, pointer).map(JointVector::Ordered) };
+    let named = mapping.items()?.iter().map(|item| item.extract::<(String, f64)>()).collect::<PyResult<_>>();
+    named.map(JointVector::Named).map_err(|_| not_numbers(value.py(), pointer))
+}
+
+/// Reads a wrench: a `Wrench`, or six numbers, force then torque.
+pub fn wrench(value: &Bound<'_, PyAny>) -> PyResult<Wrench> {
+    let py = value.py();
+    let six = match value.cast_exact::<PyArray1<f64>>() {
+        Ok(array) => entries(&array.readonly()),
+        Err(_) => match value.getattr_opt(intern!(py, "force"))? {
+            Some(force) => {
+                let torque = value.getattr(intern!(py, "torque"))?;
+                [floats(&force, "/wrench/force")?, floats(&torque, "/wrench/torque")?].concat()
+            }
+            None => floats(value, "/wrench")?,
+        },
+    };
+    let &[fx, fy, fz, tx, ty, tz] = six.as_slice() else {
+        let detail = format!("{} numbers; give six: force x, y, z in N, then torque x, y, z in N·m", six.len());
+        return Err(refused(py, ApiError::invalid("/wrench", detail)));
+    };
+    Ok(Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] })
+}
+
+/// Reads targets by task name in JSON.
+pub fn targets(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, StreamedTarget>> {
+    serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/targets", error)))
+}
+
+/// Converts with `numpy.asarray`.
+fn floats(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<Vec<f64>> {
+    static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    let asarray = ASARRAY.import(py, "numpy", "asarray")?;
+    let array = asarray.call1((value, intern!(py, "f8"))).map_err(|_| not_numbers(py, pointer))?;
+    let array = array.cast::<PyArray1<f64>>().map_err(|_| not_numbers(py, pointer))?;
+    Ok(entries(&array.readonly()))
+}
+
+fn entries(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
+    debug_assert_eq!(array.ndim(), 1);
+    array.as_slice().map_or_else(|_| array.as_array().to_vec(), <[f64]>::to_vec)
+}
+
+fn not_numbers(py: Python<'_>, pointer: &str) -> PyErr {
+    refused(py, ApiError::invalid(pointer, "give a list or an array of numbers"))
+}

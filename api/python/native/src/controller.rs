@@ -1,0 +1,99 @@
+//! One controller with its memory.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use revprio::service::{ComputedStep, LocalController};
+use revprio_api::wire;
+
+use crate::{arguments, refused};
+
+/// A controller in the process. Calls of several threads run one after the other.
+#[pyclass(frozen)]
+pub struct Controller {
+    control: Mutex<LocalController>,
+    /// Deceleration of the joints, n, which no step changes; NaN: stop at once.
+    deceleration: std::sync::OnceLock<Py<PyArray1<f64>>>,
+}
+
+/// The answer to a state, of which Python has read the numbers of the command.
+#[pyclass(frozen)]
+pub struct StepAnswer(ComputedStep);
+
+#[pymethods]
+impl StepAnswer {
+    /// Returns the whole answer as JSON.
+    fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        crate::service::json(py, &self.0.answer())
+    }
+}
+
+impl Controller {
+    pub fn new(control: LocalController) -> Self {
+        Self { control: Mutex::new(control), deceleration: std::sync::OnceLock::new() }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, LocalController> {
+        self.control.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the deceleration of all answers.
+    fn deceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let create = || {
+            let values = self.lock().braking_deceleration();
+            let array = PyArray1::from_iter(py, values.iter().map(|&v| if v.is_finite() { v } else { f64::NAN }));
+            array.readwrite().make_nonwriteable();
+            array.unbind()
+        };
+        self.deceleration.get_or_init(create).bind(py).clone()
+    }
+}
+
+#[pymethods]
+impl Controller {
+    /// Names of the joints, in order.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.lock().joints().map(str::to_owned).collect()
+    }
+
+    /// Warnings about unstable contacts.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.lock().warnings().to_vec()
+    }
+
+    /// Runs one control period. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
+    #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, targets, /))]
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        sequence: u64,
+        time_s: f64,
+        joint_position: &Bound<'py, PyAny>,
+        joint_velocity: Option<&Bound<'py, PyAny>>,
+        wrench: Option<&Bound<'py, PyAny>>,
+        targets: Option<&[u8]>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
+        let state = wire::State {
+            sequence,
+            time_s,
+            joint_position: arguments::joint_vector(joint_position, "/joint_position")?,
+            joint_velocity: joint_velocity.map(velocity).transpose()?,
+            wrench: wrench.map(arguments::wrench).transpose()?,
+            targets: targets.map(|json| arguments::targets(py, json)).transpose()?.unwrap_or_default(),
+        };
+        let answer = py.detach(|| self.lock().step(&state)).map_err(|error| refused(py, error))?;
+        let fields = PyDict::new(py);
+        fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, answer.joint_velocity()))?;
+        fields.set_item(intern!(py, "sequence"), sequence)?;
+        fields.set_item(intern!(py, "valid_for_ms"), answer.valid_for_ms())?;
+        fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py))?;
+        fields.set_item(intern!(py, "_answer"), StepAnswer(answer))?;
+        Ok(fields)
+    }
+}

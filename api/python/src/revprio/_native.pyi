@@ -1,0 +1,43 @@
+"""The extension module, written in Rust. Use the functions of the package."""
+
+from collections.abc import Sequence
+from typing import Any
+
+class RefusedError(Exception):
+    args: tuple[bytes]
+
+class StepAnswer:
+    def json(self) -> bytes: ...
+
+class ResolveAnswer:
+    def json(self) -> bytes: ...
+
+class Controller:
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def step(
+        self,
+        sequence: int,
+        time_s: float,
+        joint_position: object,
+        joint_velocity: object,
+        wrench: object,
+        targets: bytes | None,
+        /,
+    ) -> dict[str, Any]: ...
+
+class Service:
+    def __init__(self) -> None: ...
+    def call(self, method: str, path: str, body: bytes) -> bytes: ...
+    def resolve(self, body: bytes) -> dict[str, Any]: ...
+    def controller(self, body: bytes) -> Controller: ...
+
+class Server:
+    def __init__(self) -> None: ...
+    @property
+    def url(self) -> str: ...
+    def close(self) -> None: ...
+
+def main(arguments: Sequence[str]) -> int: ...

@@ -1,0 +1,144 @@
+"""Short forms, presets, error texts and help."""
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import revprio
+from revprio import AddressError, AsyncClient, Client, InvalidError, ResolveTask, models
+
+Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
+
+
+def test_one_axis_and_one_number_are_lists_of_one() -> None:
+    task = ResolveTask(axes="x", velocity=0.05)
+    assert task.json_bytes() == b'{"axes":["x"],"velocity":[0.05]}'
+    assert ResolveTask(jacobian=[1, 2], velocity=1).json_bytes() == b'{"jacobian":[[1.0,2.0]],"velocity":[1.0]}'
+    assert ResolveTask(axes="x", lower=0.1).json_bytes() == b'{"axes":["x"],"lower":[0.1]}'
+    # One gain for all axes stays one number.
+    law = models.PoseLaw(gain=5)
+    assert b'"gain":5.0' in models.ControllerTask(name="t", axes="x", law=law).json_bytes()
+
+
+@pytest.mark.parametrize(
+    ("fields", "pointer", "text"),
+    [
+        ({"velocitie": 1}, "/velocitie", "did you mean `velocity`"),
+        ({"axes": "q"}, "/axes/0", "'q' is unknown; give 'x', 'y'"),
+        ({"axes": 3}, "/axes", ""),
+        ({"velocity": "a"}, "/velocity", "give a number, a list or an array"),
+        ({"velocity": [1, float("nan")]}, "/velocity", "finite"),
+        ({"jacobian": [[1, 2], [3]]}, "/jacobian", "rows of equal length"),
+        ({"scale": "perhaps"}, "/scale", "is not True or False"),
+    ],
+)
+def test_a_wrong_field_is_named_without_words_of_other_programs(
+    fields: dict[str, Any], pointer: str, text: str
+) -> None:
+    makers: list[Callable[[], ResolveTask]] = [
+        lambda: ResolveTask(**fields),
+        lambda: ResolveTask.model_validate(fields),
+    ]
+    for make in makers:
+        with pytest.raises(InvalidError) as refused:
+            make()
+        assert refused.value.pointer == pointer
+        assert text in refused.value.detail
+        assert "pydantic" not in f"{refused.value} {refused.value.__cause__}"
+        assert isinstance(refused.value, ValueError)
+
+
+def test_the_place_of_a_wrong_field_is_that_of_the_service() -> None:
+    law = {"kind": "force", "inertia": 15, "target_force": {"kind": "constant", "value": "a"}}
+    task = {"name": "t", "axes": ["x"], "law": law}
+    with pytest.raises(InvalidError) as refused:
+        models.ControllerConfig.model_validate({"robot": "r", "period_s": 1, "tasks": [task]})
+    assert refused.value.pointer in ("/tasks/0/law/damping", "/tasks/0/law/target_force/value")
+    with pytest.raises(InvalidError) as unknown:
+        models.ControllerTask.model_validate({**task, "law": {"kind": "forc"}})
+    assert unknown.value.pointer == "/law"
+    assert "'force'" in unknown.value.detail
+
+
+def test_positional_fields_are_refused_by_name() -> None:
+    with pytest.raises(TypeError, match=r"ResolveTask\(field=value"):
+        ResolveTask("x")  # type: ignore[call-arg]
+
+
+def test_a_forgotten_scheme_is_added_and_another_one_is_named(url: str) -> None:
+    with Client(url.removeprefix("http://")) as client:
+        assert client.url == url
+        assert client.is_ready()
+    assert AsyncClient("127.0.0.1:8080/").url == "http://127.0.0.1:8080"
+    for wrong in ("ftp://arm", "http://", "", "ws://127.0.0.1:8080", "http://a:b"):
+        with pytest.raises(AddressError, match=r"http://127\.0\.0\.1:8080"):
+            Client(wrong)
+
+
+def contact(damping: float, lag_s: float) -> models.StabilityAnswer:
+    return revprio.stability(
+        inertia=15, damping=damping, environment=models.EnvironmentAxis(stiffness=1e5), period_s=0.001, lag_s=lag_s
+    )
+
+
+@pytest.mark.parametrize("lag_s", [0.0, 0.005, 0.02])
+def test_the_gains_of_a_push_keep_a_factor_of_two_of_the_stability_margin(lag_s: float) -> None:
+    push, hold = revprio.push(axis="z", newtons=15, hold="rest", lag_s=lag_s)
+    assert push.axes == ["z"]
+    assert hold.axes == ["x", "y", "rx", "ry", "rz"]
+    damping = float(np.asarray(push.law.damping))  # type: ignore[union-attr]
+    margin = contact(damping, lag_s)
+    assert margin.stable
+    assert damping >= 2 * (margin.smallest_damping or 0) * (1 - 1e-6)
+    assert 15 / damping <= 0.1 + 1e-12
+
+
+def test_a_push_controls_an_arm_against_a_wall() -> None:
+    q = np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])
+    wall = float(np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position)[0]) + 0.001
+    force = 0.0
+    with revprio.Controller(robot="sawyer_dh", period_s=0.001, tasks=revprio.push("x", 15)) as arm:
+        for _ in range(1500):
+            tool = np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position)
+            force = 1e4 * max(float(tool[0]) - wall, 0.0)
+            q = q + arm.period_s * arm.step(q, wrench=[force, 0, 0, 0, 0, 0]).joint_velocity
+    assert force == pytest.approx(15, rel=0.02)
+
+
+def test_a_tool_follows_a_pose() -> None:
+    start = revprio.kinematics(robot="sawyer_dh", joint_position=Q).pose
+    w, x, y, z = (getattr(start.orientation, part) for part in "wxyz")
+    target = np.eye(4)
+    target[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    target[:3, 3] = np.asarray(start.position) + np.array([0.02, -0.03, 0.01])
+    q = Q
+    with revprio.Controller(robot="sawyer_dh", period_s=0.01, tasks=revprio.follow(target, period_s=0.01)) as arm:
+        for _ in range(400):
+            q = q + arm.period_s * arm.step(q).joint_velocity
+    end = revprio.kinematics(robot="sawyer_dh", joint_position=q).pose
+    np.testing.assert_allclose(np.asarray(end.position), target[:3, 3], atol=1e-6)
+    assert abs(sum(getattr(end.orientation, part) * getattr(start.orientation, part) for part in "wxyz")) > 1 - 1e-9
+
+
+def test_a_preset_refuses_what_is_no_pose_and_what_cannot_be_stable() -> None:
+    for wrong in (np.eye(3), 2 * np.eye(4), np.diag([1, 1, -1, 1])):
+        with pytest.raises(InvalidError, match="pose"):
+            revprio.follow(wrong)
+    assert len(revprio.push("x", 15, hold=None)) == 1
+    assert revprio.push("x", 15, hold=["y"])[1].axes == ["y"]
+
+
+def test_help_shows_fields_with_units_and_plain_types() -> None:
+    text = inspect.getdoc(ResolveTask) or ""
+    assert "- velocity: Task velocity ẋ_k, one entry per row, m/s and rad/s" in text
+    assert "axes: OneOrMore[Axis] | None = None" in str(inspect.signature(ResolveTask))
+    for function in (revprio.resolve, revprio.Controller.__init__, Client.session):
+        assert "- tasks: The tasks, highest priority first." in (inspect.getdoc(function) or "")
+        assert "PlainValidator" not in str(inspect.signature(function))
