@@ -120,7 +120,7 @@ def test_a_tool_follows_a_pose() -> None:
     target[:3, 3] = np.asarray(start.position) + np.array([0.02, -0.03, 0.01])
     q = Q
     with revprio.Controller(robot="sawyer_dh", period_s=0.01, tasks=revprio.follow(target, period_s=0.01)) as arm:
-        for _ in range(400):
+        for _ in range(800):
             q = q + arm.period_s * arm.step(q).joint_velocity
     end = revprio.kinematics(robot="sawyer_dh", joint_position=q).pose
     np.testing.assert_allclose(np.asarray(end.position), target[:3, 3], atol=1e-6)

@@ -27,8 +27,8 @@ AXES: tuple[Axis, ...] = get_args(Axis)
 SAFETY_FACTOR = 2.0
 """Factor between the damping of a force law and the smallest stable one. docs/guides/choose-gains.md explains it."""
 
-POSE_GAIN = 5.0
-"""Largest gain of a pose law, 1/s."""
+POSE_GAIN = 2.0
+"""Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it."""
 
 
 def push(  # noqa: PLR0913
@@ -88,7 +88,7 @@ def follow(
     `period_s`: the controller's period T, s; `lag_s`: lag of the arm's velocity loop, s; `delay_periods`: delay of a
     command, periods.
 
-    The gain is half of the one at which lag and delay cause overshoot, and at most 5 1/s.
+    The gain is half of the one at which lag and delay cause overshoot, and at most 2 1/s.
     """
     target = pose if isinstance(pose, Pose) else _pose(pose)
     law = PoseLaw(gain=pose_gain(lag_s + delay_periods * period_s), target_pose=target)
