@@ -173,7 +173,7 @@ def fill(document: Path, mark: str, text: str) -> None:
 
 
 def write(out: Path, families: list[Family], document: Path | None) -> None:
-    """Prints the tables, writes `results.json`, and fills the tables into the document."""
+    """Prints the tables and writes `results.json`; fills the tables into the document, and writes to its folder too."""
     scores = read(out, families)
     parts = {
         "behaviour:overall": overall_table(scores, families),
@@ -185,7 +185,11 @@ def write(out: Path, families: list[Family], document: Path | None) -> None:
         for (family, setting), found in scores.items()
         for name, result in found.items()
     ]
-    (out / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+    lines = ",\n".join(json.dumps(result, ensure_ascii=False) for result in results)
+    folders = [out] if document is None else [out, document.with_suffix("")]
+    for folder in folders:
+        folder.mkdir(exist_ok=True)
+        (folder / "results.json").write_text(f"[\n{lines}\n]\n")
     for mark, text in parts.items():
         print(text)
         if document is not None:

@@ -18,7 +18,7 @@ class Placo:
 
     def __init__(self, urdf: Path, gain: float) -> None:
         """Loads the arm. `gain`: part of an error that is removed in one period."""
-        self._gain, self._target = gain, np.eye(4)
+        self._gain = gain
         limits = model.load()
         self._names, self._lower, self._upper = limits.names, limits.lower, limits.upper
         self._robot = placo.RobotWrapper(str(urdf), placo.Flags.ignore_collisions)
@@ -28,7 +28,8 @@ class Placo:
         self._solver.enable_joint_limits(True)
         self._solver.enable_velocity_limits(True)
         self._solver.dt = PERIOD_S
-        self._frame = self._solver.add_frame_task(model.TIP, self._robot.get_T_world_frame(model.TIP))
+        self._target = self._robot.get_T_world_frame(model.TIP)
+        self._frame = self._solver.add_frame_task(model.TIP, self._target)
         self._frame.configure("tool", "soft", 1.0, 1.0)
         self._solver.add_regularization_task(1e-4)
         # The weight is a hundredth of the regularization, so the posture moves at 1 % per period.
