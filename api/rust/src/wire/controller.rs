@@ -44,7 +44,7 @@ pub struct Controller {
     /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
-    /// Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
+    /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
     /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
@@ -85,7 +85,7 @@ fn default_limits() -> Limits {
 
 #[expect(clippy::unnecessary_wraps, reason = "`null` and a missing field mean different things")]
 fn default_damping() -> Option<Damping> {
-    Some(Damping::STANDARD)
+    Some(Damping::ARM)
 }
 
 /// One task of a controller: its rows, and their law or bounds of their velocity.
