@@ -50,16 +50,17 @@ fn range(limits: &JointLimits, below: f64, above: f64, last: f64) -> (f64, f64) 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Inside the range, and beyond it as the joint is or as it comes to rest.
+    /// Inside the range, and beyond it as the joint is or as it comes to rest, even beyond the other limit.
     #[test]
     fn the_box_is_that_of_the_documentation(
-        place in -0.02..1.02_f64, to_rest in -0.1..0.1_f64, last in -1.0..1.0_f64, at_rest in any::<bool>(),
+        place in -0.02..1.02_f64, to_rest in -1.0..1.0_f64, farthest in prop::sample::select(vec![0.0, 0.1, 10.0]),
+        last in -1.0..1.0_f64,
     ) {
         let robot = sawyer();
         let limits = &robot.joints()[1].limits;
         let mut position = middle(robot);
         position[1] = limits.lower + place * (limits.upper - limits.lower);
-        let to_rest = if at_rest { 0.0 } else { to_rest };
+        let to_rest = farthest * to_rest;
         let (mut distance_to_rest, mut last_command) = (vec![0.0; 7], vec![0.0; 7]);
         (distance_to_rest[1], last_command[1]) = (to_rest, last * limits.velocity);
         let last = last_command[1];

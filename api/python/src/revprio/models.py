@@ -312,7 +312,7 @@ class TaskOutcome(Answer):
 
 
 class ViolatedLimit(Answer):
-    """A limit that the answer violates. Only the solver `closed_form` violates limits."""
+    """A limit that the answer violates."""
 
     joint: str
     """Name of the joint."""
