@@ -240,14 +240,16 @@ impl Smoothing {
             solution.row_values[row] = levels.row(row).iter().zip(&solution.x).map(|(a, x)| a * x).sum();
         }
         // A bound that the blend does not reach holds nothing back.
+        let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
+            if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }
+        };
         for (j, multiplier) in solution.multipliers.iter_mut().enumerate() {
-            let reaches = solution.x[j] <= levels.lower[j] || solution.x[j] >= levels.upper[j];
-            let known = if *multiplier == 0.0 { self.parts[last].multipliers[j] } else { *multiplier };
-            *multiplier = if reaches { known } else { 0.0 };
+            let reaches = |it: &f64| reaches(*it, solution.x[j], levels.lower[j], levels.upper[j]);
+            *multiplier = [*multiplier, self.parts[last].multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
         }
         for (row, multiplier) in solution.row_multipliers.iter_mut().enumerate() {
             let value = solution.row_values[row];
-            if levels.row_lower[row] < value && value < levels.row_upper[row] {
+            if !levels.is_equation(row) && !reaches(*multiplier, value, levels.row_lower[row], levels.row_upper[row]) {
                 *multiplier = 0.0;
             }
         }
