@@ -66,7 +66,9 @@ impl PlanRun {
             if step.is_last() {
                 self.finish(problem, step, damping, engine);
             }
-            if let Some(factors) = problem.damping {
+            // A scaled task keeps its direction exactly.
+            let keeps_direction = self.scales.iter().any(Option::is_some);
+            if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
                 self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
             }
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);

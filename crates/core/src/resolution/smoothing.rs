@@ -31,10 +31,9 @@ impl Smoothing {
     pub fn apply(&mut self, planned: &PlannedProblem, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
         let levels = &planned.levels;
         let hard = usize::from(planned.origins.first().is_some_and(|origin| matches!(origin, Origin::Inequality(_))));
-        let is_scaled = planned.scale_unknowns.iter().any(Option::is_some);
         let is_pinned = levels.lower.iter().zip(&levels.upper).any(|(lower, upper)| lower == upper);
         let is_free = solution.working_set.is_empty() && !is_pinned;
-        if is_free || is_scaled || damping.max_factor() == 0.0 {
+        if is_free || damping.max_factor() == 0.0 {
             return;
         }
         let count = levels.level_ends.len();
