@@ -46,6 +46,20 @@ fn price(tasks: impl Iterator<Item = (usize, bool)>, inequalities: usize, joints
 mod tests {
     use super::*;
 
+    /// A task of equations and one of bounds, next to an inequality.
+    #[test]
+    fn the_price_of_a_problem_counts_its_tasks_rows_and_inequalities() {
+        use revprio_core::limits::Inequality;
+        use revprio_core::linalg::{Matrix, Vector};
+        use revprio_core::task::{Task, TaskStack};
+
+        let equations = Task::new("a", Matrix::from_fn(3, 5, |_, _| 1.0), Vector::zeros(3));
+        let bounds = Task::between("b", Matrix::from_fn(2, 5, |_, _| 1.0), Vector::zeros(2), Vector::repeat(2, 1.0));
+        let mut problem = Problem::new(TaskStack::new(vec![equations, bounds]).unwrap());
+        problem.inequalities.push(Inequality::new("sum", vec![1.0; 5], 1.0).unwrap());
+        assert_eq!(of_problem(&problem), 2 * (3 + 4 * (2 + 1) + 5) * 25);
+    }
+
     const fn rows(count: usize) -> (usize, bool) {
         (count, false)
     }

@@ -125,6 +125,9 @@ fn an_answer_reports_what_it_does() {
     let closed = resolve(&closed, &[]).unwrap();
     let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
     assert_eq!(broken, [(0, Side::Upper, 0.75), (2, Side::Lower, 0.5)]);
+    let dependent = resolve(&problem(&[row(1.0, 0.0, 1.0), row(2.0, 0.0, 1.0)]), &[]).unwrap();
+    assert_eq!((dependent.tasks[0].rank, dependent.tasks[1].rank), (1, 1));
+    assert!(dependent.tasks[0].algorithmic && !dependent.tasks[1].algorithmic && dependent.singularity.algorithmic);
     assert_ne!(free.singularity, resolve(&problem(&tasks[..1]), &[]).unwrap().singularity);
 }
 

@@ -24,9 +24,9 @@ impl Level {
 }
 
 fn solve(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Option<Damping>) -> Resolution {
-    let task = |level: &Level| match level.is_equation() {
-        true => Task::new("", level.rows.clone(), level.lower.clone()),
-        false => Task::between("", level.rows.clone(), level.lower.clone(), level.upper.clone()),
+    let task = |level: &Level| {
+        let (rows, lower, upper) = (level.rows.clone(), level.lower.clone(), level.upper.clone());
+        if level.is_equation() { Task::new("", rows, lower) } else { Task::between("", rows, lower, upper) }
     };
     let problem = Problem {
         limits: limits.clone(),
@@ -39,8 +39,10 @@ fn solve(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Op
 }
 
 fn stack<'a>(matrices: impl Iterator<Item = &'a Matrix>) -> Matrix {
-    let rows: Vec<_> = matrices.flat_map(|matrix| matrix.row_iter().map(|row| row.into_owned())).collect();
-    if rows.is_empty() { Matrix::zeros(0, N) } else { Matrix::from_rows(&rows) }
+    matrices.fold(Matrix::zeros(0, N), |above, matrix| {
+        let m = above.nrows();
+        Matrix::from_fn(m + matrix.nrows(), N, |i, j| if i < m { above[(i, j)] } else { matrix[(i - m, j)] })
+    })
 }
 
 /// Smoothstep of the smallest of `count` singular values.

@@ -16,6 +16,9 @@ const ARM: Duration = Duration::from_millis(50);
 /// inequalities and 9 joints.
 const ARM_PRICE: usize = 8 * (8 * 6 * 4 + 16 * 4 + 9) * 81;
 
+/// Tasks of the largest request the size of an arm.
+const ARM_TASKS: usize = 8;
+
 /// Bytes of the largest request the size of an arm.
 const ARM_BYTES: usize = 64 << 10;
 
@@ -36,6 +39,8 @@ pub enum Bound {
 pub struct Work {
     /// Price, as `service::price` computes it.
     pub price: usize,
+    /// Number of tasks.
+    pub tasks: usize,
     /// Size of the body.
     pub bytes: usize,
     /// Number of problems.
@@ -51,7 +56,8 @@ impl Work {
             let rows = task.jacobian.as_ref().map(Vec::len).or_else(|| task.axes.as_ref().map(Vec::len));
             (rows.unwrap_or_default(), task.velocity.is_none())
         });
-        Self { price: price(rows, request.inequalities.len(), joints.unwrap_or_default()), bytes: 0, items: 1 }
+        let price = price(rows, request.inequalities.len(), joints.unwrap_or_default());
+        Self { price, tasks: request.tasks.len(), bytes: 0, items: 1 }
     }
 
     /// Returns the work of a step without its size in bytes.
@@ -62,16 +68,21 @@ impl Work {
             let rows = task.jacobian.as_ref().map(Vec::len).or_else(|| task.axes.as_ref().map(Vec::len));
             (rows.unwrap_or(joints), task.law.is_none())
         });
-        Self { price: price(rows, controller.inequalities.len(), joints), bytes: 0, items: 1 }
+        let price = price(rows, controller.inequalities.len(), joints);
+        Self { price, tasks: controller.tasks.len(), bytes: 0, items: 1 }
     }
 
     /// Returns the processor time that the work may use: 50 ms for a request the size of an arm, and more for a larger one
-    /// in proportion to its price, size or number of problems.
+    /// in proportion to its price, its number of tasks, its size or its number of problems.
     pub fn budget(self) -> Duration {
         let factor = |value: usize, arm: usize| value as f64 / arm as f64;
-        let largest =
-            factor(self.price, ARM_PRICE).max(factor(self.bytes, ARM_BYTES)).max(factor(self.items, ARM_ITEMS));
-        ARM.mul_f64(largest.max(1.0))
+        let factors = [
+            factor(self.price, ARM_PRICE),
+            factor(self.tasks, ARM_TASKS),
+            factor(self.bytes, ARM_BYTES),
+            factor(self.items, ARM_ITEMS),
+        ];
+        ARM.mul_f64(factors.into_iter().fold(1.0, f64::max))
     }
 
     /// Returns whether the request is larger than an arm, so that the service may answer `deadline`.

@@ -146,7 +146,8 @@ impl Checker {
         let request: Option<BatchRequest> = format.read(body);
         let problems = request.as_ref().map(|batch| batch.items.as_slice()).unwrap_or_default();
         let price = problems.iter().map(|item| Work::of_problem(item).price).sum();
-        let work = Work { price, items: problems.len(), bytes: 0 };
+        let tasks = problems.iter().map(|item| item.tasks.len()).max().unwrap_or_default();
+        let work = Work { price, tasks, items: problems.len(), ..Work::default() };
         let answer = self.post_as(format, "/v1/resolve/batch", body, work)?;
         let Some(answer) = value::<BatchAnswer>(&answer, work.exceeds_arm())? else { return Ok(()) };
         let request = accepted(request)?;
