@@ -41,9 +41,15 @@ pub struct Controller {
     /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: `initial_posture` with gain
+    /// 5 or 0.25 / T, whichever is less, if the arm has more joints than its tasks have rows and no task moves single joints, otherwise `rest`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
+    /// Whether such an arm moves its joints towards the middle of their ranges for 4 s when the end of a joint's range
+    /// holds a `pose` task back, up to three times. Tasks above it are not disturbed. Only without `force`, `impedance` and
+    /// `hybrid` tasks; default `true`.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub leave_local_minima: bool,
     /// Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
@@ -67,6 +73,15 @@ pub struct Controller {
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_yes(value: &bool) -> bool {
+    *value
 }
 
 /// Covers a few periods of a slow loop.

@@ -13,4 +13,5 @@ mod limits;
 mod memory;
 mod positions;
 mod streaming;
+mod stuck;
 mod targets;
