@@ -54,7 +54,7 @@ fn a_session_is_opened_stepped_shown_and_ended() {
 
     let shown = service.get(&session).accepted();
     assert_eq!((&shown["id"], &shown["last_sequence"], &shown["steps"]), (&body["id"], &json!(17), &json!(1)));
-    assert_eq!(shown["controller"]["damping"], json!({"threshold": 0.05, "max_factor": 0.1}));
+    assert_eq!(shown["controller"]["damping"], json!({"threshold": 0.15, "max_factor": 0.15}));
 
     let ended = service.delete(&session);
     assert_eq!((ended.status, ended.text.as_str()), (204, ""));

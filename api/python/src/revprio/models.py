@@ -1455,7 +1455,7 @@ class ControllerConfig(Body):
     anti_windup: AntiWindup | None = None
     """When integrators of laws follow the achieved velocity; default `always`."""
     damping: Damping | None = None
-    """Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping."""
+    """Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping."""
     drive: JointDrive | None = None
     """How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods."""
     environment: Environment | None = None

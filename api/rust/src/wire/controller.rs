@@ -42,7 +42,8 @@ pub struct Controller {
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
     /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: `initial_posture` with gain
-    /// 5 or 0.25 / T, whichever is less, if the arm has more joints than its tasks have rows and no task moves single joints, otherwise `rest`.
+    /// 5 or 0.25 / T, whichever is less, if the arm has more joints than its tasks have rows and no task moves single
+    /// joints, otherwise `rest`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
     /// Whether such an arm moves its joints towards the middle of their ranges for 4 s when the end of a joint's range
@@ -50,7 +51,7 @@ pub struct Controller {
     /// `hybrid` tasks; default `true`.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub leave_local_minima: bool,
-    /// Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
+    /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
     /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
@@ -100,7 +101,7 @@ fn default_limits() -> Limits {
 
 #[expect(clippy::unnecessary_wraps, reason = "`null` and a missing field mean different things")]
 fn default_damping() -> Option<Damping> {
-    Some(Damping::STANDARD)
+    Some(Damping::ARM)
 }
 
 /// One task of a controller: its rows, and their law or bounds of their velocity.

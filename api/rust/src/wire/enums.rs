@@ -207,8 +207,8 @@ pub struct Damping {
 }
 
 impl Damping {
-    /// The default of a controller.
-    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1 };
+    /// The default of a controller, for arms with a reach of about 1 m.
+    pub const ARM: Self = Self { threshold: 0.15, max_factor: 0.15 };
 }
 
 /// The limits of the robot that apply.

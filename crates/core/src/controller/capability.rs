@@ -30,7 +30,8 @@ use crate::task::TaskStack;
 /// along a straight line, w with it, and a decay at the rate K demands the deceleration K |w_j| of joint j. So
 /// ρ = min_j η a_j / (K |w_j|), with the largest K of the rows. One factor slows all rows of the task, so the tool keeps
 /// its direction, and no joint decelerates by more than η a_j. λ keeps w bounded near singularities, by |v|/2λ; it
-/// shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 14 % at σ = 0.05, where damping begins.
+/// shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 2 % at σ = 0.15, where the
+/// default damping begins.
 ///
 /// η = 0.4 is the share of one task. The rest is for what the estimate leaves out: the change of J
 /// along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at

@@ -117,7 +117,7 @@ pub struct ControllerConfig {
 impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
-    /// The defaults: method `ReversePriority`, solver `Auto`, the standard damping, the position, velocity and
+    /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
     /// acceleration limits of the robot, a slow drive, and [`NullSpaceMotion::default_for`].
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl ControllerConfig {
             period_s,
             method: Method::ReversePriority,
             solver: Solver::Auto,
-            damping: Some(Damping::STANDARD),
+            damping: Some(Damping::ARM),
             limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
             drive: Drive::CONSERVATIVE,
             barriers: Vec::new(),

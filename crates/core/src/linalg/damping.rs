@@ -12,8 +12,11 @@ pub struct Damping {
 }
 
 impl Damping {
-    /// δ = 0.05, λ_max = 0.1: the values of the singular scenarios.
+    /// δ = 0.05, λ_max = 0.1: the values of the paper's singular scenarios.
     pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1 };
+    /// δ = λ_max = 0.15: the default of controllers, for arms with a reach of about 1 m. `docs/guides/choose-damping.md`
+    /// has the measurements.
+    pub const ARM: Self = Self { threshold: 0.15, max_factor: 0.15 };
 
     /// Damping below the singular value `threshold` (δ > 0), at most `max_factor` (λ_max ≥ 0);
     /// `None` if either is out of range or not finite.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use revprio_core::controller::{AntiWindup, Command, Controller, ControllerConfig, Limits, Stepper, TaskConfig};
 use revprio_core::law::{ForceLaw, Law, Point, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
+use revprio_core::linalg::Damping;
 use revprio_core::resolution::{Method, Solver};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{JointLimits, RobotModel};
@@ -137,13 +138,15 @@ fn a_fixed_joint_does_not_wind_up_tasks_of_any_priority() {
 const SINGULAR: [f64; 7] = [0.531, 1.877, 0.803, -0.661, 0.717, -2.326, -0.263];
 const OTHERS: [Axis; 5] = [Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
-/// Returns a push along x above a spring on the other axes. The push changes its sign at `change` (s).
+/// Returns a push along x above a spring on the other axes, with the damping of the paper. The push changes its sign at
+/// `change` (s).
 fn reversed_push(change: f64, limits: LimitKind, anti_windup: AntiWindup) -> ControllerConfig {
     let point = |time_s: f64, force: f64| Point { time_s, value: vec![force] };
     let push = Profile::steps(vec![point(0.0, 30.0), point(change, -30.0)]).unwrap();
     let push = Law::Force(ForceLaw::new(gains(&[Axis::X], 0.0), push).unwrap());
     let tasks = vec![task(&[Axis::X], push), task(&OTHERS, impedance(&OTHERS, 1000.0))];
-    ControllerConfig { limits: Limits::Robot(limits), anti_windup, ..config(&sawyer(), tasks) }
+    let damping = Some(Damping::STANDARD);
+    ControllerConfig { limits: Limits::Robot(limits), anti_windup, damping, ..config(&sawyer(), tasks) }
 }
 
 /// Largest values over a run next to a singularity.

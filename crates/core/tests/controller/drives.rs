@@ -25,8 +25,8 @@ const NOISE: f64 = 1e-4;
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
 /// An arm behind a drive, whose positions are measured with noise.
-struct LaggingArm {
-    q: Vec<f64>,
+pub(super) struct LaggingArm {
+    pub(super) q: Vec<f64>,
     velocity: Vec<f64>,
     drive: Drive,
     sent: VecDeque<Vec<f64>>,
@@ -36,18 +36,18 @@ struct LaggingArm {
 }
 
 impl LaggingArm {
-    fn at_rest(q: &[f64], drive: Drive, noise: f64, seed: u64) -> Self {
+    pub(super) fn at_rest(q: &[f64], drive: Drive, noise: f64, seed: u64) -> Self {
         let velocity = vec![0.0; q.len()];
         let sent = std::iter::repeat_n(velocity.clone(), drive.delay_periods).collect();
         Self { q: q.to_vec(), velocity, drive, sent, random: Random(seed), noise }
     }
 
-    fn measure(&mut self, time_s: f64) -> Measurement {
+    pub(super) fn measure(&mut self, time_s: f64) -> Measurement {
         let joint_position = self.q.iter().map(|q| q + self.noise * self.random.signed()).collect();
         Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() }
     }
 
-    fn follow(&mut self, command: &[f64], period: f64) {
+    pub(super) fn follow(&mut self, command: &[f64], period: f64) {
         self.sent.push_back(command.to_vec());
         let acting = self.sent.pop_front().unwrap();
         let (lag, remaining) = (self.drive.lag_s, (-period / self.drive.lag_s).exp());

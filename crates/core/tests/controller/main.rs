@@ -11,6 +11,7 @@ mod hold;
 mod laws;
 mod limits;
 mod memory;
+mod outstretched;
 mod positions;
 mod streaming;
 mod stuck;

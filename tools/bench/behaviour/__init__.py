@@ -1,0 +1,1 @@
+"""Compares the behaviour of revprio with that of pink, mink and placo; `run` starts it."""

@@ -1,0 +1,1 @@
+"""The controllers that are compared, one module each. A module imports its library only when it is made."""
