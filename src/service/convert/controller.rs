@@ -1,9 +1,7 @@
 //! Controllers.
 
 use revprio_api::wire;
-use revprio_core::controller::{
-    ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
-};
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 
 use super::environment;
@@ -55,7 +53,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: match &request.null_space_velocity {
             Some(motion) => null_space(motion, Some(&robot), robot.joint_count())?,
-            None => NullSpaceMotion::default_for(&robot, &tasks, request.period_s),
+            None => None,
         },
         leave_local_minima: request.leave_local_minima,
         anti_windup: terms::anti_windup(request.anti_windup),

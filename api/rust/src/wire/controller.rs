@@ -41,14 +41,13 @@ pub struct Controller {
     /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: `initial_posture` with gain
-    /// 5 or 0.25 / T, whichever is less, if the arm has more joints than its tasks have rows and no task moves single
-    /// joints, otherwise `rest`.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
-    /// Whether such an arm moves its joints towards the middle of their ranges for 4 s when the end of a joint's range
-    /// holds a `pose` task back, up to three times. Tasks above it are not disturbed. Only without `force`, `impedance` and
-    /// `hybrid` tasks; default `true`.
+    /// Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move towards
+    /// the middle of their ranges for 4 s, up to three times. Tasks above it are not disturbed. Only if the arm has more
+    /// joints than its tasks have rows, no task moves single joints, and no task has the law `force`, `impedance` or
+    /// `hybrid`; default `true`.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub leave_local_minima: bool,
     /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.

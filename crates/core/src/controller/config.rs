@@ -118,10 +118,10 @@ impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
     /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
-    /// acceleration limits of the robot, a slow drive, and [`NullSpaceMotion::default_for`].
+    /// acceleration limits of the robot, a slow drive, and rest in the null space unless a task is stuck.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
-            null_space: NullSpaceMotion::default_for(&robot, &tasks, period_s),
+            null_space: None,
             leave_local_minima: true,
             robot,
             period_s,

@@ -35,12 +35,6 @@ pub enum NullSpaceMotion {
 /// circle of 10 cm in 5 s, but slow for an arm.
 pub const HOLDING_SPEED: f64 = 0.1;
 
-/// K of the default motion, 1/s.
-const HOLDING_GAIN: f64 = 5.0;
-
-/// Maximum K T of the default motion.
-const HOLDING_STEP: f64 = 0.25;
-
 /// K of the motion that leaves a posture, 1/s.
 const LEAVING_GAIN: f64 = 2.0;
 
@@ -70,13 +64,6 @@ pub enum NullSpaceError {
 }
 
 impl NullSpaceMotion {
-    /// The default of a controller: the posture of the first step if the arm is redundant, otherwise none. An arm is
-    /// redundant if it has more joints than its tasks have rows, and no task moves single joints. `period`: T, s.
-    pub fn default_for(robot: &RobotModel, tasks: &[TaskConfig], period: f64) -> Option<Self> {
-        let gain = if period > 0.0 { HOLDING_GAIN.min(HOLDING_STEP / period) } else { HOLDING_GAIN };
-        is_redundant(robot, tasks).then_some(Self::InitialPosture { gain })
-    }
-
     /// Returns ζ̇ at a posture (`joint_position`: q, n) of the first step, n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
         let mut velocity = Vector::zeros(robot.joint_count());

@@ -225,7 +225,7 @@ fn the_bare_gain_overshoots() {
         let step = &steps(name, 1)[0];
         let controller = step.controller(step.tasks(20.0, false, &Braking::None), 4e-3);
         let found = step.run(controller, 2.0, DRIVES[0]);
-        assert!(found.overshoot > 0.03 * STEP, "{name}: {found:?}");
+        assert!(found.overshoot > 0.05 * STEP, "{name}: {found:?}");
     }
 }
 
