@@ -24,10 +24,10 @@ pub fn joint_count(robot: &str) -> usize {
 
 /// Returns the speed limits of a problem; `None` if it has none that the solver respects.
 pub fn of_problem(request: &ResolveRequest) -> Option<SpeedLimits> {
-    let has_default = request.robot.is_some() && request.joint_position.is_some() && request.period_s.is_some();
-    let default = has_default.then_some(Limits::Robot(LimitKind::PositionVelocity));
+    let robot = request.robot.as_deref().and_then(known_robot);
+    let default = robot.map(|_| Limits::Robot(LimitKind::Velocity));
     let limits = request.limits.clone().or(default)?;
-    of(&limits, request.solver, request.robot.as_deref().and_then(known_robot))
+    of(&limits, request.solver, robot)
 }
 
 /// Returns the speed limits of a controller; `None` if it has none that the solver respects.

@@ -426,7 +426,7 @@ class TaskOutcome(Answer):
 
 
 class ViolatedLimit(Answer):
-    """A limit that the answer violates. Only the solver `closed_form` violates limits.
+    """A limit that the answer violates.
 
     Fields:
 
@@ -1429,7 +1429,7 @@ class ControllerConfig(Body):
     - robot: Name of the robot.
     - tasks: The tasks, highest priority first.
     - anti_windup: When integrators of laws follow the achieved velocity; default `always`.
-    - damping: Damping near singularities; default: threshold 0.05, max_factor 0.1; `null`: no damping.
+    - damping: Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
     - drive: How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
     - environment: Environment that the tool touches, as far as known, for the stability warnings of `POST
       /v1/controllers`; default: unknown.

@@ -94,7 +94,7 @@ pub struct ActiveLimit {
     pub multiplier: f64,
 }
 
-/// A limit that the answer violates. Only the solver `closed_form` violates limits.
+/// A limit that the answer violates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ViolatedLimit {
     /// Name of the joint.

@@ -239,11 +239,9 @@ fn ordered(lower: f64, upper: f64, to_upper: f64) -> (f64, f64) {
 /// most V.
 fn max_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
     let (reaction, deceleration) = (reaction_time(period), braking_deceleration(limits));
-    // a(−τ + √(τ² + 2d/a)), rewritten: no cancellation for small d, and correct for infinite d.
-    match 2.0 * distance / (reaction + (reaction * reaction + 2.0 * distance / deceleration).sqrt()) {
-        speed if speed.is_nan() => limits.velocity,
-        speed => speed.min(limits.velocity),
-    }
+    // a(−τ + √(τ² + 2d/a)), rewritten: no cancellation for small d. For infinite d and a it is NaN, which `min` ignores.
+    let speed = 2.0 * distance / (reaction + (reaction * reaction + 2.0 * distance / deceleration).sqrt());
+    speed.min(limits.velocity)
 }
 
 /// Returns the maximum speed towards a limit at `distance`.

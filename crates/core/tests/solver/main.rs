@@ -14,3 +14,4 @@ mod published;
 mod random;
 mod sizes;
 mod warm;
+mod work;

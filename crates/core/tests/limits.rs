@@ -1,0 +1,174 @@
+//! Limits, holds and virtual walls compared with the formulas of `docs/limits.md`, computed here in another way.
+
+use proptest::prelude::*;
+use revprio_core::limits::{
+    Barrier, Drive, Hold, Inequality, JointMotion, LimitKind, PlanePoint, VirtualPlane, braking_deceleration,
+    reaction_time, robot_box,
+};
+use revprio_core::linalg::Vector;
+use revprio_robot::kinematics::Configuration;
+use revprio_robot::{JointLimits, RobotModel};
+
+const PERIOD: f64 = 0.004;
+const ERROR: f64 = 1e-9;
+
+fn sawyer() -> &'static RobotModel {
+    revprio_robot::built_in().iter().find(|robot| robot.name() == "sawyer_dh").unwrap()
+}
+
+fn middle(robot: &RobotModel) -> Vec<f64> {
+    robot.joints().iter().map(|joint| f64::midpoint(joint.limits.lower, joint.limits.upper)).collect()
+}
+
+/// Returns the largest v ≤ V with v τ + v²/2a ≤ d, by bisection; d ≥ 0.
+fn stopping_speed(limits: &JointLimits, distance: f64) -> f64 {
+    let (reaction, a) = (reaction_time(PERIOD), braking_deceleration(limits));
+    let (mut slow, mut fast) = (0.0, limits.velocity);
+    for _ in 0..100 {
+        let v = f64::midpoint(slow, fast);
+        if v * reaction + v * v / (2.0 * a) <= distance { slow = v } else { fast = v }
+    }
+    slow
+}
+
+/// The velocities allowed towards both limits without the acceleration limit: away from the nearer one where the joint is
+/// beyond it.
+fn range(limits: &JointLimits, below: f64, above: f64, last: f64) -> (f64, f64) {
+    let change = limits.acceleration * PERIOD;
+    let towards = |distance: f64, last: f64| match distance {
+        _ if distance >= 0.0 => stopping_speed(limits, distance),
+        _ => -stopping_speed(limits, -distance).min((change - last).max(0.0)),
+    };
+    let (lower, upper) = (-towards(below, -last), towards(above, last));
+    match (below < 0.0, above < 0.0) {
+        (_, true) => (lower, upper.max(lower)),
+        (true, _) => (lower.min(upper), upper),
+        _ => (lower, upper),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Inside the range, and beyond it as the joint is or as it comes to rest, even beyond the other limit.
+    #[test]
+    fn the_box_is_that_of_the_documentation(
+        place in -0.02..1.02_f64, to_rest in -1.0..1.0_f64, farthest in prop::sample::select(vec![0.0, 0.1, 10.0]),
+        last in -1.0..1.0_f64,
+    ) {
+        let robot = sawyer();
+        let limits = &robot.joints()[1].limits;
+        let mut position = middle(robot);
+        position[1] = limits.lower + place * (limits.upper - limits.lower);
+        let to_rest = farthest * to_rest;
+        let (mut distance_to_rest, mut last_command) = (vec![0.0; 7], vec![0.0; 7]);
+        (distance_to_rest[1], last_command[1]) = (to_rest, last * limits.velocity);
+        let last = last_command[1];
+        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command };
+        let limited = robot_box(robot, LimitKind::PositionVelocityAcceleration, motion, PERIOD);
+        let (below, above) = (position[1] - limits.lower, limits.upper - position[1]);
+        let resting = range(limits, below + to_rest.min(0.0), above - to_rest.max(0.0), last);
+        let at_once = range(limits, below, above, last);
+        let change = limits.acceleration * PERIOD;
+        let lower = resting.0.min((last + change).max(at_once.0));
+        let upper = resting.1.max((last - change).min(at_once.1));
+        let expected = ((last - change).clamp(lower, upper), (last + change).clamp(lower, upper));
+        let found = (limited.velocity_box.lower()[1], limited.velocity_box.upper()[1]);
+        prop_assert!((found.0 - expected.0).abs() < ERROR && (found.1 - expected.1).abs() < ERROR, "{found:?} {expected:?}");
+        let contradiction = (last - change - upper).max(lower - last - change);
+        if contradiction.abs() > 1e-6 {
+            prop_assert_eq!(limited.conflicts.contains(&1), contradiction > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_command_can_be_held_until_braking_must_start(
+        place in 0.0..1.0_f64, to_rest in -0.1..0.1_f64, command in -1.0..1.0_f64, last in -1.0..1.0_f64,
+    ) {
+        let robot = sawyer();
+        let limits = &robot.joints()[1].limits;
+        let mut position = middle(robot);
+        position[1] = limits.lower + place * (limits.upper - limits.lower);
+        let (mut distance_to_rest, mut last_command, mut commands) = (vec![0.0; 7], vec![0.0; 7], vec![0.0; 7]);
+        (distance_to_rest[1], last_command[1], commands[1]) = (to_rest, last * limits.velocity, command * limits.velocity);
+        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command };
+        let mut hold = Hold::default();
+        hold.update(robot, LimitKind::PositionVelocity, motion, &[0.0; 7], &commands, PERIOD);
+        let (v, towards) = (commands[1].abs(), commands[1].signum());
+        let limit = if towards > 0.0 { limits.upper } else { limits.lower };
+        let distance = towards * (limit - position[1]) - (towards * to_rest).max(0.0);
+        let braking = v * v / (2.0 * braking_deceleration(limits));
+        let late = (towards * last_command[1] - v).max(0.0) * (reaction_time(PERIOD) - PERIOD);
+        let time = ((distance - late - braking) / v).max(0.0);
+        // 1 µm of tolerance for measured positions.
+        prop_assert!((hold.time_s - time).abs() < 1e-6 / v + 1e-9, "{} {time}", hold.time_s);
+        if (braking - distance).abs() > 1e-6 {
+            prop_assert_eq!(hold.too_fast.contains(&1), braking > distance);
+        }
+    }
+
+    /// n·ṗ ≤ γ (d − n·p), where p is at rest if it still approaches.
+    #[test]
+    fn a_wall_holds_back_its_point_at_rest(
+        joints in prop::array::uniform7(-1.0..1.0_f64), to_rest in prop::array::uniform7(-0.1..0.1_f64), elbow in any::<bool>(),
+    ) {
+        let robot = sawyer();
+        let q: Vec<f64> = middle(robot).iter().zip(joints).map(|(middle, change)| middle + change).collect();
+        let configuration = Configuration::new(robot, &q).unwrap();
+        let point = if elbow { PlanePoint::Joint(4) } else { PlanePoint::Tool };
+        let wall = VirtualPlane::new("wall", [3.0, 0.0, 4.0], 0.7, point, 8.0).unwrap();
+        let at = |configuration: &Configuration| match point {
+            PlanePoint::Tool => configuration.tool_pose().translation.vector,
+            PlanePoint::Joint(joint) => configuration.joint_origin(joint).0,
+        };
+        let height = |configuration: &Configuration| 0.6 * at(configuration).x + 0.8 * at(configuration).z;
+        let inequality = wall.at(&configuration, &to_rest);
+        let step = 1e-6;
+        let gradient = Vector::from_iterator(7, (0..7).map(|joint| {
+            let moved = |by: f64| {
+                let mut q = q.clone();
+                q[joint] += by;
+                height(&Configuration::new(robot, &q).unwrap())
+            };
+            (moved(step) - moved(-step)) / (2.0 * step)
+        }));
+        prop_assert!((inequality.coefficients() - &gradient).amax() < 1e-8);
+        let approach: f64 = gradient.iter().zip(to_rest).map(|(slope, by)| slope * by).sum();
+        let bound = 8.0 * (0.7 - height(&configuration) - approach.max(0.0));
+        prop_assert!((inequality.bound() - bound).abs() < 1e-7, "{} {bound}", inequality.bound());
+        prop_assert_eq!(inequality.name(), "wall");
+    }
+}
+
+#[test]
+fn a_joint_that_a_wall_cannot_be_reached_with_gives_an_inequality_that_always_holds() {
+    let robot = sawyer();
+    let configuration = Configuration::new(robot, &middle(robot)).unwrap();
+    let wall = VirtualPlane::new("wall", [0.0, 0.0, 1.0], 0.0, PlanePoint::Joint(0), 8.0).unwrap();
+    let inequality = wall.at(&configuration, &[]);
+    assert_eq!((inequality.coefficients().amax(), inequality.bound()), (0.0, f64::INFINITY));
+}
+
+#[test]
+fn a_barrier_says_what_it_is() {
+    let fixed = Barrier::Fixed(Inequality::new("sum", vec![1.0; 7], 0.5).unwrap());
+    let plane = |point| Barrier::Plane(VirtualPlane::new("wall", [0.0, 0.0, 1.0], 0.3, point, 8.0).unwrap());
+    assert_eq!((fixed.name(), plane(PlanePoint::Tool).name()), ("sum", "wall"));
+    assert_eq!((fixed.constant().map(Inequality::name), plane(PlanePoint::Tool).constant()), (Some("sum"), None));
+    assert_eq!((fixed.fits(7), fixed.fits(6)), (true, false));
+    let fits = |joint| plane(PlanePoint::Joint(joint)).fits(7);
+    assert_eq!((fits(6), fits(7), plane(PlanePoint::Tool).fits(1)), (true, false, true));
+    let Barrier::Plane(wall) = plane(PlanePoint::Joint(3)) else { unreachable!("a plane") };
+    assert_eq!((wall.point(), wall.rate()), (PlanePoint::Joint(3), 8.0));
+}
+
+#[test]
+fn a_kind_names_its_limits_and_a_drive_its_time_to_rest() {
+    let includes = |kind: LimitKind| [kind.includes_velocity(), kind.includes_position(), kind.includes_acceleration()];
+    assert_eq!(includes(LimitKind::None), [false; 3]);
+    assert_eq!(includes(LimitKind::Velocity), [true, false, false]);
+    assert_eq!(includes(LimitKind::PositionVelocity), [true, true, false]);
+    assert_eq!(includes(LimitKind::PositionVelocityAcceleration), [true; 3]);
+    assert!((Drive { lag_s: 0.03, delay_periods: 2 }.time_to_rest(0.004) - 0.038).abs() < 1e-15);
+    assert_eq!(Drive::IDEAL.time_to_rest(0.004), 0.0);
+}

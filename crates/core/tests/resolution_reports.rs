@@ -1,0 +1,154 @@
+//! Every method with and without damping against the solver, what answers report, and what is refused.
+
+use proptest::prelude::*;
+use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::linalg::{Damping, Matrix, Vector};
+use revprio_core::resolution::{
+    MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Resolution, Resolver, Side, Solver, Status, resolve,
+};
+use revprio_core::task::{Task, TaskStack};
+
+const N: usize = 5;
+
+const METHODS: [Method; 6] = [
+    Method::Pseudoinverse,
+    Method::DampedLeastSquares,
+    Method::TaskPriority,
+    Method::StrictReversePriority,
+    Method::SingularityRobust,
+    Method::ReversePriority,
+];
+
+fn entries(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, count)
+}
+
+/// One to three rows. Some are short or nearly depend on each other, so that damping acts on the task itself.
+fn task() -> impl Strategy<Value = (Matrix, Vector)> {
+    let size = prop::sample::select(vec![1.0, 1.0, 0.2, 0.01]);
+    (1..4_usize, entries(3 * N), entries(3), size, any::<bool>()).prop_map(|(m, rows, targets, size, is_near)| {
+        let mut rows = Matrix::from_row_slice(m, N, &rows[..m * N]);
+        if m > 1 {
+            let near = if is_near { rows.row(0) + rows.row(m - 1) * size } else { rows.row(m - 1) * size };
+            rows.set_row(m - 1, &near);
+        }
+        (rows, Vector::from_row_slice(&targets[..m]))
+    })
+}
+
+fn problem(tasks: &[(Matrix, Vector)]) -> Problem {
+    let task = |(rows, target): &(Matrix, Vector)| Task::new("task", rows.clone(), target.clone());
+    Problem::new(TaskStack::new(tasks.iter().map(task).collect()).unwrap())
+}
+
+fn limits(lower: [f64; N], upper: [f64; N]) -> VelocityBox {
+    VelocityBox::new(&lower, &upper).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    /// The factors of damping differ from method to method and from task to task.
+    #[test]
+    fn closed_forms_and_solvers_agree_without_limits(
+        tasks in prop::collection::vec(task(), 1..4), reference in entries(N), is_damped in any::<bool>(),
+    ) {
+        for method in METHODS {
+            let problem = |solver| Problem {
+                method,
+                solver,
+                damping: is_damped.then(|| Damping::new(0.5, 0.3).unwrap()),
+                null_space_velocity: Some(Vector::from_row_slice(&reference)),
+                ..problem(&tasks)
+            };
+            let closed = resolve(&problem(Solver::ClosedForm), &[]).unwrap();
+            prop_assert_eq!(closed.solver.path, Path::ClosedForm);
+            let is_optimal = closed.solver.status == Status::Optimal;
+            prop_assert_eq!(closed.solver.kkt_residual.unwrap() <= 1e-9, is_optimal);
+            prop_assert!(is_optimal || closed.solver.rank_uncertain, "{method:?} {:?}", closed.solver);
+            for solver in [Solver::Auto, Solver::Qp] {
+                let answer = resolve(&problem(solver), &[]).unwrap();
+                prop_assert_eq!(answer.solver.status, Status::Optimal);
+                prop_assert_eq!(answer.solver.rank_uncertain, closed.solver.rank_uncertain);
+                let speed = closed.joint_velocity.norm().max(1.0);
+                let error = (&answer.joint_velocity - &closed.joint_velocity).amax() / speed;
+                prop_assert!(error < 1e-7 || closed.solver.rank_uncertain, "{method:?} {solver:?} {error:e}");
+                let size = closed.singularity.smallest_singular_value().max(1e-3);
+                let difference = answer.singularity.smallest_singular_value() - closed.singularity.smallest_singular_value();
+                prop_assert!(difference.abs() < 1e-9 * size.max(1.0) && answer.singularity.algorithmic == closed.singularity.algorithmic);
+            }
+        }
+    }
+
+    /// An answer that is overwritten keeps nothing of the one before.
+    #[test]
+    fn an_answer_that_is_used_again_is_that_of_a_new_one(
+        stacks in prop::collection::vec(prop::collection::vec(task(), 1..4), 2..5), width in 0.05..2.0_f64,
+    ) {
+        let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+        for (index, tasks) in stacks.iter().enumerate() {
+            let mut upper = [width; N];
+            if index % 2 == 1 {
+                upper[0] = -width;
+            }
+            let problem = Problem {
+                limits: if index == 2 { VelocityBox::unbounded(N) } else { limits([-width; N], upper) },
+                method: METHODS[index],
+                damping: (index == 1).then_some(Damping::STANDARD),
+                solver: [Solver::Auto, Solver::Qp, Solver::Auto, Solver::ClosedForm][index],
+                ..problem(tasks)
+            };
+            resolver.resolve(&problem, &[], &mut answer).unwrap();
+            prop_assert_eq!(&answer, &resolve(&problem, &[]).unwrap());
+        }
+    }
+}
+
+/// Two tasks of one row each on two joints: everything about the answer is known.
+#[test]
+fn an_answer_reports_what_it_does() {
+    let row = |a: f64, b: f64, target: f64| {
+        (Matrix::from_row_slice(1, N, &[a, b, 0.0, 0.0, 0.0]), Vector::from_row_slice(&[target]))
+    };
+    let tasks = [row(1.0, 0.0, 1.0), row(0.0, 2.0, 1.0)];
+    let free = resolve(&problem(&tasks), &[]).unwrap();
+    assert_eq!((free.solver.path, free.solver.working_sets), (Path::ClosedForm, 1));
+    assert_eq!((free.tasks[0].rank, free.tasks[1].rank, free.singularity.manipulability), (1, 1, 2.0));
+    assert!(free.active_limits.is_empty() && free.violated_limits.is_empty());
+    let narrow = limits([-3.0, -3.0, 0.5, -3.0, -3.0], [0.75, 3.0, 0.5, 3.0, 3.0]);
+    let limited = resolve(&Problem { limits: narrow.clone(), ..problem(&tasks) }, &[]).unwrap();
+    assert_eq!(limited.solver.path, Path::ActiveSet);
+    let active: Vec<_> = limited.active_limits.iter().map(|it| (it.joint, it.value)).collect();
+    assert_eq!((active, limited.active_limits[0].side), (vec![(0, 0.75), (2, 0.5)], Side::Upper));
+    assert!((limited.tasks[0].residual_norm - 0.25).abs() < 1e-12 && limited.tasks[1].residual_norm < 1e-12);
+    let closed = Problem { limits: narrow, solver: Solver::ClosedForm, ..problem(&tasks) };
+    let closed = resolve(&closed, &[]).unwrap();
+    let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
+    assert_eq!(broken, [(0, Side::Upper, 0.75), (2, Side::Lower, 0.5)]);
+    assert_ne!(free.singularity, resolve(&problem(&tasks[..1]), &[]).unwrap().singularity);
+}
+
+#[test]
+fn problems_whose_parts_differ_in_size_are_refused() {
+    let tasks = [(Matrix::from_row_slice(1, N, &[1.0; N]), Vector::from_row_slice(&[1.0]))];
+    let refusal = |problem: Problem| resolve(&problem, &[]).unwrap_err();
+    let limits = Problem { limits: VelocityBox::unbounded(4), ..problem(&tasks) };
+    assert_eq!(refusal(limits), ProblemError::Limits { expected: N, given: 4 });
+    let short = Inequality::new("short", vec![1.0; 4], 1.0).unwrap();
+    let fits = Inequality::new("fits", vec![1.0; N], 1.0).unwrap();
+    let inequalities = Problem { inequalities: vec![fits, short], ..problem(&tasks) };
+    let expected = ProblemError::Inequality { name: "short".to_owned(), index: 1, expected: N, given: 4 };
+    assert_eq!(refusal(inequalities), expected);
+    for zeta in [vec![0.0; 4], vec![f64::NAN; N]] {
+        let zeta = Problem { null_space_velocity: Some(Vector::from_vec(zeta)), ..problem(&tasks) };
+        assert_eq!(refusal(zeta), ProblemError::NullSpaceVelocity { expected: N });
+    }
+    let wide = |joints: usize, scaled: bool| {
+        let task = Task::new("wide", Matrix::from_fn(1, joints, |_, _| 1.0), Vector::from_row_slice(&[1.0]));
+        Problem::new(TaskStack::new(vec![Task { scaled, ..task }]).unwrap())
+    };
+    assert!(resolve(&wide(MAX_UNKNOWNS, false), &[]).is_ok());
+    let limit = MAX_UNKNOWNS;
+    assert_eq!(refusal(wide(limit, true)), ProblemError::Size { given: limit + 1, limit });
+    assert_eq!(refusal(wide(limit + 1, false)), ProblemError::Size { given: limit + 1, limit });
+}

@@ -1,0 +1,180 @@
+//! The blend that makes damped answers continuous, compared with its definition in `docs/solver.md`: each part is a problem of
+//! its own, and singular values come from the matrices themselves.
+
+use proptest::prelude::*;
+use revprio_core::limits::VelocityBox;
+use revprio_core::linalg::{Damping, Matrix, Vector};
+use revprio_core::resolution::{Method, Problem, Resolution, Side, Status, resolve};
+use revprio_core::task::{Task, TaskStack};
+
+const N: usize = 5;
+
+/// A level: rows with bounds, equal ones for equations.
+#[derive(Debug, Clone)]
+struct Level {
+    rows: Matrix,
+    lower: Vector,
+    upper: Vector,
+}
+
+impl Level {
+    fn is_equation(&self) -> bool {
+        self.lower == self.upper
+    }
+}
+
+fn solve(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Option<Damping>) -> Resolution {
+    let task = |level: &Level| match level.is_equation() {
+        true => Task::new("", level.rows.clone(), level.lower.clone()),
+        false => Task::between("", level.rows.clone(), level.lower.clone(), level.upper.clone()),
+    };
+    let problem = Problem {
+        limits: limits.clone(),
+        method: Method::StrictReversePriority,
+        null_space_velocity: Some(reference.clone()),
+        damping,
+        ..Problem::new(TaskStack::new(levels.iter().map(task).collect()).unwrap())
+    };
+    resolve(&problem, &[]).unwrap()
+}
+
+fn stack<'a>(matrices: impl Iterator<Item = &'a Matrix>) -> Matrix {
+    let rows: Vec<_> = matrices.flat_map(|matrix| matrix.row_iter().map(|row| row.into_owned())).collect();
+    if rows.is_empty() { Matrix::zeros(0, N) } else { Matrix::from_rows(&rows) }
+}
+
+/// Smoothstep of the smallest of `count` singular values.
+fn regularity(matrix: &Matrix, count: usize, threshold: f64) -> f64 {
+    if matrix.nrows().min(matrix.ncols()) < count {
+        return 0.0;
+    }
+    let smallest = matrix.clone().svd(false, false).singular_values.min();
+    let ratio = (smallest / threshold).min(1.0);
+    ratio * ratio * (3.0 - 2.0 * ratio)
+}
+
+/// 0 at the nearer bound, 1 from a tenth of half the width on.
+fn room(value: f64, lower: f64, upper: f64) -> f64 {
+    let half_width = if (upper - lower).is_finite() { (upper - lower) / 2.0 } else { 1.0 };
+    if lower == upper { 0.0 } else { ((value - lower).min(upper - value).max(0.0) / half_width / 0.1).min(1.0) }
+}
+
+/// s of the first levels at a velocity.
+fn weight(levels: &[Level], limits: &VelocityBox, x: &Vector, threshold: f64) -> f64 {
+    let of_rows = |levels: &[Level]| {
+        let rows = stack(levels.iter().map(|level| &level.rows));
+        let m = rows.nrows();
+        let column = |j: usize| room(x[j], limits.lower()[j], limits.upper()[j]);
+        let bounds = |of: fn(&Level) -> &Vector| -> Vec<f64> {
+            levels.iter().flat_map(|level| of(level).iter().copied().collect::<Vec<_>>()).collect()
+        };
+        let (lower, upper, values) = (bounds(|level| &level.lower), bounds(|level| &level.upper), &rows * x);
+        let matrix = Matrix::from_fn(m, N + m, |i, j| match j {
+            _ if j < N => rows[(i, j)] * column(j),
+            _ if j == N + i => room(values[i], lower[i], upper[i]),
+            _ => 0.0,
+        });
+        regularity(&matrix, m, threshold)
+    };
+    let independent = of_rows(levels);
+    if levels.iter().map(|level| level.rows.nrows()).sum::<usize>() < N {
+        return independent;
+    }
+    let equations = stack(levels.iter().filter(|level| level.is_equation()).map(|level| &level.rows));
+    let determined = regularity(&equations.transpose(), N, threshold);
+    let above = if levels.len() == 1 { 1.0 } else { of_rows(&levels[..levels.len() - 1]) };
+    independent.max(determined * above)
+}
+
+/// X_k: the first levels exactly, then one level near the answer x^f without limits.
+fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_factor: f64) -> Vector {
+    let mut all = levels[..kept].to_vec();
+    let (mut rows, mut lower, mut upper) = (Vec::new(), Vec::new(), Vec::new());
+    for (j, level) in levels.iter().enumerate().skip(kept) {
+        let factor = (0..levels.len() - j).fold(1.0, |product, _| product * (1.0 + 1.0 / max_factor));
+        let achieved = &level.rows * free;
+        rows.push(&level.rows * factor);
+        for i in 0..achieved.len() {
+            let is_equation = level.is_equation();
+            lower.push(factor * if is_equation { achieved[i] } else { achieved[i].min(level.lower[i]) });
+            upper.push(factor * if is_equation { achieved[i] } else { achieved[i].max(level.upper[i]) });
+        }
+    }
+    rows.push(Matrix::identity(N, N));
+    lower.extend(free.iter());
+    upper.extend(free.iter());
+    all.push(Level { rows: stack(rows.iter()), lower: Vector::from_vec(lower), upper: Vector::from_vec(upper) });
+    solve(&all, limits, free, None).joint_velocity
+}
+
+/// The blend from X_0 to X_K.
+fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, f64) {
+    let exact = solve(levels, limits, reference, None).joint_velocity;
+    let unlimited = VelocityBox::unbounded(N);
+    let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
+    let free = solve(&equations, &unlimited, reference, None).joint_velocity;
+    let first = weight(levels, limits, &exact, damping.threshold());
+    let (mut parts, mut weights) = (vec![exact], vec![first]);
+    for kept in (0..levels.len()).rev() {
+        if weights[weights.len() - 1] == 1.0 {
+            break;
+        }
+        let x = part(levels, kept, limits, &free, damping.max_factor());
+        weights.push(if kept == 0 { 1.0 } else { weight(&levels[..kept], limits, &x, damping.threshold()) });
+        parts.push(x);
+    }
+    let start = parts[parts.len() - 1].clone();
+    let blended = parts.iter().zip(&weights).rev().skip(1).fold(start, |x, (part, weight)| &x + (part - &x) * *weight);
+    (blended, first)
+}
+
+fn entries(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, count)
+}
+
+/// One or two rows: equations, or wide and narrow bounds.
+fn level() -> impl Strategy<Value = Level> {
+    (1..3_usize, entries(2 * N), entries(2), prop::sample::select(vec![0.0, 0.0, 0.0, 0.3, f64::INFINITY])).prop_map(
+        |(m, rows, targets, width)| {
+            let lower = Vector::from_row_slice(&targets[..m]);
+            Level { rows: Matrix::from_row_slice(m, N, &rows[..m * N]), upper: lower.add_scalar(width), lower }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn a_damped_answer_is_the_blend_of_its_definition(
+        levels in prop::collection::vec(level(), 1..5), limits in entries(N), reference in entries(N),
+    ) {
+        let damping = Damping::new(0.6, 0.2).unwrap();
+        let upper: Vec<f64> = limits.iter().map(|limit| 0.05 + limit.abs()).collect();
+        let lower: Vec<f64> = upper.iter().enumerate().map(|(j, limit)| if j == 0 { -0.5 } else { -limit }).collect();
+        let limits = VelocityBox::new(&lower, &upper).unwrap();
+        let reference = Vector::from_vec(reference);
+        // Damping may change no target: only what the limits leave of the tasks is singular.
+        let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
+        let rows = stack(equations.iter().map(|level| &level.rows));
+        prop_assume!(rows.nrows() > 0 && rows.nrows() <= N && regularity(&rows, rows.nrows(), 0.6) == 1.0);
+        let exact = solve(&levels, &limits, &reference, None);
+        prop_assume!(!exact.active_set.is_empty() && !exact.active_set[0].is_empty());
+        let (expected, _) = blend(&levels, &limits, &reference, damping);
+        let found = solve(&levels, &limits, &reference, Some(damping));
+        prop_assert_eq!(found.solver.status, Status::Optimal);
+        let error = (&found.joint_velocity - &expected).amax();
+        prop_assert!(error < 1e-8, "{error:e}");
+        for active in &found.active_limits {
+            prop_assert_eq!(found.joint_velocity[active.joint], active.value, "{:?} is not reached", active);
+        }
+        for (level, task) in levels.iter().zip(&found.tasks) {
+            for active in &task.active_rows {
+                let (value, row) = ((&level.rows * &found.joint_velocity)[active.row], active.row);
+                let is_reached =
+                    if active.side == Side::Lower { value <= level.lower[row] + 1e-9 } else { value >= level.upper[row] - 1e-9 };
+                prop_assert!(level.is_equation() || is_reached, "{:?} is not reached by {}", active, value);
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! How much work answers take, in working sets and iterations: a wrong step on the way is corrected, but costs more.
+//!
+//! The totals are those of the present solver plus one in a hundred.
+
+use revprio_core::resolution::{ActiveSet, Path, Problem, Resolution, Side, Solver, Status, resolve};
+
+use crate::hierarchy::Hierarchy;
+use crate::random::{Entries, Family, Random, hierarchy};
+
+const MIDDLE: Family = Family { joints: [5, 12], levels: 4, rows: 5, inequalities: 8 };
+const EQUATIONS: Family = Family { joints: [7, 7], levels: 3, rows: 3, inequalities: 0 };
+
+/// Returns the sum over hierarchies of what `count` says about their answers, solved from the guess that `start` makes.
+fn total(
+    family: Family,
+    entries: Entries,
+    start: impl Fn(&mut Random, &Hierarchy, &Resolution) -> Option<ActiveSet>,
+    count: impl Fn(&Resolution) -> u32,
+) -> u32 {
+    let of_seed = |seed: u64| {
+        let mut random = Random::new(seed);
+        let hierarchy = hierarchy(&mut random, family, entries);
+        let cold = hierarchy.solve(&[]);
+        let guess: Vec<ActiveSet> = start(&mut random, &hierarchy, &cold).into_iter().collect();
+        count(&if guess.is_empty() { cold } else { hierarchy.solve(&guess) })
+    };
+    (0..400).map(of_seed).sum()
+}
+
+fn sets(answer: &Resolution) -> u32 {
+    answer.solver.working_sets
+}
+
+fn any_set(random: &mut Random, hierarchy: &Hierarchy) -> ActiveSet {
+    let rows: usize = hierarchy.levels.iter().map(Vec::len).sum();
+    let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
+    (0..hierarchy.joint_count() + rows).filter_map(|index| Some((index, side(random)?))).collect()
+}
+
+/// Returns the active set of an answer without one of its bounds.
+fn without_one(random: &mut Random, answer: &Resolution) -> ActiveSet {
+    let mut set = answer.active_set.first().cloned().unwrap_or_default();
+    if !set.is_empty() {
+        set.remove(random.below(set.len()));
+    }
+    set
+}
+
+#[test]
+fn the_search_proposes_sets_that_need_few_corrections() {
+    let cold = |family, entries| total(family, entries, |_, _, _| None, sets);
+    let found = [cold(MIDDLE, Entries::Normal), cold(MIDDLE, Entries::SmallIntegers), cold(EQUATIONS, Entries::Normal)];
+    assert!(found.iter().zip([870, 850, 758]).all(|(found, most)| *found <= most), "{found:?}");
+}
+
+#[test]
+fn wrong_guesses_are_corrected_in_few_sets() {
+    let any = |entries| total(MIDDLE, entries, |random, hierarchy, _| Some(any_set(random, hierarchy)), sets);
+    let near = |entries| total(MIDDLE, entries, |random, _, cold| Some(without_one(random, cold)), sets);
+    let found =
+        [any(Entries::Normal), any(Entries::SmallIntegers), near(Entries::Normal), near(Entries::SmallIntegers)];
+    assert!(found.iter().zip([3505, 2729, 1752, 1557]).all(|(found, most)| *found <= most), "{found:?}");
+}
+
+/// Clarabel gives the set of equations at once and that of inequalities nearly so, in few iterations, and fails at no level.
+#[test]
+fn clarabel_needs_few_iterations_and_few_corrections() {
+    let work = |family| {
+        let mut found = [0; 3];
+        for seed in 0..300 {
+            let hierarchy = hierarchy(&mut Random::new(seed), family, Entries::Normal);
+            let answer = resolve(&Problem { solver: Solver::Qp, ..hierarchy.problem() }, &[]).unwrap();
+            assert_eq!((answer.solver.path, answer.solver.status), (Path::Qp, Status::Optimal), "seed {seed}");
+            found[0] += answer.solver.working_sets;
+            found[1] += answer.solver.iterations;
+            found[2] += answer.solver.failures;
+        }
+        found
+    };
+    let found = [work(EQUATIONS), work(MIDDLE)].concat();
+    assert!(found.iter().zip([303, 5616, 0, 369, 6755, 0]).all(|(found, most)| *found <= most), "{found:?}");
+}
