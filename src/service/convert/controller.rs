@@ -32,7 +32,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     let task = |(k, task): (usize, &wire::ControllerTask)| {
         task_config(task, &robot).map_err(|error| error.inside(&format!("/tasks/{k}")))
     };
-    let motion = request.null_space_velocity.as_ref();
+    let tasks = request.tasks.iter().enumerate().map(task).collect::<Result<Vec<_>, _>>()?;
     let config = ControllerConfig {
         period_s: positive_period(request.period_s, "/period_s")?,
         method: terms::method(request.method),
@@ -51,9 +51,13 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         .read(&request.inequalities)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
-        null_space: motion.map(|motion| null_space(motion, Some(&robot), robot.joint_count())).transpose()?,
+        null_space: match &request.null_space_velocity {
+            Some(motion) => null_space(motion, Some(&robot), robot.joint_count())?,
+            None => None,
+        },
+        leave_local_minima: request.leave_local_minima,
         anti_windup: terms::anti_windup(request.anti_windup),
-        tasks: request.tasks.iter().enumerate().map(task).collect::<Result<_, _>>()?,
+        tasks,
         robot,
     };
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;

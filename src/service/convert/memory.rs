@@ -2,7 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
-use revprio_core::controller::{Controller, ControllerConfig, Memory};
+use revprio_core::controller::{Controller, ControllerConfig, Memory, Progress};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
@@ -42,7 +42,24 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         drive: drive_state(memory, config)?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
         target_streams: target_streams(&memory.target_streams, config)?,
+        initial_position: initial_position(memory, config)?,
+        progress: memory.progress.iter().map(progress).collect(),
     })
+}
+
+fn initial_position(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<Vector>, ApiError> {
+    let read = |position: &Vec<f64>| joint_list(position, config.robot.joint_count(), "/initial_joint_position");
+    Ok(memory.initial_joint_position.as_ref().map(read).transpose()?.map(Vector::from_vec))
+}
+
+fn progress(progress: &wire::Progress) -> Progress {
+    let wire::Progress { share, slow_since_s, leaving_since_s, attempts } = *progress;
+    Progress { share, slow_since_s, leaving_since_s, attempts }
+}
+
+fn progress_answer(progress: &Progress) -> wire::Progress {
+    let Progress { share, slow_since_s, leaving_since_s, attempts } = *progress;
+    wire::Progress { share, slow_since_s, leaving_since_s, attempts }
 }
 
 fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<DriveState, ApiError> {
@@ -147,6 +164,8 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         }),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
         target_streams: target_streams_answer(&memory.target_streams, controller.config()),
+        initial_joint_position: memory.initial_position.as_ref().map(|position| position.as_slice().to_vec()),
+        progress: memory.progress.iter().map(progress_answer).collect(),
     }
 }
 

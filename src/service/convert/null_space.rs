@@ -7,27 +7,33 @@ use revprio_robot::RobotModel;
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
 use crate::service::error::ApiError;
 
-/// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints. One that depends on the posture needs a
+/// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints; `None`: rest. One that depends on the posture needs a
 /// robot.
 pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,
     joints: usize,
-) -> Result<NullSpaceMotion, ApiError> {
+) -> Result<Option<NullSpaceMotion>, ApiError> {
     let motion = match request {
         wire::NullSpaceVelocity::Constant(velocity) => {
-            return joint_vector_of(velocity, robot, joints, "/null_space_velocity").map(NullSpaceMotion::Constant);
+            return joint_vector_of(velocity, robot, joints, "/null_space_velocity")
+                .map(|velocity| Some(NullSpaceMotion::Constant(velocity)));
         }
         wire::NullSpaceVelocity::Motion(motion) => motion,
     };
+    if *motion == (wire::NullSpaceMotion::Rest {}) {
+        return Ok(None);
+    }
     let robot =
         robot.ok_or_else(|| ApiError::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
     let gain = |gain: f64| not_negative(gain, "/null_space_velocity/gain");
-    Ok(match motion {
+    Ok(Some(match motion {
         wire::NullSpaceMotion::JointLimits { gain: k } => NullSpaceMotion::JointLimits { gain: gain(*k)? },
         wire::NullSpaceMotion::Posture { joint_position, gain: k } => NullSpaceMotion::Posture {
             joint_position: joint_vector(joint_position, robot, "/null_space_velocity/joint_position")?,
             gain: gain(*k)?,
         },
-    })
+        wire::NullSpaceMotion::InitialPosture { gain: k } => NullSpaceMotion::InitialPosture { gain: gain(*k)? },
+        wire::NullSpaceMotion::Rest {} => return Ok(None),
+    }))
 }

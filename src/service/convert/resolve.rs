@@ -96,10 +96,15 @@ fn null_space_velocity(
     joints: usize,
 ) -> Result<Option<Vector>, ApiError> {
     let Some(motion) = &request.null_space_velocity else { return Ok(None) };
-    let motion = null_space(motion, robot.map(Arc::as_ref), joints)?;
-    if let NullSpaceMotion::Constant(velocity) = motion {
-        return Ok(Some(velocity));
-    }
+    let motion = match null_space(motion, robot.map(Arc::as_ref), joints)? {
+        None => return Ok(None),
+        Some(NullSpaceMotion::Constant(velocity)) => return Ok(Some(velocity)),
+        Some(NullSpaceMotion::InitialPosture { .. }) => {
+            let detail = "a single problem has no first state; use it in a controller, or give `posture`";
+            return Err(ApiError::invalid("/null_space_velocity/kind", detail));
+        }
+        Some(motion) => motion,
+    };
     let missing = || ApiError::invalid("/joint_position", "this null-space velocity needs `joint_position`");
     let (robot, configuration) = robot.zip(configuration).ok_or_else(missing)?;
     Ok(Some(motion.velocity(robot, configuration.joint_position())))

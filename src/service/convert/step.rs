@@ -1,7 +1,7 @@
 //! The states of control periods and their answers.
 
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement, StepError};
+use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask};
 use revprio_core::limits::{Barrier, Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
@@ -11,7 +11,7 @@ use super::arm::arm_view;
 use super::numbers::{check_numbers, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
 use super::state_rules::StateRules;
-use super::targets;
+use super::{targets, terms};
 use crate::service::error::ApiError;
 
 /// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
@@ -112,6 +112,7 @@ pub fn step_answer(
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),
         tasks: tasks_with_targets(outcome.tasks(task), command),
+        stuck_tasks: command.stuck.iter().map(|stuck| stuck_task(stuck, controller)).collect(),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),
@@ -122,6 +123,15 @@ pub fn step_answer(
         singularity: outcome.singularity(),
         joint_limit_index: command.joint_limit_index,
         elapsed_us: elapsed_us(start),
+    }
+}
+
+fn stuck_task(stuck: &StuckTask, controller: &Controller) -> wire::StuckTask {
+    wire::StuckTask {
+        task: controller.config().tasks[stuck.task].name.clone(),
+        since_s: stuck.since_s,
+        held_by: stuck.held_by.iter().map(|obstacle| terms::obstacle_answer(*obstacle)).collect(),
+        leaving: stuck.leaving,
     }
 }
 

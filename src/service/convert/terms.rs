@@ -1,7 +1,7 @@
 //! Conversion of the enums of the interface to those of the library and back.
 
 use revprio_api::wire;
-use revprio_core::controller::{AntiWindup, WrenchConvention, WrenchFrame};
+use revprio_core::controller::{AntiWindup, Obstacle, WrenchConvention, WrenchFrame};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Side, Solver, Status};
 use revprio_robot::JointKind;
@@ -28,4 +28,5 @@ same_variants!(side: wire::Side => Side { Lower, Upper });
 same_variants!(side_answer: Side => wire::Side { Lower, Upper });
 same_variants!(path_answer: Path => wire::Path { ClosedForm, ActiveSet, Qp });
 same_variants!(status_answer: Status => wire::Status { Optimal, NotCertified, Failed });
+same_variants!(obstacle_answer: Obstacle => wire::Obstacle { Limits, Singularity, HigherTasks });
 same_variants!(joint_kind_answer: JointKind => wire::JointKind { Revolute, Prismatic });

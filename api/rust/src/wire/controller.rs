@@ -44,6 +44,12 @@ pub struct Controller {
     /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
+    /// Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move towards
+    /// the middle of their ranges for 4 s, up to three times. Tasks above it are not disturbed. Only if the arm has more
+    /// joints than its tasks have rows, no task moves single joints, and no task has the law `force`, `impedance` or
+    /// `hybrid`; default `true`.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub leave_local_minima: bool,
     /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
@@ -67,6 +73,15 @@ pub struct Controller {
     /// The tasks, highest priority first.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_yes(value: &bool) -> bool {
+    *value
 }
 
 /// Covers a few periods of a slow loop.

@@ -78,8 +78,8 @@ fn repeated(values: &[(String, f64)]) -> Option<&str> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(
     untagged,
-    expecting = "expected joint velocities, as a list or by joint name, or `kind` `joint_limits` with `gain`, or `kind` \
-                 `posture` with `joint_position` and `gain`"
+    expecting = "expected joint velocities, as a list or by joint name, or `kind` `joint_limits` with `gain`, `kind` \
+                 `posture` with `joint_position` and `gain`, `kind` `initial_posture` with `gain`, or `kind` `rest`"
 )]
 pub enum NullSpaceVelocity {
     /// A motion computed from the posture.
@@ -104,6 +104,13 @@ pub enum NullSpaceMotion {
         /// Gain K, 1/s.
         gain: f64,
     },
+    /// The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+    InitialPosture {
+        /// Gain K, 1/s.
+        gain: f64,
+    },
+    /// Rest, ζ̇ = 0.
+    Rest {},
 }
 
 #[cfg(test)]

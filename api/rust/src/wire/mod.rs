@@ -54,7 +54,9 @@ pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistrati
 pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
-pub use step::{ActiveLimitName, FramePose, Memory, State, StepAnswer, StepRequest, Wrench};
+pub use step::{
+    ActiveLimitName, FramePose, Memory, Obstacle, Progress, State, StepAnswer, StepRequest, StuckTask, Wrench,
+};
 pub use streaming::{
     StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetReference, TargetSample, TargetState, TargetStream,
 };

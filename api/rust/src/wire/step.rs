@@ -88,6 +88,54 @@ pub struct Memory {
     /// Streamed targets of the tasks; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub target_streams: Vec<TargetStream>,
+    /// Joint position of the first state, rad or m; default: that of the next state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_joint_position: Option<Vec<f64>>,
+    /// How each task follows its requests; default: all follow.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub progress: Vec<Progress>,
+}
+
+/// How a task follows its requests over time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Progress {
+    /// Filtered share of the requested velocity that the task achieves, 0 to 1.
+    pub share: f64,
+    /// Time since which the share is below one half, s; default: it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slow_since_s: Option<f64>,
+    /// Time at which the arm began to leave the posture, s; default: it does not leave.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub leaving_since_s: Option<f64>,
+    /// How often the arm has left since the task reached its target; default 0.
+    #[serde(default, deserialize_with = "integer::deserialize")]
+    pub attempts: u32,
+}
+
+/// A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StuckTask {
+    /// Name of the task.
+    pub task: String,
+    /// Time since which it makes no progress, s.
+    pub since_s: f64,
+    /// What holds it back; empty while the arm leaves the posture.
+    pub held_by: Vec<Obstacle>,
+    /// Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.
+    pub leaving: bool,
+}
+
+/// What holds a task back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Obstacle {
+    /// Limits of joints, or inequalities.
+    Limits,
+    /// A singular posture: no joint moves the task in the missing direction.
+    Singularity,
+    /// Tasks of higher priority.
+    HigherTasks,
 }
 
 /// A pose with a rotation matrix, which keeps every bit when it is written and read, unlike a quaternion.
@@ -148,6 +196,10 @@ pub struct StepAnswer {
     pub warnings: Vec<String>,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
+    /// Tasks that make no progress, and what holds them back.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"task": "hold", "since_s": 3.2, "held_by": ["limits"], "leaving": true}]))]
+    pub stuck_tasks: Vec<StuckTask>,
     /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
     /// Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not

@@ -106,6 +106,8 @@ pub struct ControllerConfig {
     pub wrench_frame: WrenchFrame,
     /// Joint motion in the null space of the tasks; `None`: rest.
     pub null_space: Option<NullSpaceMotion>,
+    /// Whether a redundant arm leaves postures in which limits hold a task.
+    pub leave_local_minima: bool,
     /// When integrators follow the achieved velocity.
     pub anti_windup: AntiWindup,
     /// The tasks, highest priority first.
@@ -116,9 +118,11 @@ impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
     /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
-    /// acceleration limits of the robot, and a slow drive.
+    /// acceleration limits of the robot, a slow drive, and rest in the null space unless a task is stuck.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
+            null_space: None,
+            leave_local_minima: true,
             robot,
             period_s,
             method: Method::ReversePriority,
@@ -129,7 +133,6 @@ impl ControllerConfig {
             barriers: Vec::new(),
             wrench_convention: WrenchConvention::default(),
             wrench_frame: WrenchFrame::default(),
-            null_space: None,
             anti_windup: AntiWindup::default(),
             tasks,
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::ControllerConfig;
+use super::{ControllerConfig, Progress};
 use crate::limits::DriveState;
 use crate::linalg::Vector;
 use crate::resolution::ActiveSet;
@@ -16,6 +16,8 @@ pub struct Memory {
     pub task_velocities: Vec<Vector>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
+    /// q at the first step, n, rad or m; `None`: unknown, then the next step sets it.
+    pub initial_position: Option<Vector>,
     /// q̇ of the last command, n, rad/s or m/s.
     pub last_command: Vector,
     /// The commands that the drive still has to follow.
@@ -24,6 +26,8 @@ pub struct Memory {
     pub active_set: Vec<ActiveSet>,
     /// Streams of targets, in the order of tasks and quantities; empty if no target was streamed.
     pub target_streams: Vec<TargetStream>,
+    /// How each task follows its requests; empty: all follow.
+    pub progress: Vec<Progress>,
 }
 
 /// Why a memory is refused: it belongs to another controller or is damaged.
@@ -32,6 +36,14 @@ pub enum MemoryError {
     /// The task velocities do not fit the tasks.
     #[error("the memory's task velocities do not fit the tasks; send back the memory of this controller's last answer")]
     TaskVelocities,
+    /// The initial position does not fit the robot.
+    #[error(
+        "the memory's initial position does not fit the robot; send back the memory of this controller's last answer"
+    )]
+    InitialPosition,
+    /// The progress does not fit the tasks.
+    #[error("the memory's progress does not fit the tasks; send back the memory of this controller's last answer")]
+    Progress,
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
@@ -66,6 +78,13 @@ impl Memory {
         let mut drive = pending.iter().chain([velocity]);
         if pending.len() != config.drive.delay_periods || !drive.all(|v| v.len() == n && finite(v)) {
             return Err(MemoryError::Drive);
+        }
+        if !self.initial_position.as_ref().is_none_or(|position| position.len() == n && finite(position)) {
+            return Err(MemoryError::InitialPosition);
+        }
+        let count = self.progress.len();
+        if (count != 0 && count != config.tasks.len()) || !self.progress.iter().all(Progress::is_valid) {
+            return Err(MemoryError::Progress);
         }
         // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);

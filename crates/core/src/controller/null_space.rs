@@ -3,6 +3,7 @@
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
+use super::TaskConfig;
 use crate::linalg::Vector;
 
 /// The null-space velocity ζ̇: a joint velocity that the answer follows as far as the tasks permit.
@@ -22,7 +23,23 @@ pub enum NullSpaceMotion {
         /// K, 1/s.
         gain: f64,
     },
+    /// K (q_0 − q), towards the posture of the first step, with a norm of at most [`HOLDING_SPEED`]: on repeated paths the
+    /// arm returns to the same postures.
+    InitialPosture {
+        /// K, 1/s.
+        gain: f64,
+    },
 }
+
+/// Maximum norm of [`NullSpaceMotion::InitialPosture`], rad/s and m/s: some times faster than postures drift along a
+/// circle of 10 cm in 5 s, but slow for an arm.
+pub const HOLDING_SPEED: f64 = 0.1;
+
+/// K of the motion that leaves a posture, 1/s.
+const LEAVING_GAIN: f64 = 2.0;
+
+/// Share of the speed limits that the motion uses which leaves a posture.
+const LEAVING_SPEED: f64 = 0.3;
 
 /// Why a null-space motion is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -47,15 +64,15 @@ pub enum NullSpaceError {
 }
 
 impl NullSpaceMotion {
-    /// Returns ζ̇ at a posture (`joint_position`: q, n), n, rad/s or m/s.
+    /// Returns ζ̇ at a posture (`joint_position`: q, n) of the first step, n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
         let mut velocity = Vector::zeros(robot.joint_count());
-        self.write(robot, joint_position, &mut velocity);
+        self.write(robot, joint_position, joint_position, &mut velocity);
         velocity
     }
 
-    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q), n each, rad/s or m/s.
-    pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
+    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q; `initial`: q_0), n each, rad/s or m/s.
+    pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], initial: &[f64], velocity: &mut Vector) {
         match self {
             Self::Constant(constant) => velocity.copy_from(constant),
             Self::JointLimits { gain } => {
@@ -65,6 +82,15 @@ impl NullSpaceMotion {
             Self::Posture { joint_position: target, gain } => {
                 for (speed, (target, q)) in velocity.iter_mut().zip(target.iter().zip(joint_position)) {
                     *speed = (target - q) * gain;
+                }
+            }
+            Self::InitialPosture { gain } => {
+                for (speed, (target, q)) in velocity.iter_mut().zip(initial.iter().zip(joint_position)) {
+                    *speed = (target - q) * gain;
+                }
+                let norm = velocity.norm();
+                if norm > HOLDING_SPEED {
+                    *velocity *= HOLDING_SPEED / norm;
                 }
             }
         }
@@ -77,6 +103,7 @@ impl NullSpaceMotion {
         let (gain, rate) = match self {
             Self::Constant(velocity) if fits(velocity.as_slice()) => return Ok(()),
             Self::Posture { joint_position, gain } if fits(joint_position) => (*gain, 1.0),
+            Self::InitialPosture { gain } => (*gain, 1.0),
             Self::Constant(_) | Self::Posture { .. } => return Err(NullSpaceError::Size { expected }),
             Self::JointLimits { gain } => (*gain, (0..expected).map(|i| mid_range_rate(robot, i)).fold(0.0, f64::max)),
         };
@@ -85,6 +112,24 @@ impl NullSpaceMotion {
         }
         let bound = 2.0 / (rate * period);
         if gain < bound { Ok(()) } else { Err(NullSpaceError::Unstable { gain, bound }) }
+    }
+}
+
+/// Returns whether an arm has more joints than its tasks have rows, and no task moves single joints.
+pub(super) fn is_redundant(robot: &RobotModel, tasks: &[TaskConfig]) -> bool {
+    let equality = tasks.iter().filter(|task| task.law.bounds().is_none());
+    let rows: usize = equality.map(|task| task.rows.len()).sum();
+    rows < robot.joint_count() && tasks.iter().all(|task| task.rows.joints().is_empty())
+}
+
+/// Overwrites `velocity` with the motion towards the middle of the joints' ranges that leaves a posture, n, rad/s or m/s.
+/// Joints without a range rest.
+pub(super) fn write_leaving(robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
+    for (speed, (joint, q)) in velocity.iter_mut().zip(robot.joints().iter().zip(joint_position)) {
+        let limits = &joint.limits;
+        let bound = LEAVING_SPEED * limits.velocity;
+        let towards = |_| LEAVING_GAIN * (f64::midpoint(limits.lower, limits.upper) - q);
+        *speed = half_range(limits).map_or(0.0, towards).clamp(-bound, bound);
     }
 }
 

@@ -4,9 +4,12 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::capability::Capability;
+use super::null_space::write_leaving;
+use super::progress::{Observation, Progress, StuckTask, in_null_space_above};
 use super::stepper::Workspace;
-use super::target_streams::{self, ActiveStream, TargetReport, TaskStreams};
+use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::ArmState;
+use super::task_target::TaskTarget;
 use super::{
     AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
     WrenchFrame,
@@ -35,17 +38,6 @@ pub struct Measurement {
     pub targets: Vec<StreamedTarget>,
 }
 
-/// The targets of a task in one period.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TaskTarget {
-    /// ẋ_k, m_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to the achieved one.
-    pub velocity: Vector,
-    /// F_d per row, N and N·m; `None` on rows that follow no force.
-    pub force: Vec<Option<f64>>,
-    /// The streamed target; `None` if no target was streamed to this task.
-    pub streamed: Option<TargetReport>,
-}
-
 /// The answer to one measurement.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Command {
@@ -55,6 +47,8 @@ pub struct Command {
     pub targets: Vec<TaskTarget>,
     /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflicts: Vec<usize>,
+    /// Tasks that make no progress.
+    pub stuck: Vec<StuckTask>,
     /// How long the joint velocities may be held before a watchdog must brake.
     pub hold: Hold,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
@@ -165,6 +159,9 @@ impl Controller {
             .tasks
             .overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
+        if let Some(velocity) = &mut problem.null_space_velocity {
+            self.move_null_space(velocity, &mut command.targets, &problem.tasks, previous, measurement);
+        }
         problem.tasks.overwrite(|k, _, lower, upper| {
             // The bounds of an inequality task are constant.
             if config.tasks[k].law.bounds().is_none() {
@@ -182,9 +179,6 @@ impl Controller {
         problem
             .inequalities
             .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
-        if let (Some(motion), Some(velocity)) = (&config.null_space, &mut problem.null_space_velocity) {
-            motion.write(&config.robot, position, velocity);
-        }
         resolver.resolve(problem, &previous.active_set, &mut command.resolution)?;
         command.report_bounds(&config.tasks);
         command.limit_conflicts.clone_from(&limited.conflicts);
@@ -199,6 +193,17 @@ impl Controller {
         };
         if let Some(memory) = memory {
             self.update_memory(memory, command);
+            memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
+            let observed = Observation {
+                config,
+                tasks: &problem.tasks,
+                inequalities: &problem.inequalities,
+                targets: &command.targets,
+                resolution: &command.resolution,
+                joint_position: position,
+                time_s: measurement.time_s,
+            };
+            observed.update(&mut memory.progress, &mut command.stuck);
             update_streams(&mut memory.target_streams, streams);
         }
         Ok(command)
@@ -262,6 +267,8 @@ impl Controller {
             last_command: velocity,
             active_set: Vec::new(),
             target_streams: Vec::new(),
+            initial_position: None,
+            progress: Vec::new(),
         }
     }
 
@@ -294,6 +301,34 @@ impl Controller {
             target.force.clear();
             target.force.extend(force);
             target.streamed = streams.report(arm.time_s);
+        }
+    }
+
+    /// Sets the null-space velocity, and the targets of tasks that leave a posture.
+    fn move_null_space(
+        &self,
+        velocity: &mut Vector,
+        targets: &mut [TaskTarget],
+        tasks: &TaskStack,
+        previous: &Memory,
+        measurement: &Measurement,
+    ) {
+        let (config, position) = (&self.config, measurement.joint_position.as_slice());
+        let leaves = |progress: &Progress| progress.is_leaving(measurement.time_s);
+        if !previous.progress.iter().any(leaves) {
+            let initial = previous.initial_position.as_ref().map_or(position, Vector::as_slice);
+            match &config.null_space {
+                Some(motion) => motion.write(&config.robot, position, initial, velocity),
+                None => velocity.fill(0.0),
+            }
+            return;
+        }
+        write_leaving(&config.robot, position, velocity);
+        for (k, (target, progress)) in targets.iter_mut().zip(&previous.progress).enumerate() {
+            if leaves(progress) {
+                let motion = in_null_space_above(tasks, k, velocity.clone());
+                target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, &motion, 0.0);
+            }
         }
     }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use revprio_robot::kinematics::Configuration;
 
 use super::capability::Capability;
-use super::step::TaskTarget;
 use super::target_streams::ActiveStream;
+use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::{JointMotion, LimitedBox};
 use crate::linalg::{Matrix, Vector};
@@ -87,7 +87,7 @@ impl Workspace {
             method: config.method,
             solver: config.solver,
             damping: config.damping,
-            null_space_velocity: config.null_space.is_some().then(|| Vector::zeros(n)),
+            null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
         };
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };

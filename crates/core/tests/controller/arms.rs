@@ -82,10 +82,12 @@ pub fn tool_rows(axes: &[Axis]) -> ToolRows {
     ToolRows::new(AxisSelection::new(axes).unwrap())
 }
 
-/// Returns the default configuration, but without limits, for an arm that follows its commands at once.
+/// Returns the default configuration, but without limits and at rest in the null space, for an arm that follows its
+/// commands at once.
 pub fn config(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> ControllerConfig {
     let limits = Limits::Robot(LimitKind::None);
-    ControllerConfig { limits, drive: Drive::IDEAL, ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks) }
+    let defaults = ControllerConfig::new(Arc::clone(robot), PERIOD, tasks);
+    ControllerConfig { limits, drive: Drive::IDEAL, null_space: None, leave_local_minima: false, ..defaults }
 }
 
 /// Computes one step with a new stepper.

@@ -92,6 +92,8 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         drive: DriveState::moving(Drive::IDEAL, &last_command),
         last_command,
         active_set: Vec::new(),
+        initial_position: None,
+        progress: Vec::new(),
         target_streams: Vec::new(),
     }
 }

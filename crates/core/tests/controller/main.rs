@@ -14,4 +14,5 @@ mod memory;
 mod outstretched;
 mod positions;
 mod streaming;
+mod stuck;
 mod targets;

@@ -1,0 +1,299 @@
+//! Tasks that make no progress, what holds them, and the motion that leaves such postures.
+//!
+//! # When a task is stuck
+//!
+//! The share of a task is its speed along the request ẋ_k, (J_k q̇)ᵀẋ_k / ‖ẋ_k‖, relative to ‖ẋ_k‖ or to 0.1 m/s and
+//! 0.5 rad/s, whichever is less, and cut to 0 … 1; separately for metres and radians, and the smaller of both counts. A
+//! task that requests less than 5 mm/s and 0.02 rad/s is at its target and counts as followed. A low-pass filter of 0.5 s
+//! takes out noise. A task is stuck when its filtered share is below 5 %.
+//!
+//! # What holds it
+//!
+//! Let u be what the task lacks, ẋ_k − J_k q̇, as a unit vector. Joint velocities along w = J_kᵀu reduce it fastest.
+//!
+//! - *Singularity*: |w| is small: no joint moves the task that way.
+//! - *Limits*: little of w is left without the joints that w pushes into their limits and without the directions that
+//!   active planes forbid.
+//! - *Other task*: little of w is left in the null space of the tasks above.
+//!
+//! If neither of the last two alone takes w away, both are named.
+//!
+//! # How the arm leaves
+//!
+//! While the arm leaves, for [`LEAVING_TIME`], the null-space motion is ζ̇, towards the middle of the joints' ranges, and
+//! the stuck task asks for what this motion makes of it, ẋ_k = J_k N ζ̇ with the null-space projector N of the tasks above.
+//! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
+
+use revprio_robot::JointKind;
+
+use super::null_space::is_redundant;
+use super::target_bounds::RowKind;
+use super::task_target::TaskTarget;
+use super::{ControllerConfig, TaskConfig};
+use crate::law::Law;
+use crate::limits::Inequality;
+use crate::linalg::Vector;
+use crate::resolution::{Resolution, Side};
+use crate::task::TaskStack;
+
+/// How long the arm moves towards the middle of its ranges to leave a posture, s.
+pub const LEAVING_TIME: f64 = 4.0;
+
+/// How often the arm leaves, before the task has reached its target once.
+pub const MAX_ATTEMPTS: u32 = 3;
+
+/// The request below which a task has reached its target, and the speed that always counts as progress, m/s.
+const LINEAR: (f64, f64) = (5e-3, 0.1);
+
+/// The same, rad/s.
+const ANGULAR: (f64, f64) = (2e-2, 0.5);
+
+/// Time constant of the filter of the share, s.
+const FILTER_TIME: f64 = 0.5;
+
+/// Share below which a task is stuck.
+const STUCK_SHARE: f64 = 0.05;
+
+/// Share below which the time counts since which a task makes no progress.
+const SLOW_SHARE: f64 = 0.5;
+
+/// |w| of a unit vector below which a direction is singular; m/rad or 1. The threshold of the standard damping.
+const SINGULAR: f64 = 0.05;
+
+/// Part of w that is left, relative to w, below which limits or tasks take it away.
+const TAKEN_AWAY: f64 = 0.1;
+
+/// Distance from the end of its range at which a joint is there, rad or m.
+const RANGE_END: f64 = 0.02;
+
+/// How a task follows its requests over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Filtered share of the requested velocity that the task achieves, 0 to 1.
+    pub share: f64,
+    /// Time since which the share is below one half, s; `None`: it is not.
+    pub slow_since_s: Option<f64>,
+    /// Time at which the arm began to leave the posture, s; `None`: it does not leave.
+    pub leaving_since_s: Option<f64>,
+    /// How often the arm has left since the task reached its target.
+    pub attempts: u32,
+}
+
+impl Progress {
+    /// A task that follows its requests.
+    pub const FREE: Self = Self { share: 1.0, slow_since_s: None, leaving_since_s: None, attempts: 0 };
+
+    /// Returns whether the numbers are finite and in their ranges.
+    pub(super) fn is_valid(&self) -> bool {
+        let times = [self.slow_since_s, self.leaving_since_s];
+        (0.0..=1.0).contains(&self.share) && times.iter().flatten().all(|time| time.is_finite())
+    }
+
+    /// Returns whether the arm leaves a posture at a time (s).
+    pub(super) fn is_leaving(&self, time: f64) -> bool {
+        self.leaving_since_s.is_some_and(|since| (0.0..LEAVING_TIME).contains(&(time - since)))
+    }
+}
+
+/// What holds a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Obstacle {
+    /// Limits of joints, or inequalities.
+    Limits,
+    /// A singular posture: no joint moves the task in the missing direction.
+    Singularity,
+    /// Tasks of higher priority.
+    HigherTasks,
+}
+
+/// A task that makes no progress.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StuckTask {
+    /// Index of the task, from 0.
+    pub task: usize,
+    /// Time since which it makes no progress, s.
+    pub since_s: f64,
+    /// What holds it; empty while the arm leaves the posture.
+    pub held_by: Vec<Obstacle>,
+    /// Whether the arm leaves the posture.
+    pub leaving: bool,
+}
+
+impl ControllerConfig {
+    /// Returns whether the null-space velocity may differ from zero.
+    pub(super) fn moves_null_space(&self) -> bool {
+        self.null_space.is_some() || (0..self.tasks.len()).any(|k| self.may_leave(k))
+    }
+
+    /// Returns whether the arm may leave postures in which task `k` is stuck: the tasks follow positions or velocities,
+    /// no force, so the tool is not in contact.
+    pub(super) fn may_leave(&self, k: usize) -> bool {
+        let is_free = |task: &TaskConfig| !task.law.integrates();
+        self.leave_local_minima
+            && k > 0
+            && matches!(self.tasks[k].law, Law::Position(_))
+            && is_redundant(&self.robot, &self.tasks)
+            && self.tasks.iter().all(is_free)
+    }
+}
+
+/// What a step tells about the progress of its tasks.
+pub(super) struct Observation<'a> {
+    pub config: &'a ControllerConfig,
+    /// The tasks with the Jacobians of this period.
+    pub tasks: &'a TaskStack,
+    pub inequalities: &'a [Inequality],
+    pub targets: &'a [TaskTarget],
+    pub resolution: &'a Resolution,
+    pub joint_position: &'a [f64],
+    pub time_s: f64,
+}
+
+impl Observation<'_> {
+    /// Updates the progress of all tasks, and lists those that are stuck.
+    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>) {
+        stuck.clear();
+        progress.resize(self.config.tasks.len(), Progress::FREE);
+        for (k, progress) in progress.iter_mut().enumerate() {
+            if self.config.tasks[k].law.bounds().is_some() {
+                continue;
+            }
+            if let Some(since_s) = progress.slow_since_s.filter(|_| progress.is_leaving(self.time_s)) {
+                stuck.push(StuckTask { task: k, since_s, held_by: Vec::new(), leaving: true });
+                continue;
+            }
+            if progress.leaving_since_s.take().is_some() {
+                *progress = Progress { attempts: progress.attempts, ..Progress::FREE };
+            }
+            self.filter(k, progress);
+            let Some(since_s) = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE) else { continue };
+            let held_by = self.obstacles(k);
+            let leaving = held_by.contains(&Obstacle::Limits)
+                && self.is_at_range_end()
+                && progress.attempts < MAX_ATTEMPTS
+                && self.config.may_leave(k)
+                && self.targets[k].streamed.is_none();
+            if leaving {
+                progress.leaving_since_s = Some(self.time_s);
+                progress.attempts += 1;
+            }
+            stuck.push(StuckTask { task: k, since_s, held_by, leaving });
+        }
+    }
+
+    /// Returns whether a joint that restricts the answer is at an end of its range. A task that planes or speed limits hold
+    /// would not be freed by another posture.
+    fn is_at_range_end(&self) -> bool {
+        self.resolution.active_limits.iter().any(|limit| {
+            let (q, range) = (self.joint_position[limit.joint], &self.config.robot.joints()[limit.joint].limits);
+            let end = if limit.side == Side::Upper { range.upper } else { range.lower };
+            (end - q).abs() < RANGE_END
+        })
+    }
+
+    /// Updates the filtered share of task `k`.
+    fn filter(&self, k: usize, progress: &mut Progress) {
+        let share = self.share(k);
+        if share.is_none() {
+            progress.attempts = 0;
+        }
+        let gain = (self.config.period_s / FILTER_TIME).min(1.0);
+        progress.share += gain * (share.unwrap_or(1.0) - progress.share);
+        if progress.share >= SLOW_SHARE {
+            progress.slow_since_s = None;
+        } else if progress.slow_since_s.is_none() {
+            progress.slow_since_s = Some(self.time_s);
+        }
+    }
+
+    /// Returns the share of the request of task `k` that it achieves; `None` if it requests almost nothing.
+    fn share(&self, k: usize) -> Option<f64> {
+        let (requested, achieved) = (&self.targets[k].velocity, &self.resolution.tasks[k].achieved);
+        let of_unit = |angular: bool| {
+            let rows = (0..requested.len()).filter(|row| self.is_angular(k, *row) == angular);
+            let (mut along, mut square) = (0.0, 0.0);
+            for row in rows {
+                along += requested[row] * achieved[row];
+                square += requested[row] * requested[row];
+            }
+            let (reached, fast) = if angular { ANGULAR } else { LINEAR };
+            let request = square.sqrt();
+            (request > reached).then(|| (along / (request * request.min(fast))).clamp(0.0, 1.0))
+        };
+        match (of_unit(false), of_unit(true)) {
+            (Some(linear), Some(angular)) => Some(linear.min(angular)),
+            (share, None) | (None, share) => share,
+        }
+    }
+
+    fn is_angular(&self, k: usize, row: usize) -> bool {
+        match self.config.tasks[k].rows.kind(row, &self.config.robot) {
+            RowKind::Linear => false,
+            RowKind::Angular | RowKind::Raw => true,
+            RowKind::Joint(joint) => joint.kind == JointKind::Revolute,
+        }
+    }
+
+    /// Returns what holds task `k`.
+    fn obstacles(&self, k: usize) -> Vec<Obstacle> {
+        let jacobian = &self.tasks.tasks()[k].jacobian;
+        let missing = &self.targets[k].velocity - &self.resolution.tasks[k].achieved;
+        let pull = jacobian.tr_mul(&missing.normalize());
+        if pull.norm() < SINGULAR {
+            return vec![Obstacle::Singularity];
+        }
+        let is_taken = |left: Vector| left.norm() < TAKEN_AWAY * pull.norm();
+        let (inside, below) = (self.inside_limits(&pull), in_null_space_above(self.tasks, k, pull.clone()));
+        let limited = inside != pull;
+        match (is_taken(inside), is_taken(below)) {
+            (true, false) => vec![Obstacle::Limits],
+            (false, true) => vec![Obstacle::HigherTasks],
+            _ if limited && k > 0 => vec![Obstacle::Limits, Obstacle::HigherTasks],
+            _ if limited => vec![Obstacle::Limits],
+            _ if k > 0 => vec![Obstacle::HigherTasks],
+            _ => vec![Obstacle::Singularity],
+        }
+    }
+
+    /// Returns w without what the active limits forbid.
+    fn inside_limits(&self, pull: &Vector) -> Vector {
+        let mut left = pull.clone();
+        for limit in &self.resolution.active_limits {
+            let outwards = match limit.side {
+                Side::Upper => left[limit.joint] > 0.0,
+                Side::Lower => left[limit.joint] < 0.0,
+            };
+            if outwards {
+                left[limit.joint] = 0.0;
+            }
+        }
+        let active = |inequality: &&Inequality| {
+            self.resolution.active_inequalities.iter().any(|active| active.name == inequality.name())
+        };
+        for inequality in self.inequalities.iter().filter(active) {
+            let normal = inequality.coefficients();
+            let outwards = normal.dot(&left) / normal.norm_squared();
+            left.axpy(-outwards.max(0.0), normal, 1.0);
+        }
+        left
+    }
+}
+
+/// Returns the part of a joint velocity in the null space of the tasks above task `k`, by Gram-Schmidt.
+pub(super) fn in_null_space_above(tasks: &TaskStack, k: usize, mut velocity: Vector) -> Vector {
+    let mut basis: Vec<Vector> = Vec::new();
+    for row in tasks.tasks()[..k].iter().flat_map(|task| task.jacobian.row_iter()) {
+        let mut direction: Vector = row.transpose();
+        let length = direction.norm();
+        for known in &basis {
+            direction.axpy(-known.dot(&direction), known, 1.0);
+        }
+        if direction.norm() > 1e-6 * length {
+            basis.push(direction.normalize());
+        }
+    }
+    for known in &basis {
+        velocity.axpy(-known.dot(&velocity), known, 1.0);
+    }
+    velocity
+}
