@@ -7,7 +7,7 @@ use super::regularity::HALF_WIDTH;
 use crate::linalg::Damping;
 
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
-const KEPT: f64 = 60.0;
+const KEPT: f64 = 50.0;
 
 /// The workspace of the answers X_k.
 #[derive(Default)]
