@@ -46,8 +46,6 @@ mod level;
 mod plan;
 mod plan_run;
 mod problem;
-mod regularity;
-mod relaxed_levels;
 mod resolver;
 mod scaling;
 mod singularity;
