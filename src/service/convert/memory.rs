@@ -43,7 +43,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
         target_streams: target_streams(&memory.target_streams, config)?,
         initial_position: initial_position(memory, config)?,
-        progress: memory.progress.iter().map(progress).collect(),
+        progress: memory.task_progress.iter().map(progress).collect(),
     })
 }
 
@@ -165,7 +165,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
         target_streams: target_streams_answer(&memory.target_streams, controller.config()),
         initial_joint_position: memory.initial_position.as_ref().map(|position| position.as_slice().to_vec()),
-        progress: memory.progress.iter().map(progress_answer).collect(),
+        task_progress: memory.progress.iter().map(progress_answer).collect(),
     }
 }
 

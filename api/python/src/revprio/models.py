@@ -54,6 +54,7 @@ __all__ = [
     "HybridLaw",
     "ImpedanceLaw",
     "Inequality",
+    "InitialPostureNullSpaceMotion",
     "Interactive",
     "JointDrive",
     "JointKind",
@@ -73,6 +74,7 @@ __all__ = [
     "NamedScenario",
     "NullSpaceMotion",
     "NullSpaceVelocity",
+    "Obstacle",
     "Orientation",
     "Outage",
     "Path",
@@ -87,11 +89,13 @@ __all__ = [
     "Problem",
     "Profile",
     "ProfilePoint",
+    "Progress",
     "REMEDIES",
     "RampProfile",
     "ResolveAnswer",
     "ResolveRequest",
     "ResolveTask",
+    "RestNullSpaceMotion",
     "Robot",
     "RobotJoint",
     "RobotList",
@@ -127,6 +131,7 @@ __all__ = [
     "StreamedQuantity",
     "StreamedTarget",
     "Streaming",
+    "StuckTask",
     "TargetPose",
     "TargetReference",
     "TargetSample",
@@ -809,7 +814,37 @@ class PostureNullSpaceMotion(Tagged):
     """Selects the variant."""
 
 
-NullSpaceMotion = Annotated[JointLimitsNullSpaceMotion | PostureNullSpaceMotion, Field(discriminator="kind")]
+class InitialPostureNullSpaceMotion(Tagged):
+    """The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+
+    Fields:
+
+    - gain: Gain K, 1/s.
+    - kind: Selects the variant.
+    """
+
+    gain: float
+    """Gain K, 1/s."""
+    kind: Literal["initial_posture"] = "initial_posture"
+    """Selects the variant."""
+
+
+class RestNullSpaceMotion(Tagged):
+    """Rest, ζ̇ = 0.
+
+    Fields:
+
+    - kind: Selects the variant.
+    """
+
+    kind: Literal["rest"] = "rest"
+    """Selects the variant."""
+
+
+NullSpaceMotion = Annotated[
+    JointLimitsNullSpaceMotion | PostureNullSpaceMotion | InitialPostureNullSpaceMotion | RestNullSpaceMotion,
+    Field(discriminator="kind"),
+]
 """A null-space velocity computed from the posture."""
 
 NullSpaceVelocity = NullSpaceMotion | JointVector
@@ -1434,6 +1469,10 @@ class ControllerConfig(Body):
     - environment: Environment that the tool touches, as far as known, for the stability warnings of `POST
       /v1/controllers`; default: unknown.
     - inequalities: Inequalities on the joint velocities besides the limits; default: none.
+    - leave_local_minima: Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task
+      back: the joints move towards the middle of their ranges for 4 s, up to three times. Tasks above it are not
+      disturbed. Only if the arm has more joints than its tasks have rows, no task moves single joints, and no task
+      has the law `force`, `impedance` or `hybrid`; default `true`.
     - limits: Limits of the joint velocities; default `position_velocity_acceleration`.
     - method: Resolution method, the meaning of priorities; default `reverse_priority`.
     - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default:
@@ -1463,6 +1502,11 @@ class ControllerConfig(Body):
     default: unknown."""
     inequalities: list[Inequality] | None = None
     """Inequalities on the joint velocities besides the limits; default: none."""
+    leave_local_minima: bool | None = None
+    """Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move
+    towards the middle of their ranges for 4 s, up to three times. Tasks above it are not disturbed. Only if the arm has
+    more joints than its tasks have rows, no task moves single joints, and no task has the law `force`, `impedance` or
+    `hybrid`; default `true`."""
     limits: Limits | None = None
     """Limits of the joint velocities; default `position_velocity_acceleration`."""
     method: Method | None = None
@@ -1966,6 +2010,27 @@ class TargetStream(Body):
     """The target before it."""
 
 
+class Progress(Body):
+    """How a task follows its requests over time.
+
+    Fields:
+
+    - share: Filtered share of the requested velocity that the task achieves, 0 to 1.
+    - attempts: How often the arm has left since the task reached its target; default 0.
+    - leaving_since_s: Time at which the arm began to leave the posture, s; default: it does not leave.
+    - slow_since_s: Time since which the share is below one half, s; default: it is not.
+    """
+
+    share: float
+    """Filtered share of the requested velocity that the task achieves, 0 to 1."""
+    attempts: int | None = None
+    """How often the arm has left since the task reached its target; default 0."""
+    leaving_since_s: float | None = None
+    """Time at which the arm began to leave the posture, s; default: it does not leave."""
+    slow_since_s: float | None = None
+    """Time since which the share is below one half, s; default: it is not."""
+
+
 class Memory(Body):
     """The memory of a controller. Clients send it back unchanged with the next state.
 
@@ -1977,8 +2042,10 @@ class Memory(Body):
     - sequence: Sequence number of the last state.
     - task_velocities: Integrator velocity of each task, m/s and rad/s.
     - drive: The commands that the drive still has to follow; default: the last command for long.
+    - initial_joint_position: Joint position of the first state, rad or m; default: that of the next state.
     - joint_position: Joint position of the last state, rad or m; default: unknown.
     - target_streams: Streamed targets of the tasks; default: none.
+    - task_progress: How each task follows its requests; default: all follow.
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
     """
 
@@ -1994,10 +2061,14 @@ class Memory(Body):
     """Integrator velocity of each task, m/s and rad/s."""
     drive: DriveState | None = None
     """The commands that the drive still has to follow; default: the last command for long."""
+    initial_joint_position: Vector | None = None
+    """Joint position of the first state, rad or m; default: that of the next state."""
     joint_position: Vector | None = None
     """Joint position of the last state, rad or m; default: unknown."""
     target_streams: list[TargetStream] | None = None
     """Streamed targets of the tasks; default: none."""
+    task_progress: list[Progress] | None = None
+    """How each task follows its requests; default: all follow."""
     time_s: float | None = None
     """Time of the last state, s; default: unknown, then the next state is not compared with it."""
 
@@ -2114,6 +2185,9 @@ class Scenario(Body):
 
 NamedScenario = str | Scenario
 """A scenario, by name or in full."""
+
+Obstacle = Literal["limits", "singularity", "higher_tasks"]
+"""What holds a task back."""
 
 
 class RobotJoint(Answer):
@@ -2520,6 +2594,27 @@ class State(Body):
     """Measured wrench; required by the laws `force`, `impedance` and `hybrid`."""
 
 
+class StuckTask(Answer):
+    """A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
+
+    Fields:
+
+    - held_by: What holds it back; empty while the arm leaves the posture.
+    - leaving: Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.
+    - since_s: Time since which it makes no progress, s.
+    - task: Name of the task.
+    """
+
+    held_by: list[Obstacle]
+    """What holds it back; empty while the arm leaves the posture."""
+    leaving: bool
+    """Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints."""
+    since_s: float
+    """Time since which it makes no progress, s."""
+    task: str
+    """Name of the task."""
+
+
 class StepAnswer(Answer):
     """Joint velocities for one control period and their explanation.
 
@@ -2548,6 +2643,7 @@ class StepAnswer(Answer):
     - active_inequalities: Active inequalities.
     - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
     - memory: Memory to send with the next state; only in answers without a session.
+    - stuck_tasks: Tasks that make no progress, and what holds them back.
     - violated_inequalities: Violated inequalities.
     - warnings: Warnings: what is not plausible about the state, and what to do.
     """
@@ -2587,6 +2683,8 @@ class StepAnswer(Answer):
     """Contradictions: minimal sets of demands that cannot all be kept."""
     memory: Memory | None = None
     """Memory to send with the next state; only in answers without a session."""
+    stuck_tasks: list[StuckTask] = Field(default_factory=list)
+    """Tasks that make no progress, and what holds them back."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
     """Violated inequalities."""
     warnings: list[str] = Field(default_factory=list)

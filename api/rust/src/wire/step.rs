@@ -93,7 +93,7 @@ pub struct Memory {
     pub initial_joint_position: Option<Vec<f64>>,
     /// How each task follows its requests; default: all follow.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
-    pub progress: Vec<Progress>,
+    pub task_progress: Vec<Progress>,
 }
 
 /// How a task follows its requests over time.
@@ -119,10 +119,13 @@ pub struct StuckTask {
     /// Name of the task.
     pub task: String,
     /// Time since which it makes no progress, s.
+    #[schema(example = 3.2)]
     pub since_s: f64,
     /// What holds it back; empty while the arm leaves the posture.
+    #[schema(example = json!(["limits"]))]
     pub held_by: Vec<Obstacle>,
     /// Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.
+    #[schema(example = false)]
     pub leaving: bool,
 }
 
