@@ -25,7 +25,7 @@ impl JointKind {
     }
 
     /// Returns whether the joint moves along its axis rather than about it.
-    pub(crate) fn is_translation(self) -> bool {
+    pub fn is_translation(self) -> bool {
         self == Self::Prismatic
     }
 

@@ -24,8 +24,6 @@
 //! the stuck task asks for what this motion makes of it, ẋ_k = J_k N ζ̇ with the null-space projector N of the tasks above.
 //! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
 
-use revprio_robot::JointKind;
-
 use super::null_space::is_redundant;
 use super::target_bounds::RowKind;
 use super::task_target::TaskTarget;
@@ -230,7 +228,7 @@ impl Observation<'_> {
         match self.config.tasks[k].rows.kind(row, &self.config.robot) {
             RowKind::Linear => false,
             RowKind::Angular | RowKind::Raw => true,
-            RowKind::Joint(joint) => joint.kind == JointKind::Revolute,
+            RowKind::Joint(joint) => !joint.kind.is_translation(),
         }
     }
 
