@@ -70,7 +70,6 @@ impl Controller {
     #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, targets, /))]
     fn step<'py>(
         &self,
-        py: Python<'py>,
         sequence: u64,
         time_s: f64,
         joint_position: &Bound<'py, PyAny>,
@@ -78,6 +77,7 @@ impl Controller {
         wrench: Option<&Bound<'py, PyAny>>,
         targets: Option<&[u8]>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let py = joint_position.py();
         let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
         let state = wire::State {
             sequence,
