@@ -44,6 +44,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         target_streams: target_streams(&memory.target_streams, config)?,
         initial_position: initial_position(memory, config)?,
         progress: memory.task_progress.iter().map(progress).collect(),
+        in_transition: memory.in_transition,
     })
 }
 
@@ -166,6 +167,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         target_streams: target_streams_answer(&memory.target_streams, controller.config()),
         initial_joint_position: memory.initial_position.as_ref().map(|position| position.as_slice().to_vec()),
         task_progress: memory.progress.iter().map(progress_answer).collect(),
+        in_transition: memory.in_transition,
     }
 }
 

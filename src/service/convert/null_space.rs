@@ -7,8 +7,8 @@ use revprio_robot::RobotModel;
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
 use crate::service::error::ApiError;
 
-/// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints; `None`: rest. One that depends on the posture needs a
-/// robot.
+/// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints; `None`: rest. One that depends on the
+/// posture needs a robot.
 pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,
@@ -16,14 +16,12 @@ pub fn null_space(
 ) -> Result<Option<NullSpaceMotion>, ApiError> {
     let motion = match request {
         wire::NullSpaceVelocity::Constant(velocity) => {
-            return joint_vector_of(velocity, robot, joints, "/null_space_velocity")
-                .map(|velocity| Some(NullSpaceMotion::Constant(velocity)));
+            let velocity = joint_vector_of(velocity, robot, joints, "/null_space_velocity")?;
+            return Ok(Some(NullSpaceMotion::Constant(velocity)));
         }
+        wire::NullSpaceVelocity::Motion(wire::NullSpaceMotion::Rest {}) => return Ok(None),
         wire::NullSpaceVelocity::Motion(motion) => motion,
     };
-    if *motion == (wire::NullSpaceMotion::Rest {}) {
-        return Ok(None);
-    }
     let robot =
         robot.ok_or_else(|| ApiError::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
     let gain = |gain: f64| not_negative(gain, "/null_space_velocity/gain");

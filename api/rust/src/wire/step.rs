@@ -94,6 +94,9 @@ pub struct Memory {
     /// How each task follows its requests; default: all follow.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub task_progress: Vec<Progress>,
+    /// Whether the controller replaces another one and still limits accelerations for that; default: no.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub in_transition: bool,
 }
 
 /// How a task follows its requests over time.

@@ -65,6 +65,11 @@ impl Limits {
         matches!(self, Self::Robot(kind) if *kind != LimitKind::None)
     }
 
+    /// Returns whether the acceleration limits of the robot are among them.
+    pub fn include_accelerations(&self) -> bool {
+        matches!(self, Self::Robot(kind) if kind.includes_acceleration())
+    }
+
     /// Returns the allowed velocities at a state; `period`: T, s.
     pub fn at(&self, robot: &RobotModel, motion: JointMotion, period: f64) -> LimitedBox {
         match self {

@@ -28,6 +28,8 @@ pub struct Memory {
     pub target_streams: Vec<TargetStream>,
     /// How each task follows its requests; empty: all follow.
     pub progress: Vec<Progress>,
+    /// Whether the controller replaces another one and still limits accelerations for that.
+    pub in_transition: bool,
 }
 
 /// Why a memory is refused: it belongs to another controller or is damaged.
@@ -110,7 +112,7 @@ fn key(stream: &TargetStream) -> (usize, Quantity) {
 }
 
 /// Returns whether the values of a stream fit its task.
-fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
+pub(super) fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
     let Some(task) = config.tasks.get(stream.task) else { return false };
     let is_pose = stream.quantity == Quantity::Pose;
     let entries = if is_pose { 6 } else { task.rows.len() };

@@ -53,6 +53,7 @@ mod target_streams;
 mod task;
 mod task_target;
 mod tool_rows;
+mod transition;
 
 pub use capability::BRAKING_SHARE;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
@@ -70,3 +71,4 @@ pub use target_streams::TargetReport;
 pub use task::{TaskConfig, TaskConfigError, TaskRows};
 pub use task_target::TaskTarget;
 pub use tool_rows::{TargetPose, ToolRows};
+pub use transition::TransitionError;

@@ -31,8 +31,8 @@ pub enum NullSpaceMotion {
     },
 }
 
-/// Maximum norm of [`NullSpaceMotion::InitialPosture`], rad/s and m/s: some times faster than postures drift along a
-/// circle of 10 cm in 5 s, but slow for an arm.
+/// Maximum norm of [`NullSpaceMotion::InitialPosture`], rad/s and m/s. It is slow for an arm, but faster than postures
+/// drift along a circle of 10 cm in 5 s.
 pub const HOLDING_SPEED: f64 = 0.1;
 
 /// K of the motion that leaves a posture, 1/s.
@@ -40,6 +40,9 @@ const LEAVING_GAIN: f64 = 2.0;
 
 /// Share of the speed limits that the motion uses which leaves a posture.
 const LEAVING_SPEED: f64 = 0.3;
+
+/// Speed limit of this motion for joints that have none, rad/s or m/s.
+const DEFAULT_SPEED: f64 = 1.0;
 
 /// Why a null-space motion is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -64,7 +67,7 @@ pub enum NullSpaceError {
 }
 
 impl NullSpaceMotion {
-    /// Returns ζ̇ at a posture (`joint_position`: q, n) of the first step, n, rad/s or m/s.
+    /// Returns ζ̇ of the first step, at its posture (`joint_position`: q, n), n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
         let mut velocity = Vector::zeros(robot.joint_count());
         self.write(robot, joint_position, joint_position, &mut velocity);
@@ -127,7 +130,7 @@ pub(super) fn is_redundant(robot: &RobotModel, tasks: &[TaskConfig]) -> bool {
 pub(super) fn write_leaving(robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
     for (speed, (joint, q)) in velocity.iter_mut().zip(robot.joints().iter().zip(joint_position)) {
         let limits = &joint.limits;
-        let bound = LEAVING_SPEED * limits.velocity;
+        let bound = LEAVING_SPEED * if limits.velocity.is_finite() { limits.velocity } else { DEFAULT_SPEED };
         let towards = |_| LEAVING_GAIN * (f64::midpoint(limits.lower, limits.upper) - q);
         *speed = half_range(limits).map_or(0.0, towards).clamp(-bound, bound);
     }

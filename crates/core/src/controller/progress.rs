@@ -14,7 +14,7 @@
 //! - *Singularity*: |w| is small: no joint moves the task that way.
 //! - *Limits*: little of w is left without the joints that w pushes into their limits and without the directions that
 //!   active planes forbid.
-//! - *Other task*: little of w is left in the null space of the tasks above.
+//! - *Higher tasks*: little of w is left in the null space of the tasks above.
 //!
 //! If neither of the last two alone takes w away, both are named.
 //!
@@ -55,7 +55,7 @@ const STUCK_SHARE: f64 = 0.05;
 /// Share below which the time counts since which a task makes no progress.
 const SLOW_SHARE: f64 = 0.5;
 
-/// |w| of a unit vector below which a direction is singular; m/rad or 1. The threshold of the standard damping.
+/// |w| of a unit vector below which a direction is singular; m/rad or 1.
 const SINGULAR: f64 = 0.05;
 
 /// Part of w that is left, relative to w, below which limits or tasks take it away.
@@ -232,11 +232,12 @@ impl Observation<'_> {
         }
     }
 
-    /// Returns what holds task `k`.
+    /// Returns what holds task `k`; empty if the task lacks nothing in this period.
     fn obstacles(&self, k: usize) -> Vec<Obstacle> {
         let jacobian = &self.tasks.tasks()[k].jacobian;
         let missing = &self.targets[k].velocity - &self.resolution.tasks[k].achieved;
-        let pull = jacobian.tr_mul(&missing.normalize());
+        let Some(direction) = missing.try_normalize(0.0) else { return Vec::new() };
+        let pull = jacobian.tr_mul(&direction);
         if pull.norm() < SINGULAR {
             return vec![Obstacle::Singularity];
         }

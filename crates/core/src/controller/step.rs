@@ -175,6 +175,9 @@ impl Controller {
         let motion = JointMotion { position, distance_to_rest, last_command: previous.last_command.as_slice() };
         config.limits.update(limited, &config.robot, motion, config.period_s);
         problem.limits.copy_from(&limited.velocity_box);
+        if previous.in_transition {
+            config.limit_transition(limited, &mut problem.limits, motion);
+        }
         problem.inequalities.clear();
         problem
             .inequalities
@@ -258,7 +261,7 @@ impl Controller {
     }
 
     /// Returns the memory for the first step: integrators and last command equal the measured motion.
-    fn initial_memory(&self, arm: &ArmState) -> Memory {
+    pub(super) fn initial_memory(&self, arm: &ArmState) -> Memory {
         let velocity = Vector::from_row_slice(arm.joint_velocity);
         Memory {
             task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(arm).to_vector()).collect(),
@@ -269,6 +272,7 @@ impl Controller {
             target_streams: Vec::new(),
             initial_position: None,
             progress: Vec::new(),
+            in_transition: false,
         }
     }
 
@@ -353,6 +357,8 @@ impl Controller {
                 *velocity = if continues { requested[row] } else { achieved[row] };
             }
         }
+        memory.in_transition =
+            memory.in_transition && self.config.is_in_transition(memory.last_command.as_slice(), resolution);
         memory.last_command.copy_from(&resolution.joint_velocity);
         memory.drive.advance(self.config.drive, &resolution.joint_velocity, self.config.period_s);
         memory.active_set.clone_from(&resolution.active_set);

@@ -91,6 +91,17 @@ impl VelocityBox {
         self.upper.copy_from(&other.upper);
     }
 
+    /// Restricts the box to velocities that the robot reaches from the last command (n) within a period (T, s). Where there
+    /// is none, it becomes the reachable velocity nearest to the box.
+    pub fn bound_changes(&mut self, robot: &RobotModel, last_command: &[f64], period: f64) {
+        for (i, (joint, last)) in robot.joints().iter().zip(last_command).enumerate() {
+            let max_change = joint.limits.acceleration * period;
+            for bound in [&mut self.lower[i], &mut self.upper[i]] {
+                *bound = bound.clamp(last - max_change, last + max_change);
+            }
+        }
+    }
+
     /// Returns lo, n.
     pub fn lower(&self) -> &Vector {
         &self.lower

@@ -16,3 +16,4 @@ mod positions;
 mod streaming;
 mod stuck;
 mod targets;
+mod transition;

@@ -1,0 +1,148 @@
+//! Another controller for an arm that moves: tasks are added, removed, reordered or weighted anew without a jump.
+//!
+//! The new controller continues from the memory of the old one. In the transition, no joint changes its velocity by more than
+//! A T in a period, where A is its acceleration limit. Limits that contain accelerations ensure this in every period. For
+//! other limits the transition adds accelerations, until no joint needs them.
+//!
+//! Position limits win over the acceleration limit, as always: the answer names the joint as a limit conflict. A joint
+//! without acceleration limit may jump.
+
+use revprio_robot::kinematics::{Configuration, ConfigurationError};
+
+use super::memory::fits_task;
+use super::task::ArmState;
+use super::{Controller, ControllerConfig, Limits, Memory, MemoryError, Progress};
+use crate::limits::{JointMotion, LimitKind, LimitedBox, VelocityBox};
+use crate::resolution::{Resolution, Solver};
+use crate::streaming::TargetStream;
+
+/// Relative distance from the largest change of a velocity at which the change counts as limited.
+const REACH_TOLERANCE: f64 = 1e-6;
+
+/// Why a controller cannot continue the motion of another one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TransitionError {
+    /// The robots differ.
+    #[error("the robot or its tool offset differs from that of the running controller; open another session for it")]
+    Robot,
+    /// The periods differ.
+    #[error("the period {new} s differs from {old} s of the running controller; open another session for it")]
+    Period {
+        /// T of the running controller, s.
+        old: f64,
+        /// T of the new controller, s.
+        new: f64,
+    },
+    /// The drives differ.
+    #[error("the drive differs from that of the running controller; it belongs to the arm")]
+    Drive,
+    /// The new controller ignores limits, so nothing bounds its first command.
+    #[error("the solver `closed_form` ignores limits, so the command would jump; use `auto` or `qp`")]
+    IgnoresLimits,
+    /// The posture does not fit the robot.
+    #[error(transparent)]
+    Configuration(#[from] ConfigurationError),
+    /// The memory does not fit the old controller.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+impl Controller {
+    /// Returns the memory with which this controller continues the motion of another one.
+    ///
+    /// `memory` is that of the last step of `previous`, and `joint_position` (n, rad or m) the posture of that step. Laws
+    /// that integrate continue from the velocity that the last command gives their task. Streamed targets and progress stay
+    /// with the name of their task. The initial pose stays: a task without a target holds the pose of the very first step.
+    pub fn continue_from(
+        &self,
+        previous: &Self,
+        memory: &Memory,
+        joint_position: &[f64],
+    ) -> Result<Memory, TransitionError> {
+        let (old, new) = (previous.config(), self.config());
+        new.check_transition(old)?;
+        memory.check(old)?;
+        let configuration = Configuration::new(&new.robot, joint_position)?;
+        let velocity = memory.last_command.as_slice();
+        let arm = ArmState {
+            time_s: 0.0,
+            robot: &new.robot,
+            configuration: &configuration,
+            joint_velocity: velocity,
+            twist: configuration.twist(velocity),
+            wrench: [0.0; 6],
+            initial_pose: memory.initial_pose,
+        };
+        Ok(Memory {
+            drive: memory.drive.clone(),
+            initial_position: memory.initial_position.clone(),
+            target_streams: kept_streams(memory, old, new),
+            progress: kept_progress(memory, old, new),
+            in_transition: !new.limits.include_accelerations(),
+            ..self.initial_memory(&arm)
+        })
+    }
+}
+
+impl ControllerConfig {
+    /// Checks that a controller with this configuration can continue the motion of another one.
+    fn check_transition(&self, old: &Self) -> Result<(), TransitionError> {
+        if self.robot != old.robot {
+            return Err(TransitionError::Robot);
+        }
+        if self.period_s.to_bits() != old.period_s.to_bits() {
+            return Err(TransitionError::Period { old: old.period_s, new: self.period_s });
+        }
+        if self.drive != old.drive {
+            return Err(TransitionError::Drive);
+        }
+        if self.solver == Solver::ClosedForm { Err(TransitionError::IgnoresLimits) } else { Ok(()) }
+    }
+
+    /// Adds the acceleration limits of the robot to the limits of a period of a transition. `velocity_box`: the limits of the
+    /// configuration, as in `limited`.
+    pub(super) fn limit_transition(
+        &self,
+        limited: &mut LimitedBox,
+        velocity_box: &mut VelocityBox,
+        motion: JointMotion,
+    ) {
+        if self.limits == Limits::Robot(LimitKind::PositionVelocity) {
+            limited.update(&self.robot, LimitKind::PositionVelocityAcceleration, motion, self.period_s);
+            velocity_box.copy_from(&limited.velocity_box);
+        } else {
+            velocity_box.bound_changes(&self.robot, motion.last_command, self.period_s);
+        }
+    }
+
+    /// Returns whether an answer still needs the acceleration limits of a transition; `last`: the command before it, n.
+    pub(super) fn is_in_transition(&self, last: &[f64], resolution: &Resolution) -> bool {
+        let velocities = last.iter().zip(resolution.joint_velocity.iter());
+        velocities.zip(self.robot.joints()).any(|((last, velocity), joint)| {
+            (velocity - last).abs() >= (1.0 - REACH_TOLERANCE) * joint.limits.acceleration * self.period_s
+        })
+    }
+
+    /// Returns the index of the task with this name.
+    fn task_index(&self, name: &str) -> Option<usize> {
+        self.tasks.iter().position(|task| task.name == name)
+    }
+}
+
+/// Returns the streams of the tasks that stay with the same rows.
+fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<TargetStream> {
+    let kept = |stream: &TargetStream| {
+        let follower = &old.tasks[stream.task];
+        let task = new.task_index(&follower.name).filter(|&task| new.tasks[task].rows == follower.rows)?;
+        Some(TargetStream { task, ..stream.clone() }).filter(|stream| fits_task(stream, new))
+    };
+    let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
+    streams.sort_by_key(|stream| (stream.task, stream.quantity));
+    streams
+}
+
+/// Returns the progress of the tasks that stay, and that of new tasks.
+fn kept_progress(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<Progress> {
+    let known = |name: &str| memory.progress.get(old.task_index(name)?);
+    new.tasks.iter().map(|task| known(&task.name).copied().unwrap_or(Progress::FREE)).collect()
+}

@@ -1,0 +1,218 @@
+//! Another controller for an arm that moves: no joint jumps.
+
+use std::sync::Arc;
+
+use revprio_core::controller::{
+    Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, Stepper, TaskConfig, TransitionError,
+};
+use revprio_core::law::Law;
+use revprio_core::limits::{Drive, LimitKind, VelocityBox};
+use revprio_core::resolution::{Method, Solver};
+use revprio_robot::kinematics::Axis;
+use revprio_robot::{RobotModel, built_in};
+
+use super::arms::{Random, constant, force, position, task};
+
+const PERIOD: f64 = 0.005;
+const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// Periods between two changes.
+const INTERVAL: u32 = 60;
+
+fn robot(name: &str) -> Arc<RobotModel> {
+    built_in().iter().find(|robot| robot.name() == name).cloned().unwrap()
+}
+
+/// A task on random axes: a velocity, a position to hold with a random gain, or a force.
+fn random_task(name: &str, random: &mut Random) -> TaskConfig {
+    let first = random.below(6);
+    let axes = &AXES[first..(first + 1 + random.below(2)).min(6)];
+    let rows = axes.len();
+    let law = match random.below(3) {
+        0 => Law::Velocity(constant(&vec![0.3 * random.signed(); rows])),
+        1 => position(rows, 1.0 + 8.0 * random.signed().abs()),
+        _ => force(axes, &vec![10.0 * random.signed(); rows]),
+    };
+    TaskConfig { name: name.to_owned(), ..task(axes, law) }
+}
+
+/// One to four tasks of five names.
+fn random_tasks(random: &mut Random) -> Vec<TaskConfig> {
+    let mut names = vec!["a", "b", "c", "d", "e"];
+    let drawn: Vec<_> = (0..=random.below(4)).map(|_| names.remove(random.below(names.len()))).collect();
+    drawn.into_iter().map(|name| random_task(name, random)).collect()
+}
+
+fn random_config(robot: &Arc<RobotModel>, limits: &Limits, random: &mut Random) -> ControllerConfig {
+    let methods = [Method::ReversePriority, Method::StrictReversePriority, Method::TaskPriority];
+    let method = methods[random.below(3)];
+    let drive = Drive { lag_s: 0.02, delay_periods: 1 };
+    let tasks = random_tasks(random);
+    ControllerConfig {
+        method,
+        limits: limits.clone(),
+        drive,
+        ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks)
+    }
+}
+
+fn measurement(period: u32, q: &[f64], random: &mut Random) -> Measurement {
+    let wrench = [0; 6].map(|_| 5.0 * random.signed());
+    Measurement {
+        time_s: f64::from(period) * PERIOD,
+        joint_position: q.to_vec(),
+        joint_velocity: None,
+        wrench,
+        targets: Vec::new(),
+    }
+}
+
+/// What a run with changes shows: changes of velocity relative to A T.
+#[derive(Default)]
+struct Run {
+    /// Largest one in a transition.
+    largest: f64,
+    /// Largest one of the first command after a change that does not continue as a transition.
+    untreated: f64,
+    /// Periods in transitions.
+    periods: u32,
+}
+
+fn run(robot: &Arc<RobotModel>, limits: &Limits, seed: u64) -> Run {
+    let random = &mut Random(seed);
+    let joints = robot.joints();
+    let mut q: Vec<f64> = joints.iter().map(|joint| 0.5 * (joint.limits.lower + joint.limits.upper)).collect();
+    q.iter_mut().for_each(|q| *q += 0.3 * random.signed());
+    let mut stepper = Stepper::new(Controller::new(random_config(robot, limits, random)).unwrap()).unwrap();
+    let (mut memory, mut last, mut run) = (None::<Memory>, vec![0.0; joints.len()], Run::default());
+    for period in 0..8 * INTERVAL {
+        let measured = measurement(period, &q, random);
+        if period % INTERVAL == 0
+            && let Some(old) = &memory
+        {
+            let controller = Controller::new(random_config(robot, limits, random)).unwrap();
+            let changed = controller.continue_from(stepper.controller(), old, &q).unwrap();
+            stepper = Stepper::new(controller).unwrap();
+            let mut jumps = Some(Memory { in_transition: false, ..changed.clone() });
+            let command = stepper.step(&mut jumps, &measured).unwrap();
+            run.untreated =
+                run.untreated.max(largest_change(robot, &last, command.resolution.joint_velocity.as_slice()));
+            memory = Some(changed);
+        }
+        let is_transition = period >= INTERVAL && memory.as_ref().is_some_and(|memory| memory.in_transition);
+        let command = stepper.step(&mut memory, &measured).unwrap();
+        let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+        if is_transition && command.limit_conflicts.is_empty() {
+            run.largest = run.largest.max(largest_change(robot, &last, &velocity));
+            run.periods += 1;
+        }
+        q.iter_mut().zip(&velocity).for_each(|(q, v)| *q += PERIOD * v);
+        last = velocity;
+    }
+    run
+}
+
+/// Returns the largest change of a joint's velocity in a period, relative to A T.
+fn largest_change(robot: &RobotModel, last: &[f64], velocity: &[f64]) -> f64 {
+    let changes = last.iter().zip(velocity).zip(robot.joints());
+    changes.map(|((last, now), joint)| (now - last).abs() / (joint.limits.acceleration * PERIOD)).fold(0.0, f64::max)
+}
+
+#[test]
+fn no_joint_exceeds_its_acceleration_while_tasks_change() {
+    for (name, speed) in [("panda", 1.0), ("sawyer", 0.8), ("ur5e", 1.5)] {
+        let robot = robot(name);
+        let n = robot.joint_count();
+        let fixed = VelocityBox::new(&vec![-speed; n], &vec![speed; n]).unwrap();
+        for limits in [
+            Limits::Robot(LimitKind::None),
+            Limits::Robot(LimitKind::Velocity),
+            Limits::Robot(LimitKind::PositionVelocity),
+            Limits::Fixed(fixed),
+        ] {
+            let (mut largest, mut untreated, mut periods) = (0.0_f64, 0.0_f64, 0);
+            for seed in 1..=12 {
+                let run = run(&robot, &limits, seed);
+                (largest, untreated) = (largest.max(run.largest), untreated.max(run.untreated));
+                periods += run.periods;
+            }
+            assert!(largest <= 1.0 + 1e-9, "{name} {limits:?}: {largest}");
+            assert!(untreated > 2.0, "{name} {limits:?}: the tasks of this test do not jump");
+            assert!(periods > 100, "{name} {limits:?}: {periods} periods");
+        }
+    }
+}
+
+#[test]
+fn a_transition_ends_and_the_arm_then_moves_as_with_the_new_controller_alone() {
+    let robot = robot("panda");
+    let config = |velocity: f64| {
+        let tasks = vec![task(&[Axis::X], Law::Velocity(constant(&[velocity])))];
+        let limits = Limits::Robot(LimitKind::Velocity);
+        Controller::new(ControllerConfig { limits, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, tasks) })
+            .unwrap()
+    };
+    let random = &mut Random(5);
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let (old, new) = (config(0.3), config(-0.3));
+    let (mut memory, measured) = (None, measurement(0, &q, random));
+    Stepper::new(old.clone()).unwrap().step(&mut memory, &measured).unwrap();
+    let mut memory = Some(new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap());
+    let mut stepper = Stepper::new(new.clone()).unwrap();
+    let mut periods = 0;
+    while memory.as_ref().is_some_and(|memory| memory.in_transition) {
+        stepper.step(&mut memory, &measured).unwrap();
+        periods += 1;
+        assert!(periods < 400, "the transition does not end");
+    }
+    assert!(periods > 2, "{periods} periods");
+    let after = stepper.step(&mut memory, &measured).unwrap().resolution.joint_velocity.clone();
+    let mut alone = Stepper::new(new).unwrap();
+    let expected = &alone.step(&mut None, &measured).unwrap().resolution.joint_velocity;
+    assert!((after - expected).amax() < 1e-12);
+}
+
+#[test]
+fn laws_that_integrate_continue_from_the_achieved_velocity() {
+    let robot = robot("panda");
+    let config = |tasks| Controller::new(ControllerConfig::new(Arc::clone(&robot), PERIOD, tasks)).unwrap();
+    let push = || TaskConfig { name: "push".to_owned(), ..task(&[Axis::X], force(&[Axis::X], &[20.0])) };
+    let hold = || TaskConfig { name: "hold".to_owned(), ..task(&[Axis::Z], position(1, 2.0)) };
+    let (old, new) = (config(vec![push()]), config(vec![hold(), push()]));
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let mut stepper = Stepper::new(old).unwrap();
+    let mut memory = None;
+    for period in 0..20 {
+        let measured = Measurement { wrench: [0.0; 6], ..measurement(period, &q, &mut Random(1)) };
+        stepper.step(&mut memory, &measured).unwrap();
+    }
+    let memory = memory.unwrap();
+    let continued = new.continue_from(stepper.controller(), &memory, &q).unwrap();
+    assert!(memory.task_velocities[0][0] > 1e-3);
+    assert!((continued.task_velocities[1][0] - memory.task_velocities[0][0]).abs() < 1e-9);
+    assert_eq!(continued.last_command, memory.last_command);
+    assert!(!continued.in_transition, "the default limits contain accelerations");
+}
+
+#[test]
+fn what_belongs_to_the_arm_cannot_change() {
+    let (panda, sawyer) = (robot("panda"), robot("sawyer"));
+    let config = |robot: &Arc<RobotModel>| {
+        ControllerConfig::new(Arc::clone(robot), PERIOD, vec![task(&[Axis::X], position(1, 2.0))])
+    };
+    let old = Controller::new(config(&panda)).unwrap();
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let mut memory = None;
+    Stepper::new(old.clone()).unwrap().step(&mut memory, &measurement(0, &q, &mut Random(1))).unwrap();
+    let memory = memory.unwrap();
+    let refused = |config| Controller::new(config).unwrap().continue_from(&old, &memory, &q).unwrap_err();
+    assert_eq!(refused(config(&sawyer)), TransitionError::Robot);
+    let period = TransitionError::Period { old: PERIOD, new: 0.01 };
+    assert_eq!(refused(ControllerConfig { period_s: 0.01, ..config(&panda) }), period);
+    assert_eq!(refused(ControllerConfig { drive: Drive::IDEAL, ..config(&panda) }), TransitionError::Drive);
+    let ignores = ControllerConfig { solver: Solver::ClosedForm, ..config(&panda) };
+    assert_eq!(refused(ignores), TransitionError::IgnoresLimits);
+    let damaged = Memory { last_command: memory.last_command.clone() * f64::NAN, ..memory.clone() };
+    let error = old.continue_from(&old, &damaged, &q).unwrap_err();
+    assert_eq!(error, TransitionError::Memory(MemoryError::LastCommand));
+}
