@@ -9,6 +9,7 @@ use tokio::time::Instant;
 
 use super::convert::{self, LastState, StateRules};
 use super::error::ApiError;
+use super::robots::Robots;
 
 /// A controller with its workspace, and the rules for its states.
 pub struct CheckedStepper {
@@ -70,6 +71,26 @@ impl CheckedStepper {
     }
 }
 
+/// A controller that is ready for a session, as it was requested and with the warnings about it.
+pub struct PreparedController {
+    /// The request.
+    pub request: wire::Controller,
+    /// The controller with its workspace.
+    pub stepper: CheckedStepper,
+    /// Warnings about unstable contacts and gains that are too high.
+    pub warnings: Vec<String>,
+}
+
+impl PreparedController {
+    /// Checks a controller. The warnings take longer than a step.
+    pub fn new(request: wire::Controller, robots: &Robots) -> Result<Self, ApiError> {
+        let controller = convert::controller(&request, robots)?;
+        let warnings = convert::warnings(&request, controller.config())?;
+        let stepper = CheckedStepper::new(&request, controller)?;
+        Ok(Self { request, stepper, warnings })
+    }
+}
+
 /// A controller from state to state: the memory of its last step, and the state to compare the next one with.
 pub struct ControlLoop {
     stepper: CheckedStepper,
@@ -86,6 +107,19 @@ impl ControlLoop {
     /// Returns the controller.
     pub fn controller(&self) -> &Arc<Controller> {
         self.stepper.controller()
+    }
+
+    /// Continues with another controller, whose first commands move to its motion at the acceleration limits. On an error
+    /// nothing changes.
+    pub fn replace(&mut self, stepper: CheckedStepper) -> Result<(), ApiError> {
+        let (old, new) = (self.controller(), stepper.controller());
+        let continued = match (&self.memory, &self.last_state) {
+            (Some(memory), Some(last)) => new.continue_from(old, memory, &last.joint_position).map(Some),
+            _ => new.check_transition(old).map(|()| None),
+        };
+        self.memory = continued.map_err(|error| convert::transition_error(&error))?;
+        self.stepper = stepper;
+        Ok(())
     }
 
     /// Reads a state and refuses one beyond the bounds of the controller.

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use tokio::time::Instant;
 
 use super::background::map_on_all_cores;
-use super::checked_stepper::{CheckedStepper, ComputedStep, ControlLoop};
+use super::checked_stepper::{ComputedStep, ControlLoop, PreparedController};
 use super::convert;
 use super::error::ApiError;
 use super::format::Format;
@@ -55,10 +55,16 @@ impl LocalService {
 
     /// Opens a controller, `POST /v1/controllers`. Without an owner and without an end by time.
     pub fn controller(&self, body: &[u8]) -> Result<LocalController, ApiError> {
-        let request: wire::Controller = read(body)?;
-        let controller = convert::controller(&request, &self.robots)?;
-        let warnings = convert::warnings(&request, controller.config())?;
-        Ok(LocalController { control: ControlLoop::new(CheckedStepper::new(&request, controller)?), warnings })
+        let PreparedController { stepper, warnings, .. } = PreparedController::new(read(body)?, &self.robots)?;
+        Ok(LocalController { control: ControlLoop::new(stepper), warnings })
+    }
+
+    /// Replaces a controller, `PUT /v1/controllers/{id}`.
+    pub fn replace(&self, controller: &mut LocalController, body: &[u8]) -> Result<(), ApiError> {
+        let PreparedController { stepper, warnings, .. } = PreparedController::new(read(body)?, &self.robots)?;
+        controller.control.replace(stepper)?;
+        controller.warnings = warnings;
+        Ok(())
     }
 
     fn resolve_read(&self, request: &wire::ResolveRequest) -> Result<wire::ResolveAnswer, ApiError> {

@@ -16,7 +16,7 @@ pub fn routes(document: OpenApi) -> OpenApiRouter<Arc<AppState>> {
         .routes(routes!(resolve::resolve_batch))
         .routes(routes!(control::step))
         .routes(routes!(control::controllers, control::create_controller))
-        .routes(routes!(control::show_controller, control::delete_controller))
+        .routes(routes!(control::show_controller, control::replace_controller, control::delete_controller))
         .routes(routes!(control::step_controller))
         .routes(routes!(control::stream_controller))
         .routes(routes!(control::watch_controller))

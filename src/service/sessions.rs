@@ -12,7 +12,7 @@ use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
 use tokio::time::Instant;
 use uuid::Uuid;
 
-use super::checked_stepper::{CheckedStepper, ControlLoop};
+use super::checked_stepper::{ControlLoop, PreparedController};
 use super::convert;
 use super::error::ApiError;
 use super::interleaving::{Interleaving, Source};
@@ -34,6 +34,8 @@ pub struct Step {
     pub answer: wire::StepAnswer,
     /// Joint velocities q̇ of the previous period, n; `None` at the first step or without a watcher.
     pub last_command: Option<Vector>,
+    /// The controller that computed the answer.
+    pub controller: Arc<Controller>,
 }
 
 /// The answer of a session. Watchers and retries share it without a copy.
@@ -99,14 +101,10 @@ impl Session {
             self.missed_periods += 1;
             metrics.missed_periods.inc();
         }
-        let step = Arc::new(Step { state, answer, last_command });
+        let controller = Arc::clone(self.control.controller());
+        let step = Arc::new(Step { state, answer, last_command, controller });
         self.last_step.send_replace(Some(Arc::clone(&step)));
         Ok(SharedAnswer(step))
-    }
-
-    /// Returns the controller.
-    pub fn controller(&self) -> Arc<Controller> {
-        Arc::clone(self.control.controller())
     }
 
     /// Subscribes to the steps. A watcher never delays a step.
@@ -166,11 +164,6 @@ impl Sessions {
         Self { limit, idle_timeout, metrics, platform, open: Mutex::default() }
     }
 
-    /// Time after which a session without a new state ends.
-    pub fn idle_timeout(&self) -> Duration {
-        self.idle_timeout
-    }
-
     /// Returns the number of open sessions.
     pub fn count(&self) -> usize {
         self.lock_active().len()
@@ -188,21 +181,21 @@ impl Sessions {
         wire::SessionList { controllers }
     }
 
-    /// Opens a session and returns its ID.
+    /// Opens a session.
     ///
     /// A request that repeats an idempotency key gets the session that the first one opened.
     pub fn create(
         &self,
-        request: wire::Controller,
-        controller: Controller,
+        controller: PreparedController,
         ownership: Ownership,
-    ) -> Result<Uuid, ApiError> {
+    ) -> Result<wire::CreatedController, ApiError> {
         let id = Uuid::from_bytes(self.platform.random_bytes());
-        let control = ControlLoop::new(CheckedStepper::new(&request, controller)?);
+        let PreparedController { request, stepper, warnings } = controller;
+        let answer = self.created(id, stepper.controller(), warnings);
         let session = Session {
             request,
             ownership,
-            control,
+            control: ControlLoop::new(stepper),
             interleaving: Interleaving::default(),
             last_step: watch::Sender::new(None),
             steps: 0,
@@ -215,13 +208,37 @@ impl Sessions {
         let mut sessions = self.lock_active();
         if let Some((known, open)) = sessions.iter().find(|(_, open)| open.ownership.has_key_of(&ownership)) {
             let is_same = open.request == request && open.ownership.has_owner_of(&ownership);
-            return if is_same { Ok(*known) } else { Err(ApiError::key_reused()) };
+            return if is_same {
+                Ok(wire::CreatedController { id: known.to_string(), ..answer })
+            } else {
+                Err(ApiError::key_reused())
+            };
         }
         if sessions.len() >= self.limit {
             return Err(ApiError::too_many_sessions(self.limit));
         }
         sessions.insert(id, Open { request, ownership, session: Arc::new(AsyncMutex::new(session)) });
-        Ok(id)
+        Ok(answer)
+    }
+
+    /// Replaces the controller of a session, after a step that is running.
+    pub async fn replace(
+        &self,
+        id: &str,
+        controller: PreparedController,
+        client: &Owner,
+    ) -> Result<wire::CreatedController, ApiError> {
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        session.ownership.owner.allow(client)?;
+        let PreparedController { request, stepper, warnings } = controller;
+        session.control.replace(stepper)?;
+        session.request = request;
+        Ok(self.created(parse(id)?, session.control.controller(), warnings))
+    }
+
+    fn created(&self, id: Uuid, controller: &Controller, warnings: Vec<String>) -> wire::CreatedController {
+        let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        wire::CreatedController { id: id.to_string(), joints, idle_timeout_s: self.idle_timeout.as_secs(), warnings }
     }
 
     /// Ends idle sessions. They no longer use their robots.
@@ -319,8 +336,8 @@ mod tests {
     fn open(sessions: &Sessions) -> String {
         let request: wire::Controller =
             serde_json::from_str(include_str!("../../api/examples/controller.json")).unwrap();
-        let controller = convert::controller(&request, &Robots::built_in()).unwrap();
-        sessions.create(request, controller, Ownership::default()).unwrap().to_string()
+        let controller = PreparedController::new(request, &Robots::built_in()).unwrap();
+        sessions.create(controller, Ownership::default()).unwrap().id
     }
 
     fn state() -> wire::State {

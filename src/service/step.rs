@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use tokio::time::Instant;
 
-use super::checked_stepper::CheckedStepper;
+use super::checked_stepper::{CheckedStepper, PreparedController};
 use super::convert::{self, LastState, ResolveProblem};
 use super::error::ApiError;
 use super::ownership::Ownership;
@@ -23,11 +23,7 @@ pub fn open_session(
     robots: &Robots,
     sessions: &Sessions,
 ) -> Result<wire::CreatedController, ApiError> {
-    let controller = convert::controller(&request, robots)?;
-    let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let warnings = convert::warnings(&request, controller.config())?;
-    let id = sessions.create(request, controller, ownership)?.to_string();
-    Ok(wire::CreatedController { id, joints, idle_timeout_s: sessions.idle_timeout().as_secs(), warnings })
+    sessions.create(PreparedController::new(request, robots)?, ownership)
 }
 
 /// Creates the stepper of a controller that stands at `/controller` of a stateless request.

@@ -19,6 +19,7 @@ mod overload;
 mod ownership;
 mod plausibility;
 mod refusals;
+mod replace;
 mod robots;
 mod security;
 mod sequence;

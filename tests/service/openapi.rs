@@ -237,6 +237,11 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     let mut sessions = service.get("/v1/controllers").accepted();
     sessions["controllers"].as_array_mut().unwrap().truncate(1);
     assert_committed("sessions", &sessions);
+    let new = example("controller_replaced.json").to_string();
+    sent.insert("controller_replaced".to_owned());
+    let replaced =
+        service.send("PUT", &format!("/v1/controllers/{session}"), &[("content-type", "application/json")], &new);
+    assert_committed("controller_replaced", &replaced.accepted());
     let mut wrong = example("resolve.json");
     wrong["joint_position"] = json!([0.3, -0.6]);
     assert_committed("problem", &service.post("/v1/resolve", &wrong.to_string()).json());

@@ -44,6 +44,8 @@ pub use robot::{robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
 pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
-pub use step::{MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, valid_for_ms, watched_step};
+pub use step::{
+    MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, transition_error, valid_for_ms, watched_step,
+};
 pub use targets::warn as warn_about_targets;
 pub use warnings::warnings;

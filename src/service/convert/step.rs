@@ -1,7 +1,7 @@
 //! The states of control periods and their answers.
 
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask};
+use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask, TransitionError};
 use revprio_core::limits::{Barrier, Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
@@ -70,6 +70,18 @@ pub fn step_error(error: &StepError) -> ApiError {
         StepError::Target { .. } => "/targets",
         StepError::Memory(_) => return ApiError::invalid("/memory", error),
         StepError::Problem(_) => "",
+    };
+    ApiError::invalid(field, error)
+}
+
+/// Converts the error of a controller that is to replace another one. Pointers begin at the controller.
+pub fn transition_error(error: &TransitionError) -> ApiError {
+    let field = match error {
+        TransitionError::Robot => "/robot",
+        TransitionError::Period { .. } => "/period_s",
+        TransitionError::Drive => "/drive",
+        TransitionError::IgnoresLimits => "/solver",
+        TransitionError::Configuration(_) | TransitionError::Memory(_) => "",
     };
     ApiError::invalid(field, error)
 }

@@ -12,6 +12,7 @@ use revprio_api::wire;
 
 use super::{Segment, Shared};
 use crate::service::body::{Answer, Body};
+use crate::service::checked_stepper::PreparedController;
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
 use crate::service::format::RawBody;
@@ -152,11 +153,11 @@ pub async fn stream_controller(
     )
 )]
 pub async fn watch_controller(State(app): Shared, Segment(id): Segment) -> Result<impl IntoResponse, ApiError> {
-    let (steps, controller) = app.sessions.with(&id, |_, session| Ok((session.watch(), session.controller()))).await?;
-    Ok(latest(steps, app.drain.subscribe(), WATCH_PAUSE, move |step| match step {
+    let steps = app.sessions.with(&id, |_, session| Ok(session.watch())).await?;
+    Ok(latest(steps, app.drain.subscribe(), WATCH_PAUSE, |step| match step {
         Some(step) => {
-            let watched = convert::watched_step(&controller, &step.state, &step.answer, step.last_command.as_ref());
-            Shown::Event("step", watched)
+            let last_command = step.last_command.as_ref();
+            Shown::Event("step", convert::watched_step(&step.controller, &step.state, &step.answer, last_command))
         }
         None => Shown::Nothing,
     }))
@@ -176,6 +177,30 @@ pub async fn show_controller(
     Segment(id): Segment,
 ) -> Result<Answer<wire::SessionStatus>, ApiError> {
     app.sessions.with(&id, |id, session| Ok(session.status(id))).await.map(Answer)
+}
+
+/// Replaces the controller of a session.
+///
+/// Adds, removes, reorders and changes tasks while the arm moves. No joint changes its velocity by more than its acceleration
+/// limit permits, until the arm moves as the new controller requests. Robot, period and drive must stay.
+#[utoipa::path(
+    put,
+    path = "/v1/controllers/{id}",
+    tag = "control",
+    request_body = wire::Controller,
+    params(Owner),
+    responses((status = 200, body = wire::CreatedController, description = "The next state gets the new controller."))
+)]
+pub async fn replace_controller(
+    State(app): Shared,
+    Segment(id): Segment,
+    owner: Owner,
+    Body(request): Body<wire::Controller>,
+) -> Result<Answer<wire::CreatedController>, ApiError> {
+    app.sessions.check_owner(&id, &owner).await?;
+    let shared = Arc::clone(&app);
+    let controller = app.new.run(move |_| PreparedController::new(request, &shared.robots)).await??;
+    app.sessions.replace(&id, controller, &owner).await.map(Answer)
 }
 
 /// Ends a session.

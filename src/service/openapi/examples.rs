@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 30] = examples! {
+const EXAMPLES: [Example; 31] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -43,6 +43,7 @@ const EXAMPLES: [Example; 30] = examples! {
     post "/v1/controllers" "controller_laws" => "controller_laws";
     get "/v1/controllers" => "sessions";
     get "/v1/controllers/{id}" => "session";
+    put "/v1/controllers/{id}" "controller_replaced" => "controller_replaced";
     post "/v1/controllers/{id}/step" "state" => "state";
     post "/v1/kinematics" "kinematics" => "kinematics";
     post "/v1/stability" "stability" => "stability";

@@ -2042,6 +2042,8 @@ class Memory(Body):
     - sequence: Sequence number of the last state.
     - task_velocities: Integrator velocity of each task, m/s and rad/s.
     - drive: The commands that the drive still has to follow; default: the last command for long.
+    - in_transition: Whether the controller replaces another one and still limits accelerations for that; default:
+      no.
     - initial_joint_position: Joint position of the first state, rad or m; default: that of the next state.
     - joint_position: Joint position of the last state, rad or m; default: unknown.
     - target_streams: Streamed targets of the tasks; default: none.
@@ -2061,6 +2063,8 @@ class Memory(Body):
     """Integrator velocity of each task, m/s and rad/s."""
     drive: DriveState | None = None
     """The commands that the drive still has to follow; default: the last command for long."""
+    in_transition: bool | None = None
+    """Whether the controller replaces another one and still limits accelerations for that; default: no."""
     initial_joint_position: Vector | None = None
     """Joint position of the first state, rad or m; default: that of the next state."""
     joint_position: Vector | None = None

@@ -95,6 +95,7 @@ pub struct Memory {
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub task_progress: Vec<Progress>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
+    #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub in_transition: bool,
 }

@@ -60,7 +60,7 @@ impl Controller {
         joint_position: &[f64],
     ) -> Result<Memory, TransitionError> {
         let (old, new) = (previous.config(), self.config());
-        new.check_transition(old)?;
+        self.check_transition(previous)?;
         memory.check(old)?;
         let configuration = Configuration::new(&new.robot, joint_position)?;
         let velocity = memory.last_command.as_slice();
@@ -82,23 +82,24 @@ impl Controller {
             ..self.initial_memory(&arm)
         })
     }
+
+    /// Checks that this controller can continue the motion of another one.
+    pub fn check_transition(&self, previous: &Self) -> Result<(), TransitionError> {
+        let (old, new) = (previous.config(), self.config());
+        if new.robot != old.robot {
+            return Err(TransitionError::Robot);
+        }
+        if new.period_s.to_bits() != old.period_s.to_bits() {
+            return Err(TransitionError::Period { old: old.period_s, new: new.period_s });
+        }
+        if new.drive != old.drive {
+            return Err(TransitionError::Drive);
+        }
+        if new.solver == Solver::ClosedForm { Err(TransitionError::IgnoresLimits) } else { Ok(()) }
+    }
 }
 
 impl ControllerConfig {
-    /// Checks that a controller with this configuration can continue the motion of another one.
-    fn check_transition(&self, old: &Self) -> Result<(), TransitionError> {
-        if self.robot != old.robot {
-            return Err(TransitionError::Robot);
-        }
-        if self.period_s.to_bits() != old.period_s.to_bits() {
-            return Err(TransitionError::Period { old: old.period_s, new: self.period_s });
-        }
-        if self.drive != old.drive {
-            return Err(TransitionError::Drive);
-        }
-        if self.solver == Solver::ClosedForm { Err(TransitionError::IgnoresLimits) } else { Ok(()) }
-    }
-
     /// Adds the acceleration limits of the robot to the limits of a period of a transition. `velocity_box`: the limits of the
     /// configuration, as in `limited`.
     pub(super) fn limit_transition(
