@@ -155,6 +155,7 @@ private:
         http_.set_write_timeout(micros);
         const auto start = Clock::now();
         const httplib::Result result = method == "POST"     ? http_.Post(path, headers, content, "application/json")
+                                       : method == "PUT"    ? http_.Put(path, headers, content, "application/json")
                                        : method == "DELETE" ? http_.Delete(path, headers)
                                                             : http_.Get(path, headers);
         if (!result) throw NoAnswer(url_, httplib::to_string(result.error()), Clock::now() - start >= timeout);
@@ -227,6 +228,10 @@ public:
         if (!now.targets.empty()) state["targets"] = now.targets;
         return client_.call("POST", path_ + "/step", state, true, client_.step_timeout());
     }
+
+    /// Replaces the controller while the arm moves: adds, removes, reorders and changes tasks without a jump. Robot, period
+    /// and drive must stay.
+    void replace(const Json& controller) { created_ = client_.call("PUT", path_, controller); }
 
     std::string id() const { return created_.at("id"); }
     /// Returns the answer of the service: session name, joint order, and warnings about unstable contacts.

@@ -149,6 +149,27 @@ void watchdog() {
     expect_throw<std::invalid_argument>([] { revprio::Watchdog({1, 0}); }, "limits must be positive");
 }
 
+/// A session replaces its controller without a jump.
+void replaces_its_controller(revprio::Client& client) {
+    Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
+    revprio::Session session(client, controller);
+    revprio::Measurement now;
+    now.joint_position = POSTURE;
+    const auto before = session.step(now).at("joint_velocity").get<std::vector<double>>();
+    controller["limits"] = "velocity";
+    std::reverse(controller["tasks"].begin(), controller["tasks"].end());
+    session.replace(controller);
+    const Json answer = session.step(now);
+    check(answer.at("tasks").at(0).at("name") == controller["tasks"][0]["name"], "the tasks are reordered");
+    for (std::size_t joint = 0; joint < 7; ++joint) {
+        const double velocity = answer.at("joint_velocity").at(joint);
+        check(std::abs(velocity - before[joint]) <= 10 * session.period_s() * (1 + 1e-9), "no joint jumps");
+    }
+    controller["period_s"] = 0.5;
+    const auto problem = expect_throw<revprio::Problem>([&] { session.replace(controller); }, "another period is refused");
+    check(problem.pointer == "/period_s", "the refusal names the field");
+}
+
 /// The session ends during the loop: the arm brakes within its limits and comes to rest.
 void loop_ends_at_rest(revprio::Client& client) {
     Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
@@ -207,6 +228,7 @@ int main(int argc, char** argv) {
     refusals(client);
     closed_loop(client);
     targets(client);
+    replaces_its_controller(client);
     loop_ends_at_rest(client);
     token(argv[2]);
     std::puts("all tests passed");

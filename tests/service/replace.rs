@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::harness::{Answer, Service, example};
+use crate::harness::{Answer, Service};
 
 const JSON: (&str, &str) = ("content-type", "application/json");
 const PERIOD_S: f64 = 0.005;

@@ -131,6 +131,40 @@ def test_closed_loops_equal_those_of_sessions_and_stateless_steps_to_the_last_bi
     assert np.isfinite(q).all()
 
 
+def moving(name: str, velocity: float) -> revprio.ControllerTask:
+    law = revprio.VelocityLaw(target_velocity=revprio.ConstantProfile(value=velocity))
+    return revprio.ControllerTask(name=name, axes="x", law=law)
+
+
+def test_a_changed_controller_moves_over_at_the_acceleration_limits_here_and_in_sessions(client: Client) -> None:
+    joints = client.robot("sawyer").joints
+    largest_change = 0.001 * np.array([joint.acceleration_limit for joint in joints], dtype=float)
+    fields: dict[str, Any] = {"robot": "sawyer", "period_s": 0.001, "limits": "velocity"}
+    forth, back = ([moving(name, velocity)] for name, velocity in [("a", 0.2), ("b", -0.2)])
+    with Controller(tasks=forth, **fields) as here, client.session(tasks=forth, **fields) as session:
+        stream = session.stream()
+        last = here.step(Q).joint_velocity
+        assert (last == session.step(Q).joint_velocity).all()
+        for loop in (here, stream):
+            loop.change(tasks=back)
+        for _ in range(100):
+            velocity = here.step(Q).joint_velocity
+            assert (velocity == stream.step(Q).joint_velocity).all()
+            assert (np.abs(velocity - last) <= largest_change * (1 + 1e-9)).all()
+            last = velocity
+        assert here.config.tasks[0].name == session.config.tasks[0].name == "b"
+        assert session.status().controller.tasks[0].name == "b"
+        assert last @ here.step(Q).joint_velocity > 0
+        for loop in (here, session):
+            with pytest.raises(InvalidError, match="drive"):
+                loop.change(drive=revprio.JointDrive(lag_s=0, delay_periods=0))
+            with pytest.raises(InvalidError, match="no_such_field"):
+                loop.change(no_such_field=1)
+            loop.step(Q)
+    with pytest.raises(revprio.RevprioError, match="session"):
+        client.stateless(tasks=forth, **fields).change(tasks=back)
+
+
 @pytest.mark.parametrize("service", ["here", "there"])
 def test_the_same_program_runs_here_and_with_a_service(service: str, url: str) -> None:
     rp = revprio.connect() if service == "here" else revprio.connect(url)

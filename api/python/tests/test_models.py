@@ -19,6 +19,7 @@ REQUESTS: dict[str, type[Body]] = {
     "batch": models.BatchRequest,
     "controller": models.ControllerConfig,
     "controller_laws": models.ControllerConfig,
+    "controller_replaced": models.ControllerConfig,
     "control": models.SimulationControl,
     "control_end": models.SimulationControl,
     "kinematics": models.KinematicsRequest,

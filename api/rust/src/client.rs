@@ -117,6 +117,17 @@ impl Client {
         self.delete(&format!("/v1/robots/{name}"))
     }
 
+    /// Replaces the controller of a session while the arm moves, without a jump. `PUT /v1/controllers/{id}`
+    pub fn replace_controller(
+        &self,
+        id: &str,
+        controller: &wire::Controller,
+    ) -> Result<wire::CreatedController, ClientError> {
+        let url = format!("{}/v1/controllers/{id}", self.base);
+        let request = self.agent.put(&url).header(OWNER, &self.owner);
+        read(check_sent(request.send_json(controller), &url)?, &url)
+    }
+
     fn delete(&self, path: &str) -> Result<(), ClientError> {
         let url = format!("{}{path}", self.base);
         let mut response = check_sent(self.agent.delete(&url).call(), &url)?;

@@ -54,7 +54,7 @@ export interface ClientOptions {
   webSocket?: WebSocketFactory;
 }
 
-type Method = "GET" | "POST" | "DELETE";
+type Method = "GET" | "POST" | "PUT" | "DELETE";
 
 /** Pause before the first retry if the answer has no `Retry-After`, ms; doubled for each further retry. */
 const FIRST_PAUSE_MS = 20;

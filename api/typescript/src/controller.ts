@@ -11,7 +11,7 @@ export class Session extends Stepping {
     private readonly client: Client,
     controller: Controller,
     /** The answer of the service: session name, joint order, and warnings about unstable contacts. */
-    readonly created: CreatedController,
+    public created: CreatedController,
   ) {
     super(controller.period_s);
     this.id = created.id;
@@ -24,6 +24,14 @@ export class Session extends Stepping {
   /** Returns the configuration, the last sequence number and counters. */
   status(options: CallOptions = {}): Promise<SessionStatus> {
     return this.client.call<SessionStatus>("GET", this.path(), undefined, options);
+  }
+
+  /**
+   * Replaces the controller while the arm moves: adds, removes, reorders and changes tasks without a jump. Robot, period
+   * and drive must stay.
+   */
+  async replace(controller: Controller, options: CallOptions = {}): Promise<void> {
+    this.created = await this.client.call<CreatedController>("PUT", this.path(), controller, options);
   }
 
   /** Opens a WebSocket to the same controller, for loops too fast for single requests. Closing it keeps the session. */

@@ -51,6 +51,16 @@ suite("controllers", () => {
     assert.ok(Math.max(...expected.flat().map(Math.abs)) > 0);
   });
 
+  test("a session replaces its controller", async (t) => {
+    const session = await testClient((await serve(t)).url).session(CONTROLLER);
+    const before = (await session.step(AT_REST)).joint_velocity;
+    await session.replace({ ...CONTROLLER, limits: "velocity", tasks: [...CONTROLLER.tasks].reverse() });
+    const answer = await session.step(AT_REST);
+    assert.equal(answer.tasks[0]!.name, CONTROLLER.tasks.at(-1)!.name);
+    answer.joint_velocity.forEach((velocity, joint) => assert.ok(Math.abs(velocity - before[joint]!) < 0.02));
+    await assert.rejects(session.replace({ ...CONTROLLER, period_s: 0.5 }), { pointer: "/period_s" });
+  });
+
   test("a measurement can have targets", async (t) => {
     const session = await testClient((await serve(t)).url).session(CONTROLLER);
     const first = await session.step({ ...AT_REST, targets: { push: { force: [10] } } });

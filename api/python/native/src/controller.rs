@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use revprio::service::{ComputedStep, LocalController};
+use revprio::service::{ApiError, ComputedStep, LocalController, LocalService};
 use revprio_api::wire;
 
 use crate::{arguments, refused};
@@ -34,6 +34,11 @@ impl StepAnswer {
 impl Controller {
     pub fn new(control: LocalController) -> Self {
         Self { control: Mutex::new(control), deceleration: std::sync::OnceLock::new() }
+    }
+
+    /// Replaces the controller by that of a JSON body.
+    pub fn replace(&self, service: &LocalService, body: &[u8]) -> Result<(), ApiError> {
+        service.replace(&mut self.lock(), body)
     }
 
     fn lock(&self) -> MutexGuard<'_, LocalController> {

@@ -43,6 +43,11 @@ impl Service {
     fn controller(&self, py: Python<'_>, body: &[u8]) -> PyResult<Controller> {
         py.detach(|| self.0.controller(body)).map(Controller::new).map_err(|error| refused(py, error))
     }
+
+    /// Replaces a controller.
+    fn replace(&self, py: Python<'_>, controller: &Controller, body: &[u8]) -> PyResult<()> {
+        py.detach(|| controller.replace(&self.0, body)).map_err(|error| refused(py, error))
+    }
 }
 
 /// The answer of `Service.resolve`, of which Python has read the joint velocities.

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import httpx
 from websockets.asyncio.client import ClientConnection, connect
@@ -17,6 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from revprio import routes
 from revprio.bodies import ArrayLike, FloatArray, JointVector
+from revprio.controller import config_with, stateless_change
 from revprio.drive import Drive, LoopState, Measurement, ramp_to_rest, ticks
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
@@ -200,10 +201,11 @@ class AsyncClient:
 class AsyncController(ABC):
     """The asyncio version of `Controller`."""
 
-    def __init__(self, numbering: StateNumbering) -> None:
-        """`numbering`: gives each state its sequence number."""
-        self.period_s = numbering.period_s
-        self._numbering = numbering
+    def __init__(self, config: ControllerConfig, numbering: StateNumbering | None = None) -> None:
+        """`config`: the controller; `numbering`: gives each state its sequence number, default: from 0."""
+        self.config = config
+        self.period_s = config.period_s
+        self._numbering = numbering or StateNumbering(config.period_s)
 
     async def step(
         self,
@@ -220,6 +222,16 @@ class AsyncController(ABC):
     @abstractmethod
     async def step_state(self, state: State) -> StepAnswer:
         """As `Controller.step_state`."""
+
+    async def change(self, **fields: Any) -> None:  # noqa: ANN401 - the types are those of the fields
+        """As `Controller.change`."""
+        config = config_with(self.config, fields)
+        await self._replace(config)
+        self.config = config
+
+    @abstractmethod
+    async def _replace(self, config: ControllerConfig) -> None:
+        pass
 
     @abstractmethod
     async def open(self) -> None:
@@ -253,18 +265,22 @@ class AsyncSession(AsyncController):
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
         """Stores the configuration; `open` opens the session."""
-        super().__init__(StateNumbering(config.period_s))
-        self._client, self._config = client, config
+        super().__init__(config)
+        self._client = client
         self.id = ""
 
     async def open(self) -> None:
         """Opens the session."""
-        self.created = await self._client.call(routes.CREATE_CONTROLLER(body=self._config))
+        self.created = await self._client.call(routes.CREATE_CONTROLLER(body=self.config))
         self.id = self.created.id
 
     async def step_state(self, state: State) -> StepAnswer:
         """As `Controller.step_state`."""
         return await self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
+
+    async def _replace(self, config: ControllerConfig) -> None:
+        self.created = await self._client.call(routes.REPLACE_CONTROLLER(self.id, body=config))
+        self.config = config
 
     async def status(self) -> SessionStatus:
         """As `Session.status`."""
@@ -272,7 +288,7 @@ class AsyncSession(AsyncController):
 
     def stream(self) -> AsyncStream:
         """As `Session.stream`; `async with` connects it."""
-        return AsyncStream(self._client, self.id, self._numbering)
+        return AsyncStream(self._client, self)
 
     async def close(self) -> None:
         """As `Session.close`."""
@@ -285,16 +301,19 @@ class AsyncStateless(AsyncController):
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
         """Starts without memory."""
-        super().__init__(StateNumbering(config.period_s))
-        self._client, self._config = client, config
+        super().__init__(config)
+        self._client = client
         self.memory: Memory | None = None
 
     async def step_state(self, state: State) -> StepAnswer:
         """As `Controller.step_state`."""
-        request = StepRequest(controller=self._config, state=state, memory=self.memory)
+        request = StepRequest(controller=self.config, state=state, memory=self.memory)
         answer = await self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
         return answer
+
+    async def _replace(self, config: ControllerConfig) -> None:  # noqa: ARG002
+        raise stateless_change()
 
     async def open(self) -> None:
         """Does nothing."""
@@ -306,10 +325,10 @@ class AsyncStateless(AsyncController):
 class AsyncStream(AsyncController):
     """The asyncio version of `Stream`."""
 
-    def __init__(self, client: AsyncClient, session_id: str, numbering: StateNumbering) -> None:
+    def __init__(self, client: AsyncClient, session: AsyncSession) -> None:
         """Stores the session; `open` connects."""
-        super().__init__(numbering)
-        self._client, self._session_id = client, session_id
+        super().__init__(session.config, session._numbering)
+        self._client, self._session = client, session
         self._replies = ReplyMatcher(client.url)
         self._exit = AsyncExitStack()
 
@@ -317,7 +336,7 @@ class AsyncStream(AsyncController):
         """Opens the connection."""
         url = self._client.url
         try:
-            socket = self._client.connect(routes.STREAM_CONTROLLER.format(self._session_id))
+            socket = self._client.connect(routes.STREAM_CONTROLLER.format(self._session.id))
             self._socket = await self._exit.enter_async_context(socket)
         except InvalidHandshake as error:
             raise refused_handshake(url, error) from error
@@ -337,6 +356,9 @@ class AsyncStream(AsyncController):
             raise LateAnswerError(self._client.url, f"no reply within {self._client.step_timeout_s} s") from error
         except ConnectionClosed as error:
             raise NoAnswerError(self._client.url, error) from error
+
+    async def _replace(self, config: ControllerConfig) -> None:
+        await self._session._replace(config)
 
     async def close(self) -> None:
         """Closes the connection. The session stays open."""

@@ -6,14 +6,14 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from revprio import native, routes
 from revprio._native import RefusedError
 from revprio.bodies import ArrayLike, JointVector
-from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError
+from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     ControllerConfig,
     CreatedController,
@@ -50,6 +50,8 @@ class Controller:
         """Starts a controller in this process. Raises an `InvalidError` that names the wrong field."""
         self.period_s: float = config.period_s
         """Control period T, s."""
+        self.config = config
+        """The fields of the controller that were given."""
         self._native = native.controller(config.json_bytes())
         self._next = 0
 
@@ -98,6 +100,19 @@ class Controller:
         set_fields(answer, fields)
         return answer
 
+    def change(self, **fields: Any) -> None:  # noqa: ANN401 - the types are those of the fields
+        """Changes fields of the controller while the arm moves: `controller.change(tasks=[…])`.
+
+        Other fields stay. Tasks can be added, removed, reordered and changed; no joint exceeds its acceleration limit
+        in the transition. Robot, period and drive cannot change.
+        """
+        config = config_with(self.config, fields)
+        self._replace(config)
+        self.config = config
+
+    def _replace(self, config: ControllerConfig) -> None:
+        native.replace(self._native, config.json_bytes())
+
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         self._next = state.sequence
@@ -124,13 +139,25 @@ class Controller:
         self.close()
 
 
+def config_with(config: ControllerConfig, fields: Mapping[str, Any]) -> ControllerConfig:
+    """Returns a controller with these fields changed; raises an `InvalidError` that names the wrong field."""
+    given = {name: getattr(config, name) for name in config.model_fields_set}
+    return ControllerConfig(**{**given, **fields})
+
+
+def stateless_change() -> RevprioError:
+    """Returns the error of a change of a stateless controller."""
+    return RevprioError("a stateless controller cannot change while the arm moves; use `Client.session`")
+
+
 class RemoteController(Controller):
     """A controller that a service computes."""
 
-    def __init__(self, period_s: float) -> None:
-        """`period_s`: control period T, s."""
-        self.period_s = period_s
-        self._numbering = StateNumbering(period_s)
+    def __init__(self, config: ControllerConfig) -> None:
+        """`config`: the controller."""
+        self.config = config
+        self.period_s = config.period_s
+        self._numbering = StateNumbering(config.period_s)
 
     def step(
         self,
@@ -154,7 +181,7 @@ class Session(RemoteController):
 
     def __init__(self, client: Client, config: ControllerConfig) -> None:
         """Opens the session."""
-        super().__init__(config.period_s)
+        super().__init__(config)
         self._client = client
         self.created: CreatedController = client.call(routes.CREATE_CONTROLLER(body=config))
         """The answer of the service: session name, joint order, and warnings about unstable contacts."""
@@ -177,6 +204,10 @@ class Session(RemoteController):
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         return self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
+
+    def _replace(self, config: ControllerConfig) -> None:
+        self.created = self._client.call(routes.REPLACE_CONTROLLER(self.id, body=config))
+        self.config = config
 
     def status(self) -> SessionStatus:
         """Returns the configuration, the last sequence number and counters."""
@@ -213,17 +244,20 @@ class Stateless(RemoteController):
 
     def __init__(self, client: Calls, config: ControllerConfig) -> None:
         """Starts without memory."""
-        super().__init__(config.period_s)
-        self._client, self._config = client, config
+        super().__init__(config)
+        self._client = client
         self.memory: Memory | None = None
         """The controller memory of the last answer, for the next request. It may be stored and set again."""
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
-        request = StepRequest(controller=self._config, state=state, memory=self.memory)
+        request = StepRequest(controller=self.config, state=state, memory=self.memory)
         answer = self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
         return answer
+
+    def _replace(self, config: ControllerConfig) -> None:  # noqa: ARG002
+        raise stateless_change()
 
     def close(self) -> None:
         """Does nothing, because the service stores nothing."""
@@ -234,8 +268,8 @@ class Stream(RemoteController):
 
     def __init__(self, client: Client, session: Session) -> None:
         """Opens the connection."""
-        super().__init__(session.period_s)
-        self._numbering = session._numbering
+        super().__init__(session.config)
+        self._session, self._numbering = session, session._numbering
         self._url, self._timeout_s = client.url, client.step_timeout_s
         self._replies = ReplyMatcher(client.url)
         self._exit = ExitStack()
@@ -258,6 +292,9 @@ class Stream(RemoteController):
             raise LateAnswerError(self._url, f"no reply within {self._timeout_s} s") from error
         except ConnectionClosed as error:
             raise NoAnswerError(self._url, error) from error
+
+    def _replace(self, config: ControllerConfig) -> None:
+        self._session._replace(config)
 
     def close(self) -> None:
         """Closes the connection. The session stays open."""

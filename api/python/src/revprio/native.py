@@ -35,6 +35,14 @@ def controller(config: bytes) -> _native.Controller:
         raise problem(refusal) from None
 
 
+def replace(controller: _native.Controller, config: bytes) -> None:
+    """Replaces a controller by that of a JSON."""
+    try:
+        service().replace(controller, config)
+    except _native.RefusedError as refusal:
+        raise problem(refusal) from None
+
+
 def resolve(request: bytes) -> ResolveAnswer:
     """Resolves a request in JSON."""
     try:

@@ -134,6 +134,7 @@ STEP = Route("POST", "/v1/step", StepAnswer)
 CREATE_CONTROLLER = Route("POST", "/v1/controllers", CreatedController, keyed=True)
 LIST_CONTROLLERS = Route("GET", "/v1/controllers", SessionList)
 SHOW_CONTROLLER = Route("GET", "/v1/controllers/{}", SessionStatus)
+REPLACE_CONTROLLER = Route("PUT", "/v1/controllers/{}", CreatedController)
 DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))
 # Repeatable: the service does not run the same sequence number twice.
 STEP_CONTROLLER = Route("POST", "/v1/controllers/{}/step", StepAnswer)

@@ -82,7 +82,9 @@ fn run(robot: &Arc<RobotModel>, limits: &Limits, seed: u64) -> Run {
     let random = &mut Random(seed);
     let joints = robot.joints();
     let mut q: Vec<f64> = joints.iter().map(|joint| 0.5 * (joint.limits.lower + joint.limits.upper)).collect();
-    q.iter_mut().for_each(|q| *q += 0.3 * random.signed());
+    for q in &mut q {
+        *q += 0.3 * random.signed();
+    }
     let mut stepper = Stepper::new(Controller::new(random_config(robot, limits, random)).unwrap()).unwrap();
     let (mut memory, mut last, mut run) = (None::<Memory>, vec![0.0; joints.len()], Run::default());
     for period in 0..8 * INTERVAL {
