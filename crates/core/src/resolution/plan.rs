@@ -102,8 +102,13 @@ pub enum Origin {
 pub enum Scaling {
     /// As any other task: the limits do not cut it, or no scale keeps its direction.
     Off,
-    /// Uᵀ(J q̇ − s ẋ) = 0, then s → 1, with the rows Uᵀ[J, −ẋ] one after the other.
-    On(Vec<f64>),
+    /// Uᵀ(J q̇ − r d) = 0, then r → ‖ẋ‖.
+    On {
+        /// Uᵀ[J, −d], one row after the other.
+        rows: Vec<f64>,
+        /// ‖ẋ‖.
+        speed: f64,
+    },
 }
 
 /// One problem with the meaning of its rows.
@@ -113,7 +118,7 @@ pub struct PlannedProblem {
     pub levels: Hierarchy,
     /// Per row.
     pub origins: Vec<Origin>,
-    /// The unknown s of each scaled task.
+    /// The unknown r of each scaled task, its speed along the request.
     pub scale_unknowns: Vec<Option<usize>>,
 }
 
@@ -132,14 +137,6 @@ pub struct Aim<'a> {
     pub lower_tasks_are_met: bool,
 }
 
-impl<'a> Aim<'a> {
-    /// Returns the targets of one task.
-    fn of(&self, problem: &Problem, k: usize) -> &'a [f64] {
-        let first = problem.tasks.first_row(k);
-        &self.targets[first..first + problem.tasks.tasks()[k].jacobian.nrows()]
-    }
-}
-
 impl PlannedProblem {
     /// Writes one problem of the plan.
     pub fn write(&mut self, problem: &Problem, step: Step, aim: &Aim) {
@@ -149,13 +146,10 @@ impl PlannedProblem {
             Step::OneLevel => {
                 if let Some(scaled) = aim.scaling.iter().position(|scaling| *scaling != Scaling::Off) {
                     // A stack has one velocity, so that it is scaled as a whole.
-                    let velocity =
-                        (0..tasks.len()).filter(|&k| tasks[k].is_equation()).flat_map(|k| aim.of(problem, k));
-                    let size = velocity.map(|entry| entry * entry).sum::<f64>().sqrt();
                     for k in (0..tasks.len()).filter(|&k| !tasks[k].is_equation()) {
                         self.push_task(problem, k, aim);
                     }
-                    self.push_scaled(problem, scaled, size, aim);
+                    self.push_scaled(problem, scaled, aim);
                 } else {
                     (0..tasks.len()).for_each(|k| self.push_task(problem, k, aim));
                     self.push_damping(aim);
@@ -186,7 +180,6 @@ impl PlannedProblem {
 
     /// Sets unknowns, limits and the hard inequalities.
     fn start(&mut self, problem: &Problem, step: Step, aim: &Aim) {
-        let n = aim.before.len();
         self.levels.clear(aim.before);
         self.origins.clear();
         refill(&mut self.scale_unknowns, std::iter::repeat_n(None, aim.scaling.len()));
@@ -195,14 +188,14 @@ impl PlannedProblem {
         }
         self.levels.lower.copy_from_slice(problem.limits.lower().as_slice());
         self.levels.upper.copy_from_slice(problem.limits.upper().as_slice());
-        for (unknown, (place, _)) in
-            (n..).zip(aim.scaling.iter().enumerate().filter(|(_, scaling)| **scaling != Scaling::Off))
-        {
-            self.scale_unknowns[place] = Some(unknown);
-            self.levels.unknowns += 1;
-            self.levels.lower.push(0.0);
-            self.levels.upper.push(1.0);
-            self.levels.reference.push(0.0);
+        for (scaling, unknown) in aim.scaling.iter().zip(&mut self.scale_unknowns) {
+            if let Scaling::On { speed, .. } = scaling {
+                *unknown = Some(self.levels.unknowns);
+                self.levels.unknowns += 1;
+                self.levels.lower.push(0.0);
+                self.levels.upper.push(*speed);
+                self.levels.reference.push(0.0);
+            }
         }
         for (index, inequality) in problem.inequalities.iter().enumerate() {
             // Rows of length one: they are broken by the least joint speed.
@@ -217,18 +210,16 @@ impl PlannedProblem {
     /// Adds a task as a level of its own, or as two where it is scaled.
     fn push_level(&mut self, problem: &Problem, k: usize, aim: &Aim) {
         if self.scale_unknowns[k].is_some() {
-            let size = norm(aim.of(problem, k));
-            self.push_scaled(problem, k, size, aim);
+            self.push_scaled(problem, k, aim);
         } else {
             self.push_task(problem, k, aim);
             self.levels.end_level();
         }
     }
 
-    /// Adds the two levels of a scaled task: its direction, then its scale s ‖ẋ‖ → ‖ẋ‖, so that multipliers count as those of
-    /// the unscaled task do. `size`: ‖ẋ‖.
-    fn push_scaled(&mut self, problem: &Problem, k: usize, size: f64, aim: &Aim) {
-        let (Some(unknown), Scaling::On(rows)) = (self.scale_unknowns[k], &aim.scaling[k]) else { return };
+    /// Adds the two levels of a scaled task: its direction, then its speed r → ‖ẋ‖.
+    fn push_scaled(&mut self, problem: &Problem, k: usize, aim: &Aim) {
+        let (Some(unknown), Scaling::On { rows, speed }) = (self.scale_unknowns[k], &aim.scaling[k]) else { return };
         let (n, total) = (problem.tasks.joint_count(), self.levels.unknowns);
         for row in rows.chunks_exact(n + 1) {
             let entry = |j: usize| {
@@ -243,7 +234,7 @@ impl PlannedProblem {
             self.push_row(Origin::Auxiliary, (0..total).map(entry), 0.0, 0.0);
         }
         self.levels.end_level();
-        self.push_row(Origin::Auxiliary, (0..total).map(|j| if j == unknown { size } else { 0.0 }), size, size);
+        self.push_row(Origin::Auxiliary, (0..total).map(|j| if j == unknown { 1.0 } else { 0.0 }), *speed, *speed);
         self.levels.end_level();
     }
 
@@ -337,8 +328,4 @@ impl PlannedProblem {
             }
         }
     }
-}
-
-fn norm(entries: &[f64]) -> f64 {
-    entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }

@@ -16,7 +16,7 @@ use crate::task::Task;
 pub struct PlanRun {
     /// The problem that was solved last, with limits.
     pub planned: PlannedProblem,
-    /// Its solution: q̇, then the scales of scaled tasks.
+    /// Its solution: q̇, then the speeds of scaled tasks.
     pub solution: Solution,
     /// Scale of each task; `None` without one.
     pub scales: Vec<Option<f64>>,
@@ -141,10 +141,10 @@ impl PlanRun {
             self.scaled.examine(problem, step, k, &self.targets);
             if self.scaled.keeps_direction(&self.solution.x, 1.0) {
                 self.set_scale(problem, step, k, Some(1.0));
-            } else if let Some(direction) = self.scaled.direction() {
-                self.scaling[k] = Scaling::On(direction);
+            } else if let Scaling::On { rows, speed } = self.scaled.scaling() {
+                self.scaling[k] = Scaling::On { rows, speed };
                 self.solve_again(problem, step, damping, engine);
-                let scale = self.planned.scale_unknowns[k].map_or(0.0, |unknown| self.solution.x[unknown]);
+                let scale = self.planned.scale_unknowns[k].map_or(0.0, |unknown| self.solution.x[unknown] / speed);
                 if self.scaled.keeps_direction(&self.solution.x, scale) {
                     self.set_scale(problem, step, k, Some(scale));
                 } else {

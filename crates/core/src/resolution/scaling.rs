@@ -1,19 +1,20 @@
 //! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
 //!
-//! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits, the unknowns
-//! (q̇, s) obey Uᵀ(J_k q̇ − s ẋ_k) = 0, and then s is as large as possible: two levels in place of one.
+//! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits and d = ẋ_k/‖ẋ_k‖,
+//! the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible: two levels in place
+//! of one. The unknown is the speed and not the scale, so that a large request does not make the rows ill-conditioned.
 
-use super::plan::Step;
+use super::plan::{Scaling, Step};
 use super::problem::Problem;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
 
-/// Residual, relative to the size of the task, up to which its direction counts as kept.
+/// Residual, relative to the speed of the task, up to which its direction counts as kept.
 const KEPT: f64 = 1e-11;
 
 /// The direction rows of the task that was examined last.
 #[derive(Default)]
 pub struct ScaledTasks {
-    /// Uᵀ[J, −ẋ], row by row, n + 1 entries each.
+    /// Uᵀ[J, −d], row by row, n + 1 entries each.
     rows: Vec<f64>,
     columns: usize,
     /// ‖J‖ and ‖ẋ‖.
@@ -48,7 +49,8 @@ impl ScaledTasks {
         let open = &jacobian - &jacobian * svd.inverse(rank, 0.0) * &above;
         let open = Svd::new(&open);
         let basis = open.range(open.rank(RANK_TOLERANCE * self.norm));
-        let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&velocity));
+        let direction = if self.size > 0.0 { velocity / self.size } else { velocity };
+        let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&direction));
         self.columns = n + 1;
         self.rows.clear();
         for i in 0..rows.nrows() {
@@ -56,16 +58,18 @@ impl ScaledTasks {
         }
     }
 
-    /// Returns the rows Uᵀ[J, −ẋ], one after the other; `None` for a task at rest, which has no direction.
-    pub fn direction(&self) -> Option<Vec<f64>> {
-        (self.size > 0.0).then(|| self.rows.clone())
+    /// Returns how the task is scaled; `Off` for a task at rest, which has no direction.
+    pub fn scaling(&self) -> Scaling {
+        if self.size > 0.0 { Scaling::On { rows: self.rows.clone(), speed: self.size } } else { Scaling::Off }
     }
 
     /// Returns whether q̇ (the first n entries of `x`) moves the task along its direction with the scale s.
     pub fn keeps_direction(&self, x: &[f64], scale: f64) -> bool {
+        let speed_along = scale * self.size;
         let qdot = &x[..self.columns - 1];
         let speed = qdot.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let off = |row: &[f64]| row.iter().zip(qdot.iter().chain([&scale])).map(|(a, x)| a * x).sum::<f64>().abs();
-        self.rows.chunks_exact(self.columns).all(|row| off(row) <= KEPT * (self.norm * speed + self.size))
+        let off =
+            |row: &[f64]| row.iter().zip(qdot.iter().chain([&speed_along])).map(|(a, x)| a * x).sum::<f64>().abs();
+        self.rows.chunks_exact(self.columns).all(|row| off(row) <= KEPT * (self.norm * speed + speed_along.abs()))
     }
 }

@@ -79,6 +79,28 @@ fn a_scaled_task_keeps_its_direction_at_the_largest_speed() {
     assert!(cut > 200, "limits cut only {cut} tasks");
 }
 
+#[test]
+fn a_huge_request_of_scaled_tasks_takes_no_more_work_than_a_large_one() {
+    let solve = |seed: u64, method: Method, factor: f64| {
+        let problem = scaled(&problem(&mut Random::new(seed), SMALL, method), |_| true);
+        let tasks = problem.tasks.tasks().iter().cloned();
+        let larger =
+            tasks.map(|task| Task { lower: &task.lower * factor, upper: &task.upper * factor, ..task }).collect();
+        resolve(&Problem { tasks: TaskStack::new(larger).unwrap(), ..problem }, &[]).unwrap()
+    };
+    for method in [Method::StrictReversePriority, Method::ReversePriority, Method::TaskPriority] {
+        let (mut large, mut huge) = (0, 0);
+        for seed in 0..300 {
+            large += solve(seed, method, 1e2).solver.working_sets;
+            let answer = solve(seed, method, 1e8);
+            assert_eq!(answer.solver.status, Status::Optimal, "seed {seed}");
+            assert!(answer.solver.working_sets < 200, "seed {seed}: {} sets", answer.solver.working_sets);
+            huge += answer.solver.working_sets;
+        }
+        assert!(huge < 2 * large, "{method:?}: {huge} sets, and {large} for a smaller request");
+    }
+}
+
 fn plane_task(velocity: [f64; 2], scaled: bool) -> Problem {
     let task = Task::new("move", Matrix::identity(2, 2), Vector::from_row_slice(&velocity));
     let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
