@@ -73,3 +73,20 @@ fn the_package_is_small_and_complete_for_its_users() {
     let bytes: u64 = packaged.iter().filter_map(|path| Some(root().join(path).metadata().ok()?.len())).sum();
     assert!(bytes < LARGEST, "{bytes} bytes");
 }
+
+#[test]
+fn the_version_stands_in_one_place() {
+    let read = |path: &str| std::fs::read_to_string(root().join(path)).unwrap();
+    let version = env!("CARGO_PKG_VERSION");
+    let manifest = read("Cargo.toml");
+    let stated =
+        |line: &&str| line.contains("version = \"") && (line.starts_with("version") || line.contains("path ="));
+    let lines: Vec<_> = manifest.lines().filter(stated).collect();
+    assert!(
+        lines.len() > 4 && lines.iter().all(|line| line.contains(&format!("version = \"{version}\""))),
+        "{lines:?}"
+    );
+    // A release writes the version into the copy that it packs.
+    assert!(read("api/typescript/package.json").contains("\"version\": \"0.0.0\""));
+    assert!(read("api/python/pyproject.toml").contains("dynamic = [\"version\"]"));
+}

@@ -11,7 +11,7 @@ use revprio_lab::report::table::{Row, side_by_side};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};
 
-use super::experiment::{ExperimentRunner, make_directory, program, report as report_with_traces, store};
+use super::experiment::{ExperimentRunner, make_directory, program, store, with_traces};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
 use super::{CliError, traces};
@@ -109,7 +109,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mut report = experiment.report();
     if options.write.contains(&Kind::Traces) {
         store(&options.out, &experiment, &options.traces)?;
-        report = report_with_traces(&experiment, &options.traces);
+        report = with_traces(report, &experiment, &options.traces);
     }
     print(options.format, &report)?;
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();

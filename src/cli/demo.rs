@@ -4,11 +4,15 @@ use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
 use revprio_api::wire::{Method, Solver};
+use revprio_lab::report::Output;
 use revprio_lab::report::experiment::Experiment;
-use revprio_lab::report::table;
+use revprio_lab::report::metrics::largest_difference;
+use revprio_lab::report::run::Run;
+use revprio_lab::report::table::summary;
+use revprio_lab::simulator::recording::Format;
 use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS};
 
-use super::experiment::{ExperimentRunner, make_directory, program, write_results};
+use super::experiment::{ExperimentRunner, make_directory, program, write_report};
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
@@ -28,33 +32,49 @@ const VARIANTS: [(Method, Solver); 4] = [
     (Method::DampedLeastSquares, Solver::ClosedForm),
 ];
 
+/// Difference of the joint velocities, rad/s, up to which two runs move alike, so that one recording serves both.
+const ALIKE: f64 = 1e-9;
+
 pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
     let runner = ExperimentRunner::open(None, None, CallMode::Session)?;
-    let mut runs = Vec::new();
+    let mut scenarios = Vec::new();
     for name in PAPER_SCENARIOS {
         let mut scenario = runner.scenario(name)?;
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);
-            runs.push(runner.run(&scenario)?);
+            scenarios.push(scenario.clone());
         }
     }
-    let experiment = Experiment {
+    let mut experiment = Experiment {
         title: "Force control with reverse task priority: the paper's experiments".to_owned(),
         question: QUESTION.map(str::to_owned).to_vec(),
         command: "cargo run --release -- demo".to_owned(),
         program: program(),
-        runs,
+        runs: runner.run_all(&scenarios, "the paper's four experiments, two methods, three solvers")?,
         failures: Vec::new(),
     };
     let report = experiment.report();
-    write!(stdout(), "{}", table::text(&report.rows))?;
-    for section in &report.sections {
-        writeln!(stdout(), "\n{}: {}", section.name, section.notes.join(" "))?;
-    }
-    let page = write_results(&options.out, &experiment, &options.traces)?;
-    writeln!(stdout(), "\nThe page with all figures and recordings: {}", page.display())?;
+    write!(stdout(), "{}", summary::text(&report.rows))?;
+    keep_different_runs(&mut experiment.runs);
+    let traces = options.traces.or(Format::Parquet);
+    let page = write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &traces)?;
+    writeln!(stdout(), "\nOpen {} in a browser: figures, results of all runs, recordings.", page.display())?;
     Ok(())
+}
+
+/// Removes the runs that move as an earlier run of their scenario does.
+fn keep_different_runs(runs: &mut Vec<Run>) {
+    let mut kept: Vec<Run> = Vec::new();
+    for run in std::mem::take(runs) {
+        let is_alike = |other: &Run| {
+            other.scenario.name == run.scenario.name && largest_difference(&other.recording, &run.recording) <= ALIKE
+        };
+        if !kept.iter().any(is_alike) {
+            kept.push(run);
+        }
+    }
+    *runs = kept;
 }
 
 const QUESTION: [&str; 3] = [

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
+use indicatif::ProgressBar;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use revprio_api::wire::Problem;
 use revprio_api::{ClientError, Service};
 use revprio_lab::report::experiment::{Experiment, store};
@@ -71,25 +73,55 @@ impl ExperimentRunner {
 
     /// Runs a scenario and shows the progress.
     pub fn run(&self, scenario: &Scenario) -> Result<Run, CliError> {
-        let label = format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver);
-        let bar = progress_bar(scenario.cycles(), &label);
-        if bar.is_hidden() {
-            // Without a terminal there is no bar, so the log gets a line.
-            let _ = writeln!(stderr(), "running {label}");
-        }
-        let progress = |done| {
-            bar.set_position(done);
-            ControlFlow::Continue(())
+        let bar = visible_bar(scenario.cycles(), &label(scenario));
+        let run = self.run_with(scenario, |done| bar.set_position(done))?;
+        bar.finish();
+        Ok(run)
+    }
+
+    /// Runs scenarios on all cores, each with a session of its own, and shows the progress. The runs are in the order of the
+    /// scenarios.
+    pub fn run_all(&self, scenarios: &[Scenario], title: &str) -> Result<Vec<Run>, CliError> {
+        let bar = visible_bar(scenarios.iter().map(Scenario::cycles).sum(), title);
+        let run = |scenario: &Scenario| {
+            let mut before = 0;
+            self.run_with(scenario, |done| {
+                bar.inc(done - before);
+                before = done;
+            })
         };
+        // Without `with_max_len` a thread would get neighbouring scenarios, the long ones.
+        let runs = scenarios.par_iter().with_max_len(1).map(run).collect::<Result<_, _>>()?;
+        bar.finish();
+        Ok(runs)
+    }
+
+    fn run_with(&self, scenario: &Scenario, mut progress: impl FnMut(u64)) -> Result<Run, CliError> {
         let robot = match &self.robot {
             Some(robot) => Arc::clone(robot),
             None => built_in_robot(&scenario.controller.robot)?,
         };
+        let progress = |done| {
+            progress(done);
+            ControlFlow::Continue(())
+        };
         let recording = run_robot(&robot, scenario, &self.target.client, self.mode, progress)?;
-        bar.finish();
-        print_missing_answers(&recording, &label)?;
+        print_missing_answers(&recording, &label(scenario))?;
         Ok(Run { scenario: scenario.clone(), robot: robot_answer(&robot), recording })
     }
+}
+
+fn label(scenario: &Scenario) -> String {
+    format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver)
+}
+
+/// Returns a progress bar. Without a terminal there is no bar, so the log gets a line.
+fn visible_bar(periods: u64, label: &str) -> ProgressBar {
+    let bar = progress_bar(periods, label);
+    if bar.is_hidden() {
+        let _ = writeln!(stderr(), "running {label}");
+    }
+    bar
 }
 
 fn is_about_environment(problem: &Problem) -> bool {
@@ -120,16 +152,27 @@ pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> R
     Ok(store::write(out, experiment, |recording| traces.names(recording).collect())?)
 }
 
-/// Returns the report with the names of the recordings.
-pub fn report(experiment: &Experiment, traces: &traces::Options) -> Report {
-    let names = experiment.runs.iter().flat_map(|run| traces.names(&run.recording)).collect();
-    Report { traces: names, ..experiment.report() }
+/// Returns a report with the names of the recordings of an experiment.
+pub fn with_traces(report: Report, experiment: &Experiment, traces: &traces::Options) -> Report {
+    Report { traces: experiment.runs.iter().flat_map(|run| traces.names(&run.recording)).collect(), ..report }
 }
 
 /// Writes recordings, figures and page. Returns the path of the page.
 pub fn write_results(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<PathBuf, CliError> {
+    let outputs = [Output::Page, Output::Svg, Output::Png];
+    write_report(out, experiment.report(), &outputs, experiment, traces)
+}
+
+/// Writes figures and page of a report, and the recordings of an experiment. Returns the path of the page.
+pub fn write_report(
+    out: &Path,
+    report: Report,
+    outputs: &[Output],
+    experiment: &Experiment,
+    traces: &traces::Options,
+) -> Result<PathBuf, CliError> {
     store(out, experiment, traces)?;
-    report::write(out, &report(experiment, traces), &[Output::Page, Output::Svg, Output::Png])?;
+    report::write(out, &with_traces(report, experiment, traces), outputs)?;
     Ok(out.join("index.html"))
 }
 

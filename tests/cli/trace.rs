@@ -29,15 +29,6 @@ impl Trace {
         self.words(column).iter().map(|word| word.parse().unwrap()).collect()
     }
 
-    /// Returns the largest difference of any joint's commanded velocity, rad/s.
-    pub fn largest_difference(&self, other: &Self) -> f64 {
-        assert_eq!((self.rows(), &self.columns), (other.rows(), &other.columns));
-        let commands = self.columns.iter().filter(|name| name.starts_with("velocity_"));
-        let differences = commands
-            .flat_map(|name| self.numbers(name).into_iter().zip(other.numbers(name)).map(|(a, b)| (a - b).abs()));
-        differences.fold(0.0, f64::max)
-    }
-
     /// Returns the root mean square of F_x − F_d,x from a time on, N.
     pub fn rmse_fx(&self, from_s: f64) -> f64 {
         let (time, force, target) =

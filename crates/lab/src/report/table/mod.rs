@@ -1,9 +1,10 @@
 //! Tables of results. Each quantity is defined once, for the terminal, for Markdown and for the page.
 //!
 //! [`text`] prints the most important quantities with one row per run. [`side_by_side`] prints all quantities of a scenario
-//! with one column per run.
+//! with one column per run. [`summary`] prints one row per scenario and method.
 
 pub mod side_by_side;
+pub mod summary;
 
 use std::collections::BTreeMap;
 use std::fmt::Display;

@@ -50,6 +50,22 @@ fn cells_show_the_metrics_of_the_row() {
 }
 
 #[test]
+fn summary_has_one_line_per_method_with_the_largest_difference_of_its_solvers() {
+    let runs = [
+        run(Method::ReversePriority, Solver::ClosedForm, 0.5),
+        run(Method::ReversePriority, Solver::Qp, 0.75),
+        run(Method::ReversePriority, Solver::Auto, 0.5),
+        run(Method::DampedLeastSquares, Solver::ClosedForm, 9.0),
+    ];
+    let text = summary::text(&rows(&runs));
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(lines.len(), 4);
+    assert_eq!(lines[2], ["stiff_wall", "reverse", "priority", "3.00", "33.00", "–", "33.000", "0.25"]);
+    assert_eq!(lines[3].last(), Some(&"–"));
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+}
+
+#[test]
 fn side_by_side_table_lists_only_quantities_that_a_run_has() {
     let runs = [Method::ReversePriority, Method::Pseudoinverse].map(|method| run(method, Solver::Qp, 0.0));
     let rows = rows(&runs);
