@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstdio>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -323,16 +324,98 @@ private:
     Clock::time_point expires_at_{};
 };
 
+/// Statistics of a control loop.
+struct LoopReport {
+    unsigned long periods = 0;  ///< Number of periods: calls of `Loop::ask`.
+    unsigned long answered = 0; ///< Number of states whose answer came within a period.
+    unsigned long steps = 0;    ///< Number of answered states, in time or late. While one is late, no other is sent.
+    unsigned long skipped = 0;  ///< Number of periods that passed without a call of `Loop::ask`.
+    double achieved_period_s = HUGE_VAL; ///< Mean time between two answered states, s; infinite before the second.
+    double longest_period_s = 0;         ///< Longest time between two answered states, s; 0 before the second.
+    unsigned long slow_windows = 0;      ///< Number of seconds in which over 5 % of the periods had no answer.
+    std::string warning;                 ///< Figures and remedy of the last such second; empty if there was none.
+};
+
+/// Updates the statistics of a control loop.
+class Pace {
+public:
+    explicit Pace(double period_s) : period_s_(period_s) {}
+
+    /// Starts a period at `now`.
+    void begin(Clock::time_point now) {
+        if (report_.periods++ == 0) start_ = window_start_ = now;
+        const auto passed = static_cast<unsigned long>(Seconds(now - start_).count() / period_s_);
+        const unsigned long number = std::max(next_, passed);
+        report_.skipped += number - next_;
+        skipped_ += number - next_;
+        next_ = number + 1;
+        // A single late answer of a slow loop is no reason to warn: judge at least 50 periods.
+        const double elapsed_s = Seconds(now - window_start_).count();
+        if (elapsed_s < std::max(1.0, 50 * period_s_)) return;
+        judge(number - first_, elapsed_s);
+        first_ = number;
+        window_start_ = now;
+        answers_ = skipped_ = 0;
+        waited_s_ = 0;
+    }
+
+    /// Counts the answer that came at `now` to a state.
+    void answer(Clock::time_point measured_at, Clock::time_point now) {
+        const double waited_s = Seconds(now - measured_at).count();
+        ++answers_;
+        waited_s_ += waited_s;
+        if (waited_s <= period_s_) ++report_.answered;
+        if (report_.steps++ == 0) {
+            first_measured_ = measured_at;
+        } else {
+            const double elapsed_s = Seconds(measured_at - first_measured_).count();
+            report_.achieved_period_s = elapsed_s / static_cast<double>(report_.steps - 1);
+            report_.longest_period_s = std::max(report_.longest_period_s, Seconds(measured_at - last_measured_).count());
+        }
+        last_measured_ = measured_at;
+    }
+
+    const LoopReport& report() const { return report_; }
+
+private:
+    void judge(unsigned long periods, double elapsed_s) {
+        const double missing = static_cast<double>(periods) - static_cast<double>(answers_);
+        if (missing <= 0.05 * static_cast<double>(periods)) return;
+        const auto tenths = [](double value) {
+            char text[32];
+            std::snprintf(text, sizeof text, "%.1f", value);
+            return std::string(text);
+        };
+        const std::string waits = answers_ == 0
+                                      ? "no valid answer came"
+                                      : "answers took " + tenths(1e3 * waited_s_ / static_cast<double>(answers_)) + " ms";
+        const bool is_loop_late = 2 * static_cast<double>(skipped_) > missing;
+        ++report_.slow_windows;
+        report_.warning =
+            "The loop reached " + std::to_string(answers_) + " of " + std::to_string(periods) + " periods in the last " +
+            tenths(elapsed_s) + " s; " + waits + ". " +
+            (is_loop_late ? "The loop itself is late: make its other work faster, free the machine, or use a longer period."
+                          : "Use a longer period, or a faster connection to the service.");
+    }
+
+    double period_s_;
+    LoopReport report_;
+    Clock::time_point start_{}, window_start_{}, first_measured_{}, last_measured_{};
+    unsigned long next_ = 0; ///< Number of the next period.
+    unsigned long first_ = 0, answers_ = 0, skipped_ = 0; ///< Of the last second: first period, answers, skipped periods.
+    double waited_s_ = 0;
+};
+
 /// Calls the service in a separate thread, so that a late answer never delays the control loop.
 ///
 /// In each period, call `ask` with the measured state, then `wait_until` with the end of the period, and send the
 /// result of `command` to the arm. While no answers come, `command` returns a ramp to rest. Once the arm is at rest,
 /// `command` throws the last failure. If the service refuses a state, `command` throws at once: call `stop`, and keep
-/// sending the result of `command` to the arm until `is_at_rest`.
+/// sending the result of `command` to the arm until `is_at_rest`. `report` says whether the loop keeps its period.
 class Loop {
 public:
     Loop(Session& session, Watchdog& watchdog)
-        : session_(session), watchdog_(watchdog), caller_([this] { run(); }) {}
+        : session_(session), watchdog_(watchdog), pace_(session.period_s()), caller_([this] { run(); }) {}
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;
     ~Loop() {
@@ -347,6 +430,7 @@ public:
     /// Sends a state, unless the answer to an earlier state is still pending.
     void ask(Measurement now) {
         std::lock_guard lock(mutex_);
+        pace_.begin(Clock::now());
         if (pending_state_) return;
         pending_state_ = std::move(now);
         measured_at_ = Clock::now();
@@ -381,6 +465,12 @@ public:
         return watchdog_.is_at_rest(Clock::now());
     }
 
+    /// Returns the statistics of the loop: skipped periods, achieved period, and a warning if it is too slow.
+    LoopReport report() {
+        std::lock_guard lock(mutex_);
+        return pace_.report();
+    }
+
 private:
     /// Body of the calling thread.
     void run() {
@@ -404,7 +494,9 @@ private:
             lock.lock();
             failure_ = failure;
             is_silence_ = is_silence;
-            if (!failure && !is_stopped_) watchdog_.obey(answer, measured_at_, Clock::now());
+            const auto answered_at = Clock::now();
+            if (!failure && !is_stopped_ && watchdog_.obey(answer, measured_at_, answered_at))
+                pace_.answer(measured_at_, answered_at);
             pending_state_.reset();
             changed_.notify_all();
         }
@@ -412,6 +504,7 @@ private:
 
     Session& session_;
     Watchdog& watchdog_;
+    Pace pace_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<Measurement> pending_state_;

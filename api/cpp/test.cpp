@@ -149,6 +149,41 @@ void watchdog() {
     expect_throw<std::invalid_argument>([] { revprio::Watchdog({1, 0}); }, "limits must be positive");
 }
 
+/// A loop counts its periods, and says when it is too slow.
+void pace() {
+    const auto at = [](long milliseconds) { return Clock::time_point(std::chrono::milliseconds(5000 + milliseconds)); };
+    const auto starts_with = [](const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; };
+
+    revprio::Pace waiting(0.001);
+    for (long period = 0; period <= 2000; ++period) {
+        waiting.begin(at(period));
+        if (period % 2 == 0) waiting.answer(at(period), at(period + 2));
+    }
+    const revprio::LoopReport& slow = waiting.report();
+    check(slow.periods == 2001 && slow.steps == 1001 && slow.answered == 0 && slow.skipped == 0, "periods are counted");
+    check(std::abs(slow.achieved_period_s - 0.002) < 1e-12, "the achieved period is that between answered states");
+    check(slow.slow_windows == 2, "a slow loop is counted once per second");
+    check(starts_with(slow.warning, "The loop reached 500 of 1000 periods in the last 1.0 s; answers took 2.0 ms. Use"),
+          "the warning has the figures");
+
+    revprio::Pace single(0.05);
+    for (long period = 0; period <= 520; ++period) {
+        single.begin(at(50 * period));
+        const long of_52 = period % 52; // the answer to state 49 takes 2.5 periods
+        if (of_52 < 50) single.answer(at(50 * period), at(50 * period + (of_52 < 49 ? 10 : 125)));
+    }
+    check(single.report().slow_windows == 0 && single.report().warning.empty(), "single late answers give no warning");
+    check(std::abs(single.report().longest_period_s - 0.15) < 1e-9, "the longest period is reported");
+
+    revprio::Pace busy(0.01);
+    for (long period = 0; period <= 100; period += 2) {
+        busy.begin(at(10 * period));
+        busy.answer(at(10 * period), at(10 * period + 1));
+    }
+    check(busy.report().skipped == 50 && busy.report().answered == 51, "skipped periods are counted");
+    check(busy.report().warning.find("The loop itself is late") != std::string::npos, "the cause is the loop itself");
+}
+
 /// A session replaces its controller without a jump.
 void replaces_its_controller(revprio::Client& client) {
     Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
@@ -215,6 +250,8 @@ void loop_ends_at_rest(revprio::Client& client) {
         }
         command = slower;
     }
+    const revprio::LoopReport report = loop.report();
+    check(report.steps > 0 && report.steps <= report.periods, "the loop counts its periods and answers");
 }
 
 } // namespace
@@ -225,6 +262,7 @@ int main(int argc, char** argv) {
     options.step_timeout = revprio::Seconds(10);
     revprio::Client client(argv[1], options);
     watchdog();
+    pace();
     refusals(client);
     closed_loop(client);
     targets(client);

@@ -84,7 +84,10 @@ int main(int argc, char** argv) try {
         arm.command(loop.command(), period_s);
     }
     for (loop.stop(); !loop.is_at_rest(); std::this_thread::sleep_for(period)) arm.command(loop.command(), period_s);
-    std::printf("%.2f N\n", arm.force_n);
+    const revprio::LoopReport report = loop.report();
+    std::printf("%.2f N; %.2f ms per period, requested %.2f ms\n", arm.force_n, 1e3 * report.achieved_period_s,
+                1e3 * period_s);
+    if (report.slow_windows > 0) std::fprintf(stderr, "%s\n", report.warning.c_str());
 } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -1,23 +1,26 @@
-"""A simulated hand leads a simulated arm through the service: streamed targets with jitter, noise and drop-outs.
+"""A simulated hand leads a simulated arm: streamed targets with jitter, noise and drop-outs.
 
-    revprio serve &
-    python teleoperation.py --url http://127.0.0.1:8080
+    python teleoperation.py
 
-The hand sends its position at 30, 60 and 90 Hz. The control loop runs at 250 Hz, in simulated time. The program prints
-how well the arm follows, how much the commands change, and when the tool is at rest after a drop-out.
+The controller runs in this process, or in the service of `--url` or `REVPRIO_URL`. The hand sends its position at 30,
+60 and 90 Hz. The control loop runs at 250 Hz, in simulated time. The program prints how well the arm follows, how much
+the commands change, and when the tool is at rest after a drop-out.
 """
 
 import argparse
+import os
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+import revprio
 from revprio import (
     Client,
     ConstantProfile,
-    ControllerConfig,
+    Controller,
     ControllerTask,
+    Local,
     PoseLaw,
     PostureLaw,
     StepAnswer,
@@ -117,11 +120,11 @@ class Run:
         return float(moving[-1] + PERIOD_S - self.last_target_s)
 
 
-def controller(streaming: Streaming) -> ControllerConfig:
-    """Returns a controller: the tool follows the hand, and the joints stay near their start."""
+def controller(client: Client | Local, streaming: Streaming) -> Controller:
+    """Starts a controller: the tool follows the hand, and the joints stay near their start."""
     follow = PoseLaw(gain=8)
     stay = PostureLaw(gain=1, target_position=ConstantProfile(value=POSTURE))
-    return ControllerConfig(
+    return client.session(
         robot="sawyer_dh",
         period_s=PERIOD_S,
         limits="position_velocity_acceleration",
@@ -132,22 +135,20 @@ def controller(streaming: Streaming) -> ControllerConfig:
     )
 
 
-def run(client: Client, rate_hz: float, streaming: Streaming, duration_s: float) -> Run:
+def run(client: Client | Local, rate_hz: float, streaming: Streaming, duration_s: float) -> Run:
     """Lets the arm follow the hand for `duration_s`."""
-    config = controller(streaming)
     arm = Arm()
     start = position(client, arm)
     waiting = targets(start, rate_hz, duration_s)
     last_s = max(target.time_s or 0.0 for _, target in waiting if (target.time_s or 0.0) < DROP_OUT_S[0])
     recorded: list[tuple[float, Array, StepAnswer]] = []
-    fields = {name: getattr(config, name) for name in config.model_fields_set}
-    with client.session(**fields) as session, session.stream() as stream:
+    with controller(client, streaming) as loop:
         for number in range(round(duration_s / PERIOD_S)):
             time_s = number * PERIOD_S
             arrived = [target for arrival_s, target in waiting if arrival_s <= time_s]
             waiting = waiting[len(arrived) :]
             newest = {"hand": arrived[-1]} if arrived else None
-            answer = stream.step(arm.position, joint_velocity=arm.velocity, time_s=time_s, targets=newest)
+            answer = loop.step(arm.position, joint_velocity=arm.velocity, time_s=time_s, targets=newest)
             recorded.append((time_s, arm.position.copy(), answer))
             arm.move(answer.joint_velocity)
     # The tool position of every fifth period is enough for the error.
@@ -165,7 +166,7 @@ def run(client: Client, rate_hz: float, streaming: Streaming, duration_s: float)
     )
 
 
-def position(client: Client, arm: Arm | Array) -> Array:
+def position(client: Client | Local, arm: Arm | Array) -> Array:
     """Returns the position of the tool, m."""
     posture = arm.position if isinstance(arm, Arm) else arm
     return np.asarray(client.kinematics(robot="sawyer_dh", joint_position=posture).pose.position)
@@ -174,7 +175,7 @@ def position(client: Client, arm: Arm | Array) -> Array:
 def main() -> dict[tuple[str, float], Run]:
     """Runs all rates, with the default settings and without interpolation, and prints a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--url", default="http://127.0.0.1:8080", help="address of the service")
+    parser.add_argument("--url", default=os.environ.get("REVPRIO_URL"), help="address of a service; default: none")
     parser.add_argument("--duration", type=float, default=8.0, help="simulated time, s")
     parser.add_argument("--rates", type=float, nargs="+", default=[30.0, 60.0, 90.0], help="targets per second")
     arguments = parser.parse_args()
@@ -186,7 +187,7 @@ def main() -> dict[tuple[str, float], Run]:
     runs: dict[tuple[str, float], Run] = {}
     print("                        rate  error  acceleration  at rest after")
     print("settings                (Hz)   (mm)       (rad/s²)            (s)")
-    with Client(arguments.url, timeout_s=60, step_timeout_s=60) as client:
+    with revprio.connect(arguments.url, timeout_s=60, step_timeout_s=60) as client:
         for name, streaming in settings.items():
             for rate_hz in arguments.rates:
                 chosen = streaming or Streaming(delay_s=round(1 / rate_hz + LATENCY_S, 3))

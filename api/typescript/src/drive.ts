@@ -1,5 +1,6 @@
 import type { Measurement } from "./bodies.js";
 import { RevprioError } from "./errors.js";
+import { Pace, type Drive } from "./pace.js";
 import type { Stepping } from "./stepping.js";
 import type { Watchdog } from "./watchdog.js";
 
@@ -11,12 +12,13 @@ export interface Arm {
   write(jointVelocity: number[]): void;
 }
 
-/** Statistics of a control loop. */
-export interface Drive {
-  /** Number of control periods. */
-  periods: number;
-  /** Number of periods in which the answer to the period's own state came before its end. */
-  answered: number;
+/** Options of `drive`. */
+export interface DriveOptions {
+  /**
+   * Receives a warning, at most once per second, when more than 5 % of the periods were without an answer. The default
+   * is `console.warn`.
+   */
+  onSlow?: (warning: string) => void;
 }
 
 /**
@@ -33,20 +35,27 @@ export interface Drive {
  * Answers that come after the end are ignored. Timers in JavaScript allow about 250 Hz. A page in the background gets
  * only one timer event per second.
  */
-export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, signal: AbortSignal): Promise<Drive> {
-  const report: Drive = { periods: 0, answered: 0 };
+export async function drive(
+  stepping: Stepping,
+  arm: Arm,
+  watchdog: Watchdog,
+  signal: AbortSignal,
+  { onSlow = (warning) => console.warn(warning) }: DriveOptions = {},
+): Promise<Drive> {
   const periodMs = stepping.periodS * 1e3;
   const startMs = performance.now();
+  const pace = new Pace(periodMs, startMs);
   let noAnswer: RevprioError | undefined;
   let refusal: unknown;
   let call: Promise<void> | undefined;
   let isOver = false;
-  const step = async (measurement: Measurement, measuredAtMs: number, period: number) => {
+  const step = async (measurement: Measurement, measuredAtMs: number, endMs: number) => {
     try {
       const answer = await stepping.step({ time_s: (measuredAtMs - startMs) / 1e3, ...measurement });
       if (isOver || signal.aborted) return;
       noAnswer = undefined;
-      if (watchdog.obey(answer, measuredAtMs, performance.now()) && period === report.periods) report.answered++;
+      const nowMs = performance.now();
+      if (watchdog.obey(answer, measuredAtMs, nowMs)) pace.answer(measuredAtMs, nowMs, nowMs <= endMs);
     } catch (error) {
       if (error instanceof RevprioError && error.isSilence) noAnswer = error;
       else refusal = error;
@@ -55,18 +64,21 @@ export async function drive(stepping: Stepping, arm: Arm, watchdog: Watchdog, si
     }
   };
   try {
-    while (!signal.aborted) {
-      const endMs = startMs + (Math.floor((performance.now() - startMs) / periodMs) + 1) * periodMs;
+    for (let period = 0; !signal.aborted; ) {
+      const endMs = startMs + (period + 1) * periodMs;
+      const warning = pace.begin(period, performance.now());
+      if (warning !== undefined) onSlow(warning);
       const measurement = arm.read();
-      call ??= step(measurement, performance.now(), report.periods);
+      call ??= step(measurement, performance.now(), endMs);
       await Promise.race([call, until(endMs)]);
       if (refusal !== undefined) throw refusal;
       if (noAnswer !== undefined && watchdog.isAtRest(performance.now())) throw noAnswer;
       arm.write(watchdog.command(performance.now() + periodMs));
-      report.periods++;
+      pace.report.periods++;
       await until(endMs);
+      period = Math.max(period + 1, Math.floor((performance.now() - startMs) / periodMs));
     }
-    return report;
+    return pace.report;
   } finally {
     isOver = true;
     watchdog.expire(performance.now());

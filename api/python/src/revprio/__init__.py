@@ -22,12 +22,13 @@ from revprio.controller import Controller as Controller
 from revprio.controller import Session as Session
 from revprio.controller import Stateless as Stateless
 from revprio.controller import Stream as Stream
-from revprio.drive import Drive as Drive
 from revprio.drive import Measurement as Measurement
 from revprio.drive import drive as drive
 from revprio.errors import *  # noqa: F403
 from revprio.local import Local as Local
 from revprio.models import *  # noqa: F403
+from revprio.pace import Drive as Drive
+from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import follow as follow
 from revprio.presets import push as push
 from revprio.watchdog import Watchdog as Watchdog

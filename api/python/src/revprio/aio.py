@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from revprio import routes
 from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.controller import config_with, stateless_change
-from revprio.drive import Drive, LoopState, Measurement, ramp_to_rest, ticks
+from revprio.drive import LoopState, Measurement, ramp_to_rest, ticks
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     BatchItem,
@@ -46,6 +46,7 @@ from revprio.models import (
     StreamedTarget,
     Wrench,
 )
+from revprio.pace import Drive
 from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import POLL_S, has_ended
 from revprio.states import StateNumbering
@@ -410,24 +411,23 @@ async def drive(
     duration_s: float = math.inf,
 ) -> Drive:
     """As `revprio.drive`. The final ramp blocks the event loop until the arm is at rest."""
-    report = Drive()
     state = LoopState(watchdog, controller.period_s)
     pending: asyncio.Task[StepAnswer] | None = None
     with ramp_to_rest(watchdog, write, controller.period_s):
         try:
             for tick in ticks(controller.period_s, duration_s):
+                state.begin(tick)
                 measurement = await read()
-                is_own = pending is None
                 if pending is None:
                     pending = asyncio.ensure_future(controller.step(**state.step_arguments(measurement, tick)))
                 await asyncio.wait([pending], timeout=tick.remaining_s())
                 if pending.done():
-                    report.answered += state.update(pending) and is_own
+                    state.update(pending)
                     pending = None
                 write(state.command())
-                report.periods += 1
+                state.report.periods += 1
                 await asyncio.sleep(tick.remaining_s())
         finally:
             if pending is not None:
                 pending.cancel()
-    return report
+    return state.report

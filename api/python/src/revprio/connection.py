@@ -16,7 +16,7 @@ LOCAL = Local()
 
 
 @overload
-def connect() -> Local: ...
+def connect(url: None = None) -> Local: ...
 @overload
 def connect(
     url: str,
@@ -28,6 +28,17 @@ def connect(
     tls: ssl.SSLContext | None = None,
     owner: str | None = None,
 ) -> Client: ...
+@overload
+def connect(
+    url: str | None,
+    *,
+    token: str | None = None,
+    timeout_s: float = 10.0,
+    step_timeout_s: float = 1.0,
+    retries: int = 2,
+    tls: ssl.SSLContext | None = None,
+    owner: str | None = None,
+) -> Local | Client: ...
 def connect(url: str | None = None, **options: Any) -> Local | Client:
     """Returns a client of the service at `url`, or the service in this process if there is no address.
 

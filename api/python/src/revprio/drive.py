@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.controller import Controller
 from revprio.errors import RevprioError
 from revprio.models import StepAnswer, StreamedTarget, Wrench
+from revprio.pace import Drive, Pace, SlowLoopWarning
 from revprio.watchdog import Watchdog
 
 
@@ -27,16 +29,6 @@ class Measurement:
     targets: Mapping[str, StreamedTarget] | None = None
     """The newest targets with their own `time_s`. Give them in every period: a measurement is not sent while an earlier
     one waits for its answer, and the service ignores a repeated target."""
-
-
-@dataclass
-class Drive:
-    """Statistics of a control loop."""
-
-    periods: int = 0
-    """Number of control periods."""
-    answered: int = 0
-    """Number of periods in which the answer to the period's own state came before its end."""
 
 
 def drive(
@@ -59,30 +51,32 @@ def drive(
     - when the arm has come to rest because no answers came: raises the last `NoAnswerError` or `UnavailableError`;
     - when the service refuses a state: raises that `ProblemError`;
     - when `read` fails or the program is interrupted.
+
+    Emits a `SlowLoopWarning`, at most once per second, when more than 5 % of the periods were without an answer.
     """
-    report = Drive()
     state = LoopState(watchdog, controller.period_s)
     pending: Future[StepAnswer] | None = None
     with ThreadPoolExecutor(1, "revprio") as caller, ramp_to_rest(watchdog, write, controller.period_s):
         for tick in ticks(controller.period_s, duration_s):
+            state.begin(tick)
             measurement = read()
-            is_own = pending is None
             if pending is None:
                 pending = caller.submit(controller.step, **state.step_arguments(measurement, tick))
             wait([pending], tick.remaining_s())
             if pending.done():
-                report.answered += state.update(pending) and is_own
+                state.update(pending)
                 pending = None
             write(state.command())
-            report.periods += 1
+            state.report.periods += 1
             time.sleep(tick.remaining_s())
-    return report
+    return state.report
 
 
 @dataclass(frozen=True)
 class Tick:
-    """One period: its start, s since the start of the loop, and its end, s on the monotonic clock."""
+    """One period: its number, its start, s since the start of the loop, and its end, s on the monotonic clock."""
 
+    number: int
     time_s: float
     end_s: float
 
@@ -96,7 +90,7 @@ def ticks(period_s: float, duration_s: float) -> Iterator[Tick]:
     start_s = time.monotonic()
     number = 0
     while number * period_s < duration_s:
-        yield Tick(number * period_s, start_s + (number + 1) * period_s)
+        yield Tick(number, number * period_s, start_s + (number + 1) * period_s)
         number = max(number + 1, int((time.monotonic() - start_s) / period_s))
 
 
@@ -121,30 +115,44 @@ class FinishedCall(Protocol):
 
 
 class LoopState:
-    """State of a control loop between periods: the watchdog, the last failure and the last measurement time."""
+    """State of a control loop between periods: watchdog, statistics, last failure and last measurement time."""
 
     def __init__(self, watchdog: Watchdog, period_s: float) -> None:
         """`watchdog`: receives the answers and limits the commands; `period_s`: time between two commands, s."""
         self._watchdog, self._period_s = watchdog, period_s
+        self._pace = Pace(period_s, time.monotonic())
         self._failure: RevprioError | None = None
-        self._measured_at_s = -math.inf
+        self._measured_at_s = self._period_end_s = -math.inf
+
+    @property
+    def report(self) -> Drive:
+        """The statistics."""
+        return self._pace.report
+
+    def begin(self, tick: Tick) -> None:
+        """Starts a period. Warns if the loop cannot keep its period."""
+        warning = self._pace.begin(tick.number, time.monotonic())
+        if warning is not None:
+            warnings.warn(warning, SlowLoopWarning, stacklevel=3)  # at the caller of `drive`
 
     def step_arguments(self, measurement: Measurement, tick: Tick) -> dict[str, Any]:
         """Returns the arguments of `Controller.step` and stores the current time as that of the measurement."""
-        self._measured_at_s = time.monotonic()
+        self._measured_at_s, self._period_end_s = time.monotonic(), tick.end_s
         return {**vars(measurement), "time_s": tick.time_s}
 
-    def update(self, call: FinishedCall) -> bool:
-        """Processes a finished call; returns whether the watchdog accepted its answer. Raises a refusal."""
+    def update(self, call: FinishedCall) -> None:
+        """Processes a finished call. Raises a refusal."""
         try:
             answer = call.result()
         except RevprioError as failure:
             if not failure.is_silence:
                 raise
             self._failure = failure
-            return False
+            return
         self._failure = None
-        return self._watchdog.obey(answer, self._measured_at_s, time.monotonic())
+        now_s = time.monotonic()
+        if self._watchdog.obey(answer, self._measured_at_s, now_s):
+            self._pace.answer(self._measured_at_s, now_s, in_time=now_s <= self._period_end_s)
 
     def command(self) -> FloatArray:
         """Returns the joint velocities to command now; raises the last failure once it has brought the arm to rest."""
