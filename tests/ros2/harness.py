@@ -22,7 +22,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
@@ -157,14 +157,13 @@ class Recorder:
         self.simulator = self.node.create_client(SetParameters, "simulator/set_parameters")
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
+        self.is_closing = False
         self.thread = Thread(target=self._spin, daemon=True)
         self.thread.start()
 
     def _spin(self) -> None:
-        try:
-            self.executor.spin()
-        except ExternalShutdownException:
-            pass
+        while not self.is_closing:
+            self.executor.spin_once(timeout_sec=0.05)
 
     def _command(self, message: Float64MultiArray) -> None:
         self.commands.append((time.monotonic(), np.array(message.data)))
@@ -196,11 +195,11 @@ class Recorder:
         newest = self.statuses.get(status)
         return newest if newest is not None and text in newest.message else None
 
-    def wait_for(self, text: str, status: str = "control") -> SimpleNamespace:
-        """Waits for diagnostics whose message contains a text."""
+    def wait_for(self, text: str, status: str = "control", level: int | None = None) -> SimpleNamespace:
+        """Waits for diagnostics of a level whose message contains a text."""
         until(lambda: self.statuses.get(status), f"diagnostics of {self.prefix}/revprio")
-        until(lambda: self.says(text, status), f"diagnostics say `{text}`; {self.statuses[status]}")
-        return self.statuses[status]
+        found = lambda: (said := self.says(text, status)) and (level is None or said.level == level) and said
+        return until(found, f"diagnostics say `{text}` with level {level}; {self.statuses[status]}")
 
     def wait_for_motion(self) -> None:
         """Waits until the node commands a motion."""
@@ -212,10 +211,9 @@ class Recorder:
         return len(self.commands) > since and bool(np.abs(self.commands[-1][1]).max() > 1e-3)
 
     def wait_for_rest(self) -> None:
-        """Waits until the node commands rest, and the simulated arm has come to rest."""
+        """Waits until the node commands rest."""
         count = len(self.commands)
         until(lambda: len(self.commands) > count and not self.commands[-1][1].any(), "a command of rest")
-        self.wait_for_an_arm_at_rest()
 
     def wait_for_an_arm_at_rest(self) -> None:
         """Waits until the simulated arm is at rest."""
@@ -239,8 +237,11 @@ class Recorder:
 
     def close(self) -> None:
         """Ends the node."""
-        self.context.shutdown()
+        self.is_closing = True
         self.thread.join()
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self.context.shutdown()
 
 
 @contextmanager

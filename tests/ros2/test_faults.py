@@ -49,7 +49,7 @@ def test_a_service_that_dies_or_hangs_and_comes_back(lab, arm, free_arm, number)
     service.signal(number)
     arm.wait_for_rest()
     check_braking(arm, since)
-    assert arm.wait_for("no answer from").level == 2
+    arm.wait_for("no answer from", level=2)
     if number == signal.SIGKILL:
         lab.service(port)
     else:
@@ -64,7 +64,7 @@ def test_the_node_waits_for_a_service(lab, arm, scenario):
     port = free_port()
     path = lab.file("push.json", json.dumps(scenario["controller"]))
     lab.node("controller", controller=path, url=f"127.0.0.1:{port}")
-    assert arm.wait_for("no answer from").level == 1
+    arm.wait_for("no answer from", level=1)
     assert not arm.commands
     lab.service(port)
     arm.wait_for_motion()
@@ -85,7 +85,7 @@ def test_unusable_messages(arm, free_arm, fault, reason):
     arm.set_fault(fault)
     arm.wait_for_rest()
     check_braking(arm, since)
-    assert arm.wait_for(reason).level == 2
+    arm.wait_for(reason, level=2)
     arm.set_fault("none")
     arm.wait_for_motion()
     assert int(arm.wait_for("controls the arm").values["sessions"]) >= 2
@@ -108,6 +108,7 @@ def test_the_wrong_sign_of_the_wrench(lab, arm, scenario, place):
     status = arm.wait_for("the wrench has probably the wrong sign")
     assert status.level == 2
     arm.wait_for_rest()
+    arm.wait_for_an_arm_at_rest()
     force = np.linalg.norm(arm.force)
     assert force < 150, "the arm stops before it pushes hard"
     time.sleep(1.0)

@@ -68,6 +68,7 @@ class Control:
     def update(self, now: Callable[[], float], check_fresh: Callable[[], None], read: Read) -> None:
         """Runs one period. Raises the refusal of a controller that has never run."""
         if now() < self._last_s:
+            self._retry_s = now()
             self._brake("the clock went back", now())
         self._last_s = now()
         self._finish_pending(now())
@@ -109,11 +110,11 @@ class Control:
     def _run(self, now: Callable[[], float], read: Read) -> None:
         try:
             arguments, measured_s = read(self.joints)
-            self.problem = "" if self._has_answer else self.problem
         except NotUsable as error:
             self.problem = str(error)
         else:
-            self._send(arguments, measured_s)
+            if self.phase is Phase.RUNNING:  # `read` can halt the loop.
+                self._send(arguments, measured_s)
         if self._pending is not None:
             wait([self._pending], WAIT_SHARE * self._period_s)
             self._finish_pending(now())
@@ -160,13 +161,13 @@ class Control:
             self.problem = "an answer came after the end of its validity; the service or the network is too slow"
 
     def _fail(self, error: revprio.RevprioError, now_s: float) -> None:
-        """Brakes if the call was refused. Without an answer, the watchdog brakes when the last one is no longer valid."""
-        self.problem = str(error)
-        if not self._pending_is_step:
-            if not error.is_silence and self.sessions == 0:
-                raise error
-        elif not error.is_silence:
-            self._brake(self.problem, now_s)
+        """Brakes if a state was refused. Without an answer, the watchdog brakes when the last one is no longer valid."""
+        if self.phase is Phase.RUNNING and not error.is_silence:
+            self._brake(str(error), now_s)
+        elif self.phase in (Phase.RUNNING, Phase.WAITING):
+            self.problem = str(error)
+        if self.sessions == 0 and not error.is_silence:
+            raise error
 
     def _brake(self, problem: str, now_s: float) -> None:
         self.problem = problem

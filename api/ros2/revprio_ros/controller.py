@@ -43,7 +43,7 @@ class Controller(ClosableNode):
         self.sign = SignMonitor(self.connection.client, config, *check)
         self.control = Control(self.connection, self.period_s)
         self.position: dict[str, float] = {}
-        self.periods, self.report, self.next_report_s = Periods(), Report(self), 0.0
+        self.periods, self.report, self.ticks = Periods(), Report(self), 0
         self.create_timer(self.period_s, self.tick, clock=self.clock.clock)
         place = settings.url or "this process"
         self.get_logger().info(f"{config.robot}, period {self.period_s} s, computed by {place}")
@@ -52,12 +52,12 @@ class Controller(ClosableNode):
         """Runs one control period."""
         now_s = self.clock.now_s()
         self.periods.add(now_s)
+        self.ticks += 1
         self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
         if self.control.joints:
             self.outputs.check(self.control.joints)
             self.publish()
-        if now_s >= self.next_report_s:
-            self.next_report_s = now_s + REPORT_S
+        if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:
             self.report.publish(self.control, now_s, self.periods, self.targets.refusals)
 
     def read(self, joints: list[str]) -> tuple[dict[str, Any], float]:
