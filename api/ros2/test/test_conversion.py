@@ -1,10 +1,13 @@
-"""Tests of the message conversion with simple objects as messages: python3 -m unittest discover -s api/ros2"""
+"""Tests of the message conversion with simple objects as messages, without ROS and without revprio:
+
+    PYTHONPATH=api/ros2 python3 -m unittest api/ros2/test/test_conversion.py
+"""
 
 import math
 import unittest
 from types import SimpleNamespace as Message
 
-import conversion
+from revprio_ros import conversion
 
 JOINTS = ["shoulder", "elbow", "wrist"]
 
@@ -30,58 +33,54 @@ def wrench_stamped(seconds=100.0):
     return Message(header=Message(stamp=stamp(seconds), frame_id="tool0"), wrench=wrench)
 
 
-def state(joints=None, wrench=None, **changed):
-    options = {"sequence": 7, "start_s": 99.5, "now_s": 100.001, "max_age_s": 0.02} | changed
-    return conversion.state(joints or joint_state(), wrench or wrench_stamped(), JOINTS, **options)
+def measurement(joints=None, wrench=None, transform=None):
+    return conversion.measurement(joints or joint_state(), wrench or wrench_stamped(), JOINTS, transform)
 
 
-class States(unittest.TestCase):
+class Measurements(unittest.TestCase):
     def test_joints_are_matched_by_name_and_other_joints_are_ignored(self):
-        self.assertEqual(state()["joint_position"], {"shoulder": 0.1, "elbow": 0.2, "wrist": 0.3})
-        self.assertEqual(state()["joint_velocity"], {"shoulder": 1.0, "elbow": 2.0, "wrist": 3.0})
+        self.assertEqual(measurement()["joint_position"], {"shoulder": 0.1, "elbow": 0.2, "wrist": 0.3})
+        self.assertEqual(measurement()["joint_velocity"], {"shoulder": 1.0, "elbow": 2.0, "wrist": 3.0})
 
-    def test_time_counts_from_the_start(self):
-        epoch = 1_700_000_000
-        joints = joint_state()
-        joints.header.stamp = Message(sec=epoch, nanosec=250_000_000)
-        body = state(joints, wrench_stamped(epoch + 0.25), start_s=float(epoch), now_s=epoch + 0.25)
-        self.assertAlmostEqual(body["time_s"], 0.25, places=6)
-        self.assertEqual(body["sequence"], 7)
+    def test_a_controller_without_wrench_gets_none(self):
+        self.assertNotIn("wrench", conversion.measurement(joint_state(), None, JOINTS))
 
     def test_an_unmeasured_velocity_is_not_sent(self):
         for velocity in ([], [math.nan] * 4, [3.0, 9.0, math.nan, 2.0]):
-            self.assertNotIn("joint_velocity", state(joint_state(velocity=velocity)))
+            self.assertNotIn("joint_velocity", measurement(joint_state(velocity=velocity)))
 
-    def test_a_missing_position_raises_not_fresh(self):
-        for changed in ({"name": ["wrist", "finger", "shoulder", "knee"]}, {"position": [0.3, 9.0, math.inf, 0.2]}):
-            with self.assertRaisesRegex(conversion.NotFresh, "shoulder, elbow, wrist"):
-                state(joint_state(**changed))
+    def test_a_missing_joint_is_named(self):
+        with self.assertRaisesRegex(conversion.NotUsable, "lacks elbow and has wrist, finger, shoulder, knee"):
+            measurement(joint_state(name=["wrist", "finger", "shoulder", "knee"]))
 
-    def test_messages_that_are_too_old_or_from_the_future_raise_not_fresh(self):
-        self.assertIn("wrench", state(now_s=100.0199))
-        for late in ({"now_s": 100.021}, {"joints": joint_state(99.9)}, {"wrench": wrench_stamped(99.9)}, {"now_s": 99.9}):
-            with self.assertRaisesRegex(conversion.NotFresh, "0.02 s"):
-                state(**late)
-        with self.assertRaises(conversion.NotFresh):
-            conversion.state(None, None, JOINTS, sequence=1, start_s=0, now_s=0, max_age_s=1)
+    def test_values_that_are_not_finite_cannot_be_used(self):
+        for position in ([0.3, 9.0, math.inf, 0.2], [0.3, 9.0, math.nan, 0.2], [0.3]):
+            with self.assertRaisesRegex(conversion.NotUsable, "missing or not finite"):
+                measurement(joint_state(position=position))
+        wrench = wrench_stamped()
+        wrench.wrench.force.y = math.nan
+        with self.assertRaisesRegex(conversion.NotUsable, "`wrench`"):
+            measurement(wrench=wrench)
+
+    def test_a_stamp_is_converted_to_seconds(self):
+        self.assertEqual(conversion.seconds(Message(sec=1_700_000_000, nanosec=250_000_000)), 1_700_000_000.25)
 
 
 class Wrenches(unittest.TestCase):
     def test_a_wrench_without_transform_is_unchanged(self):
-        self.assertEqual(state()["wrench"], {"force": [1.0, 2.0, 3.0], "torque": [4.0, 5.0, 6.0]})
+        self.assertEqual(measurement()["wrench"], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
 
     def test_a_rotation_by_90_degrees_about_z_maps_x_to_y(self):
         half = math.sqrt(0.5)
         rotation = Message(rotation=Message(w=half, x=0.0, y=0.0, z=half), translation=xyz(0.0, 0.0, 0.0))
-        moved = state(transform=rotation)["wrench"]
-        for actual, expected in zip(moved["force"] + moved["torque"], [-2.0, 1.0, 3.0, -5.0, 4.0, 6.0]):
+        moved = measurement(transform=rotation)["wrench"]
+        for actual, expected in zip(moved, [-2.0, 1.0, 3.0, -5.0, 4.0, 6.0]):
             self.assertAlmostEqual(actual, expected, places=12)
 
     def test_a_translation_adds_the_torque_of_the_force(self):
         translation = Message(rotation=Message(w=1.0, x=0.0, y=0.0, z=0.0), translation=xyz(0.0, 0.0, 0.1))
-        moved = state(transform=translation)["wrench"]
-        self.assertEqual(moved["force"], [1.0, 2.0, 3.0])
-        for actual, expected in zip(moved["torque"], [4.0 - 0.2, 5.0 + 0.1, 6.0]):
+        moved = measurement(transform=translation)["wrench"]
+        for actual, expected in zip(moved, [1.0, 2.0, 3.0, 4.0 - 0.2, 5.0 + 0.1, 6.0]):
             self.assertAlmostEqual(actual, expected, places=12)
 
     def test_a_rotation_and_its_inverse_cancel(self):
@@ -112,45 +111,20 @@ class Commands(unittest.TestCase):
         self.assertEqual(tasks, [(["x", "y", "z"], [0.1, 0.2, 0.3]), (["rx", "ry", "rz"], [0.4, 0.5, 0.6])])
 
 
-class Watchdogs(unittest.TestCase):
-    def setUp(self):
-        self.watchdog = conversion.Watchdog([10.0, 5.0], 0.01)
+class Targets(unittest.TestCase):
+    def test_a_twist_becomes_one_velocity_per_row(self):
+        twist = Message(linear=xyz(0.1, 0.2, 0.3), angular=xyz(0.4, 0.5, math.nan))
+        self.assertEqual(conversion.twist_rows(twist, ["y", "rx"]), [0.2, 0.4])
+        with self.assertRaisesRegex(conversion.NotUsable, "not finite"):
+            conversion.twist_rows(twist, ["rz"])
 
-    def test_nothing_moves_before_the_first_answer(self):
-        self.assertEqual(self.watchdog.command(0.0), [0.0, 0.0])
-
-    def test_an_answer_is_held_for_its_validity_from_the_measurement(self):
-        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        self.assertEqual(self.watchdog.command(1.09), [0.25, -0.12])
-        self.assertNotEqual(self.watchdog.command(1.1), [0.25, -0.12])
-
-    def test_after_that_each_joint_brakes_at_its_own_limit_to_rest(self):
-        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        ramp = [self.watchdog.command(1.1 + 0.01 * i) for i in range(5)]
-        for actual, expected in zip(ramp, [[0.15, -0.07], [0.05, -0.02], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]):
-            for a, b in zip(actual, expected):
-                self.assertAlmostEqual(a, b, places=12)
-
-    def test_a_joint_without_an_acceleration_limit_stops_at_once(self):
-        watchdog = conversion.Watchdog([None, 5.0], 0.01)
-        watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        velocity = watchdog.command(1.1)
-        self.assertEqual(velocity[0], 0.0)
-        self.assertAlmostEqual(velocity[1], -0.07, places=12)
-
-    def test_the_deceleration_of_the_answer_has_precedence(self):
-        answer = {"joint_velocity": [0.25, -0.12], "valid_for_ms": 20, "braking_deceleration": [4.0, None]}
-        self.watchdog.update(answer, 1.0)
-        self.assertEqual(self.watchdog.command(1.01), [0.25, -0.12])
-        velocity = self.watchdog.command(1.02)
-        self.assertAlmostEqual(velocity[0], 0.21, places=12)
-        self.assertAlmostEqual(velocity[1], -0.07, places=12)
-
-    def test_a_new_answer_ends_the_ramp(self):
-        self.watchdog.update({"joint_velocity": [0.25, -0.12], "valid_for_ms": 100}, 1.0)
-        self.watchdog.command(2.0)
-        self.watchdog.update({"joint_velocity": [0.2, 0.1], "valid_for_ms": 100}, 2.0)
-        self.assertEqual(self.watchdog.command(2.05), [0.2, 0.1])
+    def test_a_pose_has_a_quaternion_of_unit_length(self):
+        pose = Message(position=xyz(1.0, 2.0, 3.0), orientation=Message(w=1.0004, x=0.0, y=0.0, z=0.0))
+        self.assertEqual(conversion.pose(pose), ([1.0, 2.0, 3.0], {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}))
+        for changed in ({"position": xyz(math.inf, 0.0, 0.0)}, {"orientation": Message(w=0.0, x=0.0, y=0.0, z=0.0)},
+                        {"orientation": Message(w=math.nan, x=0.0, y=0.0, z=0.0)}):
+            with self.assertRaises(conversion.NotUsable):
+                conversion.pose(Message(**vars(pose) | changed))
 
 
 if __name__ == "__main__":
