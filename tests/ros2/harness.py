@@ -114,10 +114,10 @@ class Lab:
         arguments = ros_arguments(namespace, parameters, remap or {})
         return self.start([sys.executable, "-m", f"revprio_ros.{executable}", *arguments])
 
-    def service(self, port: int) -> tuple[Process, str]:
+    def service(self, port: int, *options: str) -> tuple[Process, str]:
         """Starts a service and waits until it is ready."""
         url = f"http://127.0.0.1:{port}"
-        process = self.start([sys.executable, "-m", "revprio", "serve", "--listen", f"127.0.0.1:{port}"])
+        process = self.start([sys.executable, "-m", "revprio", "serve", "--listen", f"127.0.0.1:{port}", *options])
         with revprio.Client(url) as client:
             until(client.is_ready, f"the service at {url} is ready")
         return process, url

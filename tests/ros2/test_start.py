@@ -50,6 +50,20 @@ def test_a_refused_controller_ends_the_node_with_the_reason(lab, scenario, place
     assert "Traceback" not in process.output()
 
 
+def test_a_service_with_a_token(lab, arm, scenario, push):
+    token = lab.file("token", "s" * 32)
+    token.chmod(0o600)
+    port = free_port()
+    lab.service(port, "--token-file", str(token))
+    lab.node("simulator", scenario=lab.file("wall.json", json.dumps(scenario)))
+    url = f"http://127.0.0.1:{port}"
+    refused = lab.node("controller", controller=push, url=url)
+    assert refused.wait() == 1
+    assert "token" in refused.output()
+    lab.node("controller", controller=push, url=url, token_file=token)
+    arm.wait_for("controls the arm")
+
+
 def test_wrong_command_joints_are_refused(lab, scenario, push):
     lab.node("simulator", scenario=lab.file("wall.json", json.dumps(scenario)))
     process = lab.node("controller", controller=push, command_joints="[right_j0, elbow]")

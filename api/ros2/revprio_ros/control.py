@@ -71,6 +71,7 @@ class Control:
             self._retry_s = now()
             self._brake("the clock went back", now())
         self._last_s = now()
+        self._end_after_silence(now())
         self._finish_pending(now())
         if self.phase is Phase.WAITING:
             self._wait(now(), check_fresh)
@@ -118,7 +119,11 @@ class Control:
         if self._pending is not None:
             wait([self._pending], WAIT_SHARE * self._period_s)
             self._finish_pending(now())
-        if self.phase is Phase.RUNNING and self._has_answer and self._is_at_rest(now()):
+        self._end_after_silence(now())
+
+    def _end_after_silence(self, now_s: float) -> None:
+        """Ends a session that the watchdog has brought to rest. Its next command could continue the old motion."""
+        if self.phase is Phase.RUNNING and self._has_answer and self._is_at_rest(now_s):
             self.phase, self._has_session = Phase.WAITING, False
 
     def _send(self, arguments: dict[str, Any], measured_s: float) -> None:

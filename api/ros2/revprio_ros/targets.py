@@ -48,7 +48,8 @@ class Targets:
     def current(self, start_s: float) -> dict[str, revprio.StreamedTarget]:
         """Returns the newest target of each task; their times count from `start_s` on the loop's clock."""
         now_s = self._clock.now_s()
-        recent = {name: given for name, given in self._newest.items() if now_s - given[0] <= MAX_AGE_S}
+        # After a jump of the clock, a target can lie in the future.
+        recent = {name: given for name, given in self._newest.items() if abs(now_s - given[0]) <= MAX_AGE_S}
         return {name: target.model_copy(update={"time_s": at_s - start_s}) for name, (at_s, target) in recent.items()}
 
     def _receiver(self, task: revprio.ControllerTask) -> Callable[[Any], None]:

@@ -125,6 +125,14 @@ class Loops(unittest.TestCase):
         self.tick()
         self.assertEqual((self.commands[-1], self.connection.opened), (MOVING, 1))
 
+    def test_a_loop_that_was_stopped_goes_on_with_a_new_session(self):
+        self.start()
+        self.now_s += 10.0
+        self.tick()
+        self.assertEqual(self.commands[-1], [0.0, 0.0])
+        self.tick(3)
+        self.assertEqual((self.commands[-1], self.connection.opened), (MOVING, 2))
+
     def test_a_refused_state_brakes_at_once(self):
         self.start()
         self.connection.failure = problem(422)
