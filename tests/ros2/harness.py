@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread
 from types import SimpleNamespace
@@ -47,7 +47,7 @@ class Process:
     """A process with its children; the end of the test ends it."""
 
     def __init__(self, arguments: list[str], environment: dict[str, str] | None = None) -> None:
-        self.log = tempfile.TemporaryFile("w+")
+        self.log = tempfile.TemporaryFile("w+")  # noqa: SIM115 - `end` closes it
         variables = os.environ | (environment or {})
         self._popen = subprocess.Popen(
             arguments, env=variables, stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True, text=True
@@ -73,10 +73,8 @@ class Process:
 
     def end(self) -> None:
         """Ends the process and its children at once."""
-        try:
+        with suppress(ProcessLookupError):
             self.signal(signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         self._popen.wait()
         self.log.close()
 
@@ -150,7 +148,9 @@ class Recorder:
         each = QoSProfile(depth=1000)
         sensors = qos_profile_sensor_data
         self.node.create_subscription(Float64MultiArray, "forward_velocity_controller/commands", self._command, each)
-        self.node.create_subscription(JointTrajectory, "joint_trajectory_controller/joint_trajectory", self._point, each)
+        self.node.create_subscription(
+            JointTrajectory, "joint_trajectory_controller/joint_trajectory", self._point, each
+        )
         self.node.create_subscription(JointState, "joint_states", self._state, sensors)
         self.node.create_subscription(WrenchStamped, "wrench", self._wrench, sensors)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._diagnostics, each)
@@ -171,8 +171,12 @@ class Recorder:
     def _point(self, message: JointTrajectory) -> None:
         point = message.points[-1]
         self.points.append(
-            SimpleNamespace(joints=list(message.joint_names), position=np.array(point.positions),
-                            velocity=np.array(point.velocities), ns=point.time_from_start.nanosec)
+            SimpleNamespace(
+                joints=list(message.joint_names),
+                position=np.array(point.positions),
+                velocity=np.array(point.velocities),
+                ns=point.time_from_start.nanosec,
+            )
         )
 
     def _state(self, message: JointState) -> None:

@@ -2,8 +2,8 @@
 
     tests/ros2/run measure
 
-Interval: between two commands, as another process receives them. Latency: from the stamp of a joint state to the arrival of
-the first command after it in that process. Both contain the scheduling of all processes of the machine.
+Interval: between two commands, as another process receives them. Latency: from the stamp of a joint state to the
+arrival of the first command after it in that process. Both contain the scheduling of all processes of the machine.
 """
 
 import json

@@ -55,7 +55,9 @@ def test_the_order_of_the_velocity_command_is_a_parameter(lab, arm, scenario):
     from std_msgs.msg import Float64MultiArray
 
     received = []
-    arm.node.create_subscription(Float64MultiArray, "backwards", lambda message: received.append(list(message.data)), 10)
+    arm.node.create_subscription(
+        Float64MultiArray, "backwards", lambda message: received.append(list(message.data)), 10
+    )
     # Only the trajectory reaches the simulator.
     until(lambda: np.linalg.norm(arm.force) > 1.0, "contact")
     newest = [list(point.velocity) for point in arm.points]

@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+from functools import partial
 
 import numpy as np
 import pytest
@@ -25,6 +26,10 @@ def clone(lab):
     return directory
 
 
+def is_printed(pattern, process):
+    return pattern.search(process.output())
+
+
 def test_the_commands_run_and_print_the_shown_output(lab, arm, clone):
     running = {}
     port = free_port()
@@ -41,7 +46,7 @@ def test_the_commands_run_and_print_the_shown_output(lab, arm, clone):
         if block["output"]:
             shown = block["output"].replace("127.0.0.1:8080", f"127.0.0.1:{port}").strip()
             pattern = re.compile(".*".join(map(re.escape, shown.split("…"))), re.DOTALL)
-            until(lambda: pattern.search(process.output()), f"{shown}\nis printed by\n{last}")
+            until(partial(is_printed, pattern, process), f"{shown}\nis printed by\n{last}")
             outputs += 1
         if outputs == 1:
             until(lambda: abs(np.linalg.norm(arm.force) - 20) < 1, "20 N at the wall")
@@ -50,8 +55,11 @@ def test_the_commands_run_and_print_the_shown_output(lab, arm, clone):
 
 
 def test_the_page_lists_all_parameters_with_their_ranges():
-    rows = {cells[1].strip().strip("`"): cells[3].strip() for cells in
-            (line.split("|") for line in PAGE.splitlines() if line.startswith("| `")) if len(cells) == 6}
+    rows = {
+        cells[1].strip().strip("`"): cells[3].strip()
+        for cells in (line.split("|") for line in PAGE.splitlines() if line.startswith("| `"))
+        if len(cells) == 6
+    }
     assert set(PARAMETERS) <= set(rows)
     for name, (_, _, limits) in PARAMETERS.items():
         if name == "period_s":

@@ -83,8 +83,12 @@ def test_a_wrong_target_is_not_used(arm, follow, kind):
         until(lambda: (publisher.publish(pose), arm.says("synchronise the clock", "targets"))[1], "a report")
     else:
         send(arm, publisher, pose, 0.5, "world" if kind == "frame" else "base")
-    expected = {"frame": "its frame is `world`; transform it to `base`", "NaN": "not finite",
-                "orientation": "not of unit length", "clock": "synchronise the clock"}[kind]
+    expected = {
+        "frame": "its frame is `world`; transform it to `base`",
+        "NaN": "not finite",
+        "orientation": "not of unit length",
+        "clock": "synchronise the clock",
+    }[kind]
     arm.wait_for(expected, "targets", level=1)
     arm.wait_for("controls the arm", level=0)
     assert np.linalg.norm(arm.tool() - before) < 1e-3

@@ -1,4 +1,4 @@
-"""Sessions of a controller, at a service or in this process. Calls run in a thread, so that the loop never waits long."""
+"""Sessions of a controller, at a service or in this process. Calls run in a thread, so the loop never waits long."""
 
 from __future__ import annotations
 

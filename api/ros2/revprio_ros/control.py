@@ -36,8 +36,8 @@ class Control:
     """One command per period.
 
     - At rest it waits for fresh inputs, opens a session, and goes on with its first answer.
-    - Without answers or fresh inputs the watchdog holds the last command while it is valid, then it brakes. If an answer
-      comes before the arm is at rest, the motion goes on; otherwise with a new session.
+    - Without answers or fresh inputs the watchdog holds the last command while it is valid, then it brakes. If an
+      answer comes before the arm is at rest, the motion goes on; otherwise with a new session.
     - If the service refuses a state, the arm brakes at once, and goes on with a new session.
     - After `halt` the arm brakes and stays at rest.
     """
@@ -166,7 +166,7 @@ class Control:
             self.problem = "an answer came after the end of its validity; the service or the network is too slow"
 
     def _fail(self, error: revprio.RevprioError, now_s: float) -> None:
-        """Brakes if a state was refused. Without an answer, the watchdog brakes when the last one is no longer valid."""
+        """Brakes if a state was refused. Without an answer, the watchdog brakes when the last one has expired."""
         if self.phase is Phase.RUNNING and not error.is_silence:
             self._brake(str(error), now_s)
         elif self.phase in (Phase.RUNNING, Phase.WAITING):

@@ -89,6 +89,7 @@ def twist_problem(robot, joint_position, twist, period_s):
 
     Translation is the task of higher priority, rotation the task of lower priority.
     """
+
     def task(name, axes, velocity):
         return {"name": name, "axes": axes, "velocity": vector(velocity)}
 

@@ -47,7 +47,7 @@ class Inputs:
                 raise NotUsable(f"`{name}` has a stamp {-age_s:.3f} s in the future; synchronise the clocks")
 
     def measurement(self, joints: list[str]) -> tuple[dict[str, Any], float]:
-        """Returns the arguments of `revprio.Controller.step`, and the time of the measurement on the loop's clock, s."""
+        """Returns the arguments of `revprio.Controller.step`, and the time of the measurement on the loop's clock."""
         self.check_fresh()
         joint_state = self._newest["joint_states"]
         arguments = conversion.measurement(

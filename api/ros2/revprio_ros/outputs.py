@@ -51,7 +51,7 @@ class Outputs:
     def _publish_point(
         self, joints: Sequence[str], velocity: Sequence[float], position: Mapping[str, float] | None, period_s: float
     ) -> None:
-        """Publishes the commanded position one period ahead: the integral of the velocities, near the measured position."""
+        """Publishes the commanded position one period ahead: the integral of the velocities, near the measured one."""
         if not position:
             self._reference = None
             return

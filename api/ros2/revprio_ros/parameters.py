@@ -32,8 +32,16 @@ PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
     "base_frame": ("base", "frame_id of the base, in which poses and twists are given", None),
     "tool_frame": ("tool0", "frame_id of the tool, for tasks with the frame `tool`", None),
     "output": ("velocity", "velocity, trajectory or both", None),
-    "command_joints": ([""], "joints of the velocity command in the order of the driver; ['']: those of the robot", None),
-    "sign_check_force_n": (25.0, "force from which the sign of the wrench is checked, N; 0: not checked", (0.0, 1000.0)),
+    "command_joints": (
+        [""],
+        "joints of the velocity command in the order of the driver; ['']: those of the robot",
+        None,
+    ),
+    "sign_check_force_n": (
+        25.0,
+        "force from which the sign of the wrench is checked, N; 0: not checked",
+        (0.0, 1000.0),
+    ),
     "sign_check_periods": (8, "periods of the check of the sign", (3, 100)),
 }
 """Name: default, description, range."""
@@ -111,7 +119,8 @@ def controller(values: SimpleNamespace) -> revprio.ControllerConfig:
     text = values.controller.strip()
     if not text:
         raise ParameterError(
-            "parameter `controller` is empty; set it to the path of a JSON file, or to JSON: -p controller:=/path/push.json"
+            "parameter `controller` is empty; set it to the path of a JSON file, or to JSON: "
+            "-p controller:=/path/push.json"
         )
     if not text.startswith("{"):
         try:

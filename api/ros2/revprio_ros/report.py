@@ -66,10 +66,12 @@ class Report:
         }
         refused = "; ".join(f"target of `{task}` is not used: {why}" for task, why in sorted(refused_targets.items()))
         target_level = DiagnosticStatus.WARN if refused else DiagnosticStatus.OK
-        array = DiagnosticArray(status=[
-            self._status("control", level, message, values),
-            self._status("targets", target_level, refused or "no target was refused", {}),
-        ])
+        array = DiagnosticArray(
+            status=[
+                self._status("control", level, message, values),
+                self._status("targets", target_level, refused or "no target was refused", {}),
+            ]
+        )
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
         self._log(level, message, refused)

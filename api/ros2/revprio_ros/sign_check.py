@@ -1,8 +1,8 @@
 """A check of the sign of the wrench in contact.
 
 An object that the tool presses on pushes back: as the tool moves into it, the force on the environment along the motion
-grows. With the wrong sign it falls instead, as if the environment pulled the tool along, and a force law pushes harder and
-harder. The check cannot tell this from a person who pushes the arm with a growing force.
+grows. With the wrong sign it falls instead, as if the environment pulled the tool along, and a force law pushes harder
+and harder. The check cannot tell this from a person who pushes the arm with a growing force.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class SignCheck:
         if not is_wrong or falling < 0.75 * (len(along) - 1):
             return None
         return (
-            f"the wrench has probably the wrong sign: the tool moved {1e3 * length:.1f} mm, and the force of the tool on the "
+            f"the wrench has probably the wrong sign: the tool moved {1e3 * length:.1f} mm, and its force on the "
             f"environment along this motion went from {along[0]:.0f} N to {along[-1]:.0f} N instead of growing; do the "
             "sign test, correct `wrench_convention`, and start the node again"
         )

@@ -94,7 +94,10 @@ class Simulator(ClosableNode):
             vector.x, vector.y, vector.z = state["wrench"][name]
         if fault == "NaN in joint_states":
             joints.position[0] = math.nan
-        for topic, publisher, message in (("joint_states", self.joint_states, joints), ("wrench", self.wrenches, wrench)):
+        for topic, publisher, message in (
+            ("joint_states", self.joint_states, joints),
+            ("wrench", self.wrenches, wrench),
+        ):
             message.header.stamp = now.to_msg()
             if fault == f"stale {topic}":
                 message.header.stamp.sec -= 10
@@ -104,17 +107,37 @@ class Simulator(ClosableNode):
     def answer(self, sequence: int, velocity: list[float]) -> dict:
         """Returns an answer as a service gives it. The simulator uses the command; it records the rest."""
         tasks = [
-            {"name": name, "requested": [0.0] * rows, "achieved": [0.0] * rows, "residual_norm": 0.0, "rank": 0,
-             "algorithmic": False, "target_force": [None] * rows}
+            {
+                "name": name,
+                "requested": [0.0] * rows,
+                "achieved": [0.0] * rows,
+                "residual_norm": 0.0,
+                "rank": 0,
+                "algorithmic": False,
+                "target_force": [None] * rows,
+            }
             for name, rows in self.tasks
         ]
         return {
-            "sequence": sequence, "joint_velocity": velocity, "valid_for_ms": 100, "elapsed_us": 0.0,
-            "braking_deceleration": [None] * len(velocity), "joint_limit_index": 0.0, "tasks": tasks,
-            "active_limits": [], "violated_limits": [], "limit_conflict": [],
+            "sequence": sequence,
+            "joint_velocity": velocity,
+            "valid_for_ms": 100,
+            "elapsed_us": 0.0,
+            "braking_deceleration": [None] * len(velocity),
+            "joint_limit_index": 0.0,
+            "tasks": tasks,
+            "active_limits": [],
+            "violated_limits": [],
+            "limit_conflict": [],
             "singularity": {"algorithmic": False, "manipulability": 0.0, "smallest_singular_value": 0.0},
-            "solver": {"path": "closed_form", "status": "optimal", "iterations": 0, "failures": 0, "working_sets": 0,
-                       "kkt_residual": None},
+            "solver": {
+                "path": "closed_form",
+                "status": "optimal",
+                "iterations": 0,
+                "failures": 0,
+                "working_sets": 0,
+                "kkt_residual": None,
+            },
         }
 
     def on_velocity(self, message: Float64MultiArray) -> None:

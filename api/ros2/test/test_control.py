@@ -17,7 +17,9 @@ MOVING = [0.2, -0.2]
 
 
 def problem(status):
-    return revprio.ProblemError(revprio.Problem(type="/problems/implausible", title="", status=status, detail="a reason"))
+    return revprio.ProblemError(
+        revprio.Problem(type="/problems/implausible", title="", status=status, detail="a reason")
+    )
 
 
 class FakeConnection:
@@ -33,8 +35,14 @@ class FakeConnection:
 
     def step(self, arguments):
         self.states.append(arguments)
-        return self.reply(SimpleNamespace(joint_velocity=np.array(MOVING), valid_for_ms=50, warnings=[],
-                                          braking_deceleration=np.array(DECELERATION)))
+        return self.reply(
+            SimpleNamespace(
+                joint_velocity=np.array(MOVING),
+                valid_for_ms=50,
+                warnings=[],
+                braking_deceleration=np.array(DECELERATION),
+            )
+        )
 
     def reply(self, value):
         call = Future()
@@ -88,7 +96,7 @@ class Loops(unittest.TestCase):
         self.assertEqual((self.commands[-1], self.control.problem), (MOVING, ""))
 
     def check_ramp_after_silence(self):
-        # The last state was measured one period ago; its answer is valid for 50 ms. The arm keeps a command for a period.
+        # The last state was measured one period ago; its answer is valid for 50 ms. A command is kept for a period.
         self.tick(24)
         self.assertEqual(self.commands[:4], [MOVING] * 4)
         np.testing.assert_allclose(self.commands[4:], self.ramp(), atol=1e-9)

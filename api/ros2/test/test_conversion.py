@@ -1,6 +1,6 @@
 """Tests of the message conversion with simple objects as messages, without ROS and without revprio:
 
-    PYTHONPATH=api/ros2 python3 -m unittest api/ros2/test/test_conversion.py
+PYTHONPATH=api/ros2 python3 -m unittest api/ros2/test/test_conversion.py
 """
 
 import math
@@ -23,8 +23,12 @@ def xyz(x, y, z):
 
 def joint_state(seconds=100.0, **changed):
     """A message whose joints have another order than the robot's, with one joint that is not part of the robot."""
-    fields = {"name": ["wrist", "finger", "shoulder", "elbow"], "position": [0.3, 9.0, 0.1, 0.2],
-              "velocity": [3.0, 9.0, 1.0, 2.0], "effort": []}
+    fields = {
+        "name": ["wrist", "finger", "shoulder", "elbow"],
+        "position": [0.3, 9.0, 0.1, 0.2],
+        "velocity": [3.0, 9.0, 1.0, 2.0],
+        "effort": [],
+    }
     return Message(header=Message(stamp=stamp(seconds), frame_id=""), **fields | changed)
 
 
@@ -121,8 +125,11 @@ class Targets(unittest.TestCase):
     def test_a_pose_has_a_quaternion_of_unit_length(self):
         pose = Message(position=xyz(1.0, 2.0, 3.0), orientation=Message(w=1.0004, x=0.0, y=0.0, z=0.0))
         self.assertEqual(conversion.pose(pose), ([1.0, 2.0, 3.0], {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}))
-        for changed in ({"position": xyz(math.inf, 0.0, 0.0)}, {"orientation": Message(w=0.0, x=0.0, y=0.0, z=0.0)},
-                        {"orientation": Message(w=math.nan, x=0.0, y=0.0, z=0.0)}):
+        for changed in (
+            {"position": xyz(math.inf, 0.0, 0.0)},
+            {"orientation": Message(w=0.0, x=0.0, y=0.0, z=0.0)},
+            {"orientation": Message(w=math.nan, x=0.0, y=0.0, z=0.0)},
+        ):
             with self.assertRaises(conversion.NotUsable):
                 conversion.pose(Message(**vars(pose) | changed))
 
