@@ -68,8 +68,7 @@ class Control:
     def update(self, now: Callable[[], float], check_fresh: Callable[[], None], read: Read) -> None:
         """Runs one period. Raises the refusal of a controller that has never run."""
         if now() < self._last_s:
-            self._retry_s = now()
-            self._brake("the clock went back", now())
+            self._restart_clock(now())
         self._last_s = now()
         self._end_after_silence(now())
         self._finish_pending(now())
@@ -78,7 +77,7 @@ class Control:
         if self.phase is Phase.RUNNING:
             self._run(now, read)
         if self.phase is Phase.BRAKING and self._is_at_rest(now()):
-            self.phase, self._has_session = Phase.HALTED if self._is_halted else Phase.WAITING, False
+            self._rest()
 
     def state(self, now_s: float) -> Phase:
         """Returns what the loop does, as its user sees it: without answers, a running loop brakes."""
@@ -92,9 +91,21 @@ class Control:
         return list(map(float, self._watchdog.command(now_s + self._period_s)))
 
     def halt(self, problem: str, now_s: float) -> None:
-        """Brakes to rest and stays there."""
-        self._is_halted = True
+        """Brakes to rest and stays there. The problem of the first halt stays."""
         self._brake(problem, now_s)
+        self._is_halted = True
+
+    def _restart_clock(self, now_s: float) -> None:
+        """Brakes after a jump of simulated time. A ramp that has begun ends at once, because its time is lost."""
+        self._retry_s = now_s
+        if self.state(self._last_s) is Phase.RUNNING:
+            self._brake("the clock went back", now_s)
+        else:
+            self._rest()
+
+    def _rest(self) -> None:
+        """Ends the session of an arm at rest. The next command of a session could continue the old motion."""
+        self.phase, self._has_session = Phase.HALTED if self._is_halted else Phase.WAITING, False
 
     def _wait(self, now_s: float, check_fresh: Callable[[], None]) -> None:
         try:
@@ -122,9 +133,9 @@ class Control:
         self._end_after_silence(now())
 
     def _end_after_silence(self, now_s: float) -> None:
-        """Ends a session that the watchdog has brought to rest. Its next command could continue the old motion."""
+        """Ends a session that the watchdog has brought to rest."""
         if self.phase is Phase.RUNNING and self._has_answer and self._is_at_rest(now_s):
-            self.phase, self._has_session = Phase.WAITING, False
+            self._rest()
 
     def _send(self, arguments: dict[str, Any], measured_s: float) -> None:
         if self._pending is None:
@@ -175,7 +186,7 @@ class Control:
             raise error
 
     def _brake(self, problem: str, now_s: float) -> None:
-        self.problem = problem
+        self.problem = self.problem if self._is_halted else problem
         if self._watchdog is not None:
             self._watchdog.expire(now_s)
         self.phase = Phase.BRAKING

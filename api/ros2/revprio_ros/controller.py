@@ -91,10 +91,10 @@ class Controller(ClosableNode):
 
 
 def main() -> None:
-    """Runs the node; ends with status 2 and a sentence if a parameter is wrong."""
+    """Runs the node; ends with status 1 and a sentence if a parameter is wrong."""
     try:
         run_node(Controller)
-    except (parameters.ParameterError, revprio.ProblemError, revprio.AddressError) as error:
+    except (parameters.ParameterError, revprio.RevprioError) as error:
         sys.exit(f"revprio_ros: {error}")
 
 

@@ -171,6 +171,9 @@ class Loops(unittest.TestCase):
         self.control.halt("wrong sign", self.now_s)
         self.tick(30)
         np.testing.assert_allclose(self.commands[:20], self.ramp(), atol=1e-9)
+        self.control.halt("the node is being stopped", self.now_s)
+        self.now_s -= 1.0
+        self.tick(2)
         self.assertEqual((self.control.phase, self.control.problem), (Phase.HALTED, "wrong sign"))
         self.assertEqual(self.commands[-1], [0.0, 0.0])
 
@@ -180,6 +183,12 @@ class Loops(unittest.TestCase):
         self.tick(30)
         np.testing.assert_allclose(self.commands[:10], self.ramp()[:10], atol=1e-9)
         self.assertEqual(self.commands[-1], MOVING, "with a new session")
+        self.stale = "late"
+        self.tick(8)
+        self.assertEqual(self.control.state(self.now_s), Phase.BRAKING)
+        self.now_s -= 50.0
+        self.tick(3)
+        self.assertEqual(self.commands[-3:], [[0.0, 0.0]] * 3)
 
 
 class SignChecks(unittest.TestCase):
