@@ -48,7 +48,7 @@ class SignCheck:
         if length < MIN_MOTION_M:
             return None
         along = [sum(f * m for f, m in zip(force, motion)) / length for _, force in self._samples]
-        falling = sum(b < a for a, b in pairwise(along))
+        falling = sum(b <= a for a, b in pairwise(along))  # A measurement can be repeated.
         is_wrong = along[-1] < -self._force_n and along[0] - along[-1] > 0.25 * self._force_n
         if not is_wrong or falling < 0.75 * (len(along) - 1):
             return None

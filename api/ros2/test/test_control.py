@@ -203,6 +203,10 @@ class SignChecks(unittest.TestCase):
     def test_pressing_with_the_wrong_sign_is_found(self):
         self.assertIn("wrong sign", self.finding(-1, np.linspace(-0.01, 0.02, 60)))
 
+    def test_it_is_found_soon_also_if_measurements_are_repeated(self):
+        depths = np.repeat(np.linspace(-0.01, 0.0075, 36), 2)
+        self.assertIn("wrong sign", self.finding(-1, depths))
+
     def test_pressing_and_retreating_with_the_right_sign_is_not(self):
         self.assertIsNone(self.finding(+1, 0.01 * np.sin(np.linspace(0, 20, 500))))
 
