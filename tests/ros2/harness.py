@@ -221,7 +221,7 @@ class Recorder:
 
     def wait_for_an_arm_at_rest(self) -> None:
         """Waits until the simulated arm is at rest."""
-        until(lambda: np.abs(self.velocity()).max() < 1e-4, "an arm at rest")
+        until(lambda: self.states and np.abs(self.velocity()).max() < 1e-4, "an arm at rest")
 
     def velocity(self) -> np.ndarray:
         """Returns the newest joint velocities."""

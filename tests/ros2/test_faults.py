@@ -101,6 +101,7 @@ def test_other_joint_names(lab, arm, scenario):
 
 def test_a_node_that_is_stopped_for_a_while(arm, free_arm):
     node = free_arm()
+    until(lambda: arm.states and np.abs(arm.velocity()).max() > 1e-3, "a moving arm")
     node.signal(signal.SIGSTOP)
     arm.wait_for_an_arm_at_rest()
     node.signal(signal.SIGCONT)

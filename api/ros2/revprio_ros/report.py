@@ -23,7 +23,7 @@ class Periods:
     def __init__(self) -> None:
         """Starts without periods."""
         self._last_s: float | None = None
-        self._intervals: deque[float] = deque(maxlen=1000)
+        self._intervals: deque[float] = deque(maxlen=500)
 
     def add(self, now_s: float) -> None:
         """Adds the start of a period."""
