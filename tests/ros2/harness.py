@@ -24,6 +24,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
@@ -142,9 +143,10 @@ class Recorder:
         self.states: list[tuple[float, JointState]] = []
         self.force = np.zeros(3)
         self.statuses: dict[str, SimpleNamespace] = {}
-        self.context = rclpy.Context()
-        self.context.init()
-        self.node = rclpy.create_node("recorder", namespace=namespace or None, context=self.context)
+        if not rclpy.ok():
+            # One context for all recorders: the middleware can crash if a process closes and opens contexts.
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        self.node = rclpy.create_node("recorder", namespace=namespace or None)
         each = QoSProfile(depth=1000)
         sensors = qos_profile_sensor_data
         self.node.create_subscription(Float64MultiArray, "forward_velocity_controller/commands", self._command, each)
@@ -155,7 +157,7 @@ class Recorder:
         self.node.create_subscription(WrenchStamped, "wrench", self._wrench, sensors)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._diagnostics, each)
         self.simulator = self.node.create_client(SetParameters, "simulator/set_parameters")
-        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
         self.is_closing = False
         self.thread = Thread(target=self._spin, daemon=True)
@@ -210,6 +212,10 @@ class Recorder:
         count = len(self.commands)
         until(lambda: self.is_moving(count), f"a command that moves the arm; diagnostics: {self.statuses}")
 
+    def sessions(self) -> int:
+        """Returns how many sessions the node has opened."""
+        return int(self.statuses["control"].values["sessions"]) if "control" in self.statuses else 0
+
     def is_moving(self, since: int = 0) -> bool:
         """Returns whether the newest command moves a joint."""
         return len(self.commands) > since and bool(np.abs(self.commands[-1][1]).max() > 1e-3)
@@ -245,7 +251,6 @@ class Recorder:
         self.thread.join()
         self.executor.shutdown()
         self.node.destroy_node()
-        self.context.shutdown()
 
 
 @contextmanager

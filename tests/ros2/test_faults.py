@@ -105,7 +105,7 @@ def test_a_node_that_is_stopped_for_a_while(arm, free_arm):
     node.signal(signal.SIGSTOP)
     arm.wait_for_an_arm_at_rest()
     node.signal(signal.SIGCONT)
-    until(lambda: int(arm.statuses["control"].values["sessions"]) >= 2, "a new session")
+    until(lambda: arm.sessions() >= 2, "a new session")
     arm.wait_for_motion()
 
 
@@ -143,5 +143,5 @@ def test_a_clock_that_jumps_back(lab, arm, scenario):
     arm.wait_for_motion()
     until(lambda: arm.says("controls the arm"), "the node controls the arm")
     offset_s[0] -= 500.0
-    until(lambda: int(arm.statuses["control"].values["sessions"]) >= 2, "a new session after the jump")
+    until(lambda: arm.sessions() >= 2, "a new session after the jump")
     arm.wait_for_motion()

@@ -80,9 +80,12 @@ class Control:
             self._rest()
 
     def state(self, now_s: float) -> Phase:
-        """Returns what the loop does, as its user sees it: without answers, a running loop brakes."""
-        is_silent = self._has_answer and now_s + self._period_s > self._valid_until_s
-        return Phase.BRAKING if self.phase is Phase.RUNNING and is_silent else self.phase
+        """Returns what the loop does, as its user sees it: it waits for the first answer, and brakes without a new one."""
+        if self.phase is not Phase.RUNNING:
+            return self.phase
+        if not self._has_answer:
+            return Phase.WAITING
+        return Phase.BRAKING if now_s + self._period_s > self._valid_until_s else Phase.RUNNING
 
     def command(self, now_s: float) -> list[float]:
         """Returns the joint velocities from now until the next period, rad/s or m/s."""

@@ -29,15 +29,15 @@ def run_node(create: Callable[[], ClosableNode]) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = None
+    node, executor = None, SingleThreadedExecutor()
     try:
         node = create()
-        executor = SingleThreadedExecutor()
         executor.add_node(node)
         while not stopping.is_set():
             executor.spin_once(timeout_sec=0.1)
     finally:
         if node is not None:
             node.close()
+            executor.shutdown()
             node.destroy_node()
         rclpy.try_shutdown()

@@ -161,6 +161,16 @@ class Loops(unittest.TestCase):
         self.assertEqual(self.commands[-1], MOVING)
         self.assertEqual(self.connection.states[-1]["time_s"] < 1.0, True, "the time of a session begins with it")
 
+    def test_a_state_that_cannot_be_used_is_reported_as_waiting(self):
+        self.start()
+        read, self.read = self.read, lambda _: (_ for _ in ()).throw(NotUsable("NaN"))
+        self.tick(100)
+        self.assertEqual((self.control.state(self.now_s), self.control.problem), (Phase.WAITING, "NaN"))
+        self.assertEqual(self.commands[-1], [0.0, 0.0])
+        self.read = read
+        self.tick(2)
+        self.assertEqual((self.control.state(self.now_s), self.commands[-1]), (Phase.RUNNING, MOVING))
+
     def test_a_refused_controller_is_raised(self):
         self.connection.failure = problem(422)
         with self.assertRaises(revprio.ProblemError):
