@@ -58,6 +58,26 @@ def test_a_service_that_dies_or_hangs_and_comes_back(lab, arm, free_arm, number)
     assert int(arm.wait_for("controls the arm").values["sessions"]) >= 2
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_node_ends_at_rest_while_its_service_hangs(lab, arm, free_arm, number):
+    service, url = lab.service(free_port())
+    node = free_arm(url=url)
+    service.signal(signal.SIGSTOP)
+    node.signal(number)
+    assert node.wait() == 0
+    arm.wait_for_an_arm_at_rest()
+    assert not arm.commands[-1][1].any()
+
+
+def test_a_refused_state_is_reported(lab, arm, scenario):
+    scenario["contacts"] = []
+    lab.node("simulator", scenario=lab.file("free.json", json.dumps(scenario)))
+    text = json.dumps(scenario["controller"])
+    lab.node("controller", controller=f"'{text}'", use_wrench="false")
+    arm.wait_for("wrench", level=2)
+    assert not any(command.any() for _, command in arm.commands)
+
+
 def test_the_node_waits_for_a_service(lab, arm, scenario):
     scenario["contacts"] = []
     lab.node("simulator", scenario=lab.file("free.json", json.dumps(scenario)))

@@ -80,7 +80,7 @@ class Control:
             self._rest()
 
     def state(self, now_s: float) -> Phase:
-        """Returns what the loop does, as its user sees it: it waits for the first answer, and brakes without a new one."""
+        """Returns what the loop does for its user: it waits for the first answer, and brakes without a new one."""
         if self.phase is not Phase.RUNNING:
             return self.phase
         if not self._has_answer:
