@@ -21,7 +21,7 @@ class Inputs:
     def __init__(self, node: Node, clock: LoopClock, settings: Settings) -> None:
         """Subscribes to the topics."""
         self._clock, self._settings = clock, settings
-        self._newest: dict[str, Any] = {}
+        self._newest: dict[str, tuple[Any, float] | None] = {}
         self._names: dict[str, str] = {}
         kinds = {"joint_states": JointState} | ({"wrench": WrenchStamped} if settings.use_wrench else {})
         for topic, kind in kinds.items():
@@ -30,17 +30,18 @@ class Inputs:
 
     def _receiver(self, topic: str) -> Any:
         def receive(message: Any) -> None:
-            self._newest[topic] = message
+            # Converted once, so that a repeated measurement keeps its time.
+            self._newest[topic] = message, self._clock.now_s() - self._clock.age_s(message.header.stamp)
 
         return receive
 
     def check_fresh(self) -> None:
         """Raises a `NotUsable` that names a topic without a fresh message."""
-        for topic, message in self._newest.items():
+        for topic, newest in self._newest.items():
             name = self._names[topic]
-            if message is None:
+            if newest is None:
                 raise NotUsable(f"no message on `{name}` yet; start the driver, or remap the topic")
-            age_s, limit_s = self._clock.age_s(message.header.stamp), self._settings.max_age_s
+            age_s, limit_s = self._clock.now_s() - newest[1], self._settings.max_age_s
             if age_s > limit_s:
                 raise NotUsable(f"`{name}` is stale: its newest stamp is {age_s:.3f} s old, more than {limit_s} s")
             if age_s < -limit_s:
@@ -49,8 +50,7 @@ class Inputs:
     def measurement(self, joints: list[str]) -> tuple[dict[str, Any], float]:
         """Returns the arguments of `revprio.Controller.step`, and the time of the measurement on the loop's clock."""
         self.check_fresh()
-        joint_state = self._newest["joint_states"]
-        arguments = conversion.measurement(
-            joint_state, self._newest.get("wrench"), joints, self._settings.sensor_transform
-        )
-        return arguments, self._clock.now_s() - max(self._clock.age_s(joint_state.header.stamp), 0.0)
+        joint_state, measured_s = self._newest["joint_states"]
+        wrench, _ = self._newest.get("wrench", (None, 0.0))
+        arguments = conversion.measurement(joint_state, wrench, joints, self._settings.sensor_transform)
+        return arguments, min(measured_s, self._clock.now_s())

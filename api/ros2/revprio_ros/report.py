@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -83,7 +84,7 @@ class Report:
 
     def _log(self, level: bytes, message: str, refused: str) -> None:
         text = "; ".join(filter(None, (message, refused)))
-        kind = text.split(" s old")[0].rstrip("0123456789.")  # An age alone is no change.
+        kind = re.sub(r"\d+", "", text)  # Another number alone is no change.
         if kind != self._logged:
             log = self._node.get_logger()
             log.error(text) if level == DiagnosticStatus.ERROR else log.info(text)
