@@ -26,7 +26,7 @@ class UnevenClock:
 def inputs():
     receivers = {}
 
-    def subscribe(kind, topic, callback, qos):
+    def subscribe(_kind, topic, callback, _qos):
         receivers[topic] = callback
         return SimpleNamespace(topic_name=f"/arm/{topic}")
 
