@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from harness import PACKAGE, Lab, free_port, recording, until
 
-SECONDS = 6.0
+SECONDS = 5.0
 
 
 def measure(place: str, period_s: float) -> tuple[list[float], list[float]]:
