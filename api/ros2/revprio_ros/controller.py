@@ -23,6 +23,8 @@ REPORT_S = 0.2
 """Time between two diagnostics, s."""
 REST_COMMANDS = 3
 """Number of commands of rest before the node ends."""
+MAX_STOP_S = 5.0
+"""Time after which the node ends with simulated time, because `/clock` may stand still, s."""
 
 
 class Controller(ClosableNode):
@@ -79,8 +81,8 @@ class Controller(ClosableNode):
     def close(self) -> None:
         """Brakes to rest and ends the session."""
         self.control.halt("the node is being stopped", self.clock.now_s())
-        left = REST_COMMANDS
-        while self.control.joints and left > 0:
+        left, end_s = REST_COMMANDS, time.monotonic() + MAX_STOP_S
+        while self.control.joints and left > 0 and (self.clock.is_steady or time.monotonic() < end_s):
             self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
             left -= self.control.phase is Phase.HALTED
             self.publish()

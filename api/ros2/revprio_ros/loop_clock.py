@@ -19,6 +19,8 @@ class LoopClock:
         """Reads `use_sim_time` of the node."""
         self._ros = node.get_clock()
         is_simulated = node.get_parameter("use_sim_time").value
+        self.is_steady = not is_simulated
+        """Whether the clock cannot stand still."""
         self.clock = self._ros if is_simulated else Clock(clock_type=ClockType.STEADY_TIME)
         """The clock of the timer."""
 
