@@ -1,15 +1,15 @@
-"""Conversion between ROS 2 messages and the JSON bodies of revprio.
+"""Conversion between ROS 2 messages and the values of revprio.
 
 This module does not import ROS. It accepts any object with the fields of the message; the tests use this.
 """
 
-from math import copysign, inf, isfinite
+from math import isfinite, sqrt
 
 AXES = ("x", "y", "z")
 
 
-class NotFresh(ValueError):
-    """No state can be sent: a message is missing, too old, or lacks a joint position."""
+class NotUsable(ValueError):
+    """A message cannot be used: it is missing or too old, or a value is missing or not finite."""
 
 
 def seconds(stamp):
@@ -47,7 +47,7 @@ def cross(a, b):
 
 
 def wrench(message, transform=None):
-    """Converts geometry_msgs/Wrench to the `wrench` of a state, N and N·m.
+    """Converts geometry_msgs/Wrench to the `wrench` of a state: six numbers, force (N), then torque (N·m).
 
     `transform` (geometry_msgs/Transform) maps the frame of the message to the frame that the controller expects, as
     tf2's lookup_transform(target, source) returns it. The torque is moved to the new origin: τ' = R τ + p × R f.
@@ -57,28 +57,31 @@ def wrench(message, transform=None):
         force, torque = rotated(transform.rotation, force), rotated(transform.rotation, torque)
         lever = cross(vector(transform.translation), force)
         torque = [a + b for a, b in zip(torque, lever)]
-    return {"force": force, "torque": torque}
+    return force + torque
 
 
-def state(joint_state, wrench_stamped, joints, *, sequence, start_s, now_s, max_age_s, transform=None):
-    """Converts sensor_msgs/JointState and geometry_msgs/WrenchStamped to a state.
+def measurement(joint_state, wrench_stamped, joints, transform=None):
+    """Converts sensor_msgs/JointState and geometry_msgs/WrenchStamped to the arguments of `revprio.Controller.step`.
 
-    `time_s` and the set-points of the controller count from `start_s`. Both messages must be within `max_age_s` of now.
+    `wrench_stamped` is None for a controller that uses no wrench. Raises a `NotUsable` if a value is missing or NaN.
     """
-    for message in (joint_state, wrench_stamped):
-        if message is None or abs(now_s - seconds(message.header.stamp)) > max_age_s:
-            raise NotFresh(f"no joint state or wrench within {max_age_s} s of now")
+    missing = [joint for joint in joints if joint not in joint_state.name]
+    if missing:
+        raise NotUsable(
+            f"`joint_states` lacks {', '.join(missing)} and has {', '.join(joint_state.name) or 'no joints'}; give the "
+            "service the URDF of the driver, or let the driver publish all joints in one message"
+        )
     position = by_name(joint_state, "position", joints)
     if position is None:
-        raise NotFresh(f"the joint state must have a position for each of {', '.join(joints)}")
-    body = {
-        "sequence": sequence,
-        "time_s": seconds(joint_state.header.stamp) - start_s,
-        "joint_position": position,
-        "wrench": wrench(wrench_stamped.wrench, transform),
-    }
+        raise NotUsable("`joint_states` has a joint position that is missing or not finite; check the driver")
     velocity = by_name(joint_state, "velocity", joints)
-    return body if velocity is None else body | {"joint_velocity": velocity}
+    arguments = {"joint_position": position} | ({} if velocity is None else {"joint_velocity": velocity})
+    if wrench_stamped is None:
+        return arguments
+    measured = wrench(wrench_stamped.wrench, transform)
+    if not all(map(isfinite, measured)):
+        raise NotUsable("`wrench` has a value that is not finite; check the sensor")
+    return arguments | {"wrench": measured}
 
 
 def twist_problem(robot, joint_position, twist, period_s):
@@ -86,6 +89,7 @@ def twist_problem(robot, joint_position, twist, period_s):
 
     Translation is the task of higher priority, rotation the task of lower priority.
     """
+
     def task(name, axes, velocity):
         return {"name": name, "axes": axes, "velocity": vector(velocity)}
 
@@ -106,30 +110,19 @@ def trajectory_point(position, velocity, period_s):
     return [q + period_s * v for q, v in zip(position, velocity, strict=True)], list(velocity), (sec, nanosec)
 
 
-class Watchdog:
-    """Computes the command of each period: the last answer while it is valid, then a ramp to rest.
+def twist_rows(twist, axes):
+    """Converts geometry_msgs/Twist to one velocity per row of a task with these axes."""
+    six = dict(zip((*AXES, "rx", "ry", "rz"), vector(twist.linear) + vector(twist.angular)))
+    velocity = [six[axis] for axis in axes]
+    if not all(map(isfinite, velocity)):
+        raise NotUsable("the twist has a value that is not finite")
+    return velocity
 
-    Each joint brakes at the answer's `braking_deceleration`. If the controller's limits include positions, it then stops
-    inside its range. `acceleration`: deceleration for answers without one; None: such a joint stops at once.
-    """
 
-    def __init__(self, acceleration, period_s):
-        self.acceleration, self.period_s = acceleration, period_s
-        self.deceleration = acceleration
-        self.velocity = [0.0] * len(acceleration)
-        self.valid_until_s = float("-inf")
-
-    def update(self, answer, measured_s):
-        """Stores an answer to the state that was measured at `measured_s`."""
-        self.velocity = answer["joint_velocity"]
-        self.valid_until_s = measured_s + answer["valid_for_ms"] / 1e3
-        given = answer.get("braking_deceleration") or self.acceleration
-        self.deceleration = [own if a is None else a for a, own in zip(given, self.acceleration, strict=True)]
-
-    def command(self, now_s):
-        """Returns the joint velocities for this period, rad/s or m/s: those at its end, because the arm keeps them."""
-        late_s = now_s + self.period_s - self.valid_until_s
-        if late_s <= 1e-9:  # sums of periods are not exact
-            return self.velocity
-        speeds = [max(0.0, abs(v) - (inf if a is None else a) * late_s) for v, a in zip(self.velocity, self.deceleration)]
-        return [copysign(speed, v) for speed, v in zip(speeds, self.velocity)]
+def pose(message):
+    """Converts geometry_msgs/Pose to position (3) and orientation ({w, x, y, z} of unit length)."""
+    position, q = vector(message.position), message.orientation
+    length = sqrt(q.w**2 + q.x**2 + q.y**2 + q.z**2)
+    if not all(map(isfinite, position)) or not abs(length - 1) < 1e-3:
+        raise NotUsable("the pose has a value that is not finite, or an orientation that is not of unit length")
+    return position, {name: getattr(q, name) / length for name in "wxyz"}

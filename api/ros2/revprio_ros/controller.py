@@ -1,0 +1,104 @@
+"""The node that controls an arm: joint states, wrench and targets in; velocities or trajectory points out."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import revprio
+
+from revprio_ros import parameters
+from revprio_ros.connection import Connection
+from revprio_ros.control import Control, Phase
+from revprio_ros.inputs import Inputs
+from revprio_ros.loop_clock import LoopClock
+from revprio_ros.outputs import Outputs
+from revprio_ros.process import ClosableNode, run_node
+from revprio_ros.report import Periods, Report
+from revprio_ros.sign_check import SignMonitor
+from revprio_ros.targets import Targets
+
+REPORT_S = 0.2
+"""Time between two diagnostics, s."""
+REST_COMMANDS = 3
+"""Number of commands of rest before the node ends."""
+MAX_STOP_S = 5.0
+"""Time after which the node ends with simulated time, because `/clock` may stand still, s."""
+
+
+class Controller(ClosableNode):
+    """Runs one control period per tick of its timer."""
+
+    def __init__(self) -> None:
+        """Reads the parameters and starts to wait. Raises a `ParameterError`."""
+        super().__init__("revprio")
+        settings = parameters.read(self)
+        config = settings.config
+        self.period_s = config.period_s
+        self.clock = LoopClock(self)
+        self.inputs = Inputs(self, self.clock, settings)
+        self.targets = Targets(self, self.clock, settings)
+        self.outputs = Outputs(self, settings)
+        self.connection = Connection(config, settings.url, settings.token)
+        check = (settings.sign_check_force_n, settings.sign_check_periods)
+        self.sign = SignMonitor(self.connection.client, config, *check)
+        self.control = Control(self.connection, self.period_s)
+        self.position: dict[str, float] = {}
+        self.periods, self.report, self.ticks = Periods(), Report(self), 0
+        self.create_timer(self.period_s, self.tick, clock=self.clock.clock)
+        place = settings.url or "this process"
+        self.get_logger().info(f"{config.robot}, period {self.period_s} s, computed by {place}")
+
+    def tick(self) -> None:
+        """Runs one control period."""
+        now_s = self.clock.now_s()
+        self.periods.add(now_s)
+        self.ticks += 1
+        self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
+        if self.control.joints:
+            self.outputs.check(self.control.joints)
+            self.publish()
+        if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:
+            self.report.publish(self.control, now_s, self.periods, self.targets.refusals)
+
+    def read(self, joints: list[str]) -> tuple[dict[str, Any], float]:
+        """Returns the arguments of the next step and the time of the measurement."""
+        arguments, measured_s = self.inputs.measurement(joints)
+        self.position = arguments["joint_position"]
+        finding = self.sign.update(arguments)
+        if finding is not None:
+            self.control.halt(finding, self.clock.now_s())
+        start_s = measured_s if self.control.start_s is None else self.control.start_s
+        return {**arguments, "targets": self.targets.current(start_s) or None}, measured_s
+
+    def publish(self) -> None:
+        """Publishes the command of this period."""
+        velocity = self.control.command(self.clock.now_s())
+        moves = self.control.phase in (Phase.RUNNING, Phase.BRAKING)
+        self.outputs.publish(self.control.joints, velocity, self.position if moves else None, self.period_s)
+
+    def close(self) -> None:
+        """Brakes to rest and ends the session."""
+        self.control.halt("the node is being stopped", self.clock.now_s())
+        left, end_s = REST_COMMANDS, time.monotonic() + MAX_STOP_S
+        while self.control.joints and left > 0 and (self.clock.is_steady or time.monotonic() < end_s):
+            self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
+            left -= self.control.phase is Phase.HALTED
+            self.publish()
+            time.sleep(self.period_s)
+        self.report.publish(self.control, self.clock.now_s(), self.periods, {})
+        self.sign.close()
+        self.connection.close()
+
+
+def main() -> None:
+    """Runs the node; ends with status 1 and a sentence if a parameter is wrong."""
+    try:
+        run_node(Controller)
+    except (parameters.ParameterError, revprio.RevprioError) as error:
+        sys.exit(f"revprio_ros: {error}")
+
+
+if __name__ == "__main__":
+    main()
