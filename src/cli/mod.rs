@@ -17,16 +17,19 @@ mod simulate;
 mod stability;
 mod supervisor;
 mod sweep;
+mod text;
 mod tool;
 mod traces;
 
 use std::ffi::OsString;
+use std::fmt;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use revprio_api::{Client, ClientError};
+use revprio_lab::report::number::significant;
 use revprio_lab::simulator::recording::{ReadError, WriteError};
 use revprio_lab::simulator::replay::ReplayError;
 use revprio_lab::simulator::{RunError, ScenarioError};
@@ -289,7 +292,11 @@ impl Target {
 
 /// Returns a progress bar; it is hidden without a terminal.
 fn progress_bar(periods: u64, label: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{prefix:<60} {bar:30} {pos:>6}/{len} {per_sec:>14}, {eta} left");
+    let style = ProgressStyle::with_template("{prefix:<60} {bar:30} {pos:>6}/{len} {rate:>8}, {eta} left");
+    let rate = |state: &ProgressState, text: &mut dyn fmt::Write| {
+        let _ = write!(text, "{}/s", significant(state.per_sec(), 3));
+    };
+    let style = style.map(|style| style.with_key("rate", rate));
     let bar = ProgressBar::new(periods).with_prefix(label.to_owned());
     style.map_or(bar.clone(), |style| bar.with_style(style))
 }

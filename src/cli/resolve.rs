@@ -5,8 +5,9 @@ use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use revprio_api::Client;
-use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, TaskOutcome};
+use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, Status, TaskOutcome};
 
+use super::text::{columns, judged};
 use super::{CliError, Target};
 
 #[derive(Debug, clap::Args)]
@@ -79,11 +80,11 @@ fn describe_contradiction(contradiction: &Contradiction) -> String {
 
 /// Formats the answer as text.
 fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
-    let mut text = String::new();
     let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:>12.6}")).collect::<Vec<_>>().concat();
-    let names = joints.iter().map(|name| format!("{name:>12}")).collect::<Vec<_>>().concat();
-    let _ = writeln!(text, "joint           {names}");
-    let _ = writeln!(text, "joint velocity  {}  rad/s, m/s", numbers(&answer.joint_velocity));
+    let velocity = |(name, velocity): (&String, &f64)| vec![name.clone(), format!("{velocity:.6}")];
+    let head = vec!["joint".to_owned(), "velocity (rad/s, m/s)".to_owned()];
+    let rows: Vec<_> = std::iter::once(head).chain(joints.iter().zip(&answer.joint_velocity).map(velocity)).collect();
+    let mut text = columns(&rows, |i| i == 1);
     for task in &answer.tasks {
         let _ = writeln!(text, "\ntask `{}`, rank {}{}", task.name, task.rank, remarks(task));
         let _ = writeln!(text, "  requested     {}", numbers(&task.requested));
@@ -127,8 +128,14 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     }
     let solver = &answer.solver;
     let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));
+    let is_optimal = solver.status == Status::Optimal;
     let uncertain = if solver.rank_uncertain { ", rank uncertain" } else { "" };
-    let _ = writeln!(text, "\nsolved by {}, {}, KKT residual {residual}{uncertain}", solver.path, solver.status);
+    let _ = writeln!(
+        text,
+        "\nsolved by {}, {}, KKT residual {residual}{uncertain}",
+        solver.path,
+        judged(solver.status, is_optimal)
+    );
     let singularity = &answer.singularity;
     let _ = writeln!(
         text,

@@ -5,12 +5,15 @@ use std::io::{Write as _, stdout};
 use revprio_lab::simulator::ScenarioList;
 
 use super::CliError;
+use super::text::{WIDTH, wrapped};
 
 pub fn run() -> Result<(), CliError> {
     let scenarios = ScenarioList::built_in()?.scenarios;
-    let width = scenarios.iter().map(|scenario| scenario.name.len()).max().unwrap_or(0);
     for scenario in scenarios {
-        writeln!(stdout(), "{:width$}  {} ({})", scenario.name, scenario.description, scenario.robot)?;
+        writeln!(stdout(), "{} ({})", scenario.name, scenario.robot)?;
+        for line in wrapped(&scenario.description, WIDTH - 4) {
+            writeln!(stdout(), "    {line}")?;
+        }
     }
     Ok(())
 }

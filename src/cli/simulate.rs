@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::experiment::Experiment;
-use revprio_lab::report::table;
+use revprio_lab::report::table::{self, side_by_side};
 use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::experiment::{ExperimentRunner, make_directory, program, write_results};
@@ -57,7 +57,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         runs: vec![runner.run(&scenario)?],
         failures: Vec::new(),
     };
-    write!(stdout(), "{}", table::text(&table::rows(&experiment.runs)))?;
+    write!(stdout(), "{}", side_by_side::text(&table::rows(&experiment.runs)))?;
     let page = write_results(&options.out, &experiment, &options.traces)?;
     writeln!(stdout(), "\nThe page with figure and recording: {}", page.display())?;
     Ok(())

@@ -10,22 +10,22 @@ use super::{CliError, Target};
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Options {
-    /// Inertia `M_d` of the law
+    /// Inertia `M_d` of the law, kg or kg·m²
     #[arg(long)]
     inertia: f64,
-    /// Damping `B_d` of the law
+    /// Damping `B_d` of the law, N·s/m or N·m·s/rad
     #[arg(long)]
     damping: f64,
-    /// Stiffness `K_d` of the law; 0 for a force law
+    /// Stiffness `K_d` of the law, N/m or N·m/rad; 0 for a force law
     #[arg(long, default_value_t = 0.0)]
     stiffness: f64,
-    /// Stiffness `K_e` of the environment
+    /// Stiffness `K_e` of the environment, N/m or N·m/rad
     #[arg(long)]
     environment_stiffness: f64,
-    /// Damping `B_e` of the environment
+    /// Damping `B_e` of the environment, N·s/m or N·m·s/rad
     #[arg(long, default_value_t = 0.0)]
     environment_damping: f64,
-    /// Inertia `M_e` of the environment
+    /// Inertia `M_e` of the environment, kg or kg·m²
     #[arg(long, default_value_t = 0.0)]
     environment_inertia: f64,
     /// Control period, s

@@ -14,11 +14,13 @@ use std::str::FromStr;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use revprio_lab::report::number::significant;
 use revprio_lab::simulator::Scenario;
 use revprio_lab::simulator::recording::{Kind, Value};
 use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
 
 use super::experiment::make_directory;
+use super::text::columns;
 use super::{CliError, Target, progress_bar};
 
 #[derive(Debug, clap::Args)]
@@ -52,6 +54,12 @@ pub struct Options {
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
 }
+
+/// Largest number of cells that are printed; the file has all.
+const SHOWN_CELLS: usize = 20;
+
+/// Largest width of a column's head.
+const LONGEST_HEAD: usize = 22;
 
 const EXAMPLES: &str = "Examples:
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
@@ -159,12 +167,44 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     let outcomes = ["finished", "diverged", "refused", "failed"].map(|word| (ended(word), word));
     let outcomes: Vec<String> =
         outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
+    write!(stdout(), "{}", table(&variations, &options.draw, &kinds, &whole.rows))?;
     writeln!(stdout(), "{} cells: {}", whole.rows.len(), outcomes.join(", "))?;
     writeln!(stdout(), "table: {}", path.display())?;
     for figure in drawn {
         writeln!(stdout(), "figure: {}", figure.display())?;
     }
     Ok(())
+}
+
+/// Formats the varied quantities, the outcome and the drawn measures of the first cells.
+fn table(variations: &[Variation], drawn: &[String], kinds: &[(String, Kind)], rows: &Rows) -> String {
+    let varied = variations.iter().map(|variation| variation.path.as_str());
+    let names: Vec<&str> = varied.chain(["outcome"]).chain(drawn.iter().map(String::as_str)).collect();
+    let places: Vec<usize> =
+        names.iter().filter_map(|name| kinds.iter().position(|(known, _)| known == name)).collect();
+    let cell = |value: &Value| match value {
+        Value::Missing => "–".to_owned(),
+        Value::Number(number) => significant(*number, 4),
+        Value::Count(count) => count.to_string(),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Word(word) => word.clone(),
+    };
+    let head = places.iter().map(|&place| short(&kinds[place].0)).collect();
+    let line = |row: &Vec<Value>| places.iter().map(|&place| cell(&row[place])).collect();
+    let lines: Vec<Vec<String>> = std::iter::once(head).chain(rows.values().take(SHOWN_CELLS).map(line)).collect();
+    let more = rows.len().saturating_sub(SHOWN_CELLS);
+    let rest = if more > 0 { format!("… and {more} more\n") } else { String::new() };
+    columns(&lines, |_| true) + &rest
+}
+
+/// Returns the end of a long path, which tells most.
+fn short(name: &str) -> String {
+    let count = name.chars().count();
+    if count <= LONGEST_HEAD {
+        name.to_owned()
+    } else {
+        format!("…{}", name.chars().skip(count + 1 - LONGEST_HEAD).collect::<String>())
+    }
 }
 
 /// Parses a quantity of a sweep file.

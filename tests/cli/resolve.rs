@@ -39,7 +39,9 @@ fn stability_prints_the_margins() {
 #[test]
 fn answer_is_printed_as_text_and_as_json() {
     let table = success(&["resolve", EXAMPLE]);
-    for part in ["joint velocity ", "task `push`, rank 1", "task `rest`, rank 5", "solved by closed_form, optimal"] {
+    for part in
+        ["velocity (rad/s, m/s)\nj1 ", "task `push`, rank 1", "task `rest`, rank 5", "solved by closed_form, optimal"]
+    {
         assert!(table.contains(part), "{part} is not in {table}");
     }
     let answer: serde_json::Value = serde_json::from_str(&success(&["resolve", EXAMPLE, "--json"])).unwrap();

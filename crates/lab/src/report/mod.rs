@@ -30,7 +30,7 @@ pub mod markdown;
 mod markup;
 pub mod metrics;
 pub mod notes;
-mod number;
+pub mod number;
 mod output;
 pub mod paper_figures;
 mod png;

@@ -63,7 +63,12 @@ impl Plan {
                 let mut scenario = self.base.clone();
                 path::set(&mut scenario, &variation.path, value)?;
                 let read: Result<Scenario, _> = serde_json::from_value(scenario);
-                read.map_err(|error| format!("`{}` = {value}: {error}", variation.path))?;
+                read.map_err(|error| {
+                    format!(
+                        "`{}` = {value}: {error}; write values like 0,0.001 or lin:0..1:5 or log:1..1e6:10",
+                        variation.path
+                    )
+                })?;
             }
         }
         Ok(())
