@@ -46,6 +46,8 @@ mod level;
 mod plan;
 mod plan_run;
 mod problem;
+mod regularity;
+mod relaxed_levels;
 mod resolver;
 mod scaling;
 mod singularity;

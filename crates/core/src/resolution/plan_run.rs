@@ -66,6 +66,11 @@ impl PlanRun {
             if step.is_last() {
                 self.finish(problem, step, damping, engine);
             }
+            // A scaled task keeps its direction exactly.
+            let keeps_direction = self.scales.iter().any(Option::is_some);
+            if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
+                self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
+            }
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
             is_optimal &= self.solution.is_optimal;
             working_sets += self.solution.working_sets;
@@ -77,16 +82,13 @@ impl PlanRun {
         (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
     }
 
-    /// Scales tasks, explains contradictions, and makes the damped answer continuous.
+    /// Scales tasks and explains contradictions.
     fn finish(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
         if problem.tasks.tasks().iter().any(|task| task.scaled) {
             self.scale(problem, step, damping, engine);
         }
         if self.solution.is_optimal {
             write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
-        }
-        if let Some(factors) = problem.damping {
-            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
     }
 
