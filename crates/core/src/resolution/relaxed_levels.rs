@@ -3,11 +3,13 @@
 use super::engine::Engine;
 use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
 use super::plan::PlannedProblem;
-use super::regularity::HALF_WIDTH;
 use crate::linalg::Damping;
 
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
-const KEPT: f64 = 50.0;
+const KEPT: f64 = 60.0;
+
+/// Weight of the highest task while it is reached for, relative to that of a lower task.
+const FIRST: f64 = 2.0;
 
 /// The workspace of the answers X_k.
 #[derive(Default)]
@@ -15,20 +17,20 @@ pub struct RelaxedLevels {
     /// x^f, the answer without limits and without inequality rows.
     pub free: Solution,
     problem: Hierarchy,
-    /// The point that the next problem stays near to, at first x^s.
+    /// Levels of hard inequalities above the tasks: 0 or 1.
+    hard: usize,
+    /// The point that the next problem stays near to, at first the point of the box next to x^f.
     near: Vec<f64>,
-    /// τ: how much of the way from the middle of the box to x^f is in the box.
-    scale: f64,
     guess: WorkingSet,
     active: Vec<Option<Side>>,
 }
 
 impl RelaxedLevels {
-    /// Computes x^f and x^s = c + τ (x^f − c), the nearest point to x^f in the box on the way from its middle c.
-    pub fn start(&mut self, planned: &PlannedProblem, engine: &mut Engine, exact: &Solution) {
+    /// Computes x^f.
+    pub fn start(&mut self, planned: &PlannedProblem, hard: usize, engine: &mut Engine, exact: &Solution) {
+        self.hard = hard;
         self.active.clone_from(&exact.working_set.unknowns);
-        let Self { free, problem, scale, .. } = self;
-        let levels = &planned.levels;
+        let (levels, problem) = (&planned.levels, &mut self.problem);
         problem.clear(&levels.reference);
         for level in 0..levels.level_ends.len() {
             for row in (levels.level_start(level)..levels.level_ends[level]).filter(|&row| levels.is_equation(row)) {
@@ -36,16 +38,7 @@ impl RelaxedLevels {
             }
             problem.end_level();
         }
-        engine.solve(problem, None, free);
-        *scale = 1.0;
-        for (j, &x) in free.x.iter().enumerate() {
-            let middle = middle(levels.lower[j], levels.upper[j]);
-            let bound = if x > middle { levels.upper[j] } else { levels.lower[j] };
-            let (width, distance) = ((bound - middle).abs(), (x - middle).abs());
-            if distance > width {
-                *scale = scale.min(width / distance);
-            }
-        }
+        engine.solve(problem, None, &mut self.free);
     }
 
     /// Computes X_k, k = `kept`: the first k levels exactly, then one problem for each level below. It stays near the answer of
@@ -58,9 +51,8 @@ impl RelaxedLevels {
         engine: &mut Engine,
         found: &mut Solution,
     ) {
-        let Self { free, near, scale, .. } = self;
-        let bounds = levels.lower.iter().zip(&levels.upper).map(|(&lower, &upper)| middle(lower, upper));
-        refill(near, free.x.iter().zip(bounds).map(|(x, middle)| middle + *scale * (x - middle)));
+        let bounds = levels.lower.iter().zip(&levels.upper);
+        refill(&mut self.near, self.free.x.iter().zip(bounds).map(|(x, (lower, upper))| x.max(*lower).min(*upper)));
         let (mut is_optimal, mut kkt_residual, mut working_sets, mut rank_uncertain) = (true, 0.0_f64, 0, false);
         for level in kept..levels.level_ends.len() {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
@@ -82,7 +74,7 @@ impl RelaxedLevels {
     /// Writes the problem that reaches for one level: the first `kept` levels, then a level of rows that reach for it, rows
     /// that keep what the levels between have achieved, and the distance from the point before.
     fn write(&mut self, levels: &Hierarchy, kept: usize, reached: usize, weight: f64) {
-        let Self { free, problem, near, scale, .. } = self;
+        let Self { free, problem, near, hard, .. } = self;
         problem.clear(near);
         problem.lower.copy_from_slice(&levels.lower);
         problem.upper.copy_from_slice(&levels.upper);
@@ -92,9 +84,10 @@ impl RelaxedLevels {
                 push_rows(problem, levels, rows, 1.0, None);
                 problem.end_level();
             } else if level < reached {
-                push_rows(problem, levels, rows, KEPT * weight, Some((near, 1.0)));
+                push_rows(problem, levels, rows, KEPT * weight, Some(near));
             } else {
-                push_rows(problem, levels, rows, weight, Some((&free.x, *scale)));
+                let factor = if level == *hard { FIRST } else { 1.0 };
+                push_rows(problem, levels, rows, factor * weight, Some(&free.x));
             }
         }
         for (i, &x) in near.iter().enumerate() {
@@ -104,37 +97,25 @@ impl RelaxedLevels {
     }
 }
 
-/// Adds rows of the levels with a weight. With a point and a part τ, equations aim at b + τ (a·point − b), and bounds that the
-/// point violates are moved by the part τ of the violation.
+/// Adds rows of the levels with a weight. With a point, equations aim at what the point achieves, and bounds are widened so
+/// that they contain it.
 fn push_rows(
     problem: &mut Hierarchy,
     levels: &Hierarchy,
     rows: std::ops::Range<usize>,
     weight: f64,
-    aim: Option<(&[f64], f64)>,
+    aim: Option<&[f64]>,
 ) {
     for row in rows {
         let coefficients = levels.row(row);
         let (mut lower, mut upper) = (levels.row_lower[row], levels.row_upper[row]);
-        if let Some((point, part)) = aim {
+        if let Some(point) = aim {
             let value = product(coefficients, point);
-            if levels.is_equation(row) {
-                lower += part * (value - lower);
-                upper = lower;
-            } else if value < lower {
-                lower += part * (value - lower);
-            } else if value > upper {
-                upper += part * (value - upper);
-            }
+            (lower, upper) =
+                if levels.is_equation(row) { (value, value) } else { (lower.min(value), upper.max(value)) };
         }
         problem.push_row(coefficients.iter().map(|a| weight * a), weight * lower, weight * upper);
     }
-}
-
-/// Returns the middle between two bounds; with one bound or none, the speed next to zero that is `HALF_WIDTH` inside.
-fn middle(lower: f64, upper: f64) -> f64 {
-    let middle = 0.5 * (lower + upper);
-    if middle.is_finite() { middle } else { 0.0_f64.max(lower + HALF_WIDTH).min(upper - HALF_WIDTH) }
 }
 
 fn product(row: &[f64], x: &[f64]) -> f64 {

@@ -42,7 +42,7 @@ impl Smoothing {
         if weight == 1.0 {
             return;
         }
-        self.relaxed.start(planned, engine, solution);
+        self.relaxed.start(planned, hard, engine, solution);
         self.weights.clear();
         self.parts.resize_with((count - hard + 1).max(self.parts.len()), Solution::default);
         self.parts[0].copy_from(solution);

@@ -1,6 +1,8 @@
 //! Measures how much damped commands jump, how steep they are, and what that costs: the tables of `docs/solver.md`.
 
-use revprio_core::resolution::Solver;
+use revprio_core::linalg::Damping;
+use revprio_core::resolution::{Method, Problem, Solver, resolve};
+use revprio_core::task::TaskStack;
 
 use crate::smooth_paths::{FAMILIES, METHODS, Path, Step, Walk};
 
@@ -29,6 +31,21 @@ struct Row {
     working_sets: u32,
     residuals: [f64; 4],
     changes: Vec<f64>,
+    /// How much more than the limits force it to task 1 misses, where it is not singular itself.
+    misses: Vec<f64>,
+}
+
+/// Returns how much more task 1 misses than within the limits alone; `None` for a task with bounds and near its own singularity.
+fn miss(problem: &Problem) -> Option<f64> {
+    let first = &problem.tasks.tasks()[0];
+    let sigma = first.jacobian.clone().svd(false, false).singular_values.min();
+    if !first.is_equation() || sigma < Damping::STANDARD.threshold() {
+        return None;
+    }
+    let tasks = TaskStack::new(vec![first.clone()]).unwrap();
+    let alone = Problem { tasks, method: Method::StrictReversePriority, damping: None, ..problem.clone() };
+    let residual = |problem: &Problem| resolve(problem, &[]).unwrap().tasks[0].residual_norm;
+    Some(residual(problem) - residual(&alone))
 }
 
 impl Row {
@@ -36,6 +53,7 @@ impl Row {
         let mut walk = Walk::new(path, Solver::Auto);
         let mut steps = walk.steps(STEPS);
         self.limited += walk.limited;
+        self.misses.extend((0..200).filter_map(|step| miss(&path.problem(f64::from(step) / 200.0))));
         self.working_sets += walk.working_sets;
         for (sum, residual) in self.residuals.iter_mut().zip(walk.residuals) {
             *sum += residual;
@@ -51,15 +69,20 @@ impl Row {
     fn print(&mut self, name: &str) {
         self.changes.sort_by(f64::total_cmp);
         let answers = self.changes.len() as f64;
+        self.misses.sort_by(f64::total_cmp);
+        let misses = self.misses.len() as f64;
+        let miss = [self.misses.iter().sum::<f64>() / misses, self.misses[self.misses.len() * 99 / 100]];
         println!(
-            "| {name} | {:.0} % | {} | {} | {:.3} | {:.4} | {:.2} | {:.3?} |",
+            "| {name} | {:.0} % | {} | {} | {:.3} | {:.4} | {:.2} | {:.3?} | {:.4?}, {:.1} % |",
             100.0 * f64::from(self.limited) / answers,
             self.jumps,
             self.steep,
             self.changes.last().unwrap(),
             self.changes[self.changes.len() * 99 / 100],
             f64::from(self.working_sets) / answers,
-            self.residuals.map(|sum| sum / answers)
+            self.residuals.map(|sum| sum / answers),
+            miss,
+            100.0 * self.misses.iter().filter(|&&miss| miss > 1e-6).count() as f64 / misses,
         );
     }
 }
@@ -72,6 +95,9 @@ fn table_of_jumps() {
         "| family | method | limited | jump | steep | largest change | 99 % | working sets | residuals of the tasks |"
     );
     for (family, method) in FAMILIES.into_iter().flat_map(|family| METHODS.map(|method| (family, method))) {
+        if method == Method::TaskPriority || std::env::var("FAMILY").is_ok_and(|it| it != format!("{family:?}")) {
+            continue;
+        }
         let mut row = Row::default();
         for seed in 0..PATHS {
             row.add(&Path::random(seed, method, family));
