@@ -85,13 +85,17 @@ fn weight(levels: &[Level], limits: &VelocityBox, x: &Vector, threshold: f64) ->
     independent.max(determined * above)
 }
 
-/// Rows with a weight that keep what a velocity achieves: bounds give way until they contain it.
-fn kept_at(level: &Level, velocity: &Vector, weight: f64) -> Level {
+/// Rows with a weight that aim at the part τ of what a velocity achieves: bounds give way by this part of the violation.
+fn aimed_at(level: &Level, velocity: &Vector, part: f64, weight: f64) -> Level {
     let achieved = &level.rows * velocity;
+    let moved = |bound: f64, value: f64| if part == 1.0 { value } else { bound + part * (value - bound) };
     let (lower, upper) = if level.is_equation() {
-        (achieved.clone(), achieved)
+        let target = level.lower.zip_map(&achieved, moved);
+        (target.clone(), target)
     } else {
-        (level.lower.zip_map(&achieved, f64::min), level.upper.zip_map(&achieved, f64::max))
+        let lower = level.lower.zip_map(&achieved, |bound, value| if value < bound { moved(bound, value) } else { bound });
+        let upper = level.upper.zip_map(&achieved, |bound, value| if value > bound { moved(bound, value) } else { bound });
+        (lower, upper)
     };
     Level { rows: &level.rows * weight, lower: lower * weight, upper: upper * weight }
 }
@@ -109,11 +113,16 @@ fn merged(levels: &[Level]) -> Level {
 /// What the levels between have achieved counts sixty times as much.
 fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_factor: f64) -> Vector {
     let weight = 1.0 + 1.0 / max_factor;
-    let start = Vector::from_fn(N, |j, _| free[j].clamp(limits.lower()[j], limits.upper()[j]));
+    let bounds = |j: usize| (limits.lower()[j], limits.upper()[j]);
+    let middle = Vector::from_fn(N, |j, _| (bounds(j).0 + bounds(j).1) / 2.0);
+    let way = free - &middle;
+    let reach = |j: usize| (bounds(j).1 - bounds(j).0) / 2.0 / way[j].abs();
+    let scale = (0..N).map(reach).fold(1.0, f64::min);
+    let start = middle + way * scale;
     (kept..levels.len()).fold(start, |point, reached| {
         let mut rows: Vec<Level> =
-            levels[kept..reached].iter().map(|level| kept_at(level, &point, 60.0 * weight)).collect();
-        rows.push(kept_at(&levels[reached], free, if reached == 0 { 2.0 * weight } else { weight }));
+            levels[kept..reached].iter().map(|level| aimed_at(level, &point, 1.0, 60.0 * weight)).collect();
+        rows.push(aimed_at(&levels[reached], free, scale, if reached == 0 { 2.0 * weight } else { weight }));
         rows.push(Level { rows: Matrix::identity(N, N), lower: point.clone(), upper: point.clone() });
         let all: Vec<Level> = levels[..kept].iter().cloned().chain([merged(&rows)]).collect();
         solve(&all, limits, &point, None).joint_velocity

@@ -53,6 +53,7 @@ mod scaling;
 mod singularity;
 mod smoothing;
 mod solver;
+mod strict_targets;
 
 pub use answer::{
     ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LimitViolation, Path, Resolution, SolverReport,

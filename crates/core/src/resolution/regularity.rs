@@ -5,7 +5,7 @@ use super::plan::{Origin, PlannedProblem};
 use crate::linalg::{Matrix, write_singular_values};
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
-const HALF_WIDTH: f64 = 1.0;
+pub const HALF_WIDTH: f64 = 1.0;
 
 /// Matrices above this size get their eigenvalues from nalgebra, which allocates.
 const MAX_JACOBI_SIZE: usize = 32;

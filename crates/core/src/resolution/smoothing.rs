@@ -70,37 +70,8 @@ impl Smoothing {
             }
         }
         for part in self.parts[1..=last].iter().chain([&self.relaxed.free]) {
-            solution.is_optimal &= part.is_optimal;
-            solution.kkt_residual = solution.kkt_residual.max(part.kkt_residual);
-            solution.working_sets += part.working_sets;
-            solution.rank_uncertain |= part.rank_uncertain;
+            solution.doubt(part);
         }
-        for (x, (lower, upper)) in solution.x.iter_mut().zip(levels.lower.iter().zip(&levels.upper)) {
-            // Not a number stays one: the answer is then refused.
-            *x = if *x < *lower {
-                *lower
-            } else if *x > *upper {
-                *upper
-            } else {
-                *x
-            };
-        }
-        for row in 0..levels.row_count() {
-            solution.row_values[row] = levels.row(row).iter().zip(&solution.x).map(|(a, x)| a * x).sum();
-        }
-        // A bound that the blend does not reach holds nothing back.
-        let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
-            if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }
-        };
-        for (j, multiplier) in solution.multipliers.iter_mut().enumerate() {
-            let reaches = |it: &f64| reaches(*it, solution.x[j], levels.lower[j], levels.upper[j]);
-            *multiplier = [*multiplier, self.parts[last].multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
-        }
-        for (row, multiplier) in solution.row_multipliers.iter_mut().enumerate() {
-            let value = solution.row_values[row];
-            if !levels.is_equation(row) && !reaches(*multiplier, value, levels.row_lower[row], levels.row_upper[row]) {
-                *multiplier = 0.0;
-            }
-        }
+        levels.settle(solution, &self.parts[last]);
     }
 }
