@@ -42,7 +42,7 @@ struct Findings {
     warm_started: u32,
 }
 
-pub fn any_problem(random: &mut Random, family: Family) -> Problem {
+fn any_problem(random: &mut Random, family: Family) -> Problem {
     let method = random.pick(&[
         Method::ReversePriority,
         Method::ReversePriority,
