@@ -93,8 +93,10 @@ fn aimed_at(level: &Level, velocity: &Vector, part: f64, weight: f64) -> Level {
         let target = level.lower.zip_map(&achieved, moved);
         (target.clone(), target)
     } else {
-        let lower = level.lower.zip_map(&achieved, |bound, value| if value < bound { moved(bound, value) } else { bound });
-        let upper = level.upper.zip_map(&achieved, |bound, value| if value > bound { moved(bound, value) } else { bound });
+        let lower =
+            level.lower.zip_map(&achieved, |bound, value| if value < bound { moved(bound, value) } else { bound });
+        let upper =
+            level.upper.zip_map(&achieved, |bound, value| if value > bound { moved(bound, value) } else { bound });
         (lower, upper)
     };
     Level { rows: &level.rows * weight, lower: lower * weight, upper: upper * weight }
@@ -114,7 +116,7 @@ fn merged(levels: &[Level]) -> Level {
 fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_factor: f64) -> Vector {
     let weight = 1.0 + 1.0 / max_factor;
     let bounds = |j: usize| (limits.lower()[j], limits.upper()[j]);
-    let middle = Vector::from_fn(N, |j, _| (bounds(j).0 + bounds(j).1) / 2.0);
+    let middle = Vector::from_fn(N, |j, _| f64::midpoint(bounds(j).0, bounds(j).1));
     let way = free - &middle;
     let reach = |j: usize| (bounds(j).1 - bounds(j).0) / 2.0 / way[j].abs();
     let scale = (0..N).map(reach).fold(1.0, f64::min);

@@ -37,7 +37,7 @@ impl SmallSvd {
     }
 
     /// Returns the number of singular values, min(m, n).
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.order.len()
     }
 
@@ -48,7 +48,7 @@ impl SmallSvd {
 
     /// Returns the number of singular values above `tolerance`.
     pub fn rank(&self, tolerance: f64) -> usize {
-        (0..self.len()).take_while(|&place| self.sigma(place) > tolerance).count()
+        (0..self.count()).take_while(|&place| self.sigma(place) > tolerance).count()
     }
 
     /// Returns the left singular vector of a singular value that is not zero, m.
@@ -78,13 +78,13 @@ mod tests {
         let mut svd = SmallSvd::default();
         for (m, n) in [(2, 4), (4, 2), (3, 3), (1, 1)] {
             svd.decompose(m, n, entry);
-            assert_eq!((svd.len(), svd.rank(1e-9)), (m.min(n), m.min(n)));
-            assert!((1..svd.len()).all(|place| svd.sigma(place) <= svd.sigma(place - 1)));
+            assert_eq!((svd.count(), svd.rank(1e-9)), (m.min(n), m.min(n)));
+            assert!((1..svd.count()).all(|place| svd.sigma(place) <= svd.sigma(place - 1)));
             for (i, j) in (0..m).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let part = |place| {
                     svd.sigma(place) * svd.left(place).nth(i).unwrap_or(0.0) * svd.right(place).nth(j).unwrap_or(0.0)
                 };
-                let sum: f64 = (0..svd.len()).map(part).sum();
+                let sum: f64 = (0..svd.count()).map(part).sum();
                 assert!((sum - entry(i, j)).abs() < 1e-12, "{m} x {n}: {sum}");
             }
         }

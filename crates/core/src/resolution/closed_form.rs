@@ -66,6 +66,8 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
 
 /// q̇ ← q̇ + (J_k N_k)^# (ẋ_k − J_k q̇) for k = 1 … l, N_k the null-space projector of all higher tasks; then N ζ̇.
 ///
+/// Weak directions of J_k N belong to N gradually: the answer is an average, see `docs/solver.md`, section 9.
+///
 /// Paper: Eq. (11), with the augmented Jacobian in the projector.
 fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -> ClosedForm {
     let n = zeta.len();
@@ -135,6 +137,8 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
 /// J_k^# is damped with μ_k from σ_min(J_k), (J_k^RP)^# with λ_k from σ_min(J_k^RP). J_k T_k has the rank of J_k. The product
 /// T_k (J_k T_k)⁺ does not depend on the length of the rows of J_k in J_k^RP. They are made longer than the lower ones,
 /// because short rows would stand in J_k T_k squared.
+///
+/// Lower tasks may use weak directions of J_k gradually: the stage is an average, see `docs/solver.md`, section 9.
 ///
 /// Paper: Eqs. (22), (25), (29), (32), which are this without damping.
 fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>) -> ClosedForm {

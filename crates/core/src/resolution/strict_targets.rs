@@ -89,7 +89,7 @@ impl StrictTargets {
         self.project(task, &chain.kept);
         let rows = &self.rows;
         self.svd.decompose(m, n, |i, j| rows[i * n + j]);
-        let open = self.svd.len().min(n - chain.kept.len() / n);
+        let open = self.svd.count().min(n - chain.kept.len() / n);
         let rank = self.svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / chain.weakest) * norm).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
         let kkt_residual = self.step(chain, task, target, rank, lambda);

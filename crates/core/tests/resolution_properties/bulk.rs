@@ -181,7 +181,9 @@ fn every_property_holds_in_the_last_quarter_of_1e5_problems() {
 #[test]
 fn every_property_holds_for_seeds_that_once_failed() {
     let mut findings = Findings::default();
-    for seed in [32_394, 1_061_814, 1_098_138, 1_197_619, 1_255_632, 1_598_529, 1_664_480, 1_670_790, 1_762_533, 1_976_064] {
+    for seed in
+        [32_394, 1_061_814, 1_098_138, 1_197_619, 1_255_632, 1_598_529, 1_664_480, 1_670_790, 1_762_533, 1_976_064]
+    {
         findings.examine(seed, WIDE);
     }
     assert_all_properties(&findings, 0, 1e-8);
