@@ -134,6 +134,9 @@ fn a_jump_of_the_sequence_number_is_flagged() {
     assert!(session.warnings(&state(5000, 0.002, 0.0)).contains("advanced by 4999"));
     // A client that was silent for half a second counts on.
     assert!(!session.warnings(&state(5500, 0.502, 0.0)).contains("sequence"));
+    // Twice the number of periods is plausible above 100 states.
+    assert!(!session.warnings(&state(5650, 0.592, 0.0)).contains("sequence"));
+    assert!(session.warnings(&state(5850, 0.682, 0.0)).contains("advanced by 200"));
 }
 
 #[test]
