@@ -2,7 +2,7 @@
 
 `a < b` with the mutants 17 and 18 is written as
 
-    (match crate::mutant([17, 18]) { 0 => { a < b } 1 => { a <= b } _ => { a > b } })
+    (match crate::mutant([17, 18]) { 0 => (a < b), 1 => (a <= b), _ => (a > b) })
 
 Only one mutant is active at a time. So the texts of the mutants contain no other mutant, and the first arm contains all that
 are nested. Each mutant has lines of its own: an error of the compiler names its mutant by its line.
@@ -142,11 +142,11 @@ def _written(text, start, end, seams):
                 yield ")", None
             yield " ", None
         else:
-            yield f"(match crate::mutant([{numbers}]) {{ 0 => {{ ", None
+            yield f"(match crate::mutant([{numbers}]) {{ 0 => (", None
             yield from _written(text, seam.start, seam.end, inner)
-            yield " }\n", None
+            yield "),\n", None
             for arm, (number, new) in zip(arms, seam.alternatives.items()):
-                yield f"{arm} => {{ {new} }}", number
+                yield f"{arm} => ({new}),", number
                 yield "\n", None
             yield "})", None
     yield text[at:end], None
