@@ -148,6 +148,8 @@ fn a_position_that_no_motion_explains_is_flagged() {
     assert!(flagged.contains("`j1` jumped") && flagged.contains("check the sensor"), "{flagged}");
     // The joint may move by 0.17 rad in 0.1 s.
     assert_eq!(session.warnings(&state(103, 0.103, -0.1)), "");
+    // 0.02 rad and one and a half times its speed limit, 0.28 rad in 0.1 s.
+    assert!(session.warnings(&state(203, 0.203, -0.4)).contains("`j1` jumped"));
 }
 
 #[test]

@@ -75,8 +75,12 @@ class Source:
             return True
         return bool(token) and (token[0].isalnum() or token[0] in "_\"'") and token not in KEYWORDS
 
-    def binary(self, offset):
-        """Returns the extent of the expression whose binary or assigning operator is at an offset."""
+    def binary(self, offset, replacement):
+        """Returns the extent of the expression whose binary or assigning operator is at an offset.
+
+        It contains the neighbours that bind as strongly as the old operator or its replacement: a * b * c with + in the first
+        place is a + b * c.
+        """
         i = self.index(offset)
         operator = self.tokens[i]
         if operator in ASSIGNMENTS:
@@ -84,7 +88,7 @@ class Source:
             while self.tokens[last] not in (";", ",", ")", "]", "}"):
                 last = self.partner.get(last, last) + 1
             return self.starts[first], self.ends[last - 1]
-        strength = PRECEDENCE[operator]
+        strength = min(PRECEDENCE[operator], PRECEDENCE[replacement])
         first = self._operand_before(i)
         while self.ends_operand(first - 2) and PRECEDENCE.get(self.token(first - 1), 0) >= strength:
             first = self._operand_before(first - 1)

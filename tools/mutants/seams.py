@@ -85,7 +85,7 @@ def seam_of(source, lines, mutant):
         comma = re.match(r"\s*,", text[end:])
         cut = end + (comma.end() if comma else 0)
         return Seam(first, last, "expression"), text[first:start] + text[cut:last]
-    first, last = source.unary(start) if genre == "UnaryOperator" else source.binary(start)
+    first, last = source.unary(start) if genre == "UnaryOperator" else source.binary(start, new)
     return Seam(first, last, "expression"), text[first:start] + new + text[end:last]
 
 
