@@ -4,8 +4,8 @@
 
     (match crate::mutant([17, 18]) { 0 => (a < b), 1 => (a <= b), _ => (a > b) })
 
-Only one mutant is active at a time. So the texts of the mutants contain no other mutant, and the first arm contains all that
-are nested. Each mutant has lines of its own: an error of the compiler names its mutant by its line.
+Only one mutant is active at a time. So the texts of the mutants contain no other mutant, and the first arm contains all
+that are nested. Each mutant has lines of its own: an error of the compiler names its mutant by its line.
 """
 
 import re
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from rust_expressions import Source, Unsupported
 
-MODULE = '''
+MODULE = """
 pub(crate) use mutant_choice::mutant;
 mod mutant_choice {
     use std::io::Write;
@@ -49,7 +49,7 @@ mod mutant_choice {
         numbers.iter().position(|&number| number == chosen).map_or(0, |place| place + 1)
     }
 }
-'''
+"""
 
 
 @dataclass
@@ -90,7 +90,7 @@ def seam_of(source, lines, mutant):
 
 
 def write_seams(text, mutants, unviable):
-    """Returns the text with the mutants (number → mutant), the mutant of each line, and the reasons of those left out."""
+    """Returns the text with the mutants (number → mutant), the mutant of each line, and why others are left out."""
     source = Source(text)
     lines = [0] + [m.end() for m in re.finditer("\n", text)]
     seams, left_out = {}, {}

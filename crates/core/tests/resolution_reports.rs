@@ -273,7 +273,11 @@ fn ranks_of_tasks_change_at_the_tolerance() {
             let one = resolve(&problem(&[rows(&[a, b], unit)]), &[]).unwrap();
             assert_eq!(one.tasks[0].rank, rank, "{angle}, {unit}");
             let two = resolve(&problem(&[rows(&[a], unit), rows(&[b], unit)]), &[]).unwrap();
-            assert_eq!((two.tasks[0].algorithmic, two.singularity.algorithmic), (rank == 1, rank == 1), "{angle}, {unit}");
+            assert_eq!(
+                (two.tasks[0].algorithmic, two.singularity.algorithmic),
+                (rank == 1, rank == 1),
+                "{angle}, {unit}"
+            );
         }
     }
 }

@@ -163,8 +163,7 @@ impl<'a> Expected<'a> {
             let coarse = amount * (1.0 + size / length);
             let is_doubtful = |value: f64| value > self.rounding * amount && value <= self.rounding * coarse;
             let open = self.undecided.iter().map(|&j| h[j].abs());
-            if dependents > 0
-                && open.chain(self.undecided_rows.iter().map(|&row| force(w[row], row))).any(is_doubtful)
+            if dependents > 0 && open.chain(self.undecided_rows.iter().map(|&row| force(w[row], row))).any(is_doubtful)
             {
                 for (w, e) in self.dependent_parts(k) {
                     sizes.iter_mut().zip(&e).for_each(|(sum, e)| *sum += size * e.abs());
@@ -247,7 +246,12 @@ fn the_conditions_are_those_of_the_documentation() {
             assert_near(&found.multipliers.0[..exact.len()], &expected.multipliers, &context);
             assert_near(&found.row_multipliers, &expected.row_multipliers, &context);
             let difference = (found.residual - expected.residual).abs();
-            assert!(difference <= 1e-7 * expected.residual + 1e-13, "{context}: {} {}", found.residual, expected.residual);
+            assert!(
+                difference <= 1e-7 * expected.residual + 1e-13,
+                "{context}: {} {}",
+                found.residual,
+                expected.residual
+            );
             wrong += expected.wrong.len();
             wrong_rows += expected.wrong_rows.len();
             decided += expected.row_multipliers.iter().filter(|entry| **entry != 0.0).count();

@@ -28,12 +28,20 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
         assert!(is_near(&solved.x.0[..n], x.as_slice(), speed), "seed {seed}: {:?} {x}", solved.x);
         let base_norm = solved.held.iter().map(|&j| solved.base.0[j].powi(2)).sum::<f64>().sqrt();
         assert!((solved.base_norm - base_norm).abs() < 1e-15 && speed >= solved.base_norm + solved.y.norm());
-        assert!(is_near(&solved.reference.0, &over_coordinates(solved, &problem.reference.times(&solved.is_free)), 1.0));
+        assert!(is_near(
+            &solved.reference.0,
+            &over_coordinates(solved, &problem.reference.times(&solved.is_free)),
+            1.0
+        ));
         let projectors = of.projectors();
         let mut first = 0;
         for (k, span) in solved.spans.iter().enumerate() {
             let rank = (projectors[k].trace() - projectors[k + 1].trace()).round() as usize;
-            assert_eq!((span.first, span.rank(), span.rank_end()), (first, rank, first + rank), "seed {seed}, level {k}");
+            assert_eq!(
+                (span.first, span.rank(), span.rank_end()),
+                (first, rank, first + rank),
+                "seed {seed}, level {k}"
+            );
             first += rank;
             let norm = problem.levels[k].norm;
             let rows = &solved.rows[span.start..span.end];

@@ -40,7 +40,8 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
         for (level, A) in matrices.iter().enumerate() {
             let svd = Svd::new(&(A * &N));
             let rank = svd.rank(1e-9);
-            let smallest = if rank == A.nrows().min(open) { svd.singular_values().get(rank.wrapping_sub(1)) } else { None };
+            let smallest =
+                if rank == A.nrows().min(open) { svd.singular_values().get(rank.wrapping_sub(1)) } else { None };
             let found = solver.last().smallest_of_level(level);
             assert!((found - smallest.copied().unwrap_or(0.0)).abs() < 1e-12, "seed {seed}: {found} {smallest:?}");
             N -= svd.row_projector(rank);
