@@ -20,6 +20,11 @@ pub fn numbers(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+/// Returns 0 … count − 1 from a number between −1 and 1.
+pub fn below(number: f64, count: usize) -> usize {
+    (1..count).filter(|&i| (number + 1.0) / 2.0 * count as f64 >= i as f64).count()
+}
+
 /// A working set of a problem, factorised and solved.
 pub struct RandomSet {
     pub problem: ProblemRows<WIDTH>,
@@ -32,7 +37,7 @@ impl RandomSet {
     /// half of the inequality rows are active.
     pub fn new(seed: u64) -> Self {
         let mut number = numbers(seed);
-        let mut below = |count: usize| ((number() + 1.0) / 2.0 * count as f64) as usize;
+        let mut below = |count: usize| below(number(), count);
         let (n, level_count) = (3 + below(5), 1 + below(3));
         let rows_of: Vec<usize> = (0..level_count).map(|_| 1 + below(4)).collect();
         let mut number = numbers(seed + 1_000_000);
@@ -40,13 +45,13 @@ impl RandomSet {
         hierarchy.clear(&(0..n).map(|_| number()).collect::<Vec<_>>());
         let mut set = WorkingSet::default();
         set.clear(n, 0);
-        for j in 0..n {
+        for (j, active) in set.unknowns.iter_mut().enumerate() {
             let (a, b) = (number(), number());
             (hierarchy.lower[j], hierarchy.upper[j]) = (a.min(b), a.max(b));
-            set.unknowns[j] = side(number());
+            *active = side(number());
             if number() > 0.8 {
                 hierarchy.upper[j] = hierarchy.lower[j];
-                set.unknowns[j] = None;
+                *active = None;
             }
         }
         let mut known: Vec<Vec<f64>> = Vec::new();
@@ -76,7 +81,7 @@ impl RandomSet {
         Self { problem, set, solved }
     }
 
-    /// Returns the active rows of a level, and their number.
+    /// Returns the active rows of a level.
     pub fn active(&self, level: usize) -> Vec<usize> {
         let level = self.problem.levels[level];
         (level.start..level.end).filter(|&row| self.problem.is_active(&self.set, row)).collect()

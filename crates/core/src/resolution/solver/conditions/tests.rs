@@ -108,9 +108,10 @@ impl<'a> Expected<'a> {
             self.of.matrix(rows).tr_mul(&Vector::from_iterator(rows.len(), rows.iter().map(|&row| w[row])))
         };
         // What the multipliers must balance has no errors in the point, which count as errors of stationarity.
-        let mut balanced = match k == problem.levels.len() {
-            true => Vector::from_fn(n, |j, _| problem.reference.0[j]) - &self.exact,
-            false => sum(&w, &self.of.active(k)),
+        let mut balanced = if k == problem.levels.len() {
+            Vector::from_fn(n, |j, _| problem.reference.0[j]) - &self.exact
+        } else {
+            sum(&w, &self.of.active(k))
         };
         if k < problem.levels.len() {
             h = balanced.clone();
@@ -152,9 +153,10 @@ impl<'a> Expected<'a> {
         };
         let (w, h, amount) = self.multipliers_of(k, &own);
         let last = k == problem.levels.len();
-        let (length, norm) = match last {
-            true => (Vector::from_fn(problem.unknowns, |j, _| problem.reference.0[j] - solved.x.0[j]).norm(), 1.0),
-            false => (own.iter().map(|(_, entry)| entry * entry).sum::<f64>().sqrt(), self.norm(k)),
+        let (length, norm) = if last {
+            (Vector::from_fn(problem.unknowns, |j, _| problem.reference.0[j] - solved.x.0[j]).norm(), 1.0)
+        } else {
+            (own.iter().map(|(_, entry)| entry * entry).sum::<f64>().sqrt(), self.norm(k))
         };
         let force = |w: f64, row: usize| w.abs() * self.of.matrix(&[row]).norm();
         let (mut sizes, mut row_sizes) = (vec![amount; problem.unknowns], vec![amount; problem.rows.len()]);

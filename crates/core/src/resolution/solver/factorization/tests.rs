@@ -21,7 +21,7 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
     let mut residuals = 0;
     for seed in 0..1000 {
         let of = RandomSet::new(seed);
-        let RandomSet { problem, set, solved } = &of;
+        let RandomSet { problem, solved, .. } = &of;
         let n = problem.unknowns;
         let x = of.point();
         let speed = solved.peak_speed;
@@ -36,7 +36,8 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
         let projectors = of.projectors();
         let mut first = 0;
         for (k, span) in solved.spans.iter().enumerate() {
-            let rank = (projectors[k].trace() - projectors[k + 1].trace()).round() as usize;
+            let taken = projectors[k].trace() - projectors[k + 1].trace();
+            let rank = (0..WIDTH).take_while(|&rank| rank as f64 + 0.5 < taken).count();
             assert_eq!(
                 (span.first, span.rank(), span.rank_end()),
                 (first, rank, first + rank),
@@ -66,7 +67,6 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
             }
         }
         assert_eq!(solved.rank(), first);
-        assert!(set.rows.iter().zip(&problem.row_lower).count() == problem.rows.len());
     }
     assert!(residuals > 200, "{residuals}");
 }

@@ -3,13 +3,13 @@
 
 use super::*;
 use crate::linalg::{Matrix, Svd};
-use crate::resolution::solver::random_sets::numbers;
+use crate::resolution::solver::random_sets::{below, numbers};
 
 /// Returns levels of random rows for n unknowns, and their matrices. A third of the rows depends on the one before.
 fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
     let mut number = numbers(seed);
-    let mut below = |count: usize| ((number() + 1.0) / 2.0 * count as f64) as usize;
-    let (n, counts) = (2 + below(6), (0..1 + below(3)).map(|_| 1 + below(4)).collect::<Vec<_>>());
+    let mut below = |count: usize| below(number(), count);
+    let (n, counts) = (2 + below(6), (0..=below(3)).map(|_| 1 + below(4)).collect::<Vec<_>>());
     let mut number = numbers(seed + 1_000_000);
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&vec![0.0; n]);
