@@ -22,7 +22,7 @@ pub fn numbers(seed: u64) -> impl FnMut() -> f64 {
 
 /// Returns 0 … count − 1 from a number between −1 and 1.
 pub fn below(number: f64, count: usize) -> usize {
-    (1..count).filter(|&i| (number + 1.0) / 2.0 * count as f64 >= i as f64).count()
+    (1..count).filter(|&i| f64::midpoint(number, 1.0) * count as f64 >= i as f64).count()
 }
 
 /// A working set of a problem, factorised and solved.
@@ -111,11 +111,11 @@ impl RandomSet {
         let n = self.problem.unknowns;
         let mut x = Vector::from_column_slice(&self.solved.base.0[..n]);
         let projectors = self.projectors();
-        for level in 0..self.problem.levels.len() {
+        for (level, open) in projectors[..projectors.len() - 1].iter().enumerate() {
             let rows = self.active(level);
             let b = Vector::from_iterator(rows.len(), rows.iter().map(|&row| self.problem.target(&self.set, row)));
             let A = self.matrix(&rows);
-            let svd = Svd::new(&(&A * &projectors[level]));
+            let svd = Svd::new(&(&A * open));
             x += svd.solve(svd.rank(1e-9 * A.norm()), 0.0, &(b - A * &x));
         }
         let reference = Vector::from_column_slice(&self.problem.reference.0[..n]);

@@ -101,7 +101,9 @@ impl<'a> Expected<'a> {
             h = Vector::from_fn(n, |j, _| problem.reference.0[j] - solved.x.0[j]);
             size = h.norm();
         } else {
-            own.iter().for_each(|&(row, entry)| w[row] = entry);
+            for &(row, entry) in own {
+                w[row] = entry;
+            }
             size += own.iter().map(|(_, entry)| entry * entry).sum::<f64>().sqrt() * self.norm(k);
         }
         let sum = |w: &[f64], rows: &[usize]| {
