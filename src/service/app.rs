@@ -154,6 +154,24 @@ mod tests {
         }
     }
 
+    /// A stream that opens during the shutdown keeps its connection.
+    #[tokio::test]
+    async fn an_announced_shutdown_closes_connections_after_their_answer() {
+        use axum::http::{Request, StatusCode};
+        let routes = Router::new()
+            .route("/answer", get(|| async { StatusCode::OK }))
+            .route("/stream", get(|| async { StatusCode::SWITCHING_PROTOCOLS }));
+        let mut service = behind_gate(routes, AppState::new(Robots::built_in()));
+        let mut closes = async |path: &str| {
+            let request = Request::get(path).header(header::HOST, "localhost").body(axum::body::Body::empty()).unwrap();
+            let answer = tower_service::Service::call(&mut service.router, request).await.unwrap();
+            answer.headers().get(header::CONNECTION).is_some_and(|value| value == "close")
+        };
+        assert!(!closes("/answer").await && !closes("/stream").await);
+        service.app.drain.announce();
+        assert!(closes("/answer").await && !closes("/stream").await);
+    }
+
     /// Counts the reports of the watching thread.
     #[derive(Default)]
     struct Reports {

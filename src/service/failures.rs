@@ -7,10 +7,7 @@ use tokio::time::Instant;
 /// Number of failures that are logged and answered with 401 without a pause before them.
 const BURST: f64 = 30.0;
 
-/// Number of failures a second that are logged and answered with 401 after a burst.
-const PER_SECOND: f64 = 1.0;
-
-/// The limit on failures, for all clients together.
+/// The limit on failures, for all clients together: a burst, then one failure a second.
 ///
 /// It bounds the log and tells a program in a loop to stop. It never refuses a request with the token: a client that
 /// commands an arm may share its address with an attacker, for example behind a proxy. The length of the token protects
@@ -32,7 +29,7 @@ impl Failures {
     pub fn count(&self, now: Instant) -> Option<u64> {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let state = state.get_or_insert(State { tokens: BURST, updated: now, suppressed: 0 });
-        let gained = now.saturating_duration_since(state.updated).as_secs_f64() * PER_SECOND;
+        let gained = now.saturating_duration_since(state.updated).as_secs_f64();
         (state.tokens, state.updated) = ((state.tokens + gained).min(BURST), now);
         if state.tokens < 1.0 {
             state.suppressed += 1;

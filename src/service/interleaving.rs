@@ -75,7 +75,8 @@ mod tests {
         assert_eq!(warned(&[Stream(1), Stream(1), Stream(2), Stream(2), Stream(1)]), [4]);
         // A stream that replaces requests, or a stream after a broken stream.
         assert_eq!(warned(&[Request, Request, Stream(1), Stream(1), Stream(2)]), [0; 0]);
-        let later = [vec![Stream(1)], vec![Request; 200], vec![Stream(1)]].concat();
-        assert_eq!(warned(&later), [0; 0]);
+        // A source is given up 100 steps after the first one of the next source.
+        let after = |steps: usize| warned(&[vec![Stream(1)], vec![Request; 1 + steps], vec![Stream(1)]].concat());
+        assert_eq!((after(100), after(101)), (vec![102], vec![]));
     }
 }

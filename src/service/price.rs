@@ -60,6 +60,29 @@ mod tests {
         assert_eq!(of_problem(&problem), 2 * (3 + 4 * (2 + 1) + 5) * 25);
     }
 
+    /// A law of two rows and bounds of one row, next to a barrier.
+    #[test]
+    fn the_price_of_a_controller_counts_its_tasks_rows_and_barriers() {
+        use revprio_core::controller::{TaskConfig, TaskRows, ToolRows};
+        use revprio_core::law::{Law, Profile, VelocityBounds};
+        use revprio_core::limits::{Barrier, Inequality};
+        use revprio_core::robot::kinematics::{Axis, AxisSelection};
+
+        let task = |axes: &[Axis], law: Law| TaskConfig {
+            name: format!("{axes:?}"),
+            rows: TaskRows::Tool(ToolRows::new(AxisSelection::new(axes).unwrap())),
+            law,
+            scaled: false,
+            streaming: revprio_core::streaming::Streaming::default(),
+        };
+        let moves = task(&[Axis::X, Axis::Y], Law::Velocity(Profile::constant(vec![0.1, 0.0]).unwrap()));
+        let bounds = task(&[Axis::Z], Law::Bounds(VelocityBounds::new(vec![-0.1], vec![0.1]).unwrap()));
+        let robot = revprio_core::robot::built_in()[0].clone();
+        let mut config = ControllerConfig::new(robot, 0.001, vec![moves, bounds]);
+        config.barriers.push(Barrier::Fixed(Inequality::new("sum", vec![1.0; 7], 1.0).unwrap()));
+        assert_eq!(of_controller(&config), 2 * (2 + 4 * (1 + 1) + 7) * 49);
+    }
+
     const fn rows(count: usize) -> (usize, bool) {
         (count, false)
     }

@@ -134,6 +134,9 @@ fn a_jump_of_the_sequence_number_is_flagged() {
     assert!(session.warnings(&state(5000, 0.002, 0.0)).contains("advanced by 4999"));
     // A client that was silent for half a second counts on.
     assert!(!session.warnings(&state(5500, 0.502, 0.0)).contains("sequence"));
+    // Twice the number of periods is plausible above 100 states.
+    assert!(!session.warnings(&state(5650, 0.592, 0.0)).contains("sequence"));
+    assert!(session.warnings(&state(5850, 0.682, 0.0)).contains("advanced by 200"));
 }
 
 #[test]
@@ -145,6 +148,8 @@ fn a_position_that_no_motion_explains_is_flagged() {
     assert!(flagged.contains("`j1` jumped") && flagged.contains("check the sensor"), "{flagged}");
     // The joint may move by 0.17 rad in 0.1 s.
     assert_eq!(session.warnings(&state(103, 0.103, -0.1)), "");
+    // 0.02 rad and one and a half times its speed limit, 0.28 rad in 0.1 s.
+    assert!(session.warnings(&state(203, 0.203, -0.4)).contains("`j1` jumped"));
 }
 
 #[test]

@@ -31,10 +31,9 @@ fn stopping_speed(limits: &JointLimits, distance: f64) -> f64 {
     slow
 }
 
-/// The velocities allowed towards both limits without the acceleration limit: away from the nearer one where the joint is
-/// beyond it.
-fn range(limits: &JointLimits, below: f64, above: f64, last: f64) -> (f64, f64) {
-    let change = limits.acceleration * PERIOD;
+/// The velocities allowed towards both limits: away from the nearer one where the joint is beyond it, as far as a `change`
+/// of the last command allows it.
+fn range(limits: &JointLimits, (below, above): (f64, f64), last: f64, change: f64) -> (f64, f64) {
     let towards = |distance: f64, last: f64| match distance {
         _ if distance >= 0.0 => stopping_speed(limits, distance),
         _ => -stopping_speed(limits, -distance).min((change - last).max(0.0)),
@@ -66,10 +65,10 @@ proptest! {
         let last = last_command[1];
         let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command };
         let limited = robot_box(robot, LimitKind::PositionVelocityAcceleration, motion, PERIOD);
-        let (below, above) = (position[1] - limits.lower, limits.upper - position[1]);
-        let resting = range(limits, below + to_rest.min(0.0), above - to_rest.max(0.0), last);
-        let at_once = range(limits, below, above, last);
+        let now = (position[1] - limits.lower, limits.upper - position[1]);
+        let at_rest = (now.0 + to_rest.min(0.0), now.1 - to_rest.max(0.0));
         let change = limits.acceleration * PERIOD;
+        let (resting, at_once) = (range(limits, at_rest, last, change), range(limits, now, last, change));
         let lower = resting.0.min((last + change).max(at_once.0));
         let upper = resting.1.max((last - change).min(at_once.1));
         let expected = ((last - change).clamp(lower, upper), (last + change).clamp(lower, upper));
@@ -79,6 +78,10 @@ proptest! {
         if contradiction.abs() > 1e-6 {
             prop_assert_eq!(limited.conflicts.contains(&1), contradiction > 0.0);
         }
+        let limited = robot_box(robot, LimitKind::PositionVelocity, motion, PERIOD);
+        let expected = range(limits, at_rest, last, f64::INFINITY);
+        let found = (limited.velocity_box.lower()[1], limited.velocity_box.upper()[1]);
+        prop_assert!((found.0 - expected.0).abs() < ERROR && (found.1 - expected.1).abs() < ERROR, "{found:?} {expected:?}");
     }
 
     #[test]

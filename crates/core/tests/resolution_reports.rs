@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use revprio_core::limits::{Inequality, VelocityBox};
-use revprio_core::linalg::{Damping, Matrix, Vector};
+use revprio_core::linalg::{Damping, Matrix, Svd, Vector, stack};
 use revprio_core::resolution::{
     MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Resolution, Resolver, Side, Solver, Status, resolve,
 };
@@ -80,6 +80,38 @@ proptest! {
         }
     }
 
+    /// Of each task alone, and of it together with the lower ones. Inequality tasks have a rank and do not count otherwise.
+    #[test]
+    fn ranks_and_singularities_are_those_of_singular_values(
+        mut tasks in prop::collection::vec(task(), 1..4), copied in any::<bool>(), inequality in task(), is_damped in any::<bool>(),
+    ) {
+        if copied {
+            let row = tasks[0].0.row(0).into_owned();
+            tasks.last_mut().unwrap().0.set_row(0, &(2.0 * row));
+        }
+        let mut stated: Vec<Task> =
+            tasks.iter().map(|(rows, target)| Task::new("task", rows.clone(), target.clone())).collect();
+        let bounds = Vector::repeat(inequality.0.nrows(), 1.0);
+        stated.push(Task::between("bounds", inequality.0.clone(), -1.0 * &bounds, bounds));
+        let damping = is_damped.then(|| Damping::new(0.5, 0.3).unwrap());
+        let answer = resolve(&Problem { damping, ..Problem::new(TaskStack::new(stated).unwrap()) }, &[]).unwrap();
+        let sigma = |rows: &Matrix| Svd::new(rows).singular_values().to_vec();
+        let rank = |rows: &Matrix| sigma(rows).iter().filter(|sigma| **sigma > 1e-10 * rows.norm()).count();
+        let (mut lower, mut any) = (Matrix::zeros(0, N), false);
+        for (k, (rows, _)) in tasks.iter().enumerate().rev() {
+            let all = stack(rows, &lower);
+            let is_algorithmic = rank(rows) + rank(&lower) > rank(&all);
+            prop_assert_eq!((answer.tasks[k].rank, answer.tasks[k].algorithmic), (rank(rows), is_algorithmic));
+            any |= is_algorithmic;
+            lower = all;
+        }
+        prop_assert_eq!((answer.singularity.algorithmic, answer.tasks[tasks.len()].rank), (any, rank(&inequality.0)));
+        let product: f64 = sigma(&lower).iter().product();
+        let smallest = sigma(&lower)[lower.nrows().min(N) - 1];
+        prop_assert!((answer.singularity.manipulability - product).abs() < 1e-10 * lower.norm().powi(5).max(1.0));
+        prop_assert!((answer.singularity.smallest_singular_value() - smallest).abs() < 1e-12 * lower.norm());
+    }
+
     /// An answer that is overwritten keeps nothing of the one before.
     #[test]
     fn an_answer_that_is_used_again_is_that_of_a_new_one(
@@ -154,4 +186,98 @@ fn problems_whose_parts_differ_in_size_are_refused() {
     let limit = MAX_UNKNOWNS;
     assert_eq!(refusal(wide(limit, true)), ProblemError::Size { given: limit + 1, limit });
     assert_eq!(refusal(wide(limit + 1, false)), ProblemError::Size { given: limit + 1, limit });
+}
+
+/// The second row is below the tolerance for ranks, so that its velocity is missing, which the certificate states: σ_2 ẋ_2
+/// relative to ‖J‖ (‖J‖ · speeds + ‖ẋ‖).
+#[test]
+fn the_certificate_of_the_closed_form_is_relative_to_the_sizes_of_its_task() {
+    let sigma = 1e-10;
+    let rows = Matrix::from_fn(2, N, |i, j| match (i, j) {
+        (0, 0) => 2.0,
+        (1, 1) => sigma,
+        _ => 0.0,
+    });
+    let weak = (rows, Vector::from_row_slice(&[1.0, 1.0]));
+    let upper = (Matrix::from_fn(1, N, |_, j| f64::from(u8::from(j == 2))), Vector::from_row_slice(&[0.7]));
+    for lambda in [0.0, 0.3] {
+        let residual = |method: Method, tasks: &[(Matrix, Vector)]| {
+            let problem = Problem {
+                method,
+                solver: Solver::ClosedForm,
+                damping: (lambda > 0.0).then(|| Damping::new(0.5, lambda).unwrap()),
+                null_space_velocity: Some(Vector::from_row_slice(&[0.0, 0.0, 0.0, 3.0, 0.0])),
+                ..problem(tasks)
+            };
+            resolve(&problem, &[]).unwrap().solver.kkt_residual.unwrap()
+        };
+        let expected = |lambda: f64, speeds: f64| sigma / ((2.0 + lambda) * ((2.0 + lambda) * speeds + 2.0_f64.sqrt()));
+        let moved = |lambda: f64| 2.0 / (4.0 + lambda * lambda);
+        let (own, damped) = (std::slice::from_ref(&weak), moved(lambda));
+        let below = [upper.clone(), weak.clone()];
+        for (method, tasks, expected) in [
+            (Method::Pseudoinverse, own, expected(0.0, 0.5_f64.hypot(3.0) + 3.0)),
+            (Method::DampedLeastSquares, own, expected(lambda, damped.hypot(3.0) + 3.0)),
+            (Method::TaskPriority, own, expected(lambda, 2.0 * damped)),
+            (Method::StrictReversePriority, &below[..], expected(lambda, damped.hypot(0.7) + damped)),
+            (Method::SingularityRobust, own, expected(lambda, damped.hypot(3.0) + damped)),
+            (Method::ReversePriority, own, expected(lambda, 3.0 + 2.0 * damped)),
+        ] {
+            let found = residual(method, tasks);
+            assert!((found / expected - 1.0).abs() < 1e-4, "{method:?}, {lambda}: {found:e} {expected:e}");
+        }
+    }
+}
+
+/// The lower task is too small next to the upper one to be seen. Half of what the upper one does disturbs it.
+#[test]
+fn the_certificate_of_reverse_priority_compares_the_lower_tasks_with_their_own_size() {
+    let row = |a: f64, b: f64, target: f64| {
+        (Matrix::from_row_slice(1, N, &[a, b, 0.0, 0.0, 0.0]), Vector::from_row_slice(&[target]))
+    };
+    let tasks = [row(1.0, 1.0, 1.0), row(0.0, 1e-13, 0.0)];
+    let problem = Problem { solver: Solver::ClosedForm, method: Method::ReversePriority, ..problem(&tasks) };
+    let answer = resolve(&problem, &[]).unwrap();
+    // (s²/4) / (s² · 2 ‖(½, ½)‖)
+    assert!((answer.solver.kkt_residual.unwrap() - 0.125 * 2.0_f64.sqrt()).abs() < 1e-9, "{:?}", answer.solver);
+    assert_eq!(answer.solver.status, Status::NotCertified);
+}
+
+/// Directions that a nearly dependent upper task leaves free are known up to 10⁻⁸ only.
+#[test]
+fn the_closed_form_does_not_follow_the_rounding_of_a_projector() {
+    let rows = |entries: &[f64]| Matrix::from_row_slice(entries.len() / N, N, entries);
+    let speed = |angle: f64, open: f64| {
+        let upper = (rows(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle, 0.0, 0.0, 0.0]), Vector::zeros(2));
+        let lower = (rows(&[0.0, 1.0, open, 0.0, 0.0]), Vector::from_row_slice(&[1.0]));
+        let problem = Problem { solver: Solver::ClosedForm, method: Method::TaskPriority, ..problem(&[upper, lower]) };
+        resolve(&problem, &[]).unwrap().joint_velocity[2] * open
+    };
+    for (angle, open, expected) in
+        [(1e-6, 6e-9, 0.0), (1e-6, 1e-8, 1.0), (1.0, 0.8e-10, 0.0), (1.0, 1.3e-10, 1.0), (1.0, 6e-9, 1.0)]
+    {
+        assert!((speed(angle, open) - expected).abs() < 1e-3, "{angle} {open}: {}", speed(angle, open));
+    }
+}
+
+/// Two rows at a small angle: in one task its rank changes at the tolerance, in two tasks their singularity together.
+#[test]
+fn ranks_of_tasks_change_at_the_tolerance() {
+    let rows = |entries: &[[f64; 2]], unit: f64| {
+        let rows = Matrix::from_fn(entries.len(), N, |i, j| entries[i].get(j).map_or(0.0, |entry| unit * entry));
+        (rows, Vector::zeros(entries.len()))
+    };
+    for unit in [1.0, 1e3, 1e-3] {
+        for (angle, rank) in [(1.7e-10, 1), (2.3e-10, 2)] {
+            let (a, b) = ([1.0, 0.0], [1.0, angle]);
+            let one = resolve(&problem(&[rows(&[a, b], unit)]), &[]).unwrap();
+            assert_eq!(one.tasks[0].rank, rank, "{angle}, {unit}");
+            let two = resolve(&problem(&[rows(&[a], unit), rows(&[b], unit)]), &[]).unwrap();
+            assert_eq!(
+                (two.tasks[0].algorithmic, two.singularity.algorithmic),
+                (rank == 1, rank == 1),
+                "{angle}, {unit}"
+            );
+        }
+    }
 }

@@ -99,5 +99,10 @@ mod tests {
         let excess = |difference: f64| sum.violation(&Vector::from_vec(vec![1e3, difference - 1e3]));
         assert_eq!(excess(1e-10), 0.0);
         assert!(excess(1e-6) > 0.0);
+        // A short row: its bound is that of a fast joint.
+        let short = Inequality::new("short", vec![1e-3, 0.0], 1.0).unwrap();
+        let excess = |relative: f64| short.violation(&Vector::from_vec(vec![1e3 * (1.0 + relative), 0.0]));
+        assert_eq!(excess(1.5e-12), 0.0);
+        assert!(excess(3e-12) > 0.0);
     }
 }

@@ -98,8 +98,7 @@ fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
     let bounds = rows.clone().flat_map(|row| [levels.row_lower[row], levels.row_upper[row]]);
     let target = norm(&mut bounds.filter(|bound| bound.is_finite()));
     let size = norm(&mut rows.flat_map(|row| levels.row(row).iter().copied())) * speed + target;
-    let value = solution.row_values[row];
-    !levels.is_equation(row) && (value - levels.row_upper[row]).max(levels.row_lower[row] - value) > NEGLIGIBLE * size
+    missing > NEGLIGIBLE * size
 }
 
 /// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.

@@ -203,3 +203,17 @@ fn rows_without_a_contradiction_name_nothing() {
     assert_eq!(answer.contradictions, []);
     assert_named(&hierarchy, &problem, &answer);
 }
+
+/// What is missing counts above 10⁻⁹ (‖A‖ ‖q̇‖ + ‖b‖) of its level.
+#[test]
+fn a_row_that_is_missed_by_rounding_is_kept() {
+    let named = |off: f64| {
+        let rows = vec![row([2.0, 0.0], 2.0 * (1.0 + off), f64::INFINITY), row([0.0, 1.0], -3.0, 4.0)];
+        let hierarchy = within_one(vec![vec![row([0.0, 0.5], 0.25, 0.25)], rows]);
+        let answer = resolve(&hierarchy.problem(), &[]).unwrap();
+        assert_eq!(answer.solver.status, Status::Optimal);
+        answer.contradictions.len()
+    };
+    let limit = 1e-9 * (5.0_f64.sqrt() * 1.25_f64.sqrt() + 29.0_f64.sqrt()) / 2.0;
+    assert_eq!((named(0.99 * limit), named(1.01 * limit)), (0, 1));
+}

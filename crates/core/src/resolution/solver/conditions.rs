@@ -304,3 +304,6 @@ struct LevelMultipliers<const N: usize> {
     /// ‖A_k‖, or 1.
     norm: f64,
 }
+
+#[cfg(test)]
+mod tests;

@@ -410,3 +410,6 @@ fn longest<const N: usize>(rows: &[FactorRow<N>]) -> usize {
     }
     longest
 }
+
+#[cfg(test)]
+mod tests;

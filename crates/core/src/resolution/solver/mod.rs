@@ -8,6 +8,8 @@ mod dependent_rows;
 mod factorization;
 mod primal;
 mod problem_rows;
+#[cfg(test)]
+mod random_sets;
 mod search;
 mod sized;
 

@@ -128,3 +128,6 @@ impl HierarchicalSolver {
         &mut **self.solvers[self.last].as_mut().expect("a problem was solved before")
     }
 }
+
+#[cfg(test)]
+mod tests;

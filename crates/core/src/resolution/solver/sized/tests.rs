@@ -1,0 +1,86 @@
+//! What the last factorisation tells, compared with singular values of dense matrices.
+#![allow(non_snake_case)]
+
+use super::*;
+use crate::linalg::{Matrix, Svd};
+use crate::resolution::solver::random_sets::{below, numbers};
+
+/// Returns levels of random rows for n unknowns, and their matrices. A third of the rows depends on the one before.
+fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
+    let mut number = numbers(seed);
+    let mut below = |count: usize| below(number(), count);
+    let (n, counts) = (2 + below(6), (0..=below(3)).map(|_| 1 + below(4)).collect::<Vec<_>>());
+    let mut number = numbers(seed + 1_000_000);
+    let mut hierarchy = Hierarchy::default();
+    hierarchy.clear(&vec![0.0; n]);
+    let mut matrices = Vec::new();
+    for count in counts {
+        let mut A = Matrix::from_fn(count, n, |_, _| number());
+        for i in 1..count {
+            if number() > 0.4 {
+                A.set_row(i, &(2.0 * A.row(i - 1)));
+            }
+        }
+        (0..count).for_each(|i| hierarchy.push_matrix_row(&A, i, 0.5, 0.5));
+        hierarchy.end_level();
+        matrices.push(A);
+    }
+    (hierarchy, matrices)
+}
+
+#[test]
+fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
+    let (mut full, mut deficient) = (0, 0);
+    for seed in 0..500 {
+        let (hierarchy, matrices) = levels(seed);
+        let n = hierarchy.unknowns;
+        let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
+        solver.of_width(n).solve_without_bounds(&hierarchy, &mut solution);
+        let (mut N, mut open) = (Matrix::identity(n, n), n);
+        for (level, A) in matrices.iter().enumerate() {
+            let svd = Svd::new(&(A * &N));
+            let rank = svd.rank(1e-9);
+            let smallest =
+                if rank == A.nrows().min(open) { svd.singular_values().get(rank.wrapping_sub(1)) } else { None };
+            let found = solver.last().smallest_of_level(level);
+            assert!((found - smallest.copied().unwrap_or(0.0)).abs() < 1e-12, "seed {seed}: {found} {smallest:?}");
+            N -= svd.row_projector(rank);
+            open -= rank;
+            full += usize::from(found > 0.0);
+            deficient += usize::from(found == 0.0);
+        }
+        let mut basis = Vec::new();
+        solver.last().write_null_space(&mut basis);
+        let basis = Matrix::from_column_slice(n, basis.len() / n, &basis);
+        assert!(basis.ncols() == open && (basis.tr_mul(&basis) - Matrix::identity(open, open)).amax() < 1e-12);
+        assert!((&basis * basis.transpose() - &N).amax() < 1e-11, "seed {seed}");
+        if n - open == hierarchy.row_count() {
+            let all = Matrix::from_row_slice(n - open, n, &hierarchy.rows);
+            let sigma = Svd::new(&all).singular_values().to_vec();
+            let product = sigma.iter().product::<f64>();
+            assert!((solver.last().pivot_product() - product).abs() < 1e-11 * product);
+            let mut triangle = Triangle::default();
+            solver.last().write_triangle(&mut triangle);
+            assert!((triangle.smallest_singular_value() - sigma[sigma.len() - 1]).abs() < 1e-12);
+            // 1/‖A⁺‖_F
+            let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
+            let exceeds = [0.999, 1.001].map(|factor| solver.last().exceeds(factor * certain));
+            assert_eq!(exceeds, [true, false], "seed {seed}");
+        }
+    }
+    assert!(full > 300 && deficient > 200, "{full} {deficient}");
+}
+
+#[test]
+fn each_number_of_unknowns_has_a_solver() {
+    for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 40, 41, 72, 73, MAX_UNKNOWNS] {
+        let mut hierarchy = Hierarchy::default();
+        hierarchy.clear(&vec![0.0; n]);
+        hierarchy.push_row((0..n).map(|_| 1.0), 1.0, 1.0);
+        hierarchy.end_level();
+        let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
+        solver.solve(&hierarchy, None, &mut solution);
+        assert!(solution.x.iter().all(|x| (x * n as f64 - 1.0).abs() < 1e-12), "{n} unknowns");
+        assert!(solution.is_optimal && solution.kkt_residual < 1e-14);
+    }
+}
