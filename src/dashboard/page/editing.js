@@ -20,6 +20,9 @@ import { shownController } from './view.js';
 /** Maximum number of changes that can be undone. */
 const MAX_UNDO = 100;
 
+/** Movements of a target with less time between them are one change, ms. */
+const SAME_MOVE = 1000;
+
 /** Gives a run control its changes of the setup. @param {RunControl} runControl */
 export function bind(runControl) {
   runControl.change = (change) => record(runControl, change);
@@ -28,10 +31,14 @@ export function bind(runControl) {
 /** Records the setup, then changes it. @type {(runControl: RunControl, change: Partial<Setup>) => Promise<void>} */
 async function record(runControl, change) {
   const { setup, undoable } = runControl;
-  const isUndoable = setup && Object.keys(change).some((key) => key !== 'speed');
-  if (isUndoable) undoable.push(setup);
+  const keys = Object.keys(change);
+  const isUndoable = setup && keys.some((key) => key !== 'speed');
+  const now = performance.now();
+  const continues = keys.length === 1 && keys[0] === 'targets' && now - runControl.lastMoveTime < SAME_MOVE;
+  if (change.targets) runControl.lastMoveTime = now;
+  if (isUndoable && !continues) undoable.push(setup);
   if (undoable.length > MAX_UNDO) undoable.shift();
-  await apply(runControl, change);
+  await apply(runControl, change, continues);
 }
 
 /** Undoes the last change. @type {(runControl: RunControl) => Promise<void>} */
@@ -66,13 +73,14 @@ export async function select(runControl, name, robot = '') {
  * Changes the setup and applies to the current run what can change during a run.
  * @param {RunControl} runControl
  * @param {Partial<Setup>} change
+ * @param {boolean} continues whether it continues the last change, which is marked already
  */
-async function apply(runControl, change) {
+async function apply(runControl, change, continues = false) {
   if (!runControl.setup || !runControl.scenario) return;
   runControl.setup = { ...runControl.setup, ...change };
   runControl.onChange();
   if (!runControl.isActive) return;
-  for (const text of describe(runControl, change)) runControl.history.mark(text);
+  for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
   if (change.order || change.planes) {
     await restart(runControl);
   } else {
@@ -122,12 +130,11 @@ async function restart(runControl) {
     return last && start ? continued(applied, robot, start, last) : applied;
   };
   const [scenario, ghostScenario] = [next(run), ghost ? next(ghost) : null];
-  for (const old of [run, ghost]) {
-    if (old) prepare(old.history, old === run ? scenario : (ghostScenario ?? scenario), setup.order);
-    old?.delete();
-  }
-  runControl.run = null;
-  runControl.ghost = null;
+  prepare(run.history, scenario, setup.order);
+  if (ghost && ghostScenario) prepare(ghost.history, ghostScenario, setup.order);
+  state.set({ phase: 'starting' });
+  // The service limits the number of runs, so the old ones must be gone first.
+  await Promise.all([run.delete(), ghost?.delete()]);
   await runControl.startRuns(scenario, run.history, ghostScenario, ghost?.history ?? new History(), paused);
 }
 

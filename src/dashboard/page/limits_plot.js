@@ -58,7 +58,8 @@ function drawIntervals(surface, frame, time, bits, bit, length, top, high, colou
     let end = i;
     while (end + 1 < length && bits[end + 1] & bit) end += 1;
     const from = Math.max(frame.left, atX(frame, time[i]));
-    surface.fillRect(from, top, Math.max(1.5, atX(frame, time[end]) - from), high);
+    const to = Math.min(frame.left + frame.width, atX(frame, time[end]));
+    if (to >= frame.left && from <= frame.left + frame.width) surface.fillRect(from, top, Math.max(1.5, to - from), high);
     i = end;
   }
   return found;

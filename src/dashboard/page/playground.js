@@ -11,9 +11,9 @@ import { post } from './transport.js';
 
 const AXES = /** @type {const} */ (['x', 'y', 'z', 'rx', 'ry', 'rz']);
 
-/** Control period, s, and duration of a run, s. */
-const PERIOD = 0.002;
-const DURATION = 600;
+/** Control period, s, and duration of a run, s. A simulation has at most 100 000 periods. */
+const PERIOD = 0.004;
+const DURATION = 400;
 
 /** Postures that are tried: a position in the range of each joint, repeated along the arm. */
 const PATTERNS = [[0.5], [0.55, 0.35, 0.5, 0.3, 0.5, 0.7], [0.5, 0.4, 0.6, 0.35], [0.6, 0.3, 0.45]];

@@ -23,9 +23,26 @@ const MIN_GIVEN_UP = 1e-4;
 /** Maximum number of causes and of tasks in the sentence. */
 const MAX_PARTS = 3;
 
+/** Time over which active limits and planes are collected, s: near a bound they change from period to period. */
+const RECENT = 0.25;
+
+/** Returns the shown sample with everything that was active shortly before. @type {(view: View) => LiveSample | undefined} */
+function recent({ history, sample }) {
+  if (!sample) return undefined;
+  const [lower, upper, names] = [new Set(sample.at_lower), new Set(sample.at_upper), new Set(sample.active_inequalities)];
+  for (let i = history.indexAt(sample.time_s); i >= 0 && history.columns.time[i] > sample.time_s - RECENT; i -= 1) {
+    const before = history.samples[i];
+    before.at_lower.forEach((joint) => lower.add(joint));
+    before.at_upper.forEach((joint) => upper.add(joint));
+    before.active_inequalities.forEach((name) => names.add(name));
+  }
+  const sorted = (/** @type {Set<number>} */ joints) => [...joints].sort((a, b) => a - b);
+  return { ...sample, at_lower: sorted(lower), at_upper: sorted(upper), active_inequalities: [...names] };
+}
+
 /** @type {(view: View) => Reason} */
 export function reason(view) {
-  const { sample } = view;
+  const sample = recent(view);
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
   const causes = [...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view, sample)];
   const losses = lossesOf(view, sample);
@@ -80,8 +97,8 @@ function lossesOf({ controller }, sample) {
       linear >= MIN_GIVEN_UP ? quantity(linear, 'm/s', 2) : '',
       angular >= MIN_GIVEN_UP ? quantity(angular, 'rad/s', 2) : '',
     ].filter(Boolean);
-    return parts.length > 0 ? [`task ${k + 1} “${task.name}” gives up ${parts.join(' and ')}`] : [];
-  });
+    return parts.length > 0 ? [{ name: `task ${k + 1} “${task.name}”`, amount: parts.join(' and ') }] : [];
+  }).map(({ name, amount }, i) => `${name}${i === 0 ? ' gives up' : ':'} ${amount}`);
 }
 
 /** @type {(parts: string[]) => string} */

@@ -70,8 +70,8 @@ export class Run {
   }
 
   /** Stops following the run and deletes it in the service. */
-  delete() {
+  async delete() {
     this.abort.abort();
-    remove(this.path).catch(() => {});
+    await remove(this.path).catch(() => {});
   }
 }

@@ -65,6 +65,7 @@ export class RunControl {
     /** The target that the user drags. @type {{task: string, pose: Pose} | null} */
     this.dragged = null;
     this.lastTargetTime = 0;
+    this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
     this.lastPushTime = 0;

@@ -56,7 +56,7 @@ function drawPaths(surface, frame, history, colours) {
     let end = i + 1;
     while (end < history.length && path[end] === path[i]) end += 1;
     const x = Math.max(frame.left, atX(frame, time[i]));
-    const endX = atX(frame, time[Math.min(end, history.length - 1)]);
+    const endX = Math.min(frame.left + frame.width, atX(frame, time[Math.min(end, history.length - 1)]));
     const at = PATHS[path[i]];
     if (at && endX >= x) {
       surface.fillStyle = colours.paths[at];

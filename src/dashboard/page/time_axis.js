@@ -26,7 +26,8 @@ const LONG_RUN = 60;
 /** @type {(view: View) => {low: number, high: number}} */
 export function timeRange({ history, duration, cursor }) {
   if (duration > 0 && duration <= LONG_RUN) return { low: 0, high: Math.max(duration, history.now) };
-  const end = Math.max(WINDOW, cursor === null ? history.now : Math.min(history.now, cursor + WINDOW / 4));
+  const latest = Math.max(WINDOW, history.now);
+  const end = cursor !== null && cursor < latest - WINDOW ? Math.max(WINDOW, cursor + WINDOW / 4) : latest;
   return { low: Math.max(0, end - WINDOW), high: end };
 }
 
