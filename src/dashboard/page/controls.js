@@ -7,7 +7,7 @@ import * as robotsForm from './robots_form.js';
 import * as sessionsForm from './sessions_form.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
-import { gainFields, numberField, taskItems } from './tasks_form.js';
+import { focusMoved, gainFields, numberField, taskItems } from './tasks_form.js';
 import { showsForces } from './world.js';
 
 /**
@@ -50,9 +50,11 @@ function bindSetup(runControl, attempt) {
     if (setup && scenario) history.replaceState(null, '', `#${setups.toFragment(setup, scenario)}`);
   };
   const change = (/** @type {Partial<Setup>} */ part) => {
-    attempt(() => runControl.change(part));
-    saveInAddress();
-    if (part.order || part.planes) showLists(runControl, change);
+    attempt(async () => {
+      await runControl.change(part);
+      saveInAddress();
+      if (part.order || part.planes) showLists(runControl, change);
+    });
   };
   planesForm.bind(runControl, change);
   button('undo').onclick = () => attempt(async () => {
@@ -116,6 +118,7 @@ function showSetup(runControl, change) {
 /** Shows tasks and planes. @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
 function showLists(runControl, change) {
   element('tasks').replaceChildren(...taskItems(runControl, change));
+  focusMoved();
   element('planes').replaceChildren(...planesForm.planeItems(runControl, change));
 }
 
@@ -184,8 +187,7 @@ function showState(runControl) {
   button('end').disabled = !isActive || connection !== 'ready';
   for (const push of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-push]'))) push.disabled = !isActive;
   element('pending').hidden = !pending || !isActive;
-  button('undo').disabled = runControl.undoable.length === 0 || source === 'session';
-  showCards(runControl);
+  refresh(runControl);
   const hasTrace = phase === 'finished' && source === 'simulation';
   for (const id of ['export-csv', 'export-mcap']) {
     button(id).disabled = !hasTrace;
@@ -193,8 +195,9 @@ function showState(runControl) {
   }
 }
 
-/** Hides plots that would stay empty. @type {(runControl: RunControl) => void} */
-export function showCards(runControl) {
+/** Hides plots that would stay empty, and enables undo. @type {(runControl: RunControl) => void} */
+export function refresh(runControl) {
+  button('undo').disabled = runControl.undoable.length === 0 || runControl.watch !== null;
   const controller = runControl.watch?.session.controller ?? runControl.scenario?.controller;
   const hasPoses = (controller?.tasks ?? []).some(({ law }) => law && law.kind !== 'force');
   const shown = /** @type {Record<string, boolean>} */ ({

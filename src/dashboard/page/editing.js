@@ -23,9 +23,19 @@ const MAX_UNDO = 100;
 /** Movements of a target with less time between them are one change, ms. */
 const SAME_MOVE = 1000;
 
+/** The change that is being applied; the next one waits for it. @type {Promise<unknown>} */
+let busy = Promise.resolve();
+
+/** @type {(work: () => Promise<void>) => Promise<void>} */
+function afterOthers(work) {
+  const done = busy.then(work);
+  busy = done.catch(() => {});
+  return done;
+}
+
 /** Gives a run control its changes of the setup. @param {RunControl} runControl */
 export function bind(runControl) {
-  runControl.change = (change) => record(runControl, change);
+  runControl.change = (change) => afterOthers(() => record(runControl, change));
 }
 
 /** Records the setup, then changes it. @type {(runControl: RunControl, change: Partial<Setup>) => Promise<void>} */
@@ -42,7 +52,10 @@ async function record(runControl, change) {
 }
 
 /** Undoes the last change. @type {(runControl: RunControl) => Promise<void>} */
-export async function undo(runControl) {
+export const undo = (runControl) => afterOthers(() => restore(runControl));
+
+/** @type {(runControl: RunControl) => Promise<void>} */
+async function restore(runControl) {
   const before = runControl.undoable.pop();
   const { setup } = runControl;
   if (!before || !setup) return;
@@ -67,6 +80,9 @@ export async function select(runControl, name, robot = '') {
   if (runControl.setup) runControl.undoable.push(runControl.setup);
   if (robot) await runControl.makePlayground(robot);
   await runControl.selectScenario(name);
+  // In the playground the strict hierarchy shows best which task gives way.
+  const method = runControl.scenario?.controller.method;
+  if (robot && method && runControl.setup) runControl.setup = { ...runControl.setup, method };
 }
 
 /**

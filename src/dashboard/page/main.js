@@ -68,7 +68,7 @@ function draw(now) {
   }
   plotsDrawn = now;
   const data = view(runControl);
-  controls.showCards(runControl);
+  controls.refresh(runControl);
   drawFigures(data);
   drawLegends(data);
   drawNumbers(runControl, data);

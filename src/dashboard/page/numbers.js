@@ -58,7 +58,8 @@ function drawForce(view) {
   setText('force-value', fixed(shown, 1));
   setText('force-unit', 'N');
   const desired = hasTarget ? `, desired ${fixed(target, 1)} N` : '';
-  setText('force-target', `force along ${forceLabel(view, axis)} on the environment${desired}`);
+  setText('force-target', `along ${forceLabel(view, axis)}${desired}`);
+  element('force-target').title = 'Force of the tool on the environment';
   return {
     text: `contact force ${fixed(shown, 1)} N${desired}`,
     row: ['Force error', hasTarget && shown !== null ? `${fixed(shown - target, 2)} N` : '–'],

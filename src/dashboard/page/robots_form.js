@@ -46,8 +46,14 @@ function bindDrop(runControl, attempt) {
     document.body.classList.remove('dropping');
     if (!hasFiles(event)) return;
     event.preventDefault();
-    const entries = Array.from(event.dataTransfer?.items ?? [], (item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-    attempt(async () => register(runControl, await filesOf(entries)));
+    // The list of items is empty after this event, so it is read at once.
+    const items = Array.from(event.dataTransfer?.items ?? []).filter(({ kind }) => kind === 'file');
+    const entries = items.map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+    const plain = Array.from(event.dataTransfer?.files ?? []);
+    attempt(async () => {
+      const files = entries.length > 0 ? await filesOf(entries) : new Map(plain.map((file) => [file.name, file]));
+      await register(runControl, files);
+    });
   });
 }
 

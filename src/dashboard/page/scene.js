@@ -45,6 +45,9 @@ import { areDrawable, drawVisuals } from './visuals.js';
 /** Width of the buttons over the scene, px. */
 const PUSH_WIDTH = 100;
 
+/** On narrow screens the buttons are below the scene. */
+const isNarrow = matchMedia('(max-width: 760px)');
+
 export class Scene {
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -68,7 +71,7 @@ export class Scene {
       canvas.width = Math.round(width * density);
       canvas.height = Math.round(height * density);
     }
-    Object.assign(camera, { width, height, covered: width > 420 ? PUSH_WIDTH : 0 });
+    Object.assign(camera, { width, height, covered: isNarrow.matches ? 0 : PUSH_WIDTH });
     this.framing.follow(world, subject);
     camera.update();
     const context = canvas.getContext('2d');

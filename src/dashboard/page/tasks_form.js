@@ -18,6 +18,9 @@ const LAWS = /** @type {Record<string, string>} */ ({
 /** The task that is dragged: its place in the order. @type {number | null} */
 let dragged = null;
 
+/** The place of the task that was moved. @type {number | null} */
+let focusNext = null;
+
 /** Returns the items of the list. @type {(runControl: RunControl, change: Change) => HTMLElement[]} */
 export function taskItems({ setup, scenario }, change) {
   if (!setup || !scenario) return [];
@@ -27,8 +30,8 @@ export function taskItems({ setup, scenario }, change) {
     if (from === to || to < 0 || to >= order.length) return;
     const next = [...order];
     next.splice(to, 0, ...next.splice(from, 1));
+    focusNext = to;
     change({ order: next.every((index, k) => index === k) ? [] : next });
-    focusTask(to);
   };
   return order.map((index, place) => {
     const task = tasks[index];
@@ -46,9 +49,11 @@ export function taskItems({ setup, scenario }, change) {
   });
 }
 
-/** @type {(place: number) => void} */
-function focusTask(place) {
-  const item = document.querySelectorAll('#tasks li')[place];
+/** Moves the focus to the task that was moved; call it after the list was shown again. */
+export function focusMoved() {
+  if (focusNext === null) return;
+  const item = document.querySelectorAll('#tasks li')[focusNext];
+  focusNext = null;
   /** @type {HTMLElement | null} */ (item?.querySelector('button:not(:disabled)'))?.focus();
 }
 
