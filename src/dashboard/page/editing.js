@@ -170,7 +170,7 @@ function resendTargets(runControl, before) {
     const start = history.measures?.start ?? preview?.tool;
     const own = runControl.scenario?.controller.tasks.find(({ name }) => name === task.name);
     const pose = now ?? (own && start ? ownTarget(runControl, own, start) : null);
-    if (pose) sendTarget(runControl, task, pose, true);
+    if (pose) sendTarget(runControl, task, pose);
   }
 }
 

@@ -64,7 +64,6 @@ export class RunControl {
     this.cursor = null;
     /** The target that the user drags. @type {{task: string, pose: Pose} | null} */
     this.dragged = null;
-    this.lastTargetTime = 0;
     this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];

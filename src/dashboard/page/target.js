@@ -17,7 +17,7 @@ import { shownController } from './view.js';
  * @property {Vec3[]} directions along which the task follows it
  */
 
-/** Maximum interval between two targets that the page sends, ms. */
+/** Minimum interval between two targets that the page sends, ms. */
 const SEND_INTERVAL = 40;
 
 /** Returns the target that the user can drag: that of the highest task that follows a position. @type {(runControl: RunControl) => Goal | null} */
@@ -49,21 +49,40 @@ export function dropTarget(runControl) {
   if (!dragged || !setup) return;
   runControl.dragged = null;
   const task = shownController(runControl)?.tasks.find(({ name }) => name === dragged.task);
-  if (task) sendTarget(runControl, task, dragged.pose, true);
+  if (task) sendTarget(runControl, task, dragged.pose);
   const targets = { ...setup.targets, [dragged.task]: dragged.pose };
   runControl.change({ targets }).catch(runControl.onError);
 }
 
-/** Sends a target to the run and its ghost. @type {(runControl: RunControl, task: Task, pose: Pose, always?: boolean) => void} */
-export function sendTarget(runControl, task, pose, always = false) {
-  const now = performance.now();
-  if (!runControl.isActive || (!always && now - runControl.lastTargetTime < SEND_INTERVAL)) return;
-  runControl.lastTargetTime = now;
+/** The target to send next, and whether one is being sent: requests could overtake each other. */
+let isSending = false;
+/** @type {{task: Task, pose: Pose} | null} */
+let waiting = null;
+
+/** Sends a target to the run and its ghost, after the one before it. @type {(runControl: RunControl, task: Task, pose: Pose) => void} */
+export function sendTarget(runControl, task, pose) {
+  if (!runControl.isActive) return;
   for (const run of [runControl.run, runControl.ghost]) {
     const { history } = run ?? {};
     history?.measures?.streamed.push({ task: task.name, time: history.now - history.offset, pose });
   }
-  runControl.sendControl({ targets: { [task.name]: { pose: inTaskFrame(task, pose) } } }).catch(runControl.onError);
+  waiting = { task, pose };
+  if (!isSending) sendWaiting(runControl).catch(runControl.onError);
+}
+
+/** @param {RunControl} runControl */
+async function sendWaiting(runControl) {
+  isSending = true;
+  try {
+    while (waiting) {
+      const { task, pose } = waiting;
+      waiting = null;
+      await runControl.sendControl({ targets: { [task.name]: { pose: inTaskFrame(task, pose) } } });
+      if (waiting) await new Promise((resolve) => { setTimeout(resolve, SEND_INTERVAL); });
+    }
+  } finally {
+    isSending = false;
+  }
 }
 
 /** @type {(goal: Goal, tool: number[]) => number} distance from the tool to the target, m */
