@@ -51,13 +51,15 @@ const waitForTool = (page, place, distance, isFar) => page.waitForFunction(([pla
 
 test('a dragged target leads the tool, and undo returns it', options, () => withPage('scenario=playground&robot=panda', async (page) => {
   await page.click('#go');
-  await waitForClock(page, 0.3);
+  // The camera needs a moment to come to rest.
+  await waitForClock(page, 1.5);
   const words = /tool at (\S+), (\S+), (\S+) m/.exec(await page.getAttribute('#scene', 'aria-label'));
   const start = words.slice(1).map((text) => Number(text.replace('−', '-')));
   const target = await findInScene(page, 'movable');
   await page.mouse.down();
   await page.mouse.move(target.x - 50, target.y + 25, { steps: 10 });
   await page.mouse.up();
+  await page.waitForFunction(() => !document.getElementById('undo').disabled);
   await waitForTool(page, start, 0.03, true);
   await waitForText(page, '#reason', /task 3 “posture” gives up [\d.]+ rad\/s/);
   await page.click('#undo');
