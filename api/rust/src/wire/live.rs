@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, StreamedTarget, integer, object, streaming,
+    Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, StreamedTarget, integer, object,
+    streaming,
 };
 
 /// The pace of an interactive run.

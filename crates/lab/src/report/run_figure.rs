@@ -12,12 +12,7 @@ const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), (
 pub fn of_run(run: &Recording) -> Figure {
     let window = span(run);
     let mut quantities = vec![
-        (
-            "Force on the environment",
-            "force (N)",
-            forces(run),
-            "Measured force; its target, if any, is dashed.",
-        ),
+        ("Force on the environment", "force (N)", forces(run), "Measured force; its target, if any, is dashed."),
         ("Displacement of the tool", "displacement (mm)", displacements(run), "Tool position minus start position."),
         (
             "Residual of each task",
