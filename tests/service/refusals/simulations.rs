@@ -92,9 +92,9 @@ const COMMANDS: &[Row] = &[
     ("/controller", "[]", 422, "/controller"),
     ("/controller", "{}", 422, "/controller"),
     ("/targets", "[]", 422, "/targets"),
-    ("/targets/pull", r#"{"force": [1]}"#, 422, "/targets/pull"),
-    ("/targets/hold", r#"{"velocity": [1]}"#, 422, "/targets/hold/velocity"),
-    ("/targets/hold", r#"{"time_s": 1, "pose": {"position": [0, 0, 0]}}"#, 422, "/targets/hold/time_s"),
+    ("/targets", r#"{"pull": {"force": [1]}}"#, 422, "/targets/pull"),
+    ("/targets", r#"{"hold": {"velocity": [1]}}"#, 422, "/targets/hold/velocity"),
+    ("/targets", r#"{"hold": {"time_s": 1, "force": [1]}}"#, 422, "/targets/hold/time_s"),
     ("/push", "[0, 0, 1]", 422, "/push"),
 ];
 

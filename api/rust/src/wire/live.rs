@@ -45,7 +45,7 @@ pub struct SimulationControl {
     /// New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
     /// extrapolates, as its `streaming` says.
     #[serde(deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
-    #[schema(example = json!({"hold": {"pose": {"position": [0.47, -0.02, 0.25]}}}))]
+    #[schema(example = json!({"push x": {"force": [25]}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
     /// New resolution method.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -130,16 +130,17 @@ fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
             details { summary { "All quantities side by side" } (side_by_side_table(&section.rows)) }
         }
         @let (compared, own): (Vec<_>, Vec<_>) = figures.iter().partition(|drawn| is_comparison(drawn.figure));
-        @if !own.is_empty() {
+        @let is_alone = own.is_empty();
+        @if !is_alone {
             details open { summary { "Figures" } div.figures { @for drawn in own { (figure(drawn)) } } }
         }
         @if !compared.is_empty() {
-            details { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
+            details open[is_alone] { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
         }
     }
 }
 
-/// Returns whether a figure compares all runs of a scenario. It is collapsed, because it is long.
+/// Returns whether a figure compares all runs of a scenario. It is collapsed next to other figures, because it is long.
 fn is_comparison(figure: &Figure) -> bool {
     figure.name.starts_with("comparison_")
 }
