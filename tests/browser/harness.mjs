@@ -77,16 +77,33 @@ export function waitForState(page, pill, ...values) {
   return page.waitForFunction(hasState, [pill, values], { timeout: TIMEOUT_MS });
 }
 
-/** Moves the mouse over the scene until its canvas has a CSS class; returns the position of the mouse. */
+/** Waits until the simulated time passes `time`, s. */
+export function waitForClock(page, time) {
+  return page.waitForFunction((wanted) => Number.parseFloat(document.getElementById('clock').textContent) > wanted, time, { timeout: TIMEOUT_MS });
+}
+
+/** Waits until the text of an element matches. */
+export function waitForText(page, selector, pattern) {
+  const matches = ([selector, source]) => new RegExp(source).test((document.querySelector(selector)?.textContent ?? '').trim().replace(/\s+/g, ' '));
+  return page.waitForFunction(matches, [selector, pattern.source], { timeout: TIMEOUT_MS });
+}
+
+/** Finds the place where the canvas of the scene gets a CSS class under the pointer, and moves the mouse there. */
 export async function findInScene(page, name) {
-  const { x, y, width, height } = await page.locator('#scene').boundingBox();
-  for (let row = 20; row < height; row += 30) {
-    for (let column = 20; column < width; column += 30) {
-      await page.mouse.move(x + column, y + row);
-      if (await page.evaluate((name) => document.getElementById('scene').classList.contains(name), name)) return { x: x + column, y: y + row };
+  const found = await page.evaluate((name) => {
+    const scene = document.getElementById('scene');
+    const { left, top, width, height } = scene.getBoundingClientRect();
+    for (let y = top + 8; y < top + height; y += 8) {
+      for (let x = left + 8; x < left + width; x += 8) {
+        scene.dispatchEvent(new PointerEvent('pointermove', { clientX: x, clientY: y, pointerId: 99 }));
+        if (scene.classList.contains(name)) return { x, y };
+      }
     }
-  }
-  throw new Error(`the scene has no place with the class ${name}`);
+    return null;
+  }, name);
+  if (!found) throw new Error(`the scene has no place with the class ${name}`);
+  await page.mouse.move(found.x, found.y);
+  return found;
 }
 
 /** Returns the number that an element shows. */

@@ -163,3 +163,31 @@ fn a_changed_method_takes_over_without_a_jump() {
         assert!(after < before + 1e-3, "{before} rad/s per period, then {after}");
     }
 }
+
+#[test]
+fn a_target_leads_the_tool_and_samples_explain_the_tasks() {
+    let service = Service::start();
+    let run = start(&service, "stiff_wall", |_| (), true);
+    let mut viewer = Viewer::open(&service, &run);
+    control(&service, &run, &json!({"step": 1}));
+    let first = samples(&viewer.until(|frame| frame["done"] == 1));
+    let start = numbers(&first[0]["position"]);
+    assert_eq!(numbers(&first[0]["orientation"]).len(), 4);
+    assert_eq!(first[0]["task_residuals"].as_array().unwrap().len(), 2);
+    assert_eq!(first[0]["active_inequalities"], json!([]));
+
+    // The task `hold` follows y, z and the orientation.
+    let target = json!({"hold": {"pose": {"position": [start[0], start[1] + 0.02, start[2]],
+        "orientation": orientation(&first[0])}}});
+    for _ in 0..30 {
+        control(&service, &run, &json!({"targets": target, "step": 50}));
+    }
+    let last = samples(&viewer.until(|frame| frame["done"] == 1501));
+    let reached = numbers(&last.last().unwrap()["position"]);
+    assert!((reached[1] - start[1] - 0.02).abs() < 0.01, "{start:?}, {reached:?}");
+}
+
+fn orientation(sample: &Value) -> Value {
+    let parts = numbers(&sample["orientation"]);
+    json!({"w": parts[0], "x": parts[1], "y": parts[2], "z": parts[3]})
+}

@@ -69,18 +69,6 @@ function addRod(all, a, b, ra, rb, material) {
 }
 
 /**
- * Returns the center and the size of the box around the arm.
- * @param {ArmView} arm
- * @returns {{center: Vec3, size: number}}
- */
-export function extent(arm) {
-  const points = [[0, 0, 0], ...arm.joints.map(({ origin }) => origin), arm.tool.position].map(vec);
-  const low = /** @type {Vec3} */ ([0, 1, 2].map((i) => Math.min(...points.map((p) => p[i]))));
-  const high = /** @type {Vec3} */ ([0, 1, 2].map((i) => Math.max(...points.map((p) => p[i]))));
-  return { center: mix(low, high, 0.5), size: Math.max(0.4, norm(sub(high, low))) };
-}
-
-/**
  * Converts an array to a vector.
  * @param {number[]} list
  * @returns {Vec3}

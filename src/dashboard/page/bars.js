@@ -1,10 +1,12 @@
 // Plots with one row per joint: velocities with their current bounds, positions with their limits.
 
+import { labelWidth } from './labels.js';
+import { fixed } from './number.js';
 import { FONT, line } from './plot.js';
-import { short } from './plots.js';
 
 /**
- * @typedef {import('./plots.js').Draw} Draw
+ * @typedef {import('./time_axis.js').Draw} Draw
+ * @typedef {import('./view.js').View} View
  * @typedef {import('./plot.js').Surface} Surface
  * @typedef {import('./theme.js').Palette} Palette
  *
@@ -20,7 +22,7 @@ const BOUND_TOLERANCE = 1e-4;
 
 /** @type {(surface: Surface, width: number, height: number, names: string[], values: string[], colours: Palette) => Row[]} */
 function rows(surface, width, height, names, values, colours) {
-  const [left, right] = [44, 54];
+  const [left, right] = [labelWidth(names), 54];
   const high = (height - 12) / Math.max(1, names.length);
   surface.font = FONT;
   surface.textBaseline = 'middle';
@@ -28,7 +30,7 @@ function rows(surface, width, height, names, values, colours) {
     const row = { top: 6 + i * high, high, left, width: width - left - right };
     surface.fillStyle = colours.muted;
     surface.textAlign = 'right';
-    surface.fillText(short(name), left - 8, row.top + high / 2);
+    surface.fillText(name, left - 8, row.top + high / 2);
     surface.fillStyle = colours.text;
     surface.fillText(values[i] ?? '', width - 4, row.top + high / 2);
     return row;
@@ -36,14 +38,23 @@ function rows(surface, width, height, names, values, colours) {
 }
 
 /** @type {(value: number | undefined) => string} */
-const format = (value) => (value === undefined ? '' : value.toFixed(3).replace('-', '−'));
+const format = (value) => (value === undefined ? '' : fixed(value, 3));
+
+/** @type {(rows: Row[], lines: (joint: number) => string[]) => import('./time_axis.js').Reading} */
+function rowReading(rows, lines) {
+  const at = (/** @type {number} */ _, /** @type {number} */ y) => {
+    const joint = rows.findIndex(({ top, high }) => y >= top && y < top + high);
+    return joint < 0 ? [] : lines(joint);
+  };
+  return { at };
+}
 
 /** @type {Draw} */
 export function velocities(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
   const fastest = Math.max(0.1, ...joints.map((joint) => joint.velocity_limit ?? 0));
-  const names = joints.map((joint) => joint.name);
-  rows(surface, width, height, names, view.velocity.map(format), colours).forEach((row, i) => {
+  const all = rows(surface, width, height, view.labels, view.velocity.map(format), colours);
+  all.forEach((row, i) => {
     const at = (/** @type {number} */ v) => row.left + (row.width * (clamp(v / fastest, 1.04) + 1.04)) / 2.08;
     const { lower, upper } = view.arm?.joints[i] ?? { lower: null, upper: null };
     const [low, high] = [lower ?? -Infinity, upper ?? Infinity];
@@ -70,13 +81,18 @@ export function velocities(surface, width, height, view, colours) {
     line(surface, at(0), middle - thickness / 2 - 1, at(0), middle + thickness / 2 + 1);
     if (side) drawMarker(surface, at(velocity) + side * 7, middle, side, colours.alarm);
   });
+  return rowReading(all, (joint) => {
+    const { lower, upper } = view.arm?.joints[joint] ?? { lower: null, upper: null };
+    const unit = `${joints[joint]?.unit ?? 'rad'}/s`;
+    return [`${joints[joint]?.name}: ${fixed(view.velocity[joint] ?? 0, 4)} ${unit}`, `allowed now: ${fixed(lower, 3)} to ${fixed(upper, 3)} ${unit}`];
+  });
 }
 
 /** @type {Draw} */
 export function positions(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
-  const names = joints.map((joint) => joint.name);
-  rows(surface, width, height, names, view.position.map(format), colours).forEach((row, i) => {
+  const all = rows(surface, width, height, view.labels, view.position.map(format), colours);
+  all.forEach((row, i) => {
     const range = joints[i].position_limit ?? [-Math.PI, Math.PI];
     const q = view.position[i];
     const middle = row.top + row.high / 2;
@@ -98,6 +114,11 @@ export function positions(surface, width, height, view, colours) {
     surface.fill();
     const side = part > 0.5 ? 1 : -1;
     if (isNear) drawMarker(surface, row.left + row.width * part - 12 * side, middle, side, colours.alarm);
+  });
+  return rowReading(all, (joint) => {
+    const { name, unit, position_limit: range } = joints[joint];
+    const allowed = range ? `range ${fixed(range[0], 3)} to ${fixed(range[1], 3)} ${unit}` : 'no limits';
+    return [`${name}: ${fixed(view.position[joint], 4)} ${unit}`, allowed];
   });
 }
 

@@ -1,14 +1,18 @@
 // The setup form and the buttons of a run.
 
+import * as editing from './editing.js';
 import { element } from './notices.js';
+import * as planesForm from './planes_form.js';
+import * as robotsForm from './robots_form.js';
+import * as sessionsForm from './sessions_form.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
-import { sessions } from './watch.js';
+import { focusMoved, gainFields, numberField, taskItems } from './tasks_form.js';
+import { showsForces } from './world.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./setup.js').Setup} Setup
- * @typedef {import('./setup.js').Gain} Gain
  * @typedef {(work: () => Promise<unknown>) => void} Attempt runs `work` and shows its error
  */
 
@@ -18,9 +22,6 @@ const select = (id) => element(id);
 const input = (id) => element(id);
 /** @type {(id: string) => HTMLButtonElement} */
 const button = (id) => element(id);
-
-const GAIN_NAMES = { inertia: 'Inertia', damping: 'Damping', stiffness: 'Stiffness' };
-const GAIN_SIGNS = { inertia: 'M_d', damping: 'B_d', stiffness: 'K_d' };
 
 /**
  * @param {RunControl} runControl
@@ -32,7 +33,8 @@ export function bind(runControl, attempt) {
   options(select('solver'), setups.SOLVERS);
   bindSetup(runControl, attempt);
   bindRun(runControl, attempt);
-  bindSessions(runControl, attempt);
+  sessionsForm.bind(runControl, attempt);
+  robotsForm.bind(runControl, attempt);
   state.subscribe(() => showState(runControl));
 }
 
@@ -48,11 +50,21 @@ function bindSetup(runControl, attempt) {
     if (setup && scenario) history.replaceState(null, '', `#${setups.toFragment(setup, scenario)}`);
   };
   const change = (/** @type {Partial<Setup>} */ part) => {
-    attempt(() => runControl.change(part));
-    saveInAddress();
+    attempt(async () => {
+      await runControl.change(part);
+      saveInAddress();
+      if (part.order || part.planes) showLists(runControl, change);
+    });
   };
+  planesForm.bind(runControl, change);
+  button('undo').onclick = () => attempt(async () => {
+    await editing.undo(runControl);
+    showSetup(runControl, change);
+    saveInAddress();
+  });
   select('scenario').onchange = () => attempt(async () => {
-    await runControl.selectScenario(select('scenario').value);
+    const name = select('scenario').value;
+    await editing.select(runControl, name, name === setups.PLAYGROUND ? (runControl.robot?.name ?? '') : '');
     showSetup(runControl, change);
     saveInAddress();
   });
@@ -70,7 +82,10 @@ function bindSetup(runControl, attempt) {
     change({ speed });
   };
   button('apply').onclick = () => attempt(() => runControl.start(state.value.phase === 'paused'));
-  runControl.showSetup = () => showSetup(runControl, change);
+  runControl.showSetup = () => {
+    showSetup(runControl, change);
+    saveInAddress();
+  };
 }
 
 /** @type {(power: number) => number} 10 to this power, with two digits */
@@ -82,7 +97,9 @@ function speedOf(power) {
 function showSetup(runControl, change) {
   const { setup, scenario } = runControl;
   if (!setup || !scenario) return;
-  options(select('scenario'), runControl.scenarios.map(({ name }) => ({ value: name, name: name.replaceAll('_', ' ') })));
+  const names = runControl.scenarios.map(({ name }) => name).filter((name) => name !== setups.PLAYGROUND);
+  const entries = names.map((name) => ({ value: name, name: name.replaceAll('_', ' ') }));
+  options(select('scenario'), [{ value: setups.PLAYGROUND, name: 'playground, any robot' }, ...entries]);
   select('scenario').value = setup.scenario;
   element('description').textContent = scenario.description;
   select('method').value = setup.method;
@@ -93,29 +110,16 @@ function showSetup(runControl, change) {
   input('lag').value = String(1000 * (setup.lag ?? scenario.velocity_loop?.lag_s ?? 0));
   const isOpen = Boolean(element('gains').querySelector('details[open]'));
   element('gains').replaceChildren(gainFields(runControl, change, isOpen));
+  showLists(runControl, change);
+  robotsForm.showRobots(runControl);
   element('contacts').replaceChildren(...contactFields(runControl, change));
 }
 
-/** @type {(runControl: RunControl, change: (part: Partial<Setup>) => void, open: boolean) => HTMLElement} */
-function gainFields(runControl, change, open) {
-  const { setup, scenario } = runControl;
-  const box = document.createElement('details');
-  box.className = 'inner';
-  box.open = open;
-  box.append(summary('Task gains'));
-  scenario?.controller.tasks.forEach((task, k) => {
-    const title = document.createElement('h3');
-    title.textContent = `${k + 1}. ${task.name}, ${task.law?.kind ?? 'bounds'}`;
-    const known = setups.GAINS.filter((gain) => setups.gainOf(scenario, k, gain));
-    const fields = known.map((gain) => {
-      const key = `${k}.${gain}`;
-      const values = setup?.gains[key] ?? setups.gainOf(scenario, k, gain) ?? [];
-      return numberField(GAIN_NAMES[gain], GAIN_SIGNS[gain], values, (changed) =>
-        change({ gains: { ...runControl.setup?.gains, [key]: changed } }));
-    });
-    if (fields.length > 0) box.append(title, ...fields);
-  });
-  return box;
+/** Shows tasks and planes. @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
+function showLists(runControl, change) {
+  element('tasks').replaceChildren(...taskItems(runControl, change));
+  focusMoved();
+  element('planes').replaceChildren(...planesForm.planeItems(runControl, change));
 }
 
 /** @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => HTMLElement[]} */
@@ -127,39 +131,6 @@ function contactFields(runControl, change) {
     return numberField(name, 'N/m', values, ([stiffness]) =>
       change({ stiffness: { ...runControl.setup?.stiffness, [i]: stiffness } }));
   });
-}
-
-/** @type {(text: string) => HTMLElement} */
-function summary(text) {
-  const line = document.createElement('summary');
-  line.textContent = text;
-  return line;
-}
-
-/**
- * Returns an input field for a list of numbers.
- * @param {string} name
- * @param {string} unit
- * @param {number[]} values
- * @param {(values: number[]) => void} onChange
- */
-function numberField(name, unit, values, onChange) {
-  const label = document.createElement('label');
-  label.className = 'field row';
-  const [side, field] = [document.createElement('span'), document.createElement('input')];
-  side.className = 'unit';
-  field.inputMode = 'decimal';
-  field.value = values.map(String).join(' ');
-  field.title = values.length > 1 ? 'One number per axis' : '';
-  field.onchange = () => {
-    const read = setups.numbers(field.value);
-    const fits = read !== null && read.length === values.length;
-    field.ariaInvalid = String(!fits);
-    if (fits) onChange(read);
-  };
-  side.append(field, unit);
-  label.append(name, side);
-  return label;
 }
 
 /** @type {(runControl: RunControl, attempt: Attempt) => void} */
@@ -174,6 +145,11 @@ function bindRun(runControl, attempt) {
     ' ': () => button('go').click(), s: () => button('step').click(), r: () => button('reset').click(), e: () => button('end').click(),
   };
   addEventListener('keydown', (event) => {
+    const isText = /** @type {HTMLElement} */ (event.target).matches('input:not([type="range"], [type="radio"]), textarea');
+    if ((event.ctrlKey || event.metaKey) && event.key === 'z' && !isText) {
+      event.preventDefault();
+      button('undo').click();
+    }
     const target = /** @type {HTMLElement} */ (event.target);
     const isControl = target.closest('input, select, textarea, dialog, summary, a') || (event.key === ' ' && target.closest('button'));
     if (isControl || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
@@ -182,42 +158,6 @@ function bindRun(runControl, attempt) {
     event.preventDefault();
     act();
   });
-}
-
-/** @type {(runControl: RunControl, attempt: Attempt) => void} */
-function bindSessions(runControl, attempt) {
-  for (const choice of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll('input[name="source"]'))) {
-    choice.onchange = () => {
-      const source = choice.value === 'session' ? 'session' : 'simulation';
-      state.set({ source });
-      if (source === 'session') {
-        runControl.reset();
-        attempt(() => listSessions(runControl, attempt));
-      } else {
-        attempt(() => runControl.leaveSession());
-      }
-    };
-  }
-  select('session').onchange = () => attempt(() => runControl.watchSession(select('session').value));
-  setInterval(() => {
-    const { source, connection } = state.value;
-    const refreshes = source === 'session' && connection === 'ready' && document.activeElement !== select('session');
-    if (refreshes) attempt(() => listSessions(runControl, attempt));
-  }, 3000);
-}
-
-/** @type {(runControl: RunControl, attempt: Attempt) => Promise<void>} */
-async function listSessions(runControl, attempt) {
-  const { controllers } = await sessions();
-  const { session } = state.value;
-  const known = controllers.map(({ id, robot, steps, idle_s }) => ({
-    value: id, name: `${robot}, ${id.slice(0, 8)}: ${steps} steps, ${idle_s < 2 ? 'active' : `idle ${Math.round(idle_s)} s`}`,
-  }));
-  const none = { value: '', name: known.length > 0 ? 'select a session' : 'no session is open' };
-  options(select('session'), [none, ...known]);
-  const chosen = session === '' && known.length === 1 ? known[0].value : session;
-  select('session').value = controllers.some(({ id }) => id === chosen) ? chosen : '';
-  if (chosen !== session) attempt(() => runControl.watchSession(chosen));
 }
 
 const CONNECTIONS = {
@@ -236,7 +176,7 @@ function showState(runControl) {
   setPill('phase', phase, source === 'session' && phase === 'none' ? 'No session selected' : PHASES[phase]);
   element('simulation-form').hidden = source === 'session';
   element('session-form').hidden = source !== 'session';
-  for (const part of document.querySelectorAll('.transport, .push')) {
+  for (const part of document.querySelectorAll('.transport, .push, #target-keys')) {
     /** @type {HTMLElement} */ (part).hidden = source === 'session';
   }
   const isActive = phase === 'running' || phase === 'paused';
@@ -247,10 +187,25 @@ function showState(runControl) {
   button('end').disabled = !isActive || connection !== 'ready';
   for (const push of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-push]'))) push.disabled = !isActive;
   element('pending').hidden = !pending || !isActive;
+  refresh(runControl);
   const hasTrace = phase === 'finished' && source === 'simulation';
   for (const id of ['export-csv', 'export-mcap']) {
     button(id).disabled = !hasTrace;
     button(id).title = hasTrace ? 'The trace of this run' : 'The trace is available when the run has ended: press End';
+  }
+}
+
+/** Hides plots that would stay empty, and enables undo. @type {(runControl: RunControl) => void} */
+export function refresh(runControl) {
+  button('undo').disabled = runControl.undoable.length === 0 || runControl.watch !== null;
+  const controller = runControl.watch?.session.controller ?? runControl.scenario?.controller;
+  const hasPoses = (controller?.tasks ?? []).some(({ law }) => law && law.kind !== 'force');
+  const shown = /** @type {Record<string, boolean>} */ ({
+    force: showsForces(runControl), pose: hasPoses, trips: runControl.watch === null,
+  });
+  for (const [plot, isShown] of Object.entries(shown)) {
+    const card = /** @type {HTMLElement | null} */ (document.querySelector(`[data-plot="${plot}"]`));
+    if (card && card.hidden === isShown) card.hidden = !isShown;
   }
 }
 

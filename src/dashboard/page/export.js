@@ -1,12 +1,13 @@
 // Exports: a link to the setup, the control cycle as a command, the trace, and the figures.
 
-import { DRAWINGS } from './figures.js';
+import { DRAWINGS, cards } from './figures.js';
 import { element } from './notices.js';
 import { methodName, toFragment } from './setup.js';
 import { asCurl, asPython } from './snippets.js';
 import { SvgSurface, escaped } from './svg.js';
 import { printPalette } from './theme.js';
 import { download } from './transport.js';
+import { view } from './view.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -86,23 +87,24 @@ function save(content, file) {
 }
 
 const TITLES = {
-  force: 'Contact force', velocities: 'Joint velocities', positions: 'Joint positions', residuals: 'Residual by priority',
+  force: 'Contact force', pose: 'Pose error', velocities: 'Joint velocities', positions: 'Joint positions', residuals: 'Residual by priority',
   limits: 'Active limits', singularity: 'Smallest singular value', solver: 'Solver path and time', trips: 'Round trips',
 };
 
 /** Returns an SVG with the scene and all plots. @type {(runControl: RunControl, scene: Scene) => string} */
 function figureSheet(runControl, scene) {
   const [wide, high, gap] = [460, 230, 24];
-  const view = runControl.view();
+  const data = view(runControl);
+  const hidden = new Set(Array.from(cards()).filter((card) => card.hidden).map((card) => card.dataset.plot));
   const colours = printPalette();
   const picture = scene.canvas.toDataURL('image/png');
-  const plots = Object.entries(TITLES).map(([plot, title], i) => {
+  const plots = Object.entries(TITLES).filter(([plot]) => !hidden.has(plot)).map(([plot, title], i) => {
     const surface = new SvgSurface();
-    DRAWINGS[plot](/** @type {any} */ (surface), wide, high - 24, view, colours);
+    DRAWINGS[plot](/** @type {any} */ (surface), wide, high - 24, data, colours);
     const [x, y] = [gap + ((i + 1) % 3) * (wide + gap), 60 + Math.floor((i + 1) / 3) * (high + gap)];
     return `<g transform="translate(${x} ${y})"><text x="8" y="12" font-size="13" font-weight="600" fill="${colours.text}">${title}</text><g transform="translate(0 22)">${surface.text}</g></g>`;
   });
-  const [width, height] = [3 * (wide + gap) + gap, 60 + 3 * (high + gap)];
+  const [width, height] = [3 * (wide + gap) + gap, 60 + Math.ceil((plots.length + 1) / 3) * (high + gap)];
   const title = `${runControl.watch ? 'Session' : runControl.setup?.scenario.replaceAll('_', ' ')}: ${methodName(runControl.run?.simulation.method ?? runControl.setup?.method ?? '')}`;
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="system-ui, sans-serif">
 <rect width="100%" height="100%" fill="#ffffff"/><text x="${gap + 8}" y="36" font-size="20" font-weight="600" fill="${colours.text}">${escaped(title)}</text>

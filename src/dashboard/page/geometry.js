@@ -61,6 +61,8 @@ export class Camera {
     /** @type {Vec3} */
     this.up = [0, 0, 1];
     this.focal = 1;
+    /** Width at the right side that buttons cover, px. */
+    this.covered = 0;
     this.update();
   }
 
@@ -74,7 +76,7 @@ export class Camera {
     this.eye = add(this.target, scale(this.back, this.distance));
     this.right = unit(cross(scale(this.back, -1), [0, 0, 1]));
     this.up = cross(this.right, scale(this.back, -1));
-    this.focal = 1.55 * Math.min(this.height, 1.15 * this.width);
+    this.focal = 1.55 * Math.min(this.height, 1.15 * (this.width - this.covered));
   }
 
   /**
@@ -87,7 +89,7 @@ export class Camera {
     const depth = Math.max(0.02, -dot(fromEye, this.back));
     const perMeter = this.focal / depth;
     return {
-      x: this.width / 2 + perMeter * dot(fromEye, this.right),
+      x: (this.width - this.covered) / 2 + perMeter * dot(fromEye, this.right),
       y: this.height / 2 - perMeter * dot(fromEye, this.up),
       depth,
       scale: perMeter,

@@ -1,6 +1,14 @@
-// The samples of a run, stored as one array per quantity for fast drawing.
+// The samples of a run, stored as one array per quantity for fast drawing, with postures and marks.
 
-/** @typedef {import('./types.js').LiveSample} LiveSample */
+import { toolPose } from './measures.js';
+
+/**
+ * @typedef {import('./types.js').ArmView} ArmView
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Pose} Pose
+ * @typedef {import('./measures.js').Measures} Measures
+ * @typedef {{time: number, text: string}} Mark a change by the user, at a time in s
+ */
 
 /** Maximum number of samples. When it is reached, every second sample is removed. */
 const CAPACITY = 8192;
@@ -14,28 +22,42 @@ export const PATHS = /** @type {const} */ (['closed_form', 'active_set', 'qp']);
 const NAMES = [
   'time', 'x', 'y', 'z', 'force0', 'force1', 'force2', 'target0', 'target1', 'target2', 'error0', 'error1', 'error2',
   'sigma', 'roundTrip', 'solve', 'path', 'lower', 'upper',
-  ...Array.from({ length: MAX_TASKS }, (_, k) => `residual${k}`),
+  ...Array.from({ length: MAX_TASKS }, (_, k) => [`residual${k}`, `linear${k}`, `angular${k}`]).flat(),
 ];
 
 export class History {
-  constructor() {
+  /** @param {Measures | null} measures computes forces and pose errors from the samples */
+  constructor(measures = null) {
+    this.measures = measures;
     this.length = 0;
     /** @type {LiveSample | undefined} */
     this.last = undefined;
-    /** @type {number[] | undefined} position of the tool in the first sample, m */
+    /** @type {Pose | undefined} pose of the tool in the first sample */
     this.start = undefined;
     /** @type {Record<string, Float64Array>} */
     this.columns = {};
     for (const name of NAMES) this.columns[name] = new Float64Array(CAPACITY);
+    /** The stored samples; same indices as the columns. @type {LiveSample[]} */
+    this.samples = [];
+    /** @type {{time: number, arm: ArmView}[]} */
+    this.arms = [];
+    /** @type {Mark[]} */
+    this.marks = [];
     this.tasks = 0;
     this.stride = 1;
     this.skipped = 0;
+    /** Time of the first sample of the current run, s; above 0 if the run continues another one. */
+    this.offset = 0;
+    /** Column of each task of the current run. @type {number[]} */
+    this.order = [];
   }
 
-  /** @param {LiveSample} sample */
-  push(sample) {
+  /** @param {LiveSample} given with the time of its own run */
+  push(given) {
+    const measured = this.measures?.of(given);
+    const sample = this.offset > 0 ? { ...given, time_s: given.time_s + this.offset } : given;
     this.last = sample;
-    this.start ??= sample.position;
+    this.start ??= toolPose(sample);
     this.tasks = Math.min(sample.residual_norms.length, MAX_TASKS);
     this.skipped += 1;
     if (this.skipped < this.stride) return;
@@ -43,15 +65,15 @@ export class History {
     if (this.length === CAPACITY) this.halve();
     const at = this.length;
     const column = this.columns;
+    this.samples[at] = sample;
     column.time[at] = sample.time_s;
-    column.x[at] = sample.position[0];
-    column.y[at] = sample.position[1];
-    column.z[at] = sample.position[2];
+    [column.x[at], column.y[at], column.z[at]] = sample.position;
     for (let axis = 0; axis < 3; axis += 1) {
-      const target = sample.target_force[axis] ?? NaN;
-      column[`force${axis}`][at] = sample.force[axis];
+      const force = measured?.force[axis] ?? sample.force[axis];
+      const target = (measured ? measured.target : sample.target_force)[axis] ?? NaN;
+      column[`force${axis}`][at] = force;
       column[`target${axis}`][at] = target;
-      column[`error${axis}`][at] = sample.force[axis] - target;
+      column[`error${axis}`][at] = force - target;
     }
     column.sigma[at] = sample.smallest_singular_value;
     column.roundTrip[at] = sample.round_trip_us;
@@ -59,7 +81,12 @@ export class History {
     column.path[at] = PATHS.indexOf(sample.path);
     column.lower[at] = mask(sample.at_lower);
     column.upper[at] = mask(sample.at_upper);
-    for (let k = 0; k < this.tasks; k += 1) column[`residual${k}`][at] = sample.residual_norms[k];
+    for (let k = 0; k < this.tasks; k += 1) {
+      const place = this.order[k] ?? k;
+      column[`residual${place}`][at] = sample.residual_norms[k];
+      column[`linear${place}`][at] = measured?.errors[k]?.linear ?? NaN;
+      column[`angular${place}`][at] = measured?.errors[k]?.angular ?? NaN;
+    }
     this.length += 1;
   }
 
@@ -71,17 +98,48 @@ export class History {
       const isMask = name === 'lower' || name === 'upper';
       for (let i = 0; i < half; i += 1) column[i] = isMask ? column[2 * i] | column[2 * i + 1] : column[2 * i + 1];
     }
+    this.samples = this.samples.filter((_, i) => i % 2 === 1);
     this.length = half;
     this.stride *= 2;
   }
 
+  /** @type {(time: number, arm: ArmView) => void} stores a posture; `time` is that of its own run, s */
+  pushArm(time, arm) {
+    this.arms.push({ time: time + this.offset, arm });
+    if (this.arms.length > CAPACITY) this.arms = this.arms.filter((_, i) => i % 2 === 1);
+  }
+
+  /** @type {(text: string) => void} marks the present time */
+  mark(text) {
+    this.marks.push({ time: this.now, text });
+  }
+
   /** Returns the time of the latest sample, s. */
   get now() {
-    return this.length > 0 ? this.columns.time[this.length - 1] : 0;
+    return this.last?.time_s ?? 0;
+  }
+
+  /** Returns the index of the last sample at or before a time; −1 if there is none. @type {(time: number) => number} */
+  indexAt(time) {
+    let [low, high] = [0, this.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.columns.time[middle] <= time) low = middle + 1;
+      else high = middle;
+    }
+    return low - 1;
+  }
+
+  /** Returns the posture nearest to a time. @type {(time: number) => ArmView | null} */
+  armAt(time) {
+    const next = this.arms.findIndex((entry) => entry.time >= time);
+    if (next < 0) return this.arms.at(-1)?.arm ?? null;
+    const [before, after] = [this.arms[next - 1], this.arms[next]];
+    return before && time - before.time < after.time - time ? before.arm : after.arm;
   }
 
   /**
-   * Returns whether the last sample has a desired force along an axis.
+   * Returns whether the last sample has a desired force in a direction.
    * @param {number} axis
    */
   hasTarget(axis) {

@@ -3,13 +3,19 @@
 import * as controls from './controls.js';
 import { RunControl } from './run_control.js';
 import * as exporting from './export.js';
-import { drawFigures, drawLegends, drawNumbers, drawSceneLegend } from './figures.js';
+import * as editing from './editing.js';
+import { drawFigures } from './figures.js';
+import { drawLegends, drawSceneLegend } from './legends.js';
+import { drawNumbers } from './numbers.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
 import { Scene } from './scene.js';
 import { state } from './state.js';
 import * as theme from './theme.js';
+import * as timeline from './timeline.js';
+import { view } from './view.js';
+import { world } from './world.js';
 
 /** Minimum interval between two drawings of the scene and of the plots, ms: about 20 and 10 per second. */
 const SCENE_INTERVAL = 45;
@@ -26,7 +32,9 @@ function attempt(work) {
   work().catch((error) => showError(error, () => attempt(work)));
 }
 
+editing.bind(runControl);
 controls.bind(runControl, attempt);
+timeline.bind(runControl);
 pointer.bind(scene, runControl);
 exporting.bind(runControl, scene, attempt);
 
@@ -49,19 +57,22 @@ function draw(now) {
   if (!needsRedraw || now - sceneDrawn < SCENE_INTERVAL) return;
   needsRedraw = false;
   sceneDrawn = now;
-  const { arm } = runControl;
-  const world = runControl.world();
-  if (arm) scene.fit(arm, world.contacts, runControl.watch?.session.id ?? runControl.scenario?.name ?? '');
-  scene.draw(world);
+  const shown = world(runControl);
+  const { scenario, watch } = runControl;
+  const subject = watch?.session.id ?? `${scenario?.name} ${scenario?.controller.robot}`;
+  scene.draw(shown, runControl.robot, subject);
+  needsRedraw ||= scene.framing.isMoving;
   if (now - plotsDrawn < PLOTS_INTERVAL) {
     needsRedraw = true;
     return;
   }
   plotsDrawn = now;
-  const view = runControl.view();
-  drawFigures(view);
-  drawLegends(view);
-  drawNumbers(runControl, view);
+  const data = view(runControl);
+  controls.refresh(runControl);
+  drawFigures(data);
+  drawLegends(data);
+  drawNumbers(runControl, data);
+  timeline.drawTimeline(runControl);
   drawSceneLegend(runControl);
 }
 requestAnimationFrame(draw);

@@ -68,9 +68,10 @@ export function tickLabel(value, log) {
  * @param {Surface} surface
  * @param {Frame} frame
  * @param {Palette} colours
- * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number}} [options] `x`, `y`: draw labels
+ * @param {{x?: boolean, y?: boolean, xLabel?: string, yTicks?: number, yUnit?: (value: number) => string}} [options] `x`,
+ *   `y`: draw labels; `yUnit` formats the labels of y
  */
-export function axes(surface, frame, colours, { x = true, y = true, xLabel = '', yTicks } = {}) {
+export function axes(surface, frame, colours, { x = true, y = true, xLabel = '', yTicks, yUnit } = {}) {
   const { left, top, width, height } = frame;
   surface.font = FONT;
   surface.lineWidth = 1;
@@ -82,7 +83,7 @@ export function axes(surface, frame, colours, { x = true, y = true, xLabel = '',
   for (const tick of y ? ticks(frame.y, yTicks ?? Math.max(2, height / 34)) : []) {
     const at = Math.round(atY(frame, tick)) + 0.5;
     line(surface, left, at, left + width, at);
-    surface.fillText(tickLabel(tick, Boolean(frame.y.log)), left - 6, at);
+    surface.fillText(yUnit ? yUnit(tick) : tickLabel(tick, Boolean(frame.y.log)), left - 6, at);
   }
   surface.textAlign = 'center';
   surface.textBaseline = 'top';

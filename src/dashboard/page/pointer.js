@@ -1,9 +1,11 @@
-// Mouse, touch and keyboard in the scene: orbit, zoom and push.
+// Mouse, touch and keyboard in the scene: orbit, zoom, push the tool, move the target.
 
-import { vec } from './arm.js';
-import { norm, scale } from './geometry.js';
+import { axisOf, vec } from './arm.js';
+import { add, norm, scale } from './geometry.js';
 import { element } from './notices.js';
 import { state } from './state.js';
+import { dropTarget, handle, moveTarget } from './target.js';
+import { shownArm } from './view.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -13,6 +15,10 @@ import { state } from './state.js';
 
 /** Distance to the tool within which the pointer grabs it, px. */
 const GRAB_RADIUS = 34;
+
+/** Distance to the target within which the pointer grabs it, px, and its movement per key, m. */
+const GOAL_RADIUS = 14;
+const GOAL_STEP = 0.01;
 
 /** Force per displacement of the pointer, N/m, and maximum force, N. */
 const FORCE_PER_METER = 200;
@@ -35,7 +41,20 @@ function bindPointer(scene, runControl) {
   const fingers = new Map();
   /** @type {{x: number, y: number, scale: number} | null} where the pointer grabbed the tool */
   let grab = null;
-  const toolSpot = () => (runControl.arm ? camera.project(vec(runControl.arm.tool.position)) : null);
+  /** @type {{x: number, y: number, scale: number} | null} where the pointer last moved the target */
+  let held = null;
+  const toolSpot = () => {
+    const arm = shownArm(runControl);
+    return arm && runControl.cursor === null ? camera.project(vec(arm.tool.position)) : null;
+  };
+  const goalSpot = () => {
+    const goal = runControl.cursor === null ? handle(runControl) : null;
+    return goal ? camera.project(vec(goal.pose.position)) : null;
+  };
+  const isOnGoal = (/** @type {PointerEvent} */ event) => {
+    const spot = goalSpot();
+    return spot !== null && Math.hypot(spot.x - event.offsetX, spot.y - event.offsetY) < GOAL_RADIUS;
+  };
   const isNear = (/** @type {PointerEvent} */ event) => {
     const spot = toolSpot();
     const isActive = state.value.phase === 'running' || state.value.phase === 'paused';
@@ -44,22 +63,30 @@ function bindPointer(scene, runControl) {
   canvas.onpointerdown = (event) => {
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
-    const spot = toolSpot();
-    if (spot && fingers.size === 1 && isNear(event)) grab = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
+    const [spot, goal] = [toolSpot(), goalSpot()];
+    if (goal && fingers.size === 1 && isOnGoal(event)) held = { x: event.offsetX, y: event.offsetY, scale: goal.scale };
+    else if (spot && fingers.size === 1 && isNear(event)) grab = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
     canvas.classList.add('held');
   };
   canvas.onpointermove = (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) {
-      canvas.classList.toggle('grabbable', isNear(event));
+      canvas.classList.toggle('movable', isOnGoal(event));
+      canvas.classList.toggle('grabbable', !isOnGoal(event) && isNear(event));
       return;
     }
     const now = { x: event.offsetX, y: event.offsetY };
-    if (grab) {
+    if (held) {
+      const goal = handle(runControl);
+      const shift = camera.unproject(now.x - held.x, now.y - held.y, held.scale);
+      held = { ...held, x: now.x, y: now.y };
+      if (goal) moveTarget(runControl, goal, shift);
+    } else if (grab) {
       const displacement = camera.unproject(now.x - grab.x, now.y - grab.y, grab.scale);
       runControl.pushWith(limited(scale(displacement, FORCE_PER_METER)));
     } else if (fingers.size === 2) {
       pinch(scene, fingers, event.pointerId, now);
+      scene.framing.isManual = true;
     } else {
       camera.azimuth -= (now.x - before.x) * 0.008;
       camera.elevation += (now.y - before.y) * 0.008;
@@ -71,6 +98,8 @@ function bindPointer(scene, runControl) {
     fingers.delete(event.pointerId);
     if (grab) runControl.pushWith(null);
     grab = null;
+    if (held) dropTarget(runControl);
+    held = null;
     canvas.classList.remove('held');
   };
   canvas.onpointerup = release;
@@ -78,6 +107,7 @@ function bindPointer(scene, runControl) {
   canvas.addEventListener('wheel', (event) => {
     event.preventDefault();
     camera.distance *= Math.exp(event.deltaY * 0.0012);
+    scene.framing.isManual = true;
     runControl.onChange();
   }, { passive: false });
   // The service ends a push after one second, so a pointer that does not move must repeat its force.
@@ -102,24 +132,48 @@ function pinch({ camera }, fingers, moved, now) {
 /** @type {(scene: Scene, runControl: RunControl) => void} */
 function bindKeys(scene, runControl) {
   const { camera } = scene;
+  const zoom = (/** @type {number} */ factor) => {
+    camera.distance *= factor;
+    scene.framing.isManual = true;
+  };
   /** @type {Record<string, () => void>} */
   const acts = {
     ArrowLeft: () => { camera.azimuth -= 0.1; },
     ArrowRight: () => { camera.azimuth += 0.1; },
     ArrowUp: () => { camera.elevation += 0.08; },
     ArrowDown: () => { camera.elevation -= 0.08; },
-    '+': () => { camera.distance *= 0.9; },
-    '=': () => { camera.distance *= 0.9; },
-    '-': () => { camera.distance *= 1.1; },
-    0: () => { scene.fitted = ''; },
+    '+': () => zoom(0.9),
+    '=': () => zoom(0.9),
+    '-': () => zoom(1.1),
+    0: () => scene.framing.reset(),
+  };
+  /** Movement of the target on the screen, right, up and towards the viewer. @type {Record<string, [number, number, number]>} */
+  const moves = {
+    ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0], PageUp: [0, 0, -1], PageDown: [0, 0, 1],
   };
   scene.canvas.addEventListener('keydown', (event) => {
+    const move = event.shiftKey ? moves[event.key] : undefined;
+    if (move) {
+      event.preventDefault();
+      moveWithKey(scene, runControl, move);
+      return;
+    }
     const act = acts[event.key];
     if (!act) return;
     event.preventDefault();
     act();
     runControl.onChange();
   });
+}
+
+/** Moves the target by one step along the base axes that are nearest to the screen's. @type {(scene: Scene, runControl: RunControl, move: [number, number, number]) => void} */
+function moveWithKey({ camera }, runControl, [right, up, back]) {
+  const goal = handle(runControl);
+  if (!goal || runControl.cursor !== null) return;
+  const wanted = add(add(scale(camera.right, right), scale(camera.up, up)), scale(camera.back, back));
+  const axis = wanted.reduce((best, part, i) => (Math.abs(part) > Math.abs(wanted[best]) ? i : best), 0);
+  moveTarget(runControl, goal, scale(axisOf(axis), GOAL_STEP * Math.sign(wanted[axis])));
+  dropTarget(runControl);
 }
 
 /** Buttons that push the tool while they are pressed. @type {(runControl: RunControl) => void} */

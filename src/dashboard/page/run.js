@@ -1,9 +1,9 @@
 // An interactive simulation in the service: starts it, receives its frames, and sends control commands.
 
-import { History } from './history.js';
 import { events, post, remove } from './transport.js';
 
 /**
+ * @typedef {import('./history.js').History} History
  * @typedef {import('./types.js').Simulation} Simulation
  * @typedef {import('./types.js').SimulationControl} SimulationControl
  * @typedef {import('./types.js').SimulationRequest} SimulationRequest
@@ -16,12 +16,13 @@ export class Run {
    * @param {Simulation} simulation
    * @param {(run: Run) => void} onFrame
    * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   * @param {History} history receives the samples
    */
-  constructor(simulation, onFrame, onEnd) {
+  constructor(simulation, onFrame, onEnd, history) {
     this.id = simulation.id;
     this.path = `/v1/simulations/${simulation.id}`;
     this.simulation = simulation;
-    this.history = new History();
+    this.history = history;
     /** @type {LiveFrame | null} */
     this.frame = null;
     this.ended = false;
@@ -33,9 +34,10 @@ export class Run {
    * @param {SimulationRequest} request
    * @param {(run: Run) => void} onFrame
    * @param {(run: Run, reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   * @param {History} history
    */
-  static async start(request, onFrame, onEnd) {
-    return new Run(await post('/v1/simulations', request), onFrame, onEnd);
+  static async start(request, onFrame, onEnd, history) {
+    return new Run(await post('/v1/simulations', request), onFrame, onEnd, history);
   }
 
   /**
@@ -47,6 +49,7 @@ export class Run {
       this.frame = frame;
       this.simulation = frame.run;
       for (const sample of frame.samples) this.history.push(sample);
+      if (frame.samples.length > 0) this.history.pushArm(frame.time_s, frame.arm);
       this.ended = name === 'end';
       onFrame(this);
     };
@@ -67,8 +70,8 @@ export class Run {
   }
 
   /** Stops following the run and deletes it in the service. */
-  delete() {
+  async delete() {
     this.abort.abort();
-    remove(this.path).catch(() => {});
+    await remove(this.path).catch(() => {});
   }
 }

@@ -1,8 +1,9 @@
-// State and actions of the page: starts and controls runs, watches sessions, and provides the data to draw.
+// State and actions of the page: starts and controls runs, and watches sessions. `editing.js` changes the setup.
 
-import { axisOf, vec } from './arm.js';
-import { add, dot, scale, sub, unit } from './geometry.js';
+import { vec } from './arm.js';
 import { History } from './history.js';
+import { Measures, toolPose } from './measures.js';
+import { playground } from './playground.js';
 import { Run } from './run.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
@@ -18,10 +19,9 @@ import { Watch } from './watch.js';
  * @typedef {import('./types.js').StepRequest} StepRequest
  * @typedef {import('./types.js').SimulationControl} SimulationControl
  * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Pose} Pose
  * @typedef {import('./types.js').Vec3} Vec3
  * @typedef {import('./setup.js').Setup} Setup
- * @typedef {import('./scene.js').World} World
- * @typedef {import('./plots.js').View} View
  */
 
 /** Minimum interval between two commands with a push, ms; the service ends a push after one second. */
@@ -38,12 +38,18 @@ export class RunControl {
     this.onError = onError;
     /** @type {Scenario[]} */
     this.scenarios = [];
+    /** @type {Robot[]} */
+    this.robots = [];
     /** @type {Scenario | null} the selected scenario, without the changes of the setup */
     this.scenario = null;
     /** @type {Setup | null} */
     this.setup = null;
+    /** Earlier setups, for undo. @type {Setup[]} */
+    this.undoable = [];
     /** @type {Robot | null} */
     this.robot = null;
+    /** Shapes of the links by robot name. @type {Map<string, import('./visuals.js').Visuals>} */
+    this.visuals = new Map();
     /** @type {ArmView | null} the arm at the start of the scenario */
     this.preview = null;
     /** @type {Run | null} */
@@ -54,6 +60,11 @@ export class RunControl {
     this.running = null;
     /** @type {Watch | null} */
     this.watch = null;
+    /** Time that the page shows instead of the latest one, s. @type {number | null} */
+    this.cursor = null;
+    /** The target that the user drags. @type {{task: string, pose: Pose} | null} */
+    this.dragged = null;
+    this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
     this.lastPushTime = 0;
@@ -63,16 +74,48 @@ export class RunControl {
     this.showSetup = () => {};
   }
 
-  /** Loads the scenarios. Uses the setup in the address of the page, if there is one. */
+  /** Returns whether a run goes on or is paused. */
+  get isActive() {
+    return this.run !== null && ['running', 'paused', 'starting'].includes(state.value.phase);
+  }
+
+  /** The scenario with the changes of the setup. @returns {Scenario | null} */
+  get applied() {
+    return this.scenario && this.setup ? setups.applyTo(this.scenario, this.setup, this.startPosition) : null;
+  }
+
+  /** Position of the tool at the start of the scenario, m. @returns {Vec3} */
+  get startPosition() {
+    return vec(this.preview?.tool.position ?? [0, 0, 0]);
+  }
+
+  /** Loads scenarios and robots. Uses the setup in the address of the page, if there is one. */
   async load() {
     /** @type {ScenarioList} */
     const { scenarios } = await get('/v1/scenarios');
+    await this.loadRobots();
     this.scenarios = scenarios.map(({ scenario }) => scenario);
+    const robot = this.setup?.robot || new URLSearchParams(location.hash.slice(1)).get('robot');
+    if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot);
     const fallback = this.scenarios.find(({ name }) => name === 'stiff_wall') ?? this.scenarios[0];
     this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? setups.defaults(fallback);
     const { scenario } = this.setup;
     this.scenario = this.scenarios.find(({ name }) => name === scenario) ?? fallback;
     await this.showStart();
+  }
+
+  async loadRobots() {
+    /** @type {import('./types.js').RobotList} */
+    const { robots } = await get('/v1/robots');
+    this.robots = robots;
+  }
+
+  /** Makes the playground scenario for a robot. @param {string} name */
+  async makePlayground(name) {
+    const robot = this.robots.find((known) => known.name === name);
+    if (!robot) throw new Error(`there is no robot ${name}`);
+    const scenario = await playground(robot);
+    this.scenarios = [...this.scenarios.filter((known) => known.name !== setups.PLAYGROUND), scenario];
   }
 
   /** Shows the arm at the start of the scenario. */
@@ -103,47 +146,8 @@ export class RunControl {
     await this.showStart();
   }
 
-  /**
-   * Changes the setup and applies to the current run what can change during a run.
-   * @param {Partial<Setup>} change
-   */
-  async change(change) {
-    if (!this.setup || !this.scenario) return;
-    this.setup = { ...this.setup, ...change };
-    this.onChange();
-    const command = this.commandFor(change);
-    const isActive = ['running', 'paused', 'starting'].includes(state.value.phase) && this.run;
-    if (!isActive) return;
-    state.set({ pending: this.isPending() });
-    if (command) await this.sendControl(command, change.method === undefined);
-  }
-
-  /**
-   * Returns the command for the parts of a change that can be applied during a run, or null.
-   * @param {Partial<Setup>} change
-   * @returns {SimulationControl | null}
-   */
-  commandFor(change) {
-    if (!this.setup || !this.scenario) return null;
-    if (change.gains) {
-      const changed = setups.applyTo(this.scenario, this.setup).controller;
-      return { controller: changed };
-    }
-    const { method, solver, speed } = change;
-    return method ?? solver ?? speed ? { method, solver, speed } : null;
-  }
-
-  /** Returns whether the setup has changes that need a new run. */
-  isPending() {
-    if (!this.running || !this.setup || !this.scenario) return false;
-    const changed = setups.applyTo(this.scenario, this.setup);
-    const differ = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) !== JSON.stringify(b);
-    return (
-      differ(changed.contacts, this.running.contacts) ||
-      differ(changed.velocity_loop, this.running.velocity_loop) ||
-      (this.ghost?.simulation.method ?? '') !== this.setup.ghost
-    );
-  }
+  /** Set by the module `editing`. @type {(change: Partial<Setup>) => Promise<void>} */
+  change = async () => {};
 
   /**
    * Sends a control command to the run.
@@ -162,6 +166,7 @@ export class RunControl {
   /** Starts, pauses or resumes the run. */
   async togglePause() {
     const { phase } = state.value;
+    this.cursor = null;
     if (phase === 'running') await this.sendControl({ paused: true });
     else if (phase === 'paused') await this.sendControl({ paused: false });
     else if (phase !== 'starting') await this.start(false);
@@ -173,6 +178,7 @@ export class RunControl {
    */
   async step(periods) {
     const { phase } = state.value;
+    this.cursor = null;
     if (phase !== 'running' && phase !== 'paused') await this.start(true);
     await this.sendControl({ step: periods });
   }
@@ -182,19 +188,35 @@ export class RunControl {
    * @param {boolean} paused whether the new run waits for a command
    */
   async start(paused) {
-    if (!this.setup || !this.scenario) return;
+    const { applied, setup, preview } = this;
+    if (!setup || !applied) return;
     this.reset();
+    const start = preview?.tool ?? null;
+    const history = () => new History(new Measures(applied.controller, start));
+    await this.startRuns(applied, history(), setup.ghost ? applied : null, history(), paused);
+  }
+
+  /**
+   * Starts a run and its ghost.
+   * @param {Scenario} scenario
+   * @param {History} history receives the samples of the run
+   * @param {Scenario | null} ghostScenario
+   * @param {History} ghostHistory
+   * @param {boolean} paused
+   */
+  async startRuns(scenario, history, ghostScenario, ghostHistory, paused) {
+    const { setup } = this;
+    if (!setup) return;
     state.set({ phase: 'starting' });
-    const { setup, scenario } = this;
-    this.running = setups.applyTo(scenario, setup);
+    this.running = scenario;
     const onFrame = () => this.updatePhase();
     const onEnd = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
       this.handleEnd(run, reason, error);
     try {
-      const waits = paused || setup.ghost !== '';
-      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), onFrame, onEnd);
-      if (setup.ghost) {
-        this.ghost = await Run.start(setups.request(scenario, setup, setup.ghost, true), onFrame, onEnd);
+      const waits = paused || ghostScenario !== null;
+      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), onFrame, onEnd, history);
+      if (ghostScenario && setup.ghost) {
+        this.ghost = await Run.start(setups.request(ghostScenario, setup, setup.ghost, true), onFrame, onEnd, ghostHistory);
         if (!paused) await this.sendControl({ paused: false });
       }
     } catch (error) {
@@ -235,6 +257,8 @@ export class RunControl {
     this.run = null;
     this.ghost = null;
     this.running = null;
+    this.cursor = null;
+    this.dragged = null;
     state.set({ phase: 'none', pending: false });
     this.onChange();
   }
@@ -280,6 +304,7 @@ export class RunControl {
   async leaveSession() {
     this.watch?.close();
     this.watch = null;
+    this.cursor = null;
     state.set({ phase: 'none', session: '' });
     await this.showStart();
   }
@@ -288,10 +313,11 @@ export class RunControl {
   async cycle() {
     if (this.run?.frame && this.run.frame.done > 0) return get(`${this.run.path}/cycle`);
     if (this.watch?.step) return { controller: this.watch.session.controller, state: this.watch.step.state, memory: null };
-    if (!this.scenario || !this.setup) throw new Error('there is no control cycle yet');
-    const start = this.scenario.start_joint_position;
+    const { applied } = this;
+    if (!applied) throw new Error('there is no control cycle yet');
+    const start = applied.start_joint_position;
     return {
-      controller: setups.applyTo(this.scenario, this.setup).controller,
+      controller: applied.controller,
       state: {
         sequence: 0, time_s: 0, joint_position: start, joint_velocity: start.map(() => 0),
         wrench: { force: [0, 0, 0], torque: [0, 0, 0] },
@@ -310,54 +336,9 @@ export class RunControl {
     return this.history.last;
   }
 
-  /** @returns {ArmView | null} */
-  get arm() {
-    if (this.watch) return this.watch.step?.arm ?? null;
-    return this.run?.frame?.arm ?? this.preview;
-  }
-
-  /** @returns {World} data of the scene */
-  world() {
-    const { sample, arm } = this;
-    const scenario = this.watch ? null : (this.running ?? this.scenario);
-    const start = vec(this.history.start ?? this.preview?.tool.position ?? [0, 0, 0]);
-    const tool = vec(arm?.tool.position ?? [0, 0, 0]);
-    const distance = sample?.wall_distance_m ?? null;
-    const contacts = (scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance));
-    const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
-    const ghost = this.ghost?.frame ? { arm: this.ghost.frame.arm, history: this.ghost.history } : null;
-    return {
-      arm,
-      atLimit: (arm?.joints ?? []).map((_, joint) => limited.includes(joint)),
-      history: this.history,
-      contacts,
-      start,
-      force: vec(sample?.force ?? [0, 0, 0]),
-      target: sample?.target_force ?? [null, null, null],
-      push: vec(this.run?.frame?.external_force ?? [0, 0, 0]),
-      ghost,
-    };
-  }
-
-  /** @returns {View} data of the plots */
-  view() {
-    const controller = this.watch?.session.controller ?? (this.running ?? this.scenario)?.controller;
-    const frame = this.run?.frame;
-    return {
-      history: this.history,
-      ghost: this.ghost?.history ?? null,
-      duration: this.watch ? 0 : ((this.running ?? this.scenario)?.duration_s ?? 0),
-      arm: this.arm,
-      robot: this.robot,
-      position: this.sample?.joint_position ?? (this.watch ? [] : (this.scenario?.start_joint_position ?? [])),
-      velocity: this.sample?.joint_velocity ?? [],
-      tasks: controller?.tasks.map(({ name }) => name) ?? [],
-      threshold: controller?.damping?.threshold ?? null,
-      period: controller?.period_s ?? 0.001,
-      paths: this.watch?.paths ?? frame?.paths ?? null,
-      solveTime: this.watch?.solveTime ?? frame?.solve_time ?? null,
-      closeUp: this.closeUp,
-    };
+  /** Pose of the tool in the latest sample, or at the start. @returns {Pose | null} */
+  get tool() {
+    return this.sample ? toolPose(this.sample) : (this.preview?.tool ?? null);
   }
 }
 
@@ -367,24 +348,4 @@ export class RunControl {
  */
 function zOf({ w, x, y, z }) {
   return [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
-}
-
-/**
- * Returns a contact at its current position.
- * @param {NonNullable<Scenario['contacts']>[number]} contact
- * @param {Vec3} start of the tool
- * @param {Vec3} tool
- * @param {number | null} distance from the tool to the wall, m
- * @returns {import('./scene.js').Contact}
- */
-function currentContact(contact, start, tool, distance) {
-  const offset = contact.offset_m ?? 0;
-  const isWall = contact.kind !== 'spring';
-  const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
-  const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
-  const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
-  if (!contact.motion || distance === null) return { isWall, inwards, at };
-  // The contact moves. Compute its position from the tool and the distance.
-  const shift = dot(sub(tool, at), inwards) + distance;
-  return { isWall, inwards, at: add(at, scale(inwards, shift)) };
 }

@@ -1,10 +1,15 @@
 // The setup of a run: a scenario and the user's changes to it. The fragment of the page's address can store a setup.
 
+import { inTaskFrame, positionDirections } from './goals.js';
+import { addPlanes } from './planes.js';
+
 /**
  * @typedef {import('./types.js').Scenario} Scenario
  * @typedef {import('./types.js').Method} Method
  * @typedef {import('./types.js').Solver} Solver
  * @typedef {import('./types.js').SimulationRequest} SimulationRequest
+ * @typedef {import('./types.js').ControllerTask} Task
+ * @typedef {import('./types.js').Vec3} Vec3
  * @typedef {'inertia' | 'damping' | 'stiffness'} Gain
  *
  * @typedef {object} Setup
@@ -16,6 +21,10 @@
  * @property {number | null} lag of the arm's velocity loop, s; null: as in the scenario
  * @property {Record<string, number[]>} gains changed gains, by `task.gain`
  * @property {Record<string, number>} stiffness changed stiffness of contacts, by index, N/m
+ * @property {string} robot robot of the playground; empty in the other scenarios
+ * @property {number[]} order order of the tasks as indices, highest priority first; empty: as in the scenario
+ * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
+ * @property {Record<string, import('./types.js').Pose>} targets moved targets by task, base frame
  */
 
 /** @type {{value: Method, name: string}[]} */
@@ -34,6 +43,9 @@ export const SOLVERS = [
   { value: 'qp', name: 'QP cascade' },
   { value: 'closed_form', name: 'Closed form, no limits' },
 ];
+
+/** Name of the scenario that the page makes for any robot. */
+export const PLAYGROUND = 'playground';
 
 /** @type {Gain[]} */
 export const GAINS = ['inertia', 'damping', 'stiffness'];
@@ -54,6 +66,10 @@ export function defaults(scenario) {
     lag: null,
     gains: {},
     stiffness: {},
+    robot: scenario.name === PLAYGROUND ? scenario.controller.robot : '',
+    order: [],
+    planes: [],
+    targets: {},
   };
 }
 
@@ -71,12 +87,19 @@ export function gainOf(scenario, task, gain) {
   return Array.isArray(value) ? value : null;
 }
 
-/** @type {(scenario: Scenario, setup: Setup) => Scenario} the scenario with the changes of the setup */
-export function applyTo(scenario, setup) {
+/**
+ * Returns the scenario with the changes of the setup.
+ * @param {Scenario} scenario
+ * @param {Setup} setup
+ * @param {Vec3} start position of the tool at the start, m
+ * @returns {Scenario}
+ */
+export function applyTo(scenario, setup, start) {
   /** @type {Scenario} */
   const changed = structuredClone(scenario);
-  changed.controller.method = setup.method;
-  changed.controller.solver = setup.solver;
+  const { controller } = changed;
+  controller.method = setup.method;
+  controller.solver = setup.solver;
   if (setup.lag !== null) {
     changed.velocity_loop = { delay_periods: 0, ...changed.velocity_loop, lag_s: setup.lag };
   }
@@ -84,27 +107,42 @@ export function applyTo(scenario, setup) {
     const contact = changed.contacts?.[Number(index)];
     if (contact) contact.stiffness = stiffness;
   }
-  for (const [key, values] of Object.entries(setup.gains)) {
-    const [task, gain] = key.split('.');
-    const law = /** @type {Record<string, unknown> | undefined} */ (changed.controller.tasks[Number(task)]?.law);
-    if (law && gain in law) law[gain] = values.length === 1 && !Array.isArray(law[gain]) ? values[0] : values;
-  }
+  controller.tasks = inOrder(controller.tasks.map(moved(setup.targets)), setup.order);
+  setGains(controller, setup);
+  addPlanes(changed, setup.planes, start);
   return changed;
 }
 
-/** @type {(setup: Setup) => boolean} whether the scenario is unchanged, apart from method and solver */
-export function isUnchanged(setup) {
-  return setup.lag === null && Object.keys(setup.gains).length === 0 && Object.keys(setup.stiffness).length === 0;
+/** Changes the gains of a controller. @type {(controller: Scenario['controller'], setup: Setup) => void} */
+export function setGains(controller, { gains, order }) {
+  for (const [key, values] of Object.entries(gains)) {
+    const [task, gain] = key.split('.');
+    const place = order.length > 0 ? order.indexOf(Number(task)) : Number(task);
+    const law = /** @type {Record<string, unknown> | undefined} */ (controller.tasks[place]?.law);
+    if (law && gain in law) law[gain] = values.length === 1 && !Array.isArray(law[gain]) ? values[0] : values;
+  }
+}
+
+/** @type {<T>(list: T[], order: number[]) => T[]} */
+export function inOrder(list, order) {
+  return order.length === list.length ? order.map((index) => list[index]) : list;
+}
+
+/** Returns tasks with their moved targets; targets that the page sends stay in force. @type {(targets: Setup['targets']) => (task: Task) => Task} */
+function moved(targets) {
+  return (task) => {
+    if (positionDirections(task).length === 0) return task;
+    const streaming = { hold_after_s: 0.05, brake_after_s: 10, ...task.streaming };
+    const pose = targets[task.name];
+    if (!pose || !task.law) return { ...task, streaming };
+    const law = { ...task.law, target_pose: inTaskFrame(task, pose), target_displacement: null };
+    return { ...task, streaming, law: /** @type {any} */ (law) };
+  };
 }
 
 /** @type {(scenario: Scenario, setup: Setup, method: Method, paused: boolean) => SimulationRequest} */
-export function request(scenario, setup, method, paused) {
-  return {
-    scenario: isUnchanged(setup) ? setup.scenario : applyTo(scenario, setup),
-    method,
-    solver: setup.solver,
-    interactive: { speed: setup.speed, paused },
-  };
+export function request(scenario, { solver, speed }, method, paused) {
+  return { scenario, method, solver, interactive: { speed, paused } };
 }
 
 /** @type {(setup: Setup, scenario: Scenario) => string} */
@@ -115,6 +153,8 @@ export function toFragment(setup, scenario) {
     if (setup[key] !== unchanged[key]) text.set(key, String(setup[key]));
   }
   if (setup.lag !== null) text.set('lag', String(setup.lag));
+  if (setup.robot) text.set('robot', setup.robot);
+  if (setup.order.length > 0) text.set('order', setup.order.join(','));
   for (const [key, values] of Object.entries(setup.gains)) text.set(key, values.join(','));
   for (const [index, value] of Object.entries(setup.stiffness)) text.set(`contact.${index}`, String(value));
   return text.toString();
@@ -139,6 +179,9 @@ export function fromFragment(fragment, scenarios) {
   setup.speed = positive(text.get('speed')) ?? setup.speed;
   const lag = Number(text.get('lag') ?? NaN);
   setup.lag = lag >= 0 ? lag : null;
+  const order = (text.get('order') ?? '').split(',').map(Number);
+  const isOrder = order.length === scenario.controller.tasks.length && order.every((_, k) => order.includes(k));
+  if (text.has('order') && isOrder) setup.order = order;
   for (const [key, value] of text) {
     const contact = /^contact\.(\d+)$/.exec(key);
     const stiffness = positive(value);

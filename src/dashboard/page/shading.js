@@ -121,7 +121,7 @@ function drawCylinder(context, camera, body, rgb, light) {
 }
 
 /** @type {(normal: Vec3, light: Vec3) => number} */
-function brightness(normal, light) {
+export function brightness(normal, light) {
   const towards = dot(normal, light);
   return 0.42 + 0.62 * Math.max(0, towards) + 0.18 * Math.max(0, towards) ** 12 + 0.08 * Math.min(0, towards);
 }

@@ -11,6 +11,7 @@
  * @property {string} ground background of the scene, bottom
  * @property {string[]} axes curves of x, y, z; also of the tasks, highest first
  * @property {string} ghost
+ * @property {string} goal the target in the scene
  * @property {string} alarm active limits, warnings
  * @property {string} allowed allowed ranges
  * @property {string} accent
@@ -29,6 +30,7 @@ const LIGHT = {
   ground: '#dfe6ee',
   axes: ['#0072b2', '#d55e00', '#009e73'],
   ghost: '#b5568f',
+  goal: '#8a3ffc',
   alarm: '#d55e00',
   allowed: '#b9d4e8',
   accent: '#0072b2',
@@ -47,6 +49,7 @@ const DARK = {
   ground: '#0d1218',
   axes: ['#56b4e9', '#e69f00', '#2fc79b'],
   ghost: '#df94bd',
+  goal: '#be95ff',
   alarm: '#ff7f2a',
   allowed: '#29506b',
   accent: '#56b4e9',

@@ -93,6 +93,11 @@ export async function remove(path) {
   await send(path, { method: 'DELETE', keepalive: true });
 }
 
+/** Sends a DELETE request and waits for its answer. @param {string} path */
+export async function removeNow(path) {
+  await send(path, { method: 'DELETE' });
+}
+
 /**
  * @param {string} path
  * @param {string} type accepted media type

@@ -23,6 +23,17 @@ export type SessionStatus = Schemas['SessionStatus'];
 export type WatchedStep = Schemas['WatchedStep'];
 export type KinematicsAnswer = Schemas['KinematicsAnswer'];
 export type StepRequest = Schemas['StepRequest'];
+export type ControllerTask = Schemas['ControllerTask'];
+export type Contact = Schemas['Contact'];
+export type Inequality = Schemas['Inequality'];
+export type Profile = Schemas['Profile'];
+export type Pose = Schemas['Pose'];
+export type Quaternion = Schemas['Orientation'];
+export type Law = Schemas['Law'];
+export type StreamedTarget = Schemas['StreamedTarget'];
+export type RobotJoint = Schemas['RobotJoint'];
+export type Axis = Schemas['Axis'];
+export type RobotList = Schemas['RobotList'];
 export type Problem = Schemas['Problem'];
 
 export type Vec3 = [number, number, number];

@@ -1,6 +1,7 @@
 // Watches a session that another client uses. The page cannot change the session.
 
 import { History } from './history.js';
+import { Measures } from './measures.js';
 import { events, get } from './transport.js';
 
 /**
@@ -25,7 +26,7 @@ export class Watch {
   constructor(session, robot) {
     this.session = session;
     this.robot = robot;
-    this.history = new History();
+    this.history = new History(new Measures(session.controller, null));
     /** @type {WatchedStep | null} */
     this.step = null;
     /** Number of watched steps by solver path. */
@@ -67,6 +68,7 @@ export class Watch {
     this.solveTime.counts[Math.max(0, Math.min(51, bin))] += 1;
     this.solveTime.worst_us = Math.max(this.solveTime.worst_us, answer.elapsed_us);
     this.history.push(this.sample(step));
+    if (step.arm) this.history.pushArm(step.state.time_s, step.arm);
   }
 
   /**
@@ -87,10 +89,13 @@ export class Watch {
       joint_position: this.joints(state.joint_position),
       joint_velocity: answer.joint_velocity,
       position: arm?.tool.position ?? [0, 0, 0],
+      orientation: arm ? [arm.tool.orientation.w, arm.tool.orientation.x, arm.tool.orientation.y, arm.tool.orientation.z] : [1, 0, 0, 0],
       force: (state.wrench?.force ?? [0, 0, 0]).map((value) => sign * value),
       target_force: targets(this.session, answer),
       wall_distance_m: null,
       residual_norms: answer.tasks.map((task) => task.residual_norm),
+      task_residuals: answer.tasks.map(({ achieved, requested }) => achieved.map((value, row) => value - requested[row])),
+      active_inequalities: (answer.active_inequalities ?? []).map(({ name }) => name),
       smallest_singular_value: answer.singularity.smallest_singular_value,
       at_lower: limited('lower'),
       at_upper: limited('upper'),

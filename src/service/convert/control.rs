@@ -1,10 +1,12 @@
 //! `POST /v1/simulations/{id}/control`.
 
 use revprio_api::wire;
+use revprio_core::controller::Controller;
 use serde_json::Value;
 
 use super::controller::controller;
 use super::numbers::check_numbers;
+use super::targets::targets;
 use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::Robots;
 
@@ -29,8 +31,8 @@ pub fn check_interactive(interactive: Option<&wire::Interactive>) -> Result<(), 
     interactive.map_or(Ok(()), |interactive| check_speed(interactive.speed, "/interactive/speed"))
 }
 
-/// Checks the fields of a command.
-pub fn check_control(command: &wire::SimulationControl) -> Result<(), ApiError> {
+/// Checks the fields of a command to a run with this controller.
+pub fn check_control(command: &wire::SimulationControl, controller: &Controller) -> Result<(), ApiError> {
     command.speed.map_or(Ok(()), |speed| check_speed(speed, "/speed"))?;
     if command.step.is_some_and(|step| !(1..=MAX_STEPS as u64).contains(&step)) {
         return Err(ApiError::invalid("/step", format!("give 1 to {MAX_STEPS} control periods")));
@@ -38,6 +40,11 @@ pub fn check_control(command: &wire::SimulationControl) -> Result<(), ApiError> 
     if command.step.is_some() && command.paused == Some(false) {
         return Err(ApiError::invalid("/step", "a run pauses after a step; omit `paused`"));
     }
+    if let Some((name, _)) = command.targets.iter().find(|(_, target)| target.time_s.is_some()) {
+        let pointer = format!("/targets/{}/time_s", escape_pointer(name));
+        return Err(ApiError::invalid(pointer, "omit it; the target belongs to the next state"));
+    }
+    targets(&command.targets, 0.0, controller)?;
     command.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }
 

@@ -234,18 +234,25 @@ fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wi
         joints.dedup();
         joints
     };
+    let mut active_inequalities = earlier.map_or_else(Vec::new, |sample| sample.active_inequalities.clone());
+    active_inequalities.extend(answer.active_inequalities.iter().map(|inequality| inequality.name.clone()));
+    active_inequalities.sort_unstable();
+    active_inequalities.dedup();
     wire::LiveSample {
         time_s: sample.time_s,
         joint_position: list(&sample.joint_position),
         joint_velocity: list(&sample.joint_velocity),
         position: sample.position.map(single),
+        orientation: sample.orientation.map(single),
         force: sample.force.map(single),
         target_force: sample.target_force.map(|force| force.and_then(finite)),
         wall_distance_m: sample.wall_distance.and_then(finite),
         residual_norms: list(&sample.residual_norms),
+        task_residuals: answer.tasks.iter().map(residual).collect(),
         smallest_singular_value: single(sample.smallest_singular_value),
         at_lower: at(wire::Side::Lower, earlier.map(|sample| &sample.at_lower)),
         at_upper: at(wire::Side::Upper, earlier.map(|sample| &sample.at_upper)),
+        active_inequalities,
         path: sample.path,
         status: sample.status,
         kkt_residual: sample.kkt_residual.and_then(finite),
@@ -253,6 +260,11 @@ fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wi
         round_trip_us: single(round_trip.as_secs_f64() * 1e6),
         answered: sample.answered,
     }
+}
+
+/// Returns achieved minus requested velocity of a task, per row.
+fn residual(task: &wire::TaskOutcome) -> Vec<f32> {
+    task.achieved.iter().zip(&task.requested).map(|(achieved, requested)| single(achieved - requested)).collect()
 }
 
 #[cfg(test)]

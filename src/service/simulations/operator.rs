@@ -82,10 +82,11 @@ impl Operator for ControlledOperator<'_> {
     fn influence(&mut self, _period: u64) -> Influence {
         let mut commands = self.wait();
         let controller = commands.take_new_controller();
+        let targets = commands.take_targets();
         let external_force = commands.external_force();
         drop(commands);
         self.external_force = external_force;
-        Influence { external_force, controller }
+        Influence { external_force, controller, targets }
     }
 
     fn see(&mut self, done: u64, period: &Observed) {

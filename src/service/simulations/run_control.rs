@@ -1,5 +1,6 @@
 //! The commands of clients to an interactive run, and the live view of the run.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,8 @@ pub struct Commands {
     force_set: Instant,
     controller: wire::Controller,
     is_controller_new: bool,
+    /// Targets that no state contains yet.
+    targets: BTreeMap<String, wire::StreamedTarget>,
     /// Whether the run is to finish.
     pub finish: bool,
     /// Time of the last command or of the last check that found a watcher.
@@ -50,6 +53,11 @@ impl Commands {
     /// Returns the changed controller, once after each change.
     pub fn take_new_controller(&mut self) -> Option<wire::Controller> {
         std::mem::take(&mut self.is_controller_new).then(|| self.controller.clone())
+    }
+
+    /// Returns the new targets, each once.
+    pub fn take_targets(&mut self) -> BTreeMap<String, wire::StreamedTarget> {
+        std::mem::take(&mut self.targets)
     }
 }
 
@@ -73,6 +81,7 @@ impl RunControl {
             force_set: Instant::now(),
             controller: request,
             is_controller_new: false,
+            targets: BTreeMap::new(),
             finish: false,
             last_attention: Instant::now(),
         };
@@ -81,19 +90,20 @@ impl RunControl {
 
     /// Applies a whole command, or refuses it without any change.
     pub fn apply(&self, command: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
-        convert::check_control(command)?;
+        convert::check_control(command, &self.controller)?;
         let mut commands = self.lock();
         if let Some(controller) = convert::changed_controller(command, &commands.controller, robots)? {
             commands.controller = controller;
             commands.is_controller_new = true;
         }
-        let Commands { pace, steps, force, force_set, finish, last_attention, .. } = &mut *commands;
+        let Commands { pace, steps, force, force_set, targets, finish, last_attention, .. } = &mut *commands;
         pace.paused = command.paused.unwrap_or(pace.paused || command.step.is_some());
         pace.speed = command.speed.unwrap_or(pace.speed);
         *steps = if pace.paused { *steps + command.step.unwrap_or(0) } else { 0 };
         if let Some(external_force) = command.external_force {
             (*force, *force_set) = (external_force, Instant::now());
         }
+        targets.extend(command.targets.clone());
         *finish |= command.end;
         *last_attention = Instant::now();
         drop(commands);

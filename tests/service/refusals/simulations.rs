@@ -91,6 +91,10 @@ const COMMANDS: &[Row] = &[
     ("/solver", "null_", 400, NO_POINTER),
     ("/controller", "[]", 422, "/controller"),
     ("/controller", "{}", 422, "/controller"),
+    ("/targets", "[]", 422, "/targets"),
+    ("/targets", r#"{"pull": {"force": [1]}}"#, 422, "/targets/pull"),
+    ("/targets", r#"{"hold": {"velocity": [1]}}"#, 422, "/targets/hold/velocity"),
+    ("/targets", r#"{"hold": {"time_s": 1, "force": [1]}}"#, 422, "/targets/hold/time_s"),
     ("/push", "[0, 0, 1]", 422, "/push"),
 ];
 

@@ -1846,12 +1846,15 @@ class LiveSample(Answer):
 
     Fields:
 
+    - active_inequalities: Names of the inequalities that restricted the command at any time since the previous
+      sample.
     - answered: Whether the service answered in this period.
     - at_lower: Joints (index from 0) at their lower bound at any time since the previous sample.
     - at_upper: Joints (index from 0) at their upper bound at any time since the previous sample.
     - force: Force F_e of the tool on the environment, base axes, N.
     - joint_position: Joint position q, rad or m.
     - joint_velocity: Commanded joint velocity q̇, rad/s or m/s.
+    - orientation: Orientation of the tool in the base frame, a unit quaternion w, x, y, z.
     - path: Solver path of the command.
     - position: Tool position in the base frame, m.
     - residual_norms: Residual ‖J_k q̇ − ẋ_k‖ per task, highest priority first.
@@ -1860,11 +1863,15 @@ class LiveSample(Answer):
     - solve_us: Time to compute the answer, µs.
     - status: Certificate of the command.
     - target_force: Target force F_d, N; `null` on axes that are not force-controlled.
+    - task_residuals: Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest
+      priority first.
     - time_s: Simulated time, s.
     - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
     - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
     """
 
+    active_inequalities: list[str]
+    """Names of the inequalities that restricted the command at any time since the previous sample."""
     answered: bool
     """Whether the service answered in this period."""
     at_lower: list[int]
@@ -1877,6 +1884,8 @@ class LiveSample(Answer):
     """Joint position q, rad or m."""
     joint_velocity: FloatArray
     """Commanded joint velocity q̇, rad/s or m/s."""
+    orientation: FloatArray
+    """Orientation of the tool in the base frame, a unit quaternion w, x, y, z."""
     path: Path
     """Solver path of the command."""
     position: FloatArray
@@ -1893,6 +1902,8 @@ class LiveSample(Answer):
     """Certificate of the command."""
     target_force: FloatArray
     """Target force F_d, N; `null` on axes that are not force-controlled."""
+    task_residuals: list[FloatArray]
+    """Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest priority first."""
     time_s: float
     """Simulated time, s."""
     kkt_residual: float | None = None
@@ -2387,6 +2398,50 @@ class SessionStatus(Answer):
     """Number of steps that came more than 1.5 periods after the previous step."""
 
 
+class StreamedPose(Body):
+    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
+
+    Fields:
+
+    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
+    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    """
+
+    orientation: Orientation | None = None
+    """Orientation, unit quaternion; required if the task has an angular axis."""
+    position: Vector | None = None
+    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+
+
+class StreamedTarget(Body):
+    """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
+    `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
+    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`.
+
+    Fields:
+
+    - force: Target force F_d per row, N and N·m.
+    - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
+    - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
+    - time_s: Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after
+      it.
+    - velocity: Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the
+      frame `tool` those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
+    """
+
+    force: Vector | None = None
+    """Target force F_d per row, N and N·m."""
+    joint_position: JointVector | None = None
+    """Target positions of the joints of the task, in their order or by name, rad or m."""
+    pose: StreamedPose | None = None
+    """Target pose. It replaces `target_pose` and `target_displacement` of the law."""
+    time_s: float | None = None
+    """Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it."""
+    velocity: Vector | None = None
+    """Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool`
+    those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets."""
+
+
 class SimulationControl(Body):
     """`POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
 
@@ -2403,6 +2458,8 @@ class SimulationControl(Body):
     - solver: New solver.
     - speed: Simulated seconds per second of real time.
     - step: Number of control periods to run before the run pauses.
+    - targets: New targets by task name, without `time_s`: part of the next state. Between targets the task
+      interpolates or extrapolates, as its `streaming` says.
     """
 
     controller: ControllerConfig | None = None
@@ -2423,6 +2480,9 @@ class SimulationControl(Body):
     """Simulated seconds per second of real time."""
     step: int | None = None
     """Number of control periods to run before the run pauses."""
+    targets: dict[str, StreamedTarget] | None = None
+    """New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
+    extrapolates, as its `streaming` says."""
 
 
 class SimulationRequest(Body):
@@ -2508,50 +2568,6 @@ class StabilityRequest(Body):
     """Stiffness K_d of the law; default 0, as on a force-controlled axis."""
     velocity_measured: bool | None = None
     """Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`."""
-
-
-class StreamedPose(Body):
-    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
-
-    Fields:
-
-    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
-    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
-    """
-
-    orientation: Orientation | None = None
-    """Orientation, unit quaternion; required if the task has an angular axis."""
-    position: Vector | None = None
-    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
-
-
-class StreamedTarget(Body):
-    """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
-    `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
-    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`.
-
-    Fields:
-
-    - force: Target force F_d per row, N and N·m.
-    - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
-    - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
-    - time_s: Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after
-      it.
-    - velocity: Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the
-      frame `tool` those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
-    """
-
-    force: Vector | None = None
-    """Target force F_d per row, N and N·m."""
-    joint_position: JointVector | None = None
-    """Target positions of the joints of the task, in their order or by name, rad or m."""
-    pose: StreamedPose | None = None
-    """Target pose. It replaces `target_pose` and `target_displacement` of the law."""
-    time_s: float | None = None
-    """Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it."""
-    velocity: Vector | None = None
-    """Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool`
-    those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets."""
 
 
 class Wrench(Body):

@@ -1,9 +1,14 @@
 //! Interactive simulations, and live views of simulations and sessions.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, integer, object};
+use super::{
+    Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, StreamedTarget, integer, object,
+    streaming,
+};
 
 /// The pace of an interactive run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -37,6 +42,11 @@ pub struct SimulationControl {
     /// External force on the tool, N, base axes. It ends 1 s (real time) after the last request that sets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub external_force: Option<[f64; 3]>,
+    /// New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
+    /// extrapolates, as its `streaming` says.
+    #[serde(deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"push x": {"force": [25]}}))]
+    pub targets: BTreeMap<String, StreamedTarget>,
     /// New resolution method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
@@ -130,6 +140,10 @@ pub struct LiveSample {
     pub joint_velocity: Vec<f32>,
     /// Tool position in the base frame, m.
     pub position: [f32; 3],
+    /// Orientation of the tool in the base frame, a unit quaternion w, x, y, z.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub orientation: [f32; 4],
     /// Force F_e of the tool on the environment, base axes, N.
     pub force: [f32; 3],
     /// Target force F_d, N; `null` on axes that are not force-controlled.
@@ -138,12 +152,20 @@ pub struct LiveSample {
     pub wall_distance_m: Option<f32>,
     /// Residual ‖J_k q̇ − ẋ_k‖ per task, highest priority first.
     pub residual_norms: Vec<f32>,
+    /// Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest priority first.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub task_residuals: Vec<Vec<f32>>,
     /// Smallest singular value of all task rows together.
     pub smallest_singular_value: f32,
     /// Joints (index from 0) at their lower bound at any time since the previous sample.
     pub at_lower: Vec<usize>,
     /// Joints (index from 0) at their upper bound at any time since the previous sample.
     pub at_upper: Vec<usize>,
+    /// Names of the inequalities that restricted the command at any time since the previous sample.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub active_inequalities: Vec<String>,
     /// Solver path of the command.
     pub path: Path,
     /// Certificate of the command.

@@ -1,12 +1,12 @@
 //! One figure with all runs of a scenario.
 
-use super::comparison::group_coinciding;
+use super::comparison::{REVERSE_PRIORITY, group_coinciding};
 use super::figure::{Colour, Curve, Figure, Stroke};
 use super::metrics::main_axis;
-use super::time_series::{AXES, MM, panel, points, span};
+use super::time_series::{AXES, MM, is_zero, panel, points, span};
 use crate::simulator::recording::{Recording, Sample};
 
-const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Blue, Colour::Green, Colour::Vermillion, Colour::SkyBlue];
+const COLOURS: [Colour; 5] = [Colour::Blue, Colour::Orange, Colour::Green, Colour::Vermillion, Colour::SkyBlue];
 /// Largest number of tasks whose residuals are drawn.
 const MAX_TASKS: usize = 3;
 
@@ -29,11 +29,17 @@ pub fn of_scenario(runs: &[&Recording]) -> Option<Figure> {
     if runs.len() < 2 {
         return None;
     }
-    let groups = group_coinciding(runs);
+    let mut groups = group_coinciding(runs);
+    // Reverse priority is drawn first, with the widest line.
+    groups.sort_by_key(|group| !group.iter().any(|run| run.method == REVERSE_PRIORITY));
     let end = runs.iter().map(|run| span(run).1).fold(0.0, f64::max);
-    let panels = quantities(first).into_iter().enumerate().map(|(i, quantity)| {
+    let drawn = quantities(first).into_iter().map(|quantity| {
+        let curves = curves(&groups, &quantity);
+        (quantity, curves)
+    });
+    let panels = drawn.filter(|(_, curves)| !is_zero(curves)).enumerate().map(|(i, (quantity, curves))| {
         let heading = format!("({}) {}", char::from(b'a' + u8::try_from(i).unwrap_or(0)), quantity.heading);
-        panel(&heading, &quantity.y_label, (0.0, end), curves(&groups, &quantity))
+        panel(&heading, &quantity.y_label, (0.0, end), curves)
     });
     let name = first.scenario.replace('_', " ");
     Some(Figure {
@@ -41,7 +47,8 @@ pub fn of_scenario(runs: &[&Recording]) -> Option<Figure> {
         title: format!("{name}: {} runs side by side", runs.len()),
         caption: format!(
             "The runs of {name} side by side. Runs whose commands differ by at most 1e-9 rad/s share a curve. The \
-             residual of a task is ‖J q̇ − ẋ‖, the part of its velocity that the command does not achieve."
+             residual of a task is ‖J q̇ − ẋ‖, the part of its velocity that the command does not achieve. Quantities that \
+             are zero in all runs are not drawn."
         ),
         panels: panels.collect(),
     })

@@ -2,30 +2,39 @@
 
 use super::answer_gap;
 use super::figure::{Colour, Curve, Figure, Stroke};
-use super::time_series::{MM, panel, points, span};
+use super::time_series::{MM, is_zero, panel, points, span};
 use crate::simulator::recording::{Recording, Sample};
 
 const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), ("z", Colour::Green)];
 
-/// Returns forces with their targets, displacement of the tool, and residuals of the tasks over time.
+/// Returns forces with their targets, displacement of the tool, and residuals of the tasks over time. Quantities that are
+/// zero during the whole run are not drawn.
 pub fn of_run(run: &Recording) -> Figure {
     let window = span(run);
-    let mut panels = vec![
-        panel("(a) Force on the environment", "force (N)", window, forces(run)),
-        panel("(b) Displacement of the tool", "displacement (mm)", window, displacements(run)),
-        panel("(c) Residual of each task", "residual (m/s, rad/s)", window, residuals(run)),
+    let mut quantities = vec![
+        ("Force on the environment", "force (N)", forces(run), "Measured force; its target, if any, is dashed."),
+        ("Displacement of the tool", "displacement (mm)", displacements(run), "Tool position minus start position."),
+        (
+            "Residual of each task",
+            "residual (m/s, rad/s)",
+            residuals(run),
+            "‖J q̇ − ẋ‖ of each task, highest priority first.",
+        ),
     ];
-    let mut caption = "(a) Measured force; its target, if any, is dashed. (b) Tool position minus start position. \
-                       (c) ‖J q̇ − ẋ‖ of each task, highest priority first."
-        .to_owned();
     if let Some(curves) = answer_gap::curves(run) {
-        panels.push(panel("(d) Joint speed without answers", "joint speed (rad/s)", window, curves));
-        caption += " (d) Largest commanded joint speed.";
+        let heading = "Joint speed without answers";
+        quantities.push((heading, "joint speed (rad/s)", curves, "Largest commanded joint speed."));
+    }
+    quantities.retain(|(_, _, curves, _)| !is_zero(curves));
+    let (mut panels, mut caption) = (Vec::new(), Vec::new());
+    for (letter, (heading, y_label, curves, meaning)) in ('a'..).zip(quantities) {
+        panels.push(panel(&format!("({letter}) {heading}"), y_label, window, curves));
+        caption.push(format!("({letter}) {meaning}"));
     }
     Figure {
         name: run.label(),
         title: format!("{}, {}, {}", run.scenario, run.method, run.solver).replace('_', " "),
-        caption,
+        caption: caption.join(" "),
         panels,
     }
 }

@@ -21,6 +21,15 @@ pub fn span(run: &Recording) -> (f64, f64) {
     (time(run.samples.first()), time(run.samples.last()) + run.period_s)
 }
 
+/// Largest value that counts as zero, in the unit of the panel: rounding errors of the solver are smaller.
+const ZERO: f64 = 1e-9;
+
+/// Returns whether all values of the curves are zero or not finite.
+#[must_use]
+pub fn is_zero(curves: &[Curve]) -> bool {
+    curves.iter().flat_map(|curve| &curve.points).all(|(_, value)| !value.is_finite() || value.abs() < ZERO)
+}
+
 /// Returns a panel over a window of time (s).
 #[must_use]
 pub fn panel(heading: &str, y_label: &str, window: (f64, f64), curves: Vec<Curve>) -> Panel {

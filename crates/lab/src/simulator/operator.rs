@@ -1,5 +1,6 @@
 //! Control of a run while it is in progress: pace, pushes, changes of the controller, early end.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
@@ -14,6 +15,8 @@ pub struct Influence {
     pub external_force: [f64; 3],
     /// The controller from this period on. It continues with the memory of the previous one, so it must have the same rows.
     pub controller: Option<wire::Controller>,
+    /// New targets by task name; part of the state of this period.
+    pub targets: BTreeMap<String, wire::StreamedTarget>,
 }
 
 /// How a run ends early.

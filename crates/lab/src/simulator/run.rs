@@ -158,13 +158,13 @@ fn drive(
     let (mut samples, mut timings) = (Vec::new(), Vec::new());
     for period in 0..scenario.cycles() {
         let time_s = period as f64 * scenario.period_s();
-        let Influence { external_force, controller } = operator.influence(period);
+        let Influence { external_force, controller, targets } = operator.influence(period);
         if let Some(controller) = controller {
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let (held, cycle, round_trip) =
-            conversation.next(measured.state(period, time_s), || unit(operator.goes_on()))?;
+        let state = wire::State { targets, ..measured.state(period, time_s) };
+        let (held, cycle, round_trip) = conversation.next(state, || unit(operator.goes_on()))?;
         let sample = plant.sample(period, time_s, measured, held, &scenario.controller.tasks);
         plant.advance(&held.answer.joint_velocity, time_s)?;
         operator.see(period + 1, &Observed { sample: &sample, answer: &held.answer, round_trip, cycle });

@@ -52,7 +52,7 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
     html! {
         h1 { (indexed(&report.title)) }
         @for paragraph in &report.introduction { p { (indexed(paragraph)) } }
-        @if report.sections.len() > 1 { (contents(&report.sections)) }
+        @if report.sections.len() > 1 { (contents(&report.sections, !report.claims.is_empty())) }
         h2 id="results" { "Results" }
         (table(&report.rows))
         (meanings())
@@ -60,8 +60,11 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
         @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures)) }
         @if !report.traces.is_empty() {
             h2 id="traces" { "Recordings" }
-            p { "One row per control period. The files are in the directory of this page." }
-            ul.files { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
+            details {
+                summary { (report.traces.len()) " files" }
+                p { "One row per control period. The files are in the directory of this page." }
+                ul.files { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
+            }
         }
         h2 id="made-by" { "Made by" }
         pre { code { (report.command) } }
@@ -74,10 +77,11 @@ fn program(report: &Report) -> String {
     format!("revprio {}{commit}.", report.program.version)
 }
 
-fn contents(sections: &[Section]) -> Markup {
+fn contents(sections: &[Section], has_claims: bool) -> Markup {
     html! {
         nav aria-label="Contents" {
             a href="#results" { "Results" }
+            @if has_claims { a href="#claims" { "Claims" } }
             @for section in sections { a href={ "#" (section.name) } { (section.name.replace('_', " ")) } }
             a href="#made-by" { "Made by" }
         }
@@ -87,6 +91,7 @@ fn contents(sections: &[Section]) -> Markup {
 fn claims(claims: &[Claim]) -> Markup {
     html! {
         h2 id="claims" { "Claims of the paper and measured results" }
+        details open { summary { (claims.len()) " claims" }
         table.claims {
             thead { tr { th { "Paper" } th { "Claim (paraphrased)" } th { "Scenario" } th { "Measured" } th { "Result" } } }
             tbody {
@@ -100,7 +105,7 @@ fn claims(claims: &[Claim]) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 
@@ -115,12 +120,29 @@ const fn mark(verdict: Verdict) -> &'static str {
 fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
     html! {
         h2 id=(section.name) { code { (section.name) } }
-        ul.words { @for sentence in &section.summary { li { (indexed(sentence)) } } }
+        details {
+            summary { "What is simulated" }
+            ul.words { @for sentence in &section.summary { li { (indexed(sentence)) } } }
+        }
         (scenario_file(section))
         @for note in &section.notes { p { (indexed(note)) } }
-        @if section.rows.len() > 1 { (side_by_side_table(&section.rows)) }
-        div.figures { @for drawn in figures { (figure(drawn)) } }
+        @if section.rows.len() > 1 {
+            details { summary { "All quantities side by side" } (side_by_side_table(&section.rows)) }
+        }
+        @let (compared, own): (Vec<_>, Vec<_>) = figures.iter().partition(|drawn| is_comparison(drawn.figure));
+        @let is_alone = own.is_empty();
+        @if !is_alone {
+            details open { summary { "Figures" } div.figures { @for drawn in own { (figure(drawn)) } } }
+        }
+        @if !compared.is_empty() {
+            details open[is_alone] { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
+        }
     }
+}
+
+/// Returns whether a figure compares all runs of a scenario. It is collapsed next to other figures, because it is long.
+fn is_comparison(figure: &Figure) -> bool {
+    figure.name.starts_with("comparison_")
 }
 
 /// All fields of a scenario, collapsed.

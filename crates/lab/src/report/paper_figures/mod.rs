@@ -135,8 +135,8 @@ fn contact_force(posture: Posture, classical: &Recording, reverse: &Recording) -
         name: format!("figure7_{}", posture.name()),
         title: title(7, "Contact force at the stiff wall", posture),
         caption: format!(
-            "Figure 7, {} posture. Contact force F_x at the stiff wall. Case 1 {}; case 2 {}. The \
-             two {}.",
+            "Figure 7, {} posture. Contact force F_x at the stiff wall. Under classical control the tool {}; \
+             under reverse priority it {}. The two {}.",
             posture.name(),
             wall_result(&measured[0]),
             wall_result(&measured[1]),
@@ -159,7 +159,7 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
         title: title(8, "Position errors at the stiff wall", posture),
         caption: format!(
             "Figure 8, {} posture. (a) Distance to the wall, positive without contact; (b, c) errors of \
-             the lower task. In x the two cases {x_apart}, in y they {y_apart}, in z \
+             the lower task. In x the two methods {x_apart}, in y they {y_apart}, in z \
              they {z_apart}.",
             posture.name()
         ),
@@ -171,7 +171,8 @@ fn position_errors(posture: Posture, classical: &Recording, reverse: &Recording)
     })
 }
 
-/// Case 1 and case 2 of the paper, in strokes that are both visible where the curves coincide.
+/// Classical control and reverse priority, cases 1 and 2 of the paper. Reverse priority is drawn stronger; both are visible
+/// where they coincide.
 fn cases(classical: &Recording, reverse: &Recording, value: impl Fn(&Sample) -> Option<f64>) -> Vec<Curve> {
     let curve = |label: &str, colour, stroke, run| Curve {
         label: label.to_owned(),
@@ -180,8 +181,8 @@ fn cases(classical: &Recording, reverse: &Recording, value: impl Fn(&Sample) -> 
         points: points(run, &value),
     };
     vec![
-        curve("case 1: classical control", Colour::Orange, Stroke::Wide, classical),
-        curve("case 2: reverse priority", Colour::Blue, Stroke::Thin, reverse),
+        curve("reverse priority", Colour::Blue, Stroke::Wide, reverse),
+        curve("classical control", Colour::Orange, Stroke::Thin, classical),
     ]
 }
 

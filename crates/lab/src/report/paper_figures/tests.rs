@@ -85,8 +85,8 @@ fn captions_state_distances_and_contacts() {
         r.samples.iter_mut().for_each(|s| (s.force[0], s.wall_distance) = (0.0, Some(0.05)));
     });
     let figures = figures(Posture::Nominal, &recordings);
-    assert!(figures[2].caption.contains("Case 1 does not reach it"));
-    assert!(figures[2].caption.contains("case 2 touches it at 1.00 s and peaks at 240 N"));
+    assert!(figures[2].caption.contains("Under classical control the tool does not reach it"));
+    assert!(figures[2].caption.contains("under reverse priority it touches it at 1.00 s and peaks at 240 N"));
     assert!(figures[2].caption.contains("at most 240 N apart"));
     assert!(figures[3].caption.contains("in y they coincide exactly"));
 }

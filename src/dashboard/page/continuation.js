@@ -1,0 +1,79 @@
+// The scenario that continues a run from its present posture, after a change that needs a new run.
+
+import { vec } from './arm.js';
+import { dot, sub, unit, scale } from './geometry.js';
+import { inTaskFrame, positionRows, referencePose } from './goals.js';
+import { shifted } from './profile.js';
+
+/**
+ * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').ControllerTask} Task
+ * @typedef {import('./types.js').Contact} Contact
+ * @typedef {import('./types.js').Pose} Pose
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Robot} Robot
+ */
+
+/** Minimum duration of the continued run, s. */
+const MIN_DURATION = 10;
+
+/**
+ * Returns the scenario with the same targets, contacts and pushes, seen from the posture and the time of a sample.
+ * @param {Scenario} scenario with the changes of the setup
+ * @param {Robot} robot
+ * @param {Pose} start pose of the tool at the start of the first run
+ * @param {LiveSample} sample
+ * @returns {Scenario}
+ */
+export function continued(scenario, robot, start, sample) {
+  const time = sample.time_s;
+  const moved = sub(vec(sample.position), vec(start.position));
+  /** @type {Scenario} */
+  const next = structuredClone(scenario);
+  next.duration_s = Math.max(MIN_DURATION, scenario.duration_s - time);
+  next.start_joint_position = sample.joint_position.map((q, joint) => withinRange(q, robot.joints[joint].position_limit));
+  next.controller.tasks = scenario.controller.tasks.map((task) => continuedTask(task, start, time));
+  next.contacts = (scenario.contacts ?? []).map((contact) => continuedContact(contact, moved, time));
+  if (next.external_wrench) next.external_wrench = shifted(next.external_wrench, time);
+  if (next.faults?.outages) {
+    next.faults.outages = next.faults.outages
+      .filter((outage) => outage.start_s > time)
+      .map((outage) => ({ ...outage, start_s: outage.start_s - time }));
+  }
+  return next;
+}
+
+/** Samples have single precision, so a joint at its limit can seem to be beyond it. @type {(q: number, range: number[] | null | undefined) => number} */
+function withinRange(q, range) {
+  return range ? Math.max(range[0], Math.min(range[1], q)) : q;
+}
+
+/** @type {(task: Task, start: Pose, time: number) => Task} */
+function continuedTask(task, start, time) {
+  /** @type {any} */
+  const law = structuredClone(task.law);
+  for (const name of ['target_displacement', 'target_force', 'target_velocity', 'target_position']) {
+    if (typeof law?.[name] === 'object' && law[name]) law[name] = shifted(law[name], time);
+  }
+  const isInitial = (law?.target_pose ?? 'initial') === 'initial';
+  if (positionRows(task).length > 0 && isInitial && ['pose', 'impedance', 'hybrid'].includes(law?.kind)) {
+    law.target_pose = inTaskFrame(task, referencePose(task, start));
+  }
+  return { ...task, law };
+}
+
+/** @type {(contact: Contact, moved: [number, number, number], time: number) => Contact} */
+function continuedContact(contact, moved, time) {
+  const offset = contact.offset_m ?? 0;
+  const motion = contact.motion ? shifted(contact.motion, time) : contact.motion;
+  const k = 'xyz'.indexOf(contact.axis ?? 'x');
+  if (contact.kind === 'spring') return { ...contact, motion, offset_m: offset - moved[k] };
+  if (contact.normal) {
+    return { ...contact, motion, offset_m: offset + dot(unit(vec(contact.normal)), moved) };
+  }
+  // A tool that touches a wall has passed its surface. A plane keeps its side, a wall would change it.
+  const side = offset < 0 ? -1 : 1;
+  const normal = scale(vec([Number(k === 0), Number(k === 1), Number(k === 2)]), -side);
+  const { axis: _, ...rest } = contact;
+  return { ...rest, kind: 'plane', normal, motion, offset_m: side * offset + dot(normal, moved) };
+}

@@ -1,0 +1,200 @@
+// Changes to the setup: applied to the current run where possible, recorded for undo, and marked in the plots.
+
+import { fixed } from './number.js';
+import { continued } from './continuation.js';
+import { History } from './history.js';
+import { Measures } from './measures.js';
+import * as setups from './setup.js';
+import { state } from './state.js';
+import { sendTarget } from './target.js';
+import { shownController } from './view.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./run.js').Run} Run
+ * @typedef {import('./setup.js').Setup} Setup
+ * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').SimulationControl} SimulationControl
+ */
+
+/** Maximum number of changes that can be undone. */
+const MAX_UNDO = 100;
+
+/** Movements of a target with less time between them are one change, ms. */
+const SAME_MOVE = 1000;
+
+/** The change that is being applied; the next one waits for it. @type {Promise<unknown>} */
+let busy = Promise.resolve();
+
+/** @type {(work: () => Promise<void>) => Promise<void>} */
+function afterOthers(work) {
+  const done = busy.then(work);
+  busy = done.catch(() => {});
+  return done;
+}
+
+/** Gives a run control its changes of the setup. @param {RunControl} runControl */
+export function bind(runControl) {
+  runControl.change = (change) => afterOthers(() => record(runControl, change));
+}
+
+/** Records the setup, then changes it. @type {(runControl: RunControl, change: Partial<Setup>) => Promise<void>} */
+async function record(runControl, change) {
+  const { setup, undoable } = runControl;
+  const keys = Object.keys(change);
+  const isUndoable = setup && keys.some((key) => key !== 'speed');
+  const now = performance.now();
+  const continues = keys.length === 1 && keys[0] === 'targets' && now - runControl.lastMoveTime < SAME_MOVE;
+  if (change.targets) runControl.lastMoveTime = now;
+  if (isUndoable && !continues) undoable.push(setup);
+  if (undoable.length > MAX_UNDO) undoable.shift();
+  await apply(runControl, change, continues);
+}
+
+/** Undoes the last change. @type {(runControl: RunControl) => Promise<void>} */
+export const undo = (runControl) => afterOthers(() => restore(runControl));
+
+/** @type {(runControl: RunControl) => Promise<void>} */
+async function restore(runControl) {
+  const before = runControl.undoable.pop();
+  const { setup } = runControl;
+  if (!before || !setup) return;
+  if (before.scenario !== setup.scenario || before.robot !== setup.robot) {
+    if (before.robot) await runControl.makePlayground(before.robot);
+    await runControl.selectScenario(before.scenario);
+    runControl.setup = before;
+    runControl.onChange();
+    return;
+  }
+  /** @type {any} */
+  const change = {};
+  for (const key of /** @type {(keyof Setup)[]} */ (Object.keys(before))) {
+    if (key !== 'speed' && JSON.stringify(before[key]) !== JSON.stringify(setup[key])) change[key] = before[key];
+  }
+  await apply(runControl, change);
+  if (change.targets) resendTargets(runControl, setup);
+}
+
+/** Selects a scenario or a robot, and records the setup. @type {(runControl: RunControl, name: string, robot?: string) => Promise<void>} */
+export async function select(runControl, name, robot = '') {
+  if (runControl.setup) runControl.undoable.push(runControl.setup);
+  if (robot) await runControl.makePlayground(robot);
+  await runControl.selectScenario(name);
+  // In the playground the strict hierarchy shows best which task gives way.
+  const method = runControl.scenario?.controller.method;
+  if (robot && method && runControl.setup) runControl.setup = { ...runControl.setup, method };
+}
+
+/**
+ * Changes the setup and applies to the current run what can change during a run.
+ * @param {RunControl} runControl
+ * @param {Partial<Setup>} change
+ * @param {boolean} continues whether it continues the last change, which is marked already
+ */
+async function apply(runControl, change, continues = false) {
+  if (!runControl.setup || !runControl.scenario) return;
+  runControl.setup = { ...runControl.setup, ...change };
+  runControl.onChange();
+  if (!runControl.isActive) return;
+  for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
+  if (change.order || change.planes) {
+    await restart(runControl);
+  } else {
+    const command = commandFor(runControl, change);
+    if (command) await runControl.sendControl(command, change.method === undefined);
+  }
+  state.set({ pending: isPending(runControl) });
+}
+
+/** Returns the command for the parts of a change that a run can apply. @type {(runControl: RunControl, change: Partial<Setup>) => SimulationControl | null} */
+function commandFor({ running, setup }, change) {
+  if (!running || !setup) return null;
+  const { method, solver, speed } = change;
+  if (change.gains) {
+    const controller = structuredClone(running.controller);
+    Object.assign(controller, { method: setup.method, solver: setup.solver });
+    setups.setGains(controller, setup);
+    return { controller, speed };
+  }
+  return method ?? solver ?? speed ? { method, solver, speed } : null;
+}
+
+/** Returns whether the setup has changes that need a new run. @type {(runControl: RunControl) => boolean} */
+function isPending({ applied, running, ghost, setup }) {
+  if (!applied || !running || !setup) return false;
+  const stiffness = (/** @type {Scenario} */ scenario) => (scenario.contacts ?? []).map((contact) => contact.stiffness);
+  const differ = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) !== JSON.stringify(b);
+  return (
+    differ(stiffness(applied), stiffness(running)) ||
+    differ(applied.velocity_loop, running.velocity_loop) ||
+    (ghost?.simulation.method ?? '') !== setup.ghost
+  );
+}
+
+/** Continues the run from its present posture with the changed tasks and planes. @param {RunControl} runControl */
+async function restart(runControl) {
+  const { run, ghost, applied, robot, setup } = runControl;
+  const paused = state.value.phase === 'paused';
+  if (!run || !applied || !robot || !setup) return;
+  if (!run.history.last) {
+    await runControl.start(paused);
+    return;
+  }
+  const next = (/** @type {Run} */ old) => {
+    const { last, measures } = old.history;
+    const start = measures?.start ?? runControl.preview?.tool;
+    return last && start ? continued(applied, robot, start, last) : applied;
+  };
+  const [scenario, ghostScenario] = [next(run), ghost ? next(ghost) : null];
+  prepare(run.history, scenario, setup.order);
+  if (ghost && ghostScenario) prepare(ghost.history, ghostScenario, setup.order);
+  state.set({ phase: 'starting' });
+  // The service limits the number of runs, so the old ones must be gone first.
+  await Promise.all([run.delete(), ghost?.delete()]);
+  await runControl.startRuns(scenario, run.history, ghostScenario, ghost?.history ?? new History(), paused);
+}
+
+/** Prepares a history for the run that continues it. @type {(history: History, scenario: Scenario, order: number[]) => void} */
+function prepare(history, scenario, order) {
+  history.measures = new Measures(scenario.controller, history.measures?.start ?? null);
+  history.offset = history.now;
+  history.order = order;
+}
+
+/** Sends the targets that a change of the setup moved. @type {(runControl: RunControl, before: Setup) => void} */
+function resendTargets(runControl, before) {
+  const { setup, history, preview } = runControl;
+  for (const task of shownController(runControl)?.tasks ?? []) {
+    const [old, now] = [before.targets[task.name], setup?.targets[task.name]];
+    if (!old || JSON.stringify(old) === JSON.stringify(now)) continue;
+    const start = history.measures?.start ?? preview?.tool;
+    const own = runControl.scenario?.controller.tasks.find(({ name }) => name === task.name);
+    const pose = now ?? (own && start ? ownTarget(runControl, own, start) : null);
+    if (pose) sendTarget(runControl, task, pose);
+  }
+}
+
+/** @type {(runControl: RunControl, task: import('./types.js').ControllerTask, start: import('./types.js').Pose) => import('./types.js').Pose} */
+function ownTarget({ history, scenario }, task, start) {
+  const controller = scenario?.controller;
+  return new Measures(controller ?? { tasks: [], robot: '', period_s: 1 }, start).target(task, history.now);
+}
+
+const GAIN_SIGNS = /** @type {Record<string, string>} */ ({ inertia: 'M_d', damping: 'B_d', stiffness: 'K_d' });
+
+/** Describes a change for the plots. @type {(runControl: RunControl, change: Partial<Setup>) => string[]} */
+function describe({ scenario }, change) {
+  const texts = [];
+  if (change.method) texts.push(setups.methodName(change.method));
+  if (change.solver) texts.push(`solver: ${setups.SOLVERS.find(({ value }) => value === change.solver)?.name}`);
+  if (change.gains) {
+    const [key, values] = Object.entries(change.gains).at(-1) ?? ['', []];
+    const [task, gain] = key.split('.');
+    const name = scenario?.controller.tasks[Number(task)]?.name ?? '';
+    texts.push(key ? `${GAIN_SIGNS[gain]} of “${name}”: ${values.map((value) => fixed(value, 0)).join(' ')}` : 'gains as in the scenario');
+  }
+  if (change.order) texts.push('tasks reordered');
+  if (change.planes) texts.push(change.planes.length > 0 ? `planes: ${change.planes.map(({ name }) => name).join(', ')}` : 'planes removed');
+  if (change.targets) texts.push('target moved');
+  return texts;
+}

@@ -1,0 +1,137 @@
+// Keeps the arm, its target and its contacts inside the picture.
+
+import { vec } from './arm.js';
+import { add, dot, mix, norm, scale, sub } from './geometry.js';
+
+/**
+ * @typedef {import('./geometry.js').Camera} Camera
+ * @typedef {import('./scene.js').World} World
+ * @typedef {import('./types.js').Vec3} Vec3
+ */
+
+/** Part of the picture that the shown points fill, horizontally and vertically; the rest is for texts and buttons. */
+const FILL = { x: 0.86, y: 0.74 };
+
+/** Part of the picture that points may reach before the camera moves. */
+const LIMIT = 0.97;
+
+/** Part of the way that the camera moves per drawing. */
+const SPEED = 0.25;
+
+/** Reach of the shown walls around the tool, m, and of the arm around its joints. */
+const MARGIN = 0.06;
+
+export class Framing {
+  /** @param {Camera} camera */
+  constructor(camera) {
+    this.camera = camera;
+    this.subject = '';
+    this.size = '';
+    /** Whether the user chose the distance. */
+    this.isManual = false;
+    /** @type {{target: Vec3, distance: number} | null} */
+    this.goal = null;
+  }
+
+  /** Returns to the automatic view. */
+  reset() {
+    this.subject = '';
+    this.isManual = false;
+  }
+
+  /** Moves the camera if the subject has changed or leaves the picture. @type {(world: World, subject: string) => void} */
+  follow(world, subject) {
+    const { camera } = this;
+    if (!world.arm) return;
+    const points = shownPoints(world);
+    const size = `${camera.width} ${camera.height}`;
+    const isNew = subject !== this.subject;
+    if (isNew) {
+      this.isManual = false;
+      this.lookFromSide(world);
+    }
+    camera.update();
+    if (isNew || (!this.isManual && (size !== this.size || !this.contains(points)))) this.goal = this.fit(points);
+    if (isNew && this.goal) this.move(1);
+    Object.assign(this, { subject, size });
+    if (this.goal) this.move(SPEED);
+  }
+
+  /** Looks so that neither the arm nor the wall is seen edge-on. @param {World} world */
+  lookFromSide({ arm, contacts }) {
+    const upright = contacts.find(({ inwards }) => Math.abs(inwards[2]) < 0.7);
+    const ahead = upright ? upright.inwards : vec(arm?.tool.position ?? [1, 0, 0]);
+    this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - 2.05;
+    const isTilted = contacts.some(({ inwards }) => Math.abs(inwards[2]) >= 0.7);
+    const isFlat = arm?.joints.every(({ axis }) => Math.abs(axis[2]) > 0.99) ?? false;
+    this.camera.elevation = isFlat ? 1.05 : isTilted ? 0.68 : 0.32;
+  }
+
+  /** @param {number} part of the way to the goal */
+  move(part) {
+    const { camera, goal } = this;
+    if (!goal) return;
+    camera.target = mix(camera.target, goal.target, part);
+    camera.distance += part * (goal.distance - camera.distance);
+    const isThere = norm(sub(camera.target, goal.target)) < 1e-3 && Math.abs(camera.distance - goal.distance) < 2e-3;
+    if (isThere || part === 1) this.goal = null;
+  }
+
+  /** Returns whether the goal is not reached yet. */
+  get isMoving() {
+    return this.goal !== null;
+  }
+
+  /** @type {(points: Vec3[]) => boolean} */
+  contains(points) {
+    const { camera } = this;
+    return points.every((point) => {
+      const { x, y } = camera.project(point);
+      const [dx, dy] = [Math.abs(x / (camera.width - camera.covered) - 0.5), Math.abs(y / camera.height - 0.5)];
+      return dx < LIMIT / 2 && dy < LIMIT / 2;
+    });
+  }
+
+  /** Returns the nearest view that contains all points. @type {(points: Vec3[]) => {target: Vec3, distance: number}} */
+  fit(points) {
+    const { camera } = this;
+    const low = vec([0, 1, 2].map((i) => Math.min(...points.map((point) => point[i]))));
+    const high = vec([0, 1, 2].map((i) => Math.max(...points.map((point) => point[i]))));
+    const target = mix(low, high, 0.5);
+    let [near, far] = [0.3, 12];
+    for (let i = 0; i < 24; i += 1) {
+      const distance = (near + far) / 2;
+      const eye = add(target, scale(camera.back, distance));
+      const fits = points.every((point) => {
+        const fromEye = sub(point, eye);
+        const depth = -dot(fromEye, camera.back);
+        const [x, y] = [dot(fromEye, camera.right), dot(fromEye, camera.up)].map((part) => (2 * camera.focal * Math.abs(part)) / depth);
+        return depth > 0.05 && x < FILL.x * (camera.width - camera.covered) && y < FILL.y * camera.height;
+      });
+      if (fits) far = distance;
+      else near = distance;
+    }
+    return { target, distance: far };
+  }
+}
+
+/** @type {(world: World) => Vec3[]} */
+function shownPoints({ arm, goal, contacts, ghost }) {
+  const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position] : []));
+  const points = arms.map(vec);
+  if (goal) points.push(vec(goal.pose.position));
+  const tool = vec(arm?.tool.position ?? [0, 0, 0]);
+  for (const { at, inwards } of contacts) {
+    const distance = dot(sub(at, tool), inwards);
+    if (Math.abs(distance) < 0.4) points.push(add(tool, scale(inwards, distance)));
+  }
+  /** @type {Vec3[]} */
+  const all = [[0, 0, 0]];
+  for (const point of points) {
+    for (let axis = 0; axis < 3; axis += 1) {
+      const shift = scale(vec([Number(axis === 0), Number(axis === 1), Number(axis === 2)]), MARGIN);
+      all.push(add(point, shift), sub(point, shift));
+    }
+  }
+  return all;
+}

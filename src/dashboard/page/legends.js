@@ -1,0 +1,79 @@
+// The legends of the plots and of the scene.
+
+import { cards } from './figures.js';
+import { forceAxes, forceLabel } from './force_plot.js';
+import { element } from './notices.js';
+import { DASHES } from './plots.js';
+import { tasksShown } from './pose_plot.js';
+import { methodName } from './setup.js';
+import { palette } from './theme.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./view.js').View} View
+ */
+
+/** @type {(kind: string, colour: string, text: string) => HTMLElement} */
+function entry(kind, colour, text) {
+  const [line, key] = [document.createElement('span'), document.createElement('i')];
+  key.className = `key ${kind}`;
+  if (kind === 'block') key.style.background = colour;
+  else key.style.borderTopColor = colour;
+  line.append(key, text);
+  return line;
+}
+
+let shownLegends = '';
+
+/** Updates the legends of the plots when they have changed. @type {(view: View) => void} */
+export function drawLegends(view) {
+  const colours = palette();
+  const shown = forceAxes(view);
+  const total = view.paths ?? { closed_form: 0, active_set: 0, qp: 0 };
+  const all = Math.max(1, total.closed_form + total.active_set + total.qp);
+  const share = (/** @type {number} */ count) => `${Math.round((100 * count) / all)} %`;
+  const ghost = view.ghost ? [entry('ghost', colours.ghost, 'ghost')] : [];
+  const task = (/** @type {string} */ name, /** @type {number} */ k) =>
+    entry((DASHES[k] ?? []).length > 0 ? 'dash' : '', colours.axes[k % 3], name);
+  const hasTarget = shown.some((axis) => view.history.hasTarget(axis)) || (view.history.measures?.rows.length ?? 0) > 0;
+  /** @type {Record<string, HTMLElement[]>} */
+  const content = {
+    force: [
+      ...shown.map((axis) => entry('', colours.axes[axis], `measured ${forceLabel(view, axis)}`)),
+      ...(hasTarget ? [entry('dot', colours.text, 'desired')] : []), ...ghost,
+    ],
+    pose: [...tasksShown(view).map((k) => task(view.tasks[k] ?? String(k + 1), k)), ...ghost],
+    residuals: view.tasks.slice(0, 6).map(task),
+    velocities: [entry('block', colours.accent, 'rad/s or m/s'), entry('block', colours.allowed, 'current bounds'), entry('block', colours.alarm, '▶ at a limit')],
+    positions: [entry('block', colours.accent, 'rad or m'), entry('block', colours.allowed, 'allowed range')],
+    limits: [entry('block', colours.alarm, 'upper limit'), entry('block', colours.axes[0], 'lower limit')],
+    singularity: [entry('', colours.accent, 'all tasks'), ...ghost],
+    solver: [
+      entry('block', colours.paths.closed_form, `closed form ${share(total.closed_form)}`),
+      entry('block', colours.paths.active_set, `active set ${share(total.active_set)}`),
+      entry('block', colours.paths.qp, `QP ${share(total.qp)}`),
+    ],
+    trips: [],
+  };
+  const text = JSON.stringify(Object.values(content).map((parts) => parts.map((part) => part.outerHTML)));
+  if (text === shownLegends) return;
+  shownLegends = text;
+  for (const card of cards()) {
+    card.querySelector('[data-legend]')?.replaceChildren(...(content[card.dataset.plot ?? ''] ?? []));
+  }
+}
+
+/** Shows the method of the ghost arm in the scene. @type {(runControl: RunControl) => void} */
+export function drawSceneLegend(runControl) {
+  const list = element('scene-legend');
+  const ghost = runControl.ghost ? methodName(runControl.ghost.simulation.method) : '';
+  if (list.dataset.ghost === ghost) return;
+  list.dataset.ghost = ghost;
+  if (!ghost) {
+    list.replaceChildren();
+    return;
+  }
+  const item = document.createElement('li');
+  item.append(entry('ghost', palette().ghost, ghost));
+  list.replaceChildren(item);
+}

@@ -1,0 +1,99 @@
+// Quantities that the page computes from samples: forces along the axes of the tasks, and pose errors.
+
+import { vec } from './arm.js';
+import { along, forceRows, poseError, positionRows, residualParts, targetPose } from './goals.js';
+import { perRow, valueAt } from './profile.js';
+
+/**
+ * @typedef {import('./types.js').Controller} Controller
+ * @typedef {import('./types.js').ControllerTask} Task
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').Pose} Pose
+ * @typedef {import('./types.js').Quaternion} Quaternion
+ * @typedef {import('./goals.js').ForceRow} ForceRow
+ * @typedef {import('./goals.js').PoseError} PoseError
+ *
+ * @typedef {object} Measured
+ * @property {number[]} force per shown direction, N
+ * @property {(number | null)[]} target desired force, N
+ * @property {PoseError[]} errors per task, highest priority first
+ */
+
+const NO_ERROR = { linear: NaN, angular: NaN };
+
+/** @type {(sample: {position: number[], orientation: number[]}) => Pose} */
+export function toolPose({ position, orientation: [w, x, y, z] }) {
+  return { position: vec(position), orientation: w || x || y || z ? { w, x, y, z } : { w: 1, x: 0, y: 0, z: 0 } };
+}
+
+/** Computes the quantities of one run. Its samples must come in order. */
+export class Measures {
+  /**
+   * @param {Controller} controller
+   * @param {Pose | null} start pose of the tool from which targets are measured; null: that of the first sample
+   */
+  constructor(controller, start) {
+    this.controller = controller;
+    this.start = start;
+    /** @type {ForceRow[]} */
+    this.rows = forceRows(controller);
+    /** Targets that the page sent. @type {{task: string, time: number, pose: Pose}[]} */
+    this.streamed = [];
+    /** Integrated residual of each velocity task, m and rad. @type {(number[] | undefined)[]} */
+    this.drift = [];
+    this.time = NaN;
+  }
+
+  /** Labels of the shown forces. */
+  get forceLabels() {
+    return this.rows.length > 0 ? this.rows.map(({ label }) => label) : ['x', 'y', 'z'];
+  }
+
+  /** @type {(sample: LiveSample) => Measured} */
+  of(sample) {
+    this.start ??= toolPose(sample);
+    const force = vec(sample.force);
+    const time = sample.time_s;
+    const elapsed = Number.isNaN(this.time) ? 0 : Math.max(0, time - this.time);
+    this.time = time;
+    const own = this.rows.length > 0;
+    return {
+      force: own ? this.rows.map(({ direction }) => along(force, direction)) : force,
+      target: own ? this.rows.map(({ direction, target }) => baseTarget(sample, direction) ?? target(time)) : sample.target_force,
+      errors: this.controller.tasks.map((task, k) => this.error(task, k, sample, elapsed)),
+    };
+  }
+
+  /** @type {(task: Task, k: number, sample: LiveSample, elapsed: number) => PoseError} */
+  error(task, k, sample, elapsed) {
+    if (positionRows(task).some(Boolean)) return poseError(task, this.target(task, sample.time_s), toolPose(sample));
+    if (task.law?.kind === 'posture') return { linear: NaN, angular: postureError(task, sample) };
+    if (task.law?.kind !== 'velocity') return NO_ERROR;
+    const residual = sample.task_residuals[k] ?? [];
+    const drift = this.drift[k] ?? residual.map(() => 0);
+    this.drift[k] = drift.map((sum, row) => sum + elapsed * (residual[row] ?? 0));
+    return residualParts(task, this.drift[k]);
+  }
+
+  /** Returns the target pose of a task with a position law. @type {(task: Task, time: number) => Pose} */
+  target(task, time) {
+    const sent = this.streamed.findLast((target) => target.task === task.name && target.time <= time);
+    const start = this.start ?? { position: [0, 0, 0], orientation: { w: 1, x: 0, y: 0, z: 0 } };
+    const own = targetPose(task, start, time);
+    return sent ? { ...own, ...sent.pose } : own;
+  }
+}
+
+/** Returns the desired force of the sample along a base axis; null along other directions. @type {(sample: LiveSample, direction: number[]) => number | null} */
+function baseTarget(sample, direction) {
+  const axis = direction.findIndex((part) => Math.abs(part) > 1 - 1e-9);
+  const value = axis < 0 ? null : (sample.target_force[axis] ?? null);
+  return value === null ? null : value * Math.sign(direction[axis]);
+}
+
+/** @type {(task: Task, sample: LiveSample) => number} */
+function postureError({ law }, { time_s: time, joint_position: q }) {
+  if (law?.kind !== 'posture' || law.target_position === 'mid_range' || law.joints) return NaN;
+  const target = perRow(valueAt(law.target_position, q.length, time), q.length);
+  return Math.hypot(...q.map((value, joint) => value - target[joint]));
+}

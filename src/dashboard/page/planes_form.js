@@ -1,0 +1,51 @@
+// The form for planes and walls.
+
+import { vec } from './arm.js';
+import { element } from './notices.js';
+import { SIDES, newPlane } from './planes.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./planes.js').Plane} Plane
+ * @typedef {import('./setup.js').Setup} Setup
+ * @typedef {(part: Partial<Setup>) => void} Change
+ */
+
+/** @type {(runControl: RunControl, change: Change) => void} */
+export function bind(runControl, change) {
+  /** @type {HTMLSelectElement} */
+  const side = element('plane-side');
+  side.replaceChildren(...SIDES.map((name) => new Option(name, name)));
+  const add = (/** @type {Plane['kind']} */ kind) => {
+    const { setup, tool } = runControl;
+    if (!setup || !tool) return;
+    change({ planes: [...setup.planes, newPlane(setup.planes, kind, side.value, vec(tool.position))] });
+  };
+  element('add-plane').onclick = () => add('plane');
+  element('add-wall').onclick = () => add('wall');
+}
+
+/** Returns the items of the list. @type {(runControl: RunControl, change: Change) => HTMLElement[]} */
+export function planeItems({ setup }, change) {
+  const planes = setup?.planes ?? [];
+  const replace = (/** @type {number} */ at, /** @type {Plane[]} */ ...next) =>
+    change({ planes: [...planes.slice(0, at), ...next, ...planes.slice(at + 1)] });
+  return planes.map((plane, i) => {
+    const item = document.createElement('li');
+    const label = document.createElement('label');
+    const field = document.createElement('input');
+    Object.assign(field, { type: 'number', step: '0.01', value: String(plane.offset) });
+    field.onchange = () => {
+      const offset = Number(field.value);
+      const isValid = field.value.trim() !== '' && Number.isFinite(offset) && Math.abs(offset) < 100;
+      field.ariaInvalid = String(!isValid);
+      if (isValid) replace(i, { ...plane, offset });
+    };
+    label.append(`${plane.name}, ${plane.side} `, field, ' m');
+    const remove = document.createElement('button');
+    Object.assign(remove, { type: 'button', className: 'quiet', textContent: '✕', ariaLabel: `Remove ${plane.name}` });
+    remove.onclick = () => replace(i);
+    item.append(label, remove);
+    return item;
+  });
+}

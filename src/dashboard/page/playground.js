@@ -1,0 +1,72 @@
+// The playground: a scenario that the page makes for any robot.
+
+import { post } from './transport.js';
+
+/**
+ * @typedef {import('./types.js').KinematicsAnswer} KinematicsAnswer
+ * @typedef {import('./types.js').Robot} Robot
+ * @typedef {import('./types.js').RobotJoint} RobotJoint
+ * @typedef {import('./types.js').Scenario} Scenario
+ */
+
+const AXES = /** @type {const} */ (['x', 'y', 'z', 'rx', 'ry', 'rz']);
+
+/** Control period, s, and duration of a run, s. A simulation has at most 100 000 periods. */
+const PERIOD = 0.004;
+const DURATION = 400;
+
+/** Postures that are tried: a position in the range of each joint, repeated along the arm. */
+const PATTERNS = [[0.5], [0.55, 0.35, 0.5, 0.3, 0.5, 0.7], [0.5, 0.4, 0.6, 0.35], [0.6, 0.3, 0.45]];
+
+/** Widest range that is used of a joint, rad or m. */
+const WIDEST = Math.PI;
+
+/** Smallest norm of a row of the Jacobian of a direction in which the tool can move, m/rad. */
+const MIN_MOBILITY = 1e-6;
+
+/** @type {(robot: Robot) => Promise<Scenario>} */
+export async function playground(robot) {
+  const postures = PATTERNS.map((pattern) => robot.joints.map((joint, i) => within(joint, pattern[i % pattern.length])));
+  const answers = await Promise.all(postures.map((joint_position) =>
+    /** @type {Promise<KinematicsAnswer>} */ (post('/v1/kinematics', { robot: robot.name, joint_position }))));
+  const best = answers.reduce((at, answer, i) => (answer.manipulability > answers[at].manipulability ? i : at), 0);
+  const isMobile = (/** @type {number} */ row) => answers.some(({ jacobian }) => Math.hypot(...jacobian[row]) > MIN_MOBILITY);
+  const mobile = AXES.filter((_, row) => isMobile(row));
+  const linear = mobile.filter((axis) => axis.length === 1);
+  const angular = mobile.filter((axis) => axis.length === 2);
+  return scenario(robot, postures[best], linear, angular);
+}
+
+/** @type {(joint: RobotJoint, part: number) => number} */
+function within({ position_limit: range }, part) {
+  const [low, high] = range ?? [-Math.PI, Math.PI];
+  const middle = (low + high) / 2;
+  const reach = Math.min(high - low, WIDEST);
+  return Math.round((middle + (part - 0.5) * reach) * 1e4) / 1e4;
+}
+
+/**
+ * @param {Robot} robot
+ * @param {number[]} posture
+ * @param {import('./types.js').Axis[]} linear axes along which the tool can move
+ * @param {import('./types.js').Axis[]} angular axes about which it can turn
+ * @returns {Scenario}
+ */
+function scenario(robot, posture, linear, angular) {
+  /** @type {import('./types.js').ControllerTask[]} */
+  const tasks = [];
+  if (linear.length > 0) tasks.push({ name: 'position', axes: linear, law: { kind: 'pose', gain: 4 } });
+  if (angular.length > 0) tasks.push({ name: 'orientation', axes: angular, law: { kind: 'pose', gain: 4 } });
+  const hold = /** @type {const} */ ({ kind: 'constant', value: posture });
+  tasks.push({ name: 'posture', law: { kind: 'posture', gain: 1, target_position: { ...hold, value: [...posture] } } });
+  return /** @type {Scenario} */ ({
+    name: 'playground',
+    description: `${robot.name} at rest. Drag the target, reorder the tasks, and add planes.`,
+    duration_s: DURATION,
+    start_joint_position: posture,
+    controller: {
+      robot: robot.name, period_s: PERIOD, method: 'strict_reverse_priority', solver: 'auto',
+      limits: 'position_velocity', drive: { lag_s: 0, delay_periods: 0 }, damping: { threshold: 0.05, max_factor: 0.1 }, tasks,
+    },
+  });
+}

@@ -1,0 +1,91 @@
+// The target of a task in the scene: where it is, and how the user moves it.
+
+import { vec } from './arm.js';
+import { add, dot, scale, sub } from './geometry.js';
+import { inTaskFrame, positionDirections, targetPose } from './goals.js';
+import { shownController } from './view.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./types.js').ControllerTask} Task
+ * @typedef {import('./types.js').Pose} Pose
+ * @typedef {import('./types.js').Vec3} Vec3
+ *
+ * @typedef {object} Goal
+ * @property {Task} task
+ * @property {Pose} pose of the task's reference point, base frame
+ * @property {Vec3[]} directions along which the task follows it
+ */
+
+/** Minimum interval between two targets that the page sends, ms. */
+const SEND_INTERVAL = 40;
+
+/** Returns the target that the user can drag: that of the highest task that follows a position. @type {(runControl: RunControl) => Goal | null} */
+export function handle(runControl) {
+  const { watch, history, run, cursor, preview, dragged } = runControl;
+  const tasks = shownController(runControl)?.tasks ?? [];
+  const task = tasks.find((candidate) => positionDirections(candidate).length > 0);
+  const start = history.measures?.start ?? preview?.tool;
+  if (!task || !start || watch) return null;
+  const directions = positionDirections(task);
+  if (dragged?.task === task.name && cursor === null) return { task, pose: dragged.pose, directions };
+  const time = (cursor ?? history.now) - history.offset;
+  const pose = run && history.measures && history.length > 0 ? history.measures.target(task, time) : targetPose(task, start, 0);
+  return { task, pose, directions };
+}
+
+/** Moves the target and sends it to the run. @type {(runControl: RunControl, goal: Goal, shift: Vec3) => void} */
+export function moveTarget(runControl, goal, shift) {
+  const allowed = goal.directions.reduce((sum, direction) => add(sum, scale(direction, dot(shift, direction))), vec([0, 0, 0]));
+  const pose = { ...goal.pose, position: add(vec(goal.pose.position), allowed) };
+  runControl.dragged = { task: goal.task.name, pose };
+  sendTarget(runControl, goal.task, pose);
+  runControl.onChange();
+}
+
+/** Ends a movement: the target becomes a part of the setup. @type {(runControl: RunControl) => void} */
+export function dropTarget(runControl) {
+  const { dragged, setup } = runControl;
+  if (!dragged || !setup) return;
+  runControl.dragged = null;
+  const task = shownController(runControl)?.tasks.find(({ name }) => name === dragged.task);
+  if (task) sendTarget(runControl, task, dragged.pose);
+  const targets = { ...setup.targets, [dragged.task]: dragged.pose };
+  runControl.change({ targets }).catch(runControl.onError);
+}
+
+/** The target to send next, and whether one is being sent: requests could overtake each other. */
+let isSending = false;
+/** @type {{task: Task, pose: Pose} | null} */
+let waiting = null;
+
+/** Sends a target to the run and its ghost, after the one before it. @type {(runControl: RunControl, task: Task, pose: Pose) => void} */
+export function sendTarget(runControl, task, pose) {
+  if (!runControl.isActive) return;
+  for (const run of [runControl.run, runControl.ghost]) {
+    const { history } = run ?? {};
+    history?.measures?.streamed.push({ task: task.name, time: history.now - history.offset, pose });
+  }
+  waiting = { task, pose };
+  if (!isSending) sendWaiting(runControl).catch(runControl.onError);
+}
+
+/** @param {RunControl} runControl */
+async function sendWaiting(runControl) {
+  isSending = true;
+  try {
+    while (waiting) {
+      const { task, pose } = waiting;
+      waiting = null;
+      await runControl.sendControl({ targets: { [task.name]: { pose: inTaskFrame(task, pose) } } });
+      if (waiting) await new Promise((resolve) => { setTimeout(resolve, SEND_INTERVAL); });
+    }
+  } finally {
+    isSending = false;
+  }
+}
+
+/** @type {(goal: Goal, tool: number[]) => number} distance from the tool to the target, m */
+export function distanceTo({ pose }, tool) {
+  return Math.hypot(...sub(vec(pose.position), vec(tool)));
+}

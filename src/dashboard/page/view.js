@@ -1,0 +1,98 @@
+// The data that the plots and numbers show: the latest sample, or the sample at the cursor.
+
+import { residualParts } from './goals.js';
+import { jointLabels } from './labels.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./history.js').History} History
+ * @typedef {import('./types.js').ArmView} ArmView
+ * @typedef {import('./types.js').Controller} Controller
+ * @typedef {import('./types.js').LiveSample} LiveSample
+ * @typedef {import('./types.js').PathCounts} PathCounts
+ * @typedef {import('./types.js').Robot} Robot
+ * @typedef {import('./types.js').TimeHistogram} TimeHistogram
+ *
+ * @typedef {object} View
+ * @property {History} history
+ * @property {History | null} ghost
+ * @property {number} duration of the run, s; 0 if it has no end
+ * @property {number | null} cursor time that is shown instead of the latest one, s
+ * @property {LiveSample | undefined} sample the shown sample
+ * @property {Controller | undefined} controller
+ * @property {ArmView | null} arm
+ * @property {Robot | null} robot
+ * @property {string[]} labels short names of the joints
+ * @property {number[]} position q, rad or m
+ * @property {number[]} velocity q̇, rad/s or m/s
+ * @property {string[]} tasks names with their priorities, in the order of the columns of the history
+ * @property {string[]} residualUnits in the same order
+ * @property {number | null} threshold δ of the damping
+ * @property {number} period T, s
+ * @property {PathCounts | null} paths
+ * @property {TimeHistogram | null} solveTime
+ * @property {boolean} closeUp whether the force axis is zoomed to the desired force
+ */
+
+/** Returns the sample that the page shows. @type {(runControl: RunControl) => LiveSample | undefined} */
+export function shownSample({ history, cursor }) {
+  if (cursor === null) return history.last;
+  return history.samples[Math.max(0, history.indexAt(cursor))];
+}
+
+/** Returns the posture that the page shows. @type {(runControl: RunControl) => ArmView | null} */
+export function shownArm(runControl) {
+  const { cursor, history, watch, run } = runControl;
+  if (cursor !== null && history.arms.length > 0) return history.armAt(cursor);
+  if (watch) return watch.step?.arm ?? null;
+  return run?.frame?.arm ?? runControl.preview;
+}
+
+/** Returns the controller of the run, of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
+export function shownController({ watch, running, applied }) {
+  return watch?.session.controller ?? (running ?? applied)?.controller;
+}
+
+/** @type {(runControl: RunControl) => View} */
+export function view(runControl) {
+  const { history, watch, run, robot, running, applied, cursor } = runControl;
+  const controller = shownController(runControl);
+  const sample = shownSample(runControl);
+  const frame = run?.frame;
+  const scenario = running ?? applied;
+  const order = history.order;
+  /** @type {(values: string[]) => string[]} */
+  const byColumn = (values) => {
+    /** @type {string[]} */
+    const placed = [];
+    values.forEach((value, k) => { placed[order[k] ?? k] = value; });
+    return placed;
+  };
+  return {
+    history,
+    ghost: runControl.ghost?.history ?? null,
+    duration: watch ? 0 : (scenario ? history.offset + scenario.duration_s : 0),
+    cursor,
+    sample,
+    controller,
+    arm: shownArm(runControl),
+    robot,
+    labels: jointLabels(robot?.joints.map(({ name }) => name) ?? []),
+    position: sample?.joint_position ?? (watch ? [] : (scenario?.start_joint_position ?? [])),
+    velocity: sample?.joint_velocity ?? [],
+    tasks: byColumn(controller?.tasks.map(({ name }, k) => `${k + 1}. ${name}`) ?? []),
+    residualUnits: byColumn(controller?.tasks.map(residualUnit) ?? []),
+    threshold: controller?.damping?.threshold ?? null,
+    period: controller?.period_s ?? 0.001,
+    paths: watch?.paths ?? frame?.paths ?? null,
+    solveTime: watch?.solveTime ?? frame?.solve_time ?? null,
+    closeUp: runControl.closeUp,
+  };
+}
+
+/** @type {(task: import('./types.js').ControllerTask) => string} */
+function residualUnit(task) {
+  const { linear, angular } = residualParts(task, (task.axes ?? ['rx']).map(() => 1));
+  if (Number.isNaN(linear)) return 'rad/s';
+  return Number.isNaN(angular) ? 'm/s' : 'm/s, rad/s';
+}

@@ -1,0 +1,84 @@
+// The data of the scene: arm, contacts, planes, forces and targets at the shown time.
+
+import { axisOf, vec } from './arm.js';
+import { add, dot, scale, sub, unit } from './geometry.js';
+import { hasForces } from './goals.js';
+import { handle } from './target.js';
+import { shownArm, shownSample } from './view.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./scene.js').World} World
+ * @typedef {import('./scene.js').Contact} Contact
+ * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').Vec3} Vec3
+ */
+
+/** @type {(runControl: RunControl) => World} */
+export function world(runControl) {
+  const { history, ghost, cursor, watch, visuals, robot } = runControl;
+  const arm = shownArm(runControl);
+  const sample = shownSample(runControl);
+  const scenario = watch ? null : runControl.applied;
+  const start = vec(history.start?.position ?? runControl.preview?.tool.position ?? [0, 0, 0]);
+  const tool = vec(arm?.tool.position ?? [0, 0, 0]);
+  const distance = sample?.wall_distance_m ?? null;
+  const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
+  const ghostArm = cursor === null ? ghost?.frame?.arm : ghost?.history.armAt(cursor);
+  return {
+    arm,
+    atLimit: (arm?.joints ?? []).map((_, joint) => limited.includes(joint)),
+    history,
+    until: cursor,
+    contacts: [
+      ...(scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance)),
+      ...planes(runControl, sample?.active_inequalities ?? []),
+    ],
+    start,
+    force: vec(sample?.force ?? [0, 0, 0]),
+    target: sample?.target_force ?? [null, null, null],
+    push: vec(cursor === null ? (runControl.run?.frame?.external_force ?? [0, 0, 0]) : [0, 0, 0]),
+    ghost: ghost && ghostArm ? { arm: ghostArm, history: ghost.history } : null,
+    goal: handle(runControl),
+    visuals: robot && visuals.get(robot.name) || null,
+    position: sample?.joint_position ?? scenario?.start_joint_position ?? [],
+  };
+}
+
+/** Returns whether the page shows forces. @type {(runControl: RunControl) => boolean} */
+export function showsForces({ watch, applied }) {
+  const shown = watch ? { controller: watch.session.controller } : applied;
+  return shown ? hasForces(shown) : true;
+}
+
+/** Returns the planes that the controller must not pass. @type {(runControl: RunControl, active: string[]) => Contact[]} */
+function planes({ watch, applied }, active) {
+  const controller = watch?.session.controller ?? applied?.controller;
+  return (controller?.inequalities ?? []).flatMap((inequality) => {
+    if (inequality.kind !== 'plane') return [];
+    const inwards = unit(vec(inequality.normal));
+    const at = scale(inwards, inequality.offset_m);
+    return [{ isWall: true, isVirtual: true, isTouched: active.includes(inequality.name ?? ''), inwards, at }];
+  });
+}
+
+/**
+ * Returns a contact at its current position.
+ * @param {NonNullable<Scenario['contacts']>[number]} contact
+ * @param {Vec3} start of the tool
+ * @param {Vec3} tool
+ * @param {number | null} distance from the tool to the wall, m
+ * @returns {Contact}
+ */
+function currentContact(contact, start, tool, distance) {
+  const offset = contact.offset_m ?? 0;
+  const isWall = contact.kind !== 'spring';
+  const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
+  const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
+  const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
+  const shape = { isWall, isVirtual: false, isTouched: false, inwards };
+  if (!contact.motion || distance === null) return { ...shape, at };
+  // The contact moves. Compute its position from the tool and the distance.
+  const shift = dot(sub(tool, at), inwards) + distance;
+  return { ...shape, at: add(at, scale(inwards, shift)) };
+}

@@ -1,0 +1,110 @@
+// Tests of the layout and of the accessibility of the dashboard.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch();
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+
+/** Widths and heights of the screens, px. */
+const SIZES = [[390, 844], [768, 1024], [1280, 800], [1440, 900], [1920, 1080]];
+
+for (const [width, height] of SIZES) {
+  for (const colorScheme of ['light', 'dark']) {
+    test(`nothing is cut off and axe finds nothing serious at ${width} x ${height}, ${colorScheme}`, options, async () => {
+      const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=joint_limits`, { viewport: { width, height }, colorScheme });
+      await waitForState(page, 'connection', 'ready');
+      await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
+      await page.click('#add-plane');
+      await page.click('#go');
+      await waitForClock(page, 0.8);
+      await page.fill('#time', '0.5');
+
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= width, `${wide} px on ${width}`);
+      const cut = await page.evaluate(() => Array.from(document.querySelectorAll('.readouts dt, .readouts dd, .transport button, .push button'))
+        .filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => part.textContent));
+      assert.deepEqual(cut, []);
+      assert.doesNotMatch(await page.textContent('body'), /[−-]0\.0+(?![\d])/);
+
+      await page.evaluate(AXE);
+      const result = await page.evaluate(() => globalThis.axe.run(document));
+      assert.ok(result.passes.length > 15, 'axe has checked the page');
+      const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+      assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
+      assert.deepEqual(pageErrors, []);
+      await page.goto('about:blank');
+      await close();
+    });
+  }
+}
+
+test('the buttons that push the arm stand beside it, and a phone has the set-up above the scene', options, async () => {
+  for (const [width, height] of SIZES) {
+    const { page, close } = await open(browser, `${service.url}/#scenario=stiff_wall`, { viewport: { width, height } });
+    await waitForState(page, 'connection', 'ready');
+    const [scene, push, setup] = await Promise.all(['#scene', '.push', '#setup'].map((part) => page.locator(part).boundingBox()));
+    assert.ok(push.y + push.height <= Math.min(height, scene.y + scene.height + 60), `${width}: push buttons at ${push.y}`);
+    if (width <= 760) assert.ok(setup.y < scene.y, 'set-up above the scene');
+    await close();
+  }
+});
+
+test('joints keep distinct names, and no number is a negative zero', options, async () => {
+  const { page, close } = await open(browser, service.url);
+  await waitForState(page, 'connection', 'ready');
+  const [ur5e, panda, texts] = await page.evaluate(async () => {
+    const { jointLabels } = await import('/dashboard/labels.js');
+    const { fixed } = await import('/dashboard/number.js');
+    const robot = async (name) => (await (await fetch(`/v1/robots/${name}`)).json()).joints.map((joint) => joint.name);
+    return [jointLabels(await robot('ur5e')), jointLabels(await robot('panda')), [fixed(-1e-9, 3), fixed(-0.25, 2), fixed(null, 1)]];
+  });
+  assert.deepEqual(ur5e, ['shoulder_pan', 'shoulder_lift', 'elbow', 'wrist_1', 'wrist_2', 'wrist_3']);
+  assert.equal(panda[0], 'joint1');
+  assert.deepEqual(texts, ['0.000', '−0.25', '–']);
+  await close();
+});
+
+test('the camera contains the arm and its target after every change of scenario and size', options, async () => {
+  const { page, close } = await open(browser, service.url);
+  await waitForState(page, 'connection', 'ready');
+  const outside = await page.evaluate(async () => {
+    const { Camera } = await import('/dashboard/geometry.js');
+    const { Framing } = await import('/dashboard/framing.js');
+    const camera = new Camera();
+    const framing = new Framing(camera);
+    const found = [];
+    for (const { scenario } of (await (await fetch('/v1/scenarios')).json()).scenarios) {
+      const body = JSON.stringify({ robot: scenario.controller.robot, joint_position: scenario.start_joint_position });
+      const answer = await (await fetch('/v1/kinematics', { method: 'POST', headers: { 'content-type': 'application/json' }, body })).json();
+      const joints = answer.links.map(({ pose }) => ({ origin: pose.position, axis: [0, 0, 1], lower: null, upper: null }));
+      const world = { arm: { joints, tool: answer.pose }, contacts: [], ghost: null, goal: null };
+      for (const [width, height] of [[360, 250], [530, 350], [900, 480]]) {
+        Object.assign(camera, { width, height, covered: width > 400 ? 100 : 0 });
+        for (let i = 0; i < 40; i += 1) framing.follow(world, scenario.name);
+        camera.update();
+        for (const point of [[0, 0, 0], ...joints.map(({ origin }) => origin), answer.pose.position]) {
+          const { x, y } = camera.project(point);
+          if (!(x > 0 && x < width - camera.covered && y > 0 && y < height)) found.push(`${scenario.name} ${width}: ${x} ${y}`);
+        }
+      }
+    }
+    return found;
+  });
+  assert.deepEqual(outside, []);
+  await close();
+});

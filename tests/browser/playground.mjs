@@ -1,0 +1,220 @@
+// Tests of the playground: targets, task order, planes, robots, time and undo.
+
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, findInScene, launch, number, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch();
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+
+/** Opens a setup; `body` gets the page. Afterwards the page must have had no errors. */
+async function withPage(fragment, body, context = {}) {
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#${fragment}`, context);
+  try {
+    await waitForState(page, 'connection', 'ready');
+    await body(page);
+    assert.deepEqual(pageErrors, []);
+  } finally {
+    // The page deletes its runs when it is left. The service accepts only a few.
+    await page.goto('about:blank');
+    await close();
+  }
+}
+
+/** Runs until a simulated time, then ends the run. */
+async function runUntil(page, time) {
+  await page.click('#go');
+  await waitForClock(page, time);
+  await page.click('#end');
+  await waitForState(page, 'phase', 'finished');
+}
+
+const taskNames = (page) => page.locator('#tasks .task-name').allTextContents();
+
+/** Waits until the tool is less, or more, than `distance` from a place, m. */
+const waitForTool = (page, place, distance, isFar) => page.waitForFunction(([place, distance, isFar]) => {
+  const words = /tool at (\S+), (\S+), (\S+) m/.exec(document.getElementById('scene').ariaLabel) ?? [];
+  const away = Math.hypot(...words.slice(1).map((text, i) => Number(text.replace('−', '-')) - place[i]));
+  return (away > distance) === isFar;
+}, [place, distance, isFar]);
+
+test('a dragged target leads the tool, and undo returns it', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#go');
+  // The camera needs a moment to come to rest.
+  await waitForClock(page, 1.5);
+  const words = /tool at (\S+), (\S+), (\S+) m/.exec(await page.getAttribute('#scene', 'aria-label'));
+  const start = words.slice(1).map((text) => Number(text.replace('−', '-')));
+  const target = await findInScene(page, 'movable');
+  await page.mouse.down();
+  await page.mouse.move(target.x - 50, target.y + 25, { steps: 10 });
+  await page.mouse.up();
+  await page.waitForFunction(() => !document.getElementById('undo').disabled);
+  await waitForTool(page, start, 0.03, true);
+  await waitForText(page, '#reason', /task 3 “posture” gives up [\d.]+ rad\/s/);
+  await page.click('#undo');
+  await waitForTool(page, start, 0.005, false);
+  await page.waitForFunction(() => document.getElementById('undo').disabled);
+}));
+
+test('the keyboard moves the target, and a plane that the user adds holds the tool back', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 0.2);
+  await page.click('#planes-part summary');
+  await page.selectOption('#plane-side', '−z');
+  await page.click('#add-plane');
+  await waitForState(page, 'phase', 'running');
+  await page.focus('#scene');
+  for (let i = 0; i < 12; i += 1) await page.keyboard.press('Shift+ArrowDown');
+  await waitForText(page, '#reason', /Plane 1 holds the arm back; task 1 “position” gives up [\d.]+ m\/s/);
+  await page.click('[aria-label="Remove plane 1"]');
+  await waitForText(page, '#reason', /^(?!.*Plane 1)/);
+  await page.waitForFunction(() => Number.parseFloat(document.getElementById('force-value').textContent) < 3);
+}));
+
+test('tasks are reordered by drag and with the keyboard, and the run continues from its posture', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 0.5);
+  await page.locator('#tasks li').nth(2).dragTo(page.locator('#tasks li').nth(0));
+  await waitForText(page, '#tasks', /1\. posture.*2\. position.*3\. orientation/);
+  await waitForClock(page, 1);
+  await waitForState(page, 'phase', 'running');
+  await page.focus('[aria-label="Move “posture” down"]');
+  await page.keyboard.press('Enter');
+  await waitForText(page, '#tasks', /1\. position.*2\. posture/);
+  assert.match(page.url(), /order=0%2C2%2C1/);
+  await page.focus('#scene');
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await waitForText(page, '#tasks', /2\. orientation/);
+  assert.match((await taskNames(page)).join(), /1\. position.*2\. orientation.*3\. posture/);
+}));
+
+test('scene, numbers and plots show an earlier time together', options, () => withPage('scenario=joint_limits', async (page) => {
+  await runUntil(page, 2.5);
+  const atEnd = await page.getAttribute('#scene', 'aria-label');
+  await page.fill('#time', '1.2');
+  await waitForText(page, '#clock', /^1\.(19|20)\d s$/);
+  await waitForText(page, '#reason', /^J6 is at its lower limit.*; task 2 “hold orientation” gives up [\d.]+ rad\/s\.$/);
+  assert.notEqual(await page.getAttribute('#scene', 'aria-label'), atEnd);
+  assert.equal(await page.isVisible('#viewing'), true);
+  await page.focus('[data-plot="pose"] canvas');
+  await page.keyboard.press('ArrowRight');
+  await waitForText(page, '#reading', /t = 1\.2\d\d s, 1\. raise: [\d.]+ (mm|µm), 2\. hold orientation: [\d.]+°/);
+  await page.click('#live');
+  await page.waitForFunction((text) => document.getElementById('scene').ariaLabel === text, atEnd);
+}));
+
+test('the pointer reads values with units, and changes of method and gains are marked', options, () => withPage('scenario=stiff_wall', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 1);
+  await page.selectOption('#method', 'damped_least_squares');
+  await page.waitForFunction(() => document.getElementById('caption').textContent === 'Damped least squares');
+  await page.click('text=Task gains');
+  await page.fill('#gains input >> nth=0', '20');
+  await page.keyboard.press('Tab');
+  await waitForClock(page, 2);
+  await page.click('#end');
+  await waitForState(page, 'phase', 'finished');
+  const plot = page.locator('[data-plot="force"] canvas');
+  await plot.scrollIntoViewIfNeeded();
+  const { x: left, y: top, width } = await plot.boundingBox();
+  const texts = [];
+  for (let x = left + 52; x < left + width; x += 5) {
+    await page.mouse.move(x, top + 60);
+    texts.push(await page.textContent('#tip'));
+  }
+  assert.match(texts[5], /t = \d\.\d{3} s.*force x [−\d.]+ N, desired 30\.00 N/);
+  assert.ok(texts.some((text) => text.includes('◆ Damped least squares')), 'mark of the method');
+  assert.ok(texts.some((text) => text.includes('M_d of “push x”: 20')), 'mark of the gain');
+}));
+
+test('the force is shown along the normal of the polished plane, pose errors where there is no force', options, async () => {
+  await withPage('scenario=polishing', async (page) => {
+    await runUntil(page, 2);
+    assert.match(await page.textContent('#force-target'), /along −z of “press”, desired 15\.0 N/);
+    assert.ok(Math.abs(await number(page, '#force-value') - 15) < 1);
+    assert.match(await page.textContent('[data-plot="force"]'), /measured −z of “press”/);
+  });
+  for (const scenario of ['task_conflict', 'stiff_wall_limits', 'joint_limits']) {
+    await withPage(`scenario=${scenario}`, async (page) => {
+      await runUntil(page, 0.7);
+      assert.equal(await page.isVisible('[data-plot="pose"]'), true, scenario);
+      assert.equal(await page.isVisible('[data-plot="force"]'), scenario === 'stiff_wall_limits', scenario);
+      assert.match(await page.textContent('[data-plot="pose"] [data-legend]'), /\d\. /, scenario);
+    });
+  }
+});
+
+test('every built-in robot can be chosen', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const robots = await page.locator('#robot option').allTextContents();
+  assert.ok(robots.length >= 4, robots.join());
+  for (const robot of robots) {
+    await page.selectOption('#robot', robot);
+    await page.waitForFunction((name) => document.getElementById('description').textContent.startsWith(`${name} at rest`), robot);
+    await page.click('#go');
+    await waitForClock(page, 0.1);
+    await waitForText(page, '#reason', /Every task is achieved/);
+    await page.click('#reset');
+    await waitForState(page, 'phase', 'none');
+    assert.equal(await page.isVisible('#notice'), false, robot);
+  }
+}));
+
+const URDF = `<robot name="lift">
+  <link name="base"><visual><geometry><box size="0.3 0.3 0.1"/></geometry></visual></link>
+  <link name="arm"><visual><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry></visual></link>
+  <link name="hand"><visual><geometry><mesh filename="package://lift/meshes/hand.stl" scale="0.001 0.001 0.001"/></geometry></visual></link>
+  <link name="finger"/><link name="camera"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="2" effort="9"/></joint>
+  <joint name="slide" type="prismatic"><parent link="arm"/><child link="hand"/><origin xyz="0 0 0.4"/><axis xyz="0 0 1"/><limit lower="0" upper="0.3" velocity="1" effort="9"/></joint>
+  <joint name="tip" type="fixed"><parent link="hand"/><child link="finger"/><origin xyz="0 0 0.2"/></joint>
+  <joint name="eye" type="fixed"><parent link="base"/><child link="camera"/></joint>
+</robot>`;
+
+/** A binary STL file of a tetrahedron, mm. */
+function stl() {
+  const corners = [[-60, -60, 0], [60, -60, 0], [0, 80, 0], [0, 0, 200]];
+  const faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+  const file = Buffer.alloc(84 + 50 * faces.length);
+  file.writeUInt32LE(faces.length, 80);
+  faces.forEach((face, i) => face.forEach((corner, k) => corners[corner].forEach((value, axis) =>
+    file.writeFloatLE(value, 84 + 50 * i + 12 + 12 * k + 4 * axis))));
+  return file;
+}
+
+/** Drops files onto the page. */
+function drop(page, files) {
+  return page.evaluate((list) => {
+    const data = new DataTransfer();
+    for (const { name, bytes } of list) data.items.add(new File([new Uint8Array(bytes)], name));
+    dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, files.map(([name, bytes]) => ({ name, bytes: [...bytes] })));
+}
+
+test('a URDF file that is dropped onto the page with its mesh becomes a robot', options, () => withPage('scenario=stiff_wall', async (page) => {
+  await drop(page, [['lift.urdf', Buffer.from(URDF)], ['hand.stl', stl()]]);
+  await page.waitForSelector('#tip-dialog[open]');
+  assert.equal(await page.inputValue('#tip-link'), 'finger');
+  await page.click('#tip-dialog [value="ok"]');
+  await waitForText(page, '#notice', /Robot my_lift.*2 joints and 3 shapes/);
+  assert.equal(await page.inputValue('#robot'), 'my_lift');
+  await page.click('#go');
+  await waitForClock(page, 0.2);
+  await waitForText(page, '#reason', /\w/);
+  await page.click('#end');
+  await drop(page, [['broken.urdf', Buffer.from('<html/>')]]);
+  await waitForText(page, '#notice', /not a URDF/);
+  await drop(page, [['photo.png', Buffer.from('png')]]);
+  await waitForText(page, '#notice', /No URDF file/);
+}));
