@@ -20,7 +20,7 @@ use revprio_lab::simulator::recording::{Kind, Value};
 use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
 
 use super::experiment::make_directory;
-use super::text::columns;
+use super::text::{WIDTH, columns};
 use super::{CliError, Target, progress_bar};
 
 #[derive(Debug, clap::Args)]
@@ -59,7 +59,7 @@ pub struct Options {
 const SHOWN_CELLS: usize = 20;
 
 /// Largest width of a column's head.
-const LONGEST_HEAD: usize = 22;
+const LONGEST_HEAD: usize = 16;
 
 const EXAMPLES: &str = "Examples:
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
@@ -180,7 +180,7 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
 fn table(variations: &[Variation], drawn: &[String], kinds: &[(String, Kind)], rows: &Rows) -> String {
     let varied = variations.iter().map(|variation| variation.path.as_str());
     let names: Vec<&str> = varied.chain(["outcome"]).chain(drawn.iter().map(String::as_str)).collect();
-    let places: Vec<usize> =
+    let mut places: Vec<usize> =
         names.iter().filter_map(|name| kinds.iter().position(|(known, _)| known == name)).collect();
     let cell = |value: &Value| match value {
         Value::Missing => "–".to_owned(),
@@ -189,12 +189,21 @@ fn table(variations: &[Variation], drawn: &[String], kinds: &[(String, Kind)], r
         Value::Flag(flag) => flag.to_string(),
         Value::Word(word) => word.clone(),
     };
-    let head = places.iter().map(|&place| short(&kinds[place].0)).collect();
-    let line = |row: &Vec<Value>| places.iter().map(|&place| cell(&row[place])).collect();
-    let lines: Vec<Vec<String>> = std::iter::once(head).chain(rows.values().take(SHOWN_CELLS).map(line)).collect();
+    // The last measures are left out of a table that is too wide.
+    let table = loop {
+        let head = places.iter().map(|&place| short(&kinds[place].0)).collect();
+        let line = |row: &Vec<Value>| places.iter().map(|&place| cell(&row[place])).collect();
+        let lines: Vec<Vec<String>> = std::iter::once(head).chain(rows.values().take(SHOWN_CELLS).map(line)).collect();
+        let table = columns(&lines, |_| true);
+        let is_wide = table.lines().any(|line| line.chars().count() > WIDTH);
+        if !(is_wide && places.len() > variations.len() + 1) {
+            break table;
+        }
+        places.pop();
+    };
     let more = rows.len().saturating_sub(SHOWN_CELLS);
     let rest = if more > 0 { format!("… and {more} more\n") } else { String::new() };
-    columns(&lines, |_| true) + &rest
+    table + &rest
 }
 
 /// Returns the end of a long path, which tells most.

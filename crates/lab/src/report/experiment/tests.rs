@@ -54,10 +54,8 @@ fn runs_with_the_same_commands_share_a_curve() {
     let shared = "reverse priority (closed form) = task priority (closed form)";
     assert_eq!(labels, [shared, "damped least squares (closed form)", "target"]);
     let headings: Vec<_> = figure.panels.iter().map(|panel| panel.heading.as_str()).collect();
-    assert!(
-        headings.contains(&"(c) Residual of task 1") && headings.contains(&"(e) Speed of the fastest joint"),
-        "{headings:?}"
-    );
+    // The residual of task 1 is zero everywhere, so it has no panel.
+    assert_eq!(headings[2..], ["(c) Residual of task 2", "(d) Speed of the fastest joint"]);
 }
 
 #[test]
