@@ -102,6 +102,8 @@ test('tasks are reordered by drag and with the keyboard, and the run continues f
 
 test('scene, numbers and plots show an earlier time together', options, () => withPage('scenario=joint_limits', async (page) => {
   await runUntil(page, 2.5);
+  // The last frames are still drawn after the end.
+  await new Promise((done) => setTimeout(done, 1000));
   const atEnd = await page.getAttribute('#scene', 'aria-label');
   await page.fill('#time', '1.2');
   await waitForText(page, '#clock', /^1\.(19|20)\d s$/);

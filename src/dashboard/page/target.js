@@ -77,7 +77,9 @@ async function sendWaiting(runControl) {
     while (waiting) {
       const { task, pose } = waiting;
       waiting = null;
-      await runControl.sendControl({ targets: { [task.name]: { pose: inTaskFrame(task, pose) } } });
+      // At rest: the loop would go on along a last step of the pointer, and hold a place beyond the target.
+      const target = { pose: inTaskFrame(task, pose), velocity: (task.axes ?? []).map(() => 0) };
+      await runControl.sendControl({ targets: { [task.name]: target } });
       if (waiting) await new Promise((resolve) => { setTimeout(resolve, SEND_INTERVAL); });
     }
   } finally {
