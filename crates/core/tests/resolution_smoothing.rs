@@ -55,22 +55,19 @@ fn regularity(matrix: &Matrix, count: usize, threshold: f64) -> f64 {
     ratio * ratio * (3.0 - 2.0 * ratio)
 }
 
-/// 0 at the nearer bound, 1 from a tenth of half the width on.
+/// 0 at the nearer bound, 1 in the middle between the bounds.
 fn room(value: f64, lower: f64, upper: f64) -> f64 {
     let half_width = if (upper - lower).is_finite() { (upper - lower) / 2.0 } else { 1.0 };
-    if lower == upper { 0.0 } else { ((value - lower).min(upper - value).max(0.0) / half_width / 0.1).min(1.0) }
+    if lower == upper { 0.0 } else { ((value - lower).min(upper - value).max(0.0) / half_width).min(1.0) }
 }
 
 /// s of the first levels at a velocity.
 fn weight(levels: &[Level], limits: &VelocityBox, x: &Vector, threshold: f64) -> f64 {
     let of_rows = |levels: &[Level]| {
-        let rows = stack(levels.iter().map(|level| &level.rows));
-        let m = rows.nrows();
+        let m = levels.iter().map(|level| level.rows.nrows()).sum();
         let column = |j: usize| room(x[j], limits.lower()[j], limits.upper()[j]);
-        let bounds = |of: fn(&Level) -> &Vector| -> Vec<f64> {
-            levels.iter().flat_map(|level| of(level).iter().copied().collect::<Vec<_>>()).collect()
-        };
-        let (lower, upper, values) = (bounds(|level| &level.lower), bounds(|level| &level.upper), &rows * x);
+        let Level { rows, lower, upper } = merged(levels);
+        let values = &rows * x;
         let matrix = Matrix::from_fn(m, N + m, |i, j| match j {
             _ if j < N => rows[(i, j)] * column(j),
             _ if j == N + i => room(values[i], lower[i], upper[i]),
@@ -88,25 +85,50 @@ fn weight(levels: &[Level], limits: &VelocityBox, x: &Vector, threshold: f64) ->
     independent.max(determined * above)
 }
 
-/// X_k: the first levels exactly, then one level near the answer x^f without limits.
+/// Rows with a weight that aim at the part τ of what a velocity achieves: bounds give way by this part of the violation.
+fn aimed_at(level: &Level, velocity: &Vector, part: f64, weight: f64) -> Level {
+    let achieved = &level.rows * velocity;
+    let moved = |bound: f64, value: f64| if part == 1.0 { value } else { bound + part * (value - bound) };
+    let (lower, upper) = if level.is_equation() {
+        let target = level.lower.zip_map(&achieved, moved);
+        (target.clone(), target)
+    } else {
+        let lower =
+            level.lower.zip_map(&achieved, |bound, value| if value < bound { moved(bound, value) } else { bound });
+        let upper =
+            level.upper.zip_map(&achieved, |bound, value| if value > bound { moved(bound, value) } else { bound });
+        (lower, upper)
+    };
+    Level { rows: &level.rows * weight, lower: lower * weight, upper: upper * weight }
+}
+
+/// All rows as one level.
+fn merged(levels: &[Level]) -> Level {
+    let entries = |of: fn(&Level) -> &Vector| {
+        Vector::from_vec(levels.iter().flat_map(|level| of(level).iter().copied().collect::<Vec<_>>()).collect())
+    };
+    let rows = stack(levels.iter().map(|level| &level.rows));
+    Level { rows, lower: entries(|level| &level.lower), upper: entries(|level| &level.upper) }
+}
+
+/// X_k: the first levels exactly, then one level after the other with the weight 1 + 1/λ_max, twice that for the first one.
+/// What the levels between have achieved counts sixty times as much.
 fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_factor: f64) -> Vector {
-    let mut all = levels[..kept].to_vec();
-    let (mut rows, mut lower, mut upper) = (Vec::new(), Vec::new(), Vec::new());
-    for (j, level) in levels.iter().enumerate().skip(kept) {
-        let factor = (0..levels.len() - j).fold(1.0, |product, _| product * (1.0 + 1.0 / max_factor));
-        let achieved = &level.rows * free;
-        rows.push(&level.rows * factor);
-        for i in 0..achieved.len() {
-            let is_equation = level.is_equation();
-            lower.push(factor * if is_equation { achieved[i] } else { achieved[i].min(level.lower[i]) });
-            upper.push(factor * if is_equation { achieved[i] } else { achieved[i].max(level.upper[i]) });
-        }
-    }
-    rows.push(Matrix::identity(N, N));
-    lower.extend(free.iter());
-    upper.extend(free.iter());
-    all.push(Level { rows: stack(rows.iter()), lower: Vector::from_vec(lower), upper: Vector::from_vec(upper) });
-    solve(&all, limits, free, None).joint_velocity
+    let weight = 1.0 + 1.0 / max_factor;
+    let bounds = |j: usize| (limits.lower()[j], limits.upper()[j]);
+    let middle = Vector::from_fn(N, |j, _| f64::midpoint(bounds(j).0, bounds(j).1));
+    let way = free - &middle;
+    let reach = |j: usize| (bounds(j).1 - bounds(j).0) / 2.0 / way[j].abs();
+    let scale = (0..N).map(reach).fold(1.0, f64::min);
+    let start = middle + way * scale;
+    (kept..levels.len()).fold(start, |point, reached| {
+        let mut rows: Vec<Level> =
+            levels[kept..reached].iter().map(|level| aimed_at(level, &point, 1.0, 60.0 * weight)).collect();
+        rows.push(aimed_at(&levels[reached], free, scale, if reached == 0 { 2.0 * weight } else { weight }));
+        rows.push(Level { rows: Matrix::identity(N, N), lower: point.clone(), upper: point.clone() });
+        let all: Vec<Level> = levels[..kept].iter().cloned().chain([merged(&rows)]).collect();
+        solve(&all, limits, &point, None).joint_velocity
+    })
 }
 
 /// The blend from X_0 to X_K.

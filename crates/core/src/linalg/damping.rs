@@ -1,5 +1,8 @@
 //! The variable damping factor of damped least squares.
 
+/// Fraction of δ below which a task gradually leaves the direction of a singular value to lower tasks.
+const FADING: f64 = 0.25;
+
 /// Damping that sets in near a singularity, as a function of the smallest singular value.
 ///
 /// λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
@@ -39,6 +42,12 @@ impl Damping {
     pub fn factor(&self, sigma_min: f64) -> f64 {
         let ratio = sigma_min / self.threshold;
         if ratio < 1.0 { self.max_factor * (1.0 - ratio * ratio).sqrt() } else { 0.0 }
+    }
+
+    /// How much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from a quarter of δ on.
+    pub fn keeps(&self, sigma: f64) -> f64 {
+        let ratio = (sigma / (FADING * self.threshold)).min(1.0);
+        ratio * ratio * (3.0 - 2.0 * ratio)
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod damping;
 mod row;
+mod small_svd;
 mod spectrum;
 mod svd;
 mod task_vector;
@@ -10,6 +11,7 @@ mod triangle;
 
 pub use damping::Damping;
 pub use row::Row;
+pub use small_svd::SmallSvd;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::{Svd, write_singular_values};
 pub use task_vector::TaskVector;

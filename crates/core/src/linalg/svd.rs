@@ -104,7 +104,7 @@ pub fn write_singular_values(rows: &mut [f64], columns: usize, sigma: &mut Vec<f
 }
 
 /// Rotates pairs of rows of `stride` entries until their first `columns` entries are orthogonal to each other.
-fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) {
+pub(super) fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) {
     let count = entries.len() / stride.max(1);
     for _ in 0..MAX_SWEEPS {
         let mut rotated = false;

@@ -66,30 +66,48 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
 
 /// q̇ ← q̇ + (J_k N_k)^# (ẋ_k − J_k q̇) for k = 1 … l, N_k the null-space projector of all higher tasks; then N ζ̇.
 ///
+/// Weak directions of J_k N belong to N gradually: the answer is an average, see `docs/solver.md`, section 9.
+///
 /// Paper: Eq. (11), with the augmented Jacobian in the projector.
 fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -> ClosedForm {
     let n = zeta.len();
-    let (mut qdot, mut N, mut kkt_residual) = (Vector::zeros(n), Matrix::identity(n, n), 0.0_f64);
-    let mut weakest = 1.0_f64;
-    for Equations { J, xdot } in tasks {
-        let JN = J * &N;
-        let svd = Svd::new(&JN);
-        // A projector along a weak direction has that much more error.
-        let open = J.nrows().min(dimension(&N));
-        let rank = svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / weakest) * J.norm()).min(open);
-        let smallest = svd.singular_values()[..open].last().copied().unwrap_or(0.0);
-        let lambda = damping.map_or(0.0, |damping| damping.factor(smallest));
-        let delta = svd.solve(rank, lambda, &(xdot - J * &qdot));
-        qdot += &delta;
-        let gradient = JN.tr_mul(&(J * &qdot - xdot)) + lambda * lambda * &delta;
-        kkt_residual =
-            kkt_residual.max(relative(&gradient, J.norm() + lambda, qdot.norm() + delta.norm(), xdot.norm()));
-        N -= svd.row_projector(rank);
-        if rank > 0 {
-            weakest = weakest.min(svd.singular_values()[rank - 1] / J.norm());
+    // Averaged with these weights: q̇, N, and the smallest singular value that N leaves out.
+    let mut answers = vec![(1.0_f64, Vector::zeros(n), Matrix::identity(n, n), 1.0_f64)];
+    let mut kkt_residual = 0.0_f64;
+    for (place, Equations { J, xdot }) in tasks.iter().enumerate() {
+        let fades = place + 1 < tasks.len() || zeta.amax() > 0.0;
+        for (total, mut qdot, N, weakest) in std::mem::take(&mut answers) {
+            let JN = J * &N;
+            let svd = Svd::new(&JN);
+            // A projector along a weak direction has that much more error.
+            let open = J.nrows().min(dimension(&N));
+            let rank = svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / weakest) * J.norm()).min(open);
+            let smallest = svd.singular_values()[..open].last().copied().unwrap_or(0.0);
+            let lambda = damping.map_or(0.0, |damping| damping.factor(smallest));
+            let delta = svd.solve(rank, lambda, &(xdot - J * &qdot));
+            qdot += &delta;
+            let gradient = JN.tr_mul(&(J * &qdot - xdot)) + lambda * lambda * &delta;
+            kkt_residual =
+                kkt_residual.max(relative(&gradient, J.norm() + lambda, qdot.norm() + delta.norm(), xdot.norm()));
+            for (kept, share) in kept_directions(&svd, rank, damping.filter(|_| fades)) {
+                let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / J.norm()) } else { weakest };
+                answers.push((total * share, qdot.clone(), &N - svd.row_projector(kept), weakest));
+            }
         }
     }
-    ClosedForm { joint_velocity: qdot + N * zeta, kkt_residual }
+    let joint_velocity =
+        answers.iter().fold(Vector::zeros(n), |sum, (weight, qdot, N, _)| sum + (qdot + N * zeta) * *weight);
+    ClosedForm { joint_velocity, kkt_residual }
+}
+
+/// Returns how many of the largest singular values a task keeps from lower tasks, and the share of the answer that does: all
+/// `rank` ones, unless the smallest ones fade.
+fn kept_directions(svd: &Svd, rank: usize, damping: Option<Damping>) -> Vec<(usize, f64)> {
+    let keeps = |place: usize| damping.map_or(1.0, |damping| damping.keeps(svd.singular_values()[place]));
+    // Sorted by size: the place of the largest singular value that is left out has the smallest share.
+    let up_to = |kept: usize| if kept == 0 { 1.0 } else { keeps(kept - 1) };
+    let below = |kept: usize| if kept == rank { 0.0 } else { keeps(kept) };
+    (0..=rank).rev().map(|kept| (kept, up_to(kept) - below(kept))).filter(|(_, share)| *share > 0.0).collect()
 }
 
 /// Returns the number of dimensions that a projector keeps, which is its trace.
@@ -120,6 +138,8 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
 /// T_k (J_k T_k)⁺ does not depend on the length of the rows of J_k in J_k^RP. They are made longer than the lower ones,
 /// because short rows would stand in J_k T_k squared.
 ///
+/// Lower tasks may use weak directions of J_k gradually: the stage is an average, see `docs/solver.md`, section 9.
+///
 /// Paper: Eqs. (22), (25), (29), (32), which are this without damping.
 fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>) -> ClosedForm {
     let n = zeta.len();
@@ -135,14 +155,34 @@ fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>)
         let rank = own_svd.rank(RANK_TOLERANCE * J.norm());
         let reach = own_svd.solve(rank, mu, &(xdot - J * &qdot));
         let all_rank = all_svd.rank(RANK_TOLERANCE * weighted.norm());
-        let T = all_svd.inverse(all_rank, lambda).columns(0, J.nrows()).into_owned();
-        let delta = &T * Svd::new(&(J * &T)).solve(rank, 0.0, &(J * &reach));
-        let residual = stage_residual(J, xdot, &low, &own_svd, rank, [mu, lambda], &qdot, &reach, &delta);
-        kkt_residual = kkt_residual.max(residual);
-        qdot += delta;
+        let mut sum = Vector::zeros(n);
+        for (kept, share) in kept_directions(&own_svd, rank, damping.filter(|_| low.nrows() > 0)) {
+            let (delta, residual) = if kept == rank {
+                let T = all_svd.inverse(all_rank, lambda).columns(0, J.nrows()).into_owned();
+                let delta = &T * Svd::new(&(J * &T)).solve(rank, 0.0, &(J * &reach));
+                let residual = stage_residual(J, xdot, &low, &own_svd, rank, [mu, lambda], &qdot, &reach, &delta);
+                (delta, residual)
+            } else {
+                released(&own_svd.row_projector(kept), &low, lambda, &reach)
+            };
+            kkt_residual = kkt_residual.max(residual);
+            sum += delta * share;
+        }
+        qdot += sum;
         low = all;
     }
     ClosedForm { joint_velocity: qdot, kkt_residual }
+}
+
+/// Returns argmin ‖J_{k+1}^RP Δ‖² + λ² ‖Δ‖² that equals `reach` along the directions of a projector, and its residual.
+fn released(projector: &Matrix, low: &Matrix, lambda: f64, reach: &Vector) -> (Vector, f64) {
+    let base = projector * reach;
+    let svd = Svd::new(&(low - low * projector));
+    let delta = &base - svd.solve(svd.rank(RANK_TOLERANCE * low.norm()), lambda, &(low * &base));
+    let gradient = low.tr_mul(&(low * &delta)) + lambda * lambda * &delta;
+    let open = &gradient - projector * &gradient;
+    let residual = relative(&open, low.norm() + lambda, reach.norm() + delta.norm(), 0.0);
+    (delta, residual)
 }
 
 /// Returns the residual of what stage k solves: J_k Δ = J_k J_k^# e_k, then min ‖J_{k+1}^RP Δ‖² + λ² ‖Δ‖².

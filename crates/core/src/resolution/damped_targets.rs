@@ -1,13 +1,11 @@
-//! The velocities that damping leaves of the tasks, without limits.
-
-use std::ops::Range;
+//! The velocity that damping leaves of one task after the other, without limits.
 
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution, refill};
 use super::problem::Problem;
-use crate::linalg::row_times;
+use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, row_times};
 
-/// Damps one task after the other; each one starts from the point of the one before.
+/// Damps the tasks of the stages of reverse priority, and all rows as one level.
 #[derive(Default)]
 pub struct DampedTargets {
     /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual.
@@ -16,6 +14,7 @@ pub struct DampedTargets {
     point: Vec<f64>,
     problem: Hierarchy,
     solution: Solution,
+    svd: SmallSvd,
 }
 
 impl DampedTargets {
@@ -24,57 +23,95 @@ impl DampedTargets {
         (self.is_optimal, self.kkt_residual) = (true, 0.0);
     }
 
-    /// Sets the point x from which damping counts.
-    pub fn start(&mut self, point: impl Iterator<Item = f64>) {
-        refill(&mut self.point, point);
-    }
-
-    /// Solves min ‖J q̇ − ẋ‖² + factor² ‖q̇ − x‖² for the rows of `tasks` without changing the targets of the tasks `kept`, sets
-    /// the targets of `tasks` to J q̇ and x to q̇. Inequality tasks take no part.
+    /// Solves min ‖J q̇ − ẋ‖² + factor² ‖q̇ − q̇'‖² for the rows of `tasks` and sets their targets to J q̇. Inequality tasks take
+    /// no part.
     pub fn lower(
         &mut self,
         problem: &Problem,
-        kept: Range<usize>,
-        tasks: Range<usize>,
+        tasks: std::ops::Range<usize>,
         factor: f64,
+        before: &[f64],
         targets: &mut [f64],
         engine: &mut Engine,
     ) {
-        let Self { point, problem: levels, solution, .. } = self;
-        levels.clear(point);
-        for k in kept {
-            push_targets(problem, k, targets, levels);
-            levels.end_level();
-        }
-        for k in tasks.clone() {
-            push_targets(problem, k, targets, levels);
-        }
-        if factor > 0.0 {
-            for (i, &x) in point.iter().enumerate() {
-                let row = (0..point.len()).map(|j| if i == j { factor } else { 0.0 });
-                levels.push_row(row, factor * x, factor * x);
+        self.problem.clear(before);
+        for k in tasks.clone().filter(|&k| problem.tasks.tasks()[k].is_equation()) {
+            let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
+            for row in 0..task.jacobian.nrows() {
+                let target = targets[first + row];
+                self.problem.push_matrix_row(&task.jacobian, row, target, target);
             }
+        }
+        push_damping(&mut self.problem, factor, before);
+        self.solve(engine);
+        refill(&mut self.point, self.solution.x.iter().copied());
+        for k in tasks.filter(|&k| problem.tasks.tasks()[k].is_equation()) {
+            let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
+            for row in 0..task.jacobian.nrows() {
+                targets[first + row] = row_times(&task.jacobian, row, &self.point);
+            }
+        }
+    }
+
+    /// Moves the targets of task k, right after [`Self::lower`], along the directions of its weak singular values: the smaller
+    /// one is, the more its direction does what the lower tasks do with it where it is free. `factor` damps the lower tasks.
+    pub fn fade(
+        &mut self,
+        problem: &Problem,
+        k: usize,
+        (damping, factor): (Damping, f64),
+        before: &[f64],
+        targets: &mut [f64],
+        engine: &mut Engine,
+    ) {
+        let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
+        let (m, n) = task.jacobian.shape();
+        self.svd.decompose(m, n, |i, j| task.jacobian[(i, j)]);
+        let rank = self.svd.rank(RANK_TOLERANCE * task.jacobian.norm());
+        let weak = (0..rank).rev().take_while(|&place| damping.keeps(self.svd.sigma(place)) < 1.0).count();
+        for kept in (rank - weak..rank).rev() {
+            let next = if kept == 0 { 1.0 } else { damping.keeps(self.svd.sigma(kept - 1)) };
+            let weight = next - damping.keeps(self.svd.sigma(kept));
+            self.write_released(problem, k, kept, factor, before);
+            self.solve(engine);
+            for (row, target) in targets[first..first + m].iter_mut().enumerate() {
+                let released = row_times(&task.jacobian, row, &self.solution.x);
+                *target += weight * (released - row_times(&task.jacobian, row, &self.point));
+            }
+        }
+    }
+
+    /// Writes the stage of task k that keeps the directions of its `kept` largest singular values alone.
+    fn write_released(&mut self, problem: &Problem, k: usize, kept: usize, factor: f64, before: &[f64]) {
+        let Self { problem: levels, svd, point, .. } = self;
+        levels.clear(before);
+        for place in 0..kept {
+            let reached = svd.right(place).zip(point.iter()).map(|(a, x)| a * x).sum();
+            levels.push_row(svd.right(place), reached, reached);
         }
         levels.end_level();
-        engine.solve(levels, None, solution);
-        self.is_optimal &= solution.is_optimal;
-        self.kkt_residual = self.kkt_residual.max(solution.kkt_residual);
-        refill(point, solution.x.iter().copied());
-        for task in tasks.map(|k| (&problem.tasks.tasks()[k], problem.tasks.first_row(k))) {
-            let (task, first) = task;
-            for row in (0..task.jacobian.nrows()).filter(|_| task.is_equation()) {
-                targets[first + row] = row_times(&task.jacobian, row, point);
+        for task in problem.tasks.tasks()[k + 1..].iter().filter(|task| task.is_equation()) {
+            for row in 0..task.jacobian.nrows() {
+                let achieved = row_times(&task.jacobian, row, before);
+                levels.push_matrix_row(&task.jacobian, row, achieved, achieved);
             }
         }
+        push_damping(levels, factor, before);
+    }
+
+    fn solve(&mut self, engine: &mut Engine) {
+        engine.solve(&self.problem, None, &mut self.solution);
+        self.is_optimal &= self.solution.is_optimal;
+        self.kkt_residual = self.kkt_residual.max(self.solution.kkt_residual);
     }
 }
 
-/// Adds the rows of an equation task at their targets.
-fn push_targets(problem: &Problem, k: usize, targets: &[f64], levels: &mut Hierarchy) {
-    let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
-    if task.is_equation() {
-        for row in 0..task.jacobian.nrows() {
-            levels.push_matrix_row(&task.jacobian, row, targets[first + row], targets[first + row]);
+/// Adds the rows factor q̇ = factor q̇' and ends the level.
+fn push_damping(levels: &mut Hierarchy, factor: f64, before: &[f64]) {
+    if factor > 0.0 {
+        for (i, &x) in before.iter().enumerate() {
+            levels.push_row((0..before.len()).map(|j| if i == j { factor } else { 0.0 }), factor * x, factor * x);
         }
     }
+    levels.end_level();
 }

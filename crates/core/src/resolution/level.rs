@@ -89,6 +89,35 @@ impl Hierarchy {
         }
     }
 
+    /// Makes an average of solutions consistent: x inside the box, the values of the rows, and the multipliers of `other` where
+    /// the solution has none. A bound that the average does not reach holds nothing back.
+    pub fn settle(&self, solution: &mut Solution, other: &Solution) {
+        for (x, (lower, upper)) in solution.x.iter_mut().zip(self.lower.iter().zip(&self.upper)) {
+            // Not a number stays one: the answer is then refused.
+            *x = if *x < *lower {
+                *lower
+            } else if *x > *upper {
+                *upper
+            } else {
+                *x
+            };
+        }
+        let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
+            if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }
+        };
+        for (j, multiplier) in solution.multipliers.iter_mut().enumerate() {
+            let reaches = |it: &f64| reaches(*it, solution.x[j], self.lower[j], self.upper[j]);
+            *multiplier = [*multiplier, other.multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
+        }
+        for (row, multiplier) in solution.row_multipliers.iter_mut().enumerate() {
+            let value: f64 = self.row(row).iter().zip(&solution.x).map(|(a, x)| a * x).sum();
+            solution.row_values[row] = value;
+            if !self.is_equation(row) && !reaches(*multiplier, value, self.row_lower[row], self.row_upper[row]) {
+                *multiplier = 0.0;
+            }
+        }
+    }
+
     /// Returns the number of rows of all levels.
     pub fn row_count(&self) -> usize {
         self.row_lower.len()
@@ -171,6 +200,16 @@ impl Solution {
         let Self { is_optimal, rank_uncertain, kkt_residual, working_sets, .. } = *other;
         (self.is_optimal, self.rank_uncertain) = (is_optimal, rank_uncertain);
         (self.kkt_residual, self.working_sets) = (kkt_residual, working_sets);
+    }
+}
+
+impl Solution {
+    /// Adds the uncertainties of a solution that this one is computed from.
+    pub fn doubt(&mut self, other: &Self) {
+        self.is_optimal &= other.is_optimal;
+        self.kkt_residual = self.kkt_residual.max(other.kkt_residual);
+        self.working_sets += other.working_sets;
+        self.rank_uncertain |= other.rank_uncertain;
     }
 }
 

@@ -46,11 +46,14 @@ mod level;
 mod plan;
 mod plan_run;
 mod problem;
+mod regularity;
+mod relaxed_levels;
 mod resolver;
 mod scaling;
 mod singularity;
 mod smoothing;
 mod solver;
+mod strict_targets;
 
 pub use answer::{
     ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LimitViolation, Path, Resolution, SolverReport,

@@ -9,6 +9,7 @@ use super::problem::Problem;
 use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
+use super::strict_targets::StrictTargets;
 use crate::task::Task;
 
 /// A run of a plan and its result.
@@ -33,6 +34,7 @@ pub struct PlanRun {
     scaled: ScaledTasks,
     smoothing: Smoothing,
     damped: DampedTargets,
+    strict: StrictTargets,
 }
 
 impl PlanRun {
@@ -66,6 +68,11 @@ impl PlanRun {
             if step.is_last() {
                 self.finish(problem, step, damping, engine);
             }
+            // A scaled task keeps its direction exactly.
+            let keeps_direction = self.scales.iter().any(Option::is_some);
+            if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
+                self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
+            }
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
             is_optimal &= self.solution.is_optimal;
             working_sets += self.solution.working_sets;
@@ -77,16 +84,13 @@ impl PlanRun {
         (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
     }
 
-    /// Scales tasks, explains contradictions, and makes the damped answer continuous.
+    /// Scales tasks and explains contradictions.
     fn finish(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
         if problem.tasks.tasks().iter().any(|task| task.scaled) {
             self.scale(problem, step, damping, engine);
         }
         if self.solution.is_optimal {
             write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
-        }
-        if let Some(factors) = problem.damping {
-            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
     }
 
@@ -99,35 +103,35 @@ impl PlanRun {
     /// Replaces the targets of a step by the velocities that damping leaves of them; returns the factor of its damping rows.
     fn damp(&mut self, problem: &Problem, step: Step, singularities: &Singularities, engine: &mut Engine) -> f64 {
         let (known, tasks) = (&singularities.tasks, problem.tasks.tasks());
-        let Self { damped, targets, before, .. } = self;
+        let Self { damped, strict, targets, before, .. } = self;
         damped.clear();
+        let Some(factors) = problem.damping else { return 0.0 };
         match step {
             Step::OneLevel => {
                 let all = tasks.iter().position(Task::is_equation).map_or(0.0, |first| known[first].lambda);
                 let factor = if problem.method.damps_one_level() { all } else { 0.0 };
                 if factor > 0.0 && tasks.iter().any(|task| task.scaled) {
                     // A scaled stack has one velocity. Damping forms it first.
-                    damped.start(before.iter().copied());
-                    damped.lower(problem, 0..0, 0..tasks.len(), factor, targets, engine);
+                    damped.lower(problem, 0..tasks.len(), factor, before, targets, engine);
                     return 0.0;
                 }
                 factor
             }
             Step::Levels => {
                 if known.iter().any(|task| task.strict > 0.0) {
-                    damped.start(before.iter().map(|_| 0.0));
-                    for (k, known) in known.iter().enumerate() {
-                        damped.lower(problem, 0..k, k..k + 1, known.strict, targets, engine);
-                    }
+                    damped.kkt_residual = strict.lower(problem, factors, before, targets);
                 }
                 0.0
             }
             Step::Stage { task, keeps_lower_tasks } => {
+                let factor = if keeps_lower_tasks { known[task].lambda } else { 0.0 };
                 if known[task].mu > 0.0 {
-                    damped.start(before.iter().copied());
-                    damped.lower(problem, 0..0, task..task + 1, known[task].mu, targets, engine);
+                    damped.lower(problem, task..task + 1, known[task].mu, before, targets, engine);
+                    if keeps_lower_tasks && tasks[task + 1..].iter().any(Task::is_equation) {
+                        damped.fade(problem, task, (factors, factor), before, targets, engine);
+                    }
                 }
-                if keeps_lower_tasks { known[task].lambda } else { 0.0 }
+                factor
             }
         }
     }

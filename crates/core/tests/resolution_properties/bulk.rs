@@ -177,11 +177,13 @@ fn every_property_holds_in_the_last_quarter_of_1e5_problems() {
 }
 
 /// Seeds of the long run that once failed: working sets with dependent limits, and initial active sets that are wrong
-/// by so little that their residual stays below 1e-12.
+/// by so little that their residual stays below 1e-12. In 32 394 the damped answer without limits is a corner of the box.
 #[test]
 fn every_property_holds_for_seeds_that_once_failed() {
     let mut findings = Findings::default();
-    for seed in [1_061_814, 1_098_138, 1_197_619, 1_255_632, 1_598_529, 1_664_480, 1_670_790, 1_762_533, 1_976_064] {
+    for seed in
+        [32_394, 1_061_814, 1_098_138, 1_197_619, 1_255_632, 1_598_529, 1_664_480, 1_670_790, 1_762_533, 1_976_064]
+    {
         findings.examine(seed, WIDE);
     }
     assert_all_properties(&findings, 0, 1e-8);

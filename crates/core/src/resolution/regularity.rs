@@ -1,0 +1,135 @@
+//! How far from singular the levels are on what their bounds leave.
+
+use super::level::{Hierarchy, Solution, refill};
+use super::plan::{Origin, PlannedProblem};
+use crate::linalg::{Matrix, write_singular_values};
+
+/// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
+pub const HALF_WIDTH: f64 = 1.0;
+
+/// Matrices above this size get their eigenvalues from nalgebra, which allocates.
+const MAX_JACOBI_SIZE: usize = 32;
+
+/// The workspace of the numbers s_k.
+#[derive(Default)]
+pub struct Regularity {
+    room: Vec<f64>,
+    row_room: Vec<f64>,
+    gram: Vec<f64>,
+    factor: Vec<f64>,
+    sigma: Vec<f64>,
+    /// Rows of tasks and inequalities, without damping rows.
+    counted: Vec<usize>,
+}
+
+impl Regularity {
+    /// Sets the rows that count: all but the damping rows, whose number changes where the factor becomes zero.
+    pub fn start(&mut self, planned: &PlannedProblem) {
+        let rows = 0..planned.levels.row_count();
+        refill(&mut self.counted, rows.filter(|&row| planned.origins[row] != Origin::Auxiliary));
+    }
+
+    /// Returns s for the first `kept` levels at a solution, from 0 (singular) to 1 (singular values above the threshold).
+    ///
+    /// The rows count as regular if they are independent on what the bounds leave, or if the last level determines every
+    /// unknown and the rows above it are independent on what the bounds leave.
+    pub fn of(&mut self, levels: &Hierarchy, kept: usize, solution: &Solution, threshold: f64) -> f64 {
+        self.measure_room(levels, solution);
+        let end = levels.level_ends[kept - 1];
+        let independent = self.row_regularity(levels, end, threshold);
+        let start = levels.level_start(kept - 1);
+        if independent == 1.0 || end < levels.unknowns {
+            return independent;
+        }
+        let determined = self.column_regularity(levels, end, threshold);
+        let above = if start == 0 { 1.0 } else { self.row_regularity(levels, start, threshold) };
+        independent.max(determined * above)
+    }
+
+    /// Measures how much room each unknown and each inequality row has to its nearer bound: 0 at the bound, 1 far from it.
+    fn measure_room(&mut self, levels: &Hierarchy, solution: &Solution) {
+        let bounds = levels.lower.iter().zip(&levels.upper);
+        refill(&mut self.room, solution.x.iter().zip(bounds).map(|(&x, (&lower, &upper))| room(x, lower, upper)));
+        let rows = (0..levels.row_count())
+            .map(|row| room(solution.row_values[row], levels.row_lower[row], levels.row_upper[row]));
+        refill(&mut self.row_room, rows);
+    }
+
+    /// Returns the regularity of the first `end` rows: from the smallest singular value of [A C, diag(c)], with C the room of
+    /// the unknowns and c that of the rows, 0 for equations.
+    fn row_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
+        let Self { room, row_room, gram, counted, .. } = self;
+        let rows = counted.partition_point(|&row| row < end);
+        if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > levels.unknowns {
+            return 0.0;
+        }
+        gram.clear();
+        for &i in &counted[..rows] {
+            for &j in &counted[..rows] {
+                let product = levels.row(i).iter().zip(levels.row(j)).zip(room.iter());
+                let sum: f64 = product.map(|((a, b), c)| a * b * c * c).sum();
+                gram.push(sum + if i == j { row_room[i] * row_room[i] } else { 0.0 });
+            }
+        }
+        self.regularity_of_gram(rows, threshold)
+    }
+
+    /// Returns the regularity of the columns of the first `end` rows.
+    fn column_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
+        let n = levels.unknowns;
+        refill(&mut self.gram, std::iter::repeat_n(0.0, n * n));
+        for row in (0..end).filter(|&row| levels.is_equation(row)).map(|row| levels.row(row)) {
+            for i in 0..n {
+                for j in 0..n {
+                    self.gram[i * n + j] += row[i] * row[j];
+                }
+            }
+        }
+        self.regularity_of_gram(n, threshold)
+    }
+
+    /// Returns smoothstep(σ_min/threshold) of a matrix from its Gram matrix, of `size` rows.
+    fn regularity_of_gram(&mut self, size: usize, threshold: f64) -> f64 {
+        let Self { gram, factor, sigma, .. } = self;
+        factor.clone_from(gram);
+        if exceeds(factor, size, threshold * threshold) {
+            return 1.0;
+        }
+        let smallest = if size > MAX_JACOBI_SIZE {
+            Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min()
+        } else {
+            write_singular_values(gram, size, sigma);
+            sigma.last().copied().unwrap_or(0.0)
+        };
+        let smallest = smallest.max(0.0).sqrt();
+        let ratio = (smallest / threshold).min(1.0);
+        ratio * ratio * (3.0 - 2.0 * ratio)
+    }
+}
+
+/// Returns the distance to the nearer bound, relative to half the width between the bounds, at most 1.
+fn room(value: f64, lower: f64, upper: f64) -> f64 {
+    let half_width = 0.5 * (upper - lower);
+    let half_width = if half_width.is_finite() { half_width } else { HALF_WIDTH };
+    let distance = (value - lower).min(upper - value).max(0.0);
+    if distance == 0.0 { 0.0 } else { (distance / half_width).min(1.0) }
+}
+
+/// Returns whether all eigenvalues of a symmetric matrix exceed `bound`, by Cholesky's factorisation in place.
+fn exceeds(matrix: &mut [f64], size: usize, bound: f64) -> bool {
+    for i in 0..size {
+        matrix[i * size + i] -= bound;
+        for j in 0..=i {
+            let sum: f64 = (0..j).map(|l| matrix[i * size + l] * matrix[j * size + l]).sum();
+            let rest = matrix[i * size + j] - sum;
+            matrix[i * size + j] = if i > j {
+                rest / matrix[j * size + j]
+            } else if rest > 0.0 {
+                rest.sqrt()
+            } else {
+                return false;
+            };
+        }
+    }
+    true
+}

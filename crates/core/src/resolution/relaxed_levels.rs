@@ -1,0 +1,150 @@
+//! Answers that keep some levels exactly and reach for the others as far as damping lets them.
+
+use super::engine::Engine;
+use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
+use super::plan::PlannedProblem;
+use super::regularity::HALF_WIDTH;
+use crate::linalg::Damping;
+
+/// Weight of a level that has been reached for, relative to the level that is reached for next.
+const KEPT: f64 = 60.0;
+
+/// Weight of the highest task while it is reached for, relative to that of a lower task.
+const FIRST: f64 = 2.0;
+
+/// The workspace of the answers X_k.
+#[derive(Default)]
+pub struct RelaxedLevels {
+    /// x^f, the answer without limits and without inequality rows.
+    pub free: Solution,
+    problem: Hierarchy,
+    /// Levels of hard inequalities above the tasks: 0 or 1.
+    hard: usize,
+    /// The point that the next problem stays near to, at first x^s.
+    near: Vec<f64>,
+    /// τ: how much of the way from the middle of the box to x^f is in the box.
+    scale: f64,
+    guess: WorkingSet,
+    active: Vec<Option<Side>>,
+}
+
+impl RelaxedLevels {
+    /// Computes x^f and τ.
+    pub fn start(&mut self, planned: &PlannedProblem, hard: usize, engine: &mut Engine, exact: &Solution) {
+        self.hard = hard;
+        self.active.clone_from(&exact.working_set.unknowns);
+        let (levels, problem) = (&planned.levels, &mut self.problem);
+        problem.clear(&levels.reference);
+        for level in 0..levels.level_ends.len() {
+            for row in (levels.level_start(level)..levels.level_ends[level]).filter(|&row| levels.is_equation(row)) {
+                problem.push_row(levels.row(row).iter().copied(), levels.row_lower[row], levels.row_upper[row]);
+            }
+            problem.end_level();
+        }
+        engine.solve(problem, None, &mut self.free);
+        self.scale = 1.0;
+        for (&x, (&lower, &upper)) in self.free.x.iter().zip(levels.lower.iter().zip(&levels.upper)) {
+            let middle = middle(lower, upper);
+            let (width, distance) = (if x > middle { upper - middle } else { middle - lower }, (x - middle).abs());
+            // A pinned joint has no way inside the box.
+            if distance > width && width > 0.0 {
+                self.scale = self.scale.min(width / distance);
+            }
+        }
+    }
+
+    /// Computes X_k, k = `kept`: the first k levels exactly, then one problem for each level below. It stays near the answer of
+    /// the problem before, and nearer in what the levels between have achieved.
+    pub fn solve(
+        &mut self,
+        levels: &Hierarchy,
+        kept: usize,
+        damping: Damping,
+        engine: &mut Engine,
+        found: &mut Solution,
+    ) {
+        let bounds = levels.lower.iter().zip(&levels.upper);
+        let near = |(x, (&lower, &upper)): (&f64, (&f64, &f64))| {
+            let middle = middle(lower, upper);
+            (middle + self.scale * (x - middle)).max(lower).min(upper)
+        };
+        refill(&mut self.near, self.free.x.iter().zip(bounds).map(near));
+        let (mut is_optimal, mut kkt_residual, mut working_sets, mut rank_uncertain) = (true, 0.0_f64, 0, false);
+        for level in kept..levels.level_ends.len() {
+            self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
+            self.guess.clear(levels.unknowns, self.problem.row_count());
+            self.guess.unknowns.clone_from(&self.active);
+            engine.solve(&self.problem, Some(&self.guess), found);
+            self.active.clone_from(&found.working_set.unknowns);
+            is_optimal &= found.is_optimal;
+            kkt_residual = kkt_residual.max(found.kkt_residual);
+            working_sets += found.working_sets;
+            rank_uncertain |= found.rank_uncertain;
+            self.near.clone_from(&found.x);
+        }
+        refill(&mut found.row_values, (0..levels.row_count()).map(|row| product(levels.row(row), &self.near)));
+        (found.is_optimal, found.kkt_residual) = (is_optimal, kkt_residual);
+        (found.working_sets, found.rank_uncertain) = (working_sets, rank_uncertain);
+    }
+
+    /// Writes the problem that reaches for one level: the first `kept` levels, then a level of rows that reach for it, rows
+    /// that keep what the levels between have achieved, and the distance from the point before.
+    fn write(&mut self, levels: &Hierarchy, kept: usize, reached: usize, weight: f64) {
+        let Self { free, problem, near, hard, scale, .. } = self;
+        problem.clear(near);
+        problem.lower.copy_from_slice(&levels.lower);
+        problem.upper.copy_from_slice(&levels.upper);
+        for level in 0..=reached {
+            let rows = levels.level_start(level)..levels.level_ends[level];
+            if level < kept {
+                push_rows(problem, levels, rows, 1.0, None);
+                problem.end_level();
+            } else if level < reached {
+                push_rows(problem, levels, rows, KEPT * weight, Some((near, 1.0)));
+            } else {
+                let factor = if level == *hard { FIRST } else { 1.0 };
+                push_rows(problem, levels, rows, factor * weight, Some((&free.x, *scale)));
+            }
+        }
+        for (i, &x) in near.iter().enumerate() {
+            problem.push_row((0..near.len()).map(|j| if i == j { 1.0 } else { 0.0 }), x, x);
+        }
+        problem.end_level();
+    }
+}
+
+/// Adds rows of the levels with a weight. With a point and a part τ, equations aim at b + τ (a·point − b), and bounds that the
+/// point violates are moved by the part τ of the violation.
+fn push_rows(
+    problem: &mut Hierarchy,
+    levels: &Hierarchy,
+    rows: std::ops::Range<usize>,
+    weight: f64,
+    aim: Option<(&[f64], f64)>,
+) {
+    for row in rows {
+        let coefficients = levels.row(row);
+        let (mut lower, mut upper) = (levels.row_lower[row], levels.row_upper[row]);
+        if let Some((point, part)) = aim {
+            let value = product(coefficients, point);
+            if levels.is_equation(row) {
+                lower += part * (value - lower);
+                upper = lower;
+            } else {
+                lower += part * (value - lower).min(0.0);
+                upper += part * (value - upper).max(0.0);
+            }
+        }
+        problem.push_row(coefficients.iter().map(|a| weight * a), weight * lower, weight * upper);
+    }
+}
+
+/// Returns the middle between two bounds; with one bound or none, the speed next to zero that is `HALF_WIDTH` inside.
+fn middle(lower: f64, upper: f64) -> f64 {
+    let middle = 0.5 * (lower + upper);
+    if middle.is_finite() { middle } else { 0.0_f64.max(lower + HALF_WIDTH).min(upper - HALF_WIDTH) }
+}
+
+fn product(row: &[f64], x: &[f64]) -> f64 {
+    row.iter().zip(x).map(|(a, x)| a * x).sum()
+}

@@ -1,0 +1,173 @@
+//! The velocities that damping leaves of the tasks of the strict hierarchy, without limits.
+//!
+//! Task k moves q̇ by (J_k N)^# (ẋ_k − J_k q̇), where N projects onto what the higher tasks leave. Where J_k N has a weak singular
+//! value, the result is an average of two: lower tasks may use its direction, or not.
+
+use super::level::refill;
+use super::problem::Problem;
+use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, row_times};
+use crate::task::Task;
+
+/// Error of a projected row along a direction of length one.
+const PROJECTION_ERROR: f64 = 4e-15;
+
+/// Chains with less weight are left out, and so are those beyond this number: one weak singular value asks for two.
+const NEGLIGIBLE: f64 = 1e-9;
+const MAX_CHAINS: usize = 64;
+
+/// One choice of directions that higher tasks keep from lower ones.
+#[derive(Default)]
+struct Chain {
+    weight: f64,
+    /// q̇ of the tasks so far.
+    point: Vec<f64>,
+    /// The directions that the tasks so far keep, n entries each, orthonormal.
+    kept: Vec<f64>,
+    /// The smallest singular value that is kept, relative to its task.
+    weakest: f64,
+}
+
+/// Computes the damped velocities.
+#[derive(Default)]
+pub struct StrictTargets {
+    chains: Vec<Chain>,
+    spare: Vec<Chain>,
+    /// J_k N.
+    rows: Vec<f64>,
+    svd: SmallSvd,
+    point: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+impl StrictTargets {
+    /// Sets the targets of the tasks to what damping leaves of them; returns the largest relative residual of the optimality
+    /// conditions. Inequality tasks take no part.
+    pub fn lower(&mut self, problem: &Problem, damping: Damping, zeta: &[f64], targets: &mut [f64]) -> f64 {
+        let tasks = problem.tasks.tasks();
+        let n = zeta.len();
+        let is_at_rest = zeta.iter().all(|&entry| entry == 0.0);
+        let lowest = tasks.iter().rposition(Task::is_equation);
+        self.spare.append(&mut self.chains);
+        let mut first = self.spare.pop().unwrap_or_default();
+        (first.weight, first.weakest) = (1.0, 1.0);
+        refill(&mut first.point, std::iter::repeat_n(0.0, n));
+        first.kept.clear();
+        self.chains.push(first);
+        let mut kkt_residual = 0.0_f64;
+        for (k, task) in tasks.iter().enumerate().filter(|(_, task)| task.is_equation()) {
+            let target = &targets[problem.tasks.first_row(k)..][..task.jacobian.nrows()];
+            // Nothing uses what the lowest task leaves but the null-space velocity.
+            let fades = lowest != Some(k) || !is_at_rest;
+            for place in 0..self.chains.len() {
+                let mut chain = std::mem::take(&mut self.chains[place]);
+                kkt_residual = kkt_residual.max(self.add_task(&mut chain, task, target, damping, fades));
+                self.chains[place] = chain;
+            }
+        }
+        refill(&mut self.point, std::iter::repeat_n(0.0, n));
+        for Chain { weight, point, kept, .. } in &self.chains {
+            for (x, (y, zeta)) in self.point.iter_mut().zip(point.iter().zip(zeta)) {
+                *x += weight * (y + zeta);
+            }
+            for direction in kept.chunks_exact(n) {
+                let part = weight * dot(direction, zeta);
+                self.point.iter_mut().zip(direction).for_each(|(x, entry)| *x -= part * entry);
+            }
+        }
+        for (k, task) in tasks.iter().enumerate().filter(|(_, task)| task.is_equation()) {
+            for row in 0..task.jacobian.nrows() {
+                targets[problem.tasks.first_row(k) + row] = row_times(&task.jacobian, row, &self.point);
+            }
+        }
+        kkt_residual
+    }
+
+    /// Adds a task to a chain and starts the chains without its weak directions; returns the residual.
+    fn add_task(&mut self, chain: &mut Chain, task: &Task, target: &[f64], damping: Damping, fades: bool) -> f64 {
+        let (m, n) = task.jacobian.shape();
+        let norm = task.jacobian.norm();
+        self.project(task, &chain.kept);
+        let rows = &self.rows;
+        self.svd.decompose(m, n, |i, j| rows[i * n + j]);
+        let open = self.svd.count().min(n - chain.kept.len() / n);
+        let rank = self.svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / chain.weakest) * norm).min(open);
+        let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
+        let kkt_residual = self.step(chain, task, target, rank, lambda);
+        let keeps = |svd: &SmallSvd, place: usize| damping.keeps(svd.sigma(place));
+        let weak = (0..rank).rev().take_while(|&place| fades && keeps(&self.svd, place) < 1.0).count();
+        let total = chain.weight;
+        for kept in (rank - weak..rank).rev() {
+            let next = if kept == 0 { 1.0 } else { keeps(&self.svd, kept - 1) };
+            let weight = total * (next - keeps(&self.svd, kept));
+            if weight > NEGLIGIBLE && self.chains.len() < MAX_CHAINS {
+                let mut other = self.spare.pop().unwrap_or_default();
+                (other.weight, other.weakest) = (weight, chain.weakest);
+                other.point.clone_from(&chain.point);
+                other.kept.clone_from(&chain.kept);
+                self.keep(&mut other, kept, norm);
+                self.chains.push(other);
+                chain.weight -= weight;
+            }
+        }
+        self.keep(chain, rank, norm);
+        kkt_residual
+    }
+
+    /// Writes J_k N.
+    fn project(&mut self, task: &Task, kept: &[f64]) {
+        let (m, n) = task.jacobian.shape();
+        self.rows.clear();
+        for row in 0..m {
+            self.rows.extend((0..n).map(|j| task.jacobian[(row, j)]));
+            let row = &mut self.rows[row * n..];
+            // Twice, so that rounding along the directions is that of the rest.
+            for direction in kept.chunks_exact(n).chain(kept.chunks_exact(n)) {
+                let part = dot(row, direction);
+                row.iter_mut().zip(direction).for_each(|(x, entry)| *x -= part * entry);
+            }
+        }
+    }
+
+    /// Moves the point by (J_k N)^# (ẋ_k − J_k q̇); returns the relative residual of min ‖J_k N δ − e‖² + λ² ‖δ‖².
+    fn step(&mut self, chain: &mut Chain, task: &Task, target: &[f64], rank: usize, lambda: f64) -> f64 {
+        let n = chain.point.len();
+        let Self { rows, svd, residual, point: delta, .. } = self;
+        let missing = |point: &[f64], row: usize| target[row] - row_times(&task.jacobian, row, point);
+        refill(residual, (0..target.len()).map(|row| missing(&chain.point, row)));
+        refill(delta, std::iter::repeat_n(0.0, n));
+        for place in 0..rank {
+            let sigma = svd.sigma(place);
+            let asked: f64 = svd.left(place).zip(residual.iter()).map(|(a, b)| a * b).sum();
+            let part = sigma / (sigma * sigma + lambda * lambda) * asked;
+            delta.iter_mut().zip(svd.right(place)).for_each(|(x, entry)| *x += part * entry);
+        }
+        chain.point.iter_mut().zip(delta.iter()).for_each(|(x, change)| *x += change);
+        refill(residual, (0..target.len()).map(|row| missing(&chain.point, row)));
+        let gradient = |j: usize| {
+            let reached: f64 = residual.iter().enumerate().map(|(row, missing)| rows[row * n + j] * missing).sum();
+            (reached - lambda * lambda * delta[j]).abs()
+        };
+        let largest = (0..n).map(gradient).fold(0.0, f64::max);
+        let norm = task.jacobian.norm() + lambda;
+        let size = norm * (norm * (length(&chain.point) + length(delta)) + length(target));
+        if largest == 0.0 { 0.0 } else { largest / size.max(f64::MIN_POSITIVE) }
+    }
+
+    /// Keeps the first `count` right singular vectors of a task with this norm.
+    fn keep(&self, chain: &mut Chain, count: usize, norm: f64) {
+        for place in 0..count {
+            chain.kept.extend(self.svd.right(place));
+        }
+        if count > 0 {
+            chain.weakest = chain.weakest.min(self.svd.sigma(count - 1) / norm);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn length(entries: &[f64]) -> f64 {
+    dot(entries, entries).sqrt()
+}
