@@ -59,7 +59,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     keep_different_runs(&mut experiment.runs);
     let traces = options.traces.or(Format::Parquet);
     let page = write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &traces)?;
-    writeln!(stdout(), "\nOpen {} in a browser: figures, results of all runs, recordings.", page.display())?;
+    writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
     Ok(())
 }
 
