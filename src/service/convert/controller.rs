@@ -1,7 +1,9 @@
 //! Controllers.
 
 use revprio_api::wire;
-use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
+use revprio_core::controller::{
+    ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
+};
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 
 use super::environment;
@@ -33,8 +35,9 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         task_config(task, &robot).map_err(|error| error.inside(&format!("/tasks/{k}")))
     };
     let tasks = request.tasks.iter().enumerate().map(task).collect::<Result<Vec<_>, _>>()?;
+    let (period_s, drive) = (positive_period(request.period_s, "/period_s")?, drive(request.drive)?);
     let config = ControllerConfig {
-        period_s: positive_period(request.period_s, "/period_s")?,
+        period_s,
         method: terms::method(request.method),
         solver: terms::solver(request.solver),
         damping: damping(request.damping)?,
@@ -42,7 +45,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
             wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
         },
-        drive: drive(request.drive)?,
+        drive,
         barriers: InequalityReader {
             robot: Some(&robot),
             joints: robot.joint_count(),
@@ -53,7 +56,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: match &request.null_space_velocity {
             Some(motion) => null_space(motion, Some(&robot), robot.joint_count())?,
-            None => None,
+            None => NullSpaceMotion::default_for(&robot, &tasks, drive, period_s),
         },
         leave_local_minima: request.leave_local_minima,
         anti_windup: terms::anti_windup(request.anti_windup),

@@ -41,7 +41,9 @@ pub struct Controller {
     /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: `initial_posture` with the gain
+    /// 5 (less for slow drives) if the arm has more joints than its tasks have rows, all tasks have the law `pose` or bounds,
+    /// and none moves single joints; otherwise `rest`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
     /// Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move towards

@@ -104,7 +104,8 @@ pub enum NullSpaceMotion {
         /// Gain K, 1/s.
         gain: f64,
     },
-    /// The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+    /// The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
+    /// most 0.1 rad/s; only in controllers.
     InitialPosture {
         /// Gain K, 1/s.
         gain: f64,

@@ -123,10 +123,10 @@ impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
     /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
-    /// acceleration limits of the robot, a slow drive, and rest in the null space unless a task is stuck.
+    /// acceleration limits of the robot, a slow drive, and [`NullSpaceMotion::default_for`] the tasks.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
-            null_space: None,
+            null_space: NullSpaceMotion::default_for(&robot, &tasks, Drive::CONSERVATIVE, period_s),
             leave_local_minima: true,
             robot,
             period_s,

@@ -43,6 +43,7 @@ mod memory;
 mod null_space;
 mod progress;
 mod raw_rows;
+mod row_space;
 mod stability;
 mod steep_gain;
 mod step;
