@@ -151,6 +151,13 @@ impl RobotModel {
         &self.joints
     }
 
+    /// Returns the length of the stretched chain from the first joint to the tool, m: no point of the chain is farther away,
+    /// apart from prismatic motion.
+    pub fn reach(&self) -> f64 {
+        let links = self.joints.iter().skip(1).map(|joint| &joint.placement).chain([&self.tool]);
+        links.map(|placement| placement.translation.vector.norm()).sum()
+    }
+
     /// Returns the pose of the tool frame in the frame that the last joint moves.
     pub fn tool(&self) -> &IsometryMatrix3<f64> {
         &self.tool

@@ -21,6 +21,9 @@ use crate::service::robots::Robots;
 /// Maximum lag of a drive, s.
 pub const MAX_LAG_S: f64 = 1.0;
 
+/// Smallest and largest characteristic length, m.
+pub const CHARACTERISTIC_LENGTH_M: (f64, f64) = (1e-3, 1e3);
+
 /// Maximum number of tasks of a controller.
 pub const MAX_TASKS: usize = 64;
 
@@ -41,6 +44,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         method: terms::method(request.method),
         solver: terms::solver(request.solver),
         damping: damping(request.damping)?,
+        characteristic_length_m: characteristic_length(request.characteristic_length_m)?,
         limits: match &request.limits {
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
             wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
@@ -68,6 +72,17 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
 
+fn characteristic_length(length: f64) -> Result<f64, ApiError> {
+    let pointer = "/characteristic_length_m";
+    let (least, greatest) = CHARACTERISTIC_LENGTH_M;
+    let length = number(length, pointer)?;
+    if (least..=greatest).contains(&length) {
+        Ok(length)
+    } else {
+        Err(ApiError::invalid(pointer, format!("give {least} to {greatest} m")))
+    }
+}
+
 fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
     let delay = usize::try_from(drive.delay_periods).ok().filter(|delay| *delay <= MAX_DRIVE_DELAY);
     let too_long = || ApiError::invalid("/drive/delay_periods", format!("give at most {MAX_DRIVE_DELAY}"));
@@ -81,6 +96,7 @@ fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
 fn config_pointer(error: &ConfigError) -> String {
     match error {
         ConfigError::Period(_) => "/period_s".to_owned(),
+        ConfigError::CharacteristicLength(_) => "/characteristic_length_m".to_owned(),
         ConfigError::NoTasks => "/tasks".to_owned(),
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
         ConfigError::Task { task, source: TaskConfigError::Streaming(source) } => {

@@ -30,7 +30,7 @@ mod warnings;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
-pub use controller::{MAX_LAG_S, MAX_TASKS, controller};
+pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, controller};
 pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;

@@ -55,6 +55,10 @@ pub struct Controller {
     /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
+    /// Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the rows of
+    /// a task are weighed against each other; default 1. Set it to the reach of an arm that is much smaller or larger.
+    #[serde(default = "default_length", skip_serializing_if = "is_default_length")]
+    pub characteristic_length_m: f64,
     /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
     /// default: unknown.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
@@ -84,6 +88,16 @@ fn yes() -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
 fn is_yes(value: &bool) -> bool {
     *value
+}
+
+fn default_length() -> f64 {
+    1.0
+}
+
+#[expect(clippy::float_cmp, reason = "the default is written as it is")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_default_length(length: &f64) -> bool {
+    *length == default_length()
 }
 
 /// Covers a few periods of a slow loop.

@@ -55,6 +55,7 @@ mod task;
 mod task_target;
 mod tool_rows;
 mod transition;
+mod weights;
 
 pub use capability::BRAKING_SHARE;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};

@@ -230,6 +230,11 @@ impl TaskRows {
         }
     }
 
+    /// Returns whether a row is a linear axis of the tool.
+    pub(super) fn is_linear(&self, row: usize) -> bool {
+        matches!(self, Self::Tool(rows) if matches!(rows.kind(row), RowKind::Linear))
+    }
+
     /// Returns the measured position with a velocity of the task, m.
     pub(super) fn actual(&self, velocity: &[f64], arm: &ArmState) -> Reference {
         match self {
