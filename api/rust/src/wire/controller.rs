@@ -57,6 +57,7 @@ pub struct Controller {
     pub damping: Option<Damping>,
     /// Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the rows of
     /// a task are weighed against each other; default 1. Set it to the reach of an arm that is much smaller or larger.
+    #[schema(example = 1.2)]
     #[serde(default = "default_length", skip_serializing_if = "is_default_length")]
     pub characteristic_length_m: f64,
     /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
