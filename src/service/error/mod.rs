@@ -4,6 +4,7 @@
 
 mod kinds;
 
+use std::fmt;
 use std::time::Duration;
 
 use axum::http::{HeaderValue, StatusCode, header};
@@ -286,6 +287,16 @@ impl ApiError {
 }
 
 /// Writes status and headers. The gate writes the body, because only the gate knows the ID of the request.
+impl fmt::Display for ApiError {
+    /// Writes the place of the mistake, if it is known, and what is wrong.
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match &self.pointer {
+            Some(pointer) => write!(formatter, "{pointer}: {}", self.detail),
+            None => formatter.write_str(&self.detail),
+        }
+    }
+}
+
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = self.kind.status.into_response();

@@ -4,7 +4,7 @@
 //! that moves like an arm ends at a tip: the fixed link behind its last joint whose name is most like a tool frame.
 
 use super::document::{Edge, Links, Motion};
-use super::words::{is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_sensor, tool_rank, words};
+use super::words::{is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_sensor, tool_rank, turns_gripper, words};
 use crate::{LeftOutReason, TipReason};
 
 /// A chain that ends like an arm.
@@ -89,11 +89,8 @@ fn left_out(parent: &Node, edge: &Edge) -> Option<LeftOutReason> {
 
 /// Whether a moving joint closes a gripper, by its name and that of its link.
 fn closes(edge: &Edge) -> bool {
-    edge.is_mimic() || is_gripper_joint(&words(edge.name)) || is_finger(&words(edge.child))
-}
-
-fn turns_gripper(joint: &[String]) -> bool {
-    joint.iter().any(|word| word == "gripper") && !is_gripper_joint(joint)
+    let is_finger = |link: &str| is_finger(&words(link));
+    edge.is_mimic() || is_gripper_joint(&words(edge.name)) || is_finger(edge.child) || is_finger(edge.parent)
 }
 
 /// Returns the arms below the base, in the order of the text.
@@ -179,7 +176,11 @@ fn arm<'a>(nodes: &[Node<'a>], end: usize) -> Arm<'a> {
     }
     let before_gripper = |node: &&Node| node.left_out == Some(LeftOutReason::Gripper) && nodes[node.parent].moved == end;
     if let Some(gripper) = nodes[end..].iter().find(before_gripper) {
-        return found(&nodes[gripper.parent], TipReason::BeforeGripper);
+        let mut last = gripper.parent;
+        while last != end && is_finger(&words(nodes[last].link)) {
+            last = nodes[last].parent;
+        }
+        return found(&nodes[last], TipReason::BeforeGripper);
     }
     let last = tips(nodes, end).min_by_key(|node| std::cmp::Reverse(node.depth));
     found(last.unwrap_or(&nodes[end]), TipReason::LastLink)

@@ -15,7 +15,7 @@ const MAX_NAMESPACES: usize = 64;
 const MAX_NODES: u32 = 100_000;
 
 /// Maximum length of the name of a link or joint, bytes. Every answer repeats the names of the joints.
-const MAX_NAME_BYTES: usize = 256;
+pub const MAX_NAME_BYTES: usize = 256;
 
 /// Parses XML in bounded time.
 pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {

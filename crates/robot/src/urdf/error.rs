@@ -158,6 +158,12 @@ pub enum UrdfError {
         /// The joints of the chain.
         joints: Vec<String>,
     },
+    /// A new name of a joint is empty or too long.
+    #[error("`joint_names`: the new name of joint `{joint}` needs 1 to 256 bytes")]
+    JointName {
+        /// The joint.
+        joint: String,
+    },
     /// The axis of a joint has length zero.
     #[error("joint `{joint}`: the axis has length zero; give its direction")]
     Axis {

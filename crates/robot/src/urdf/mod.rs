@@ -18,7 +18,7 @@ use nalgebra::IsometryMatrix3;
 
 use super::{Joint, LimitOverride, Overrides, RobotModel};
 use chain::Chain;
-use document::Links;
+use document::{Links, MAX_NAME_BYTES};
 use joint::{Moving, Segment, segment};
 
 /// Choices that a URDF text leaves open.
@@ -53,6 +53,9 @@ impl RobotModel {
         check_joints(&joints, overrides)?;
         for joint in &mut joints {
             if let Some(name) = overrides.joint_names.get(&joint.name) {
+                if !(1..=MAX_NAME_BYTES).contains(&name.len()) {
+                    return Err(UrdfError::JointName { joint: joint.name.clone() });
+                }
                 joint.name.clone_from(name);
             }
         }

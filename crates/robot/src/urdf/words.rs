@@ -35,8 +35,17 @@ pub fn is_finger(words: &[String]) -> bool {
 
 /// Whether the words name a joint that closes a gripper, not one that turns it.
 pub fn is_gripper_joint(words: &[String]) -> bool {
-    let turns = any(words, &["yaw", "pitch", "roll", "rotate", "rotation", "twist"]);
-    is_finger(words) || (any_contains(words, &["gripper"]) && !turns)
+    is_finger(words) || (any_contains(words, &["gripper"]) && !turns(words))
+}
+
+/// Whether the words say that something turns.
+fn turns(words: &[String]) -> bool {
+    any(words, &["yaw", "pitch", "roll", "rotate", "rotation", "twist"])
+}
+
+/// Whether the words name a joint that turns a gripper.
+pub fn turns_gripper(words: &[String]) -> bool {
+    any(words, &["gripper"]) && turns(words)
 }
 
 /// Whether the words name a part of an arm.
@@ -72,11 +81,11 @@ pub fn tool_rank(words: &[String]) -> Option<usize> {
         &["flange"],
         &["tcp"],
         &["ee", "eef", "effector", "endeffector", "endpoint", "tip"],
+        &["grasp", "grasping", "grasptarget"],
         &["hand", "palm"],
-        &["grasp", "grasping"],
         &["gripper"],
     ];
-    RANKED.iter().position(|listed| any(words, listed))
+    RANKED.iter().position(|listed| any(words, listed) && !turns(words))
 }
 
 #[cfg(test)]
