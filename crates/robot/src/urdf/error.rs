@@ -22,7 +22,7 @@ pub enum UrdfError {
     #[error("URDF: {0}")]
     Xml(#[from] roxmltree::Error),
     /// The root element is not `<robot>`.
-    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first")]
+    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first: `xacro FILE > my_arm.urdf`")]
     NotRobot {
         /// The root element.
         root: String,
