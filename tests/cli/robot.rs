@@ -19,9 +19,9 @@ fn planar() -> String {
     include_str!("../../fixtures/robots/planar_3r.urdf").to_owned()
 }
 
-const SECOND_ARM: &str = r#"<link name="b1"/><link name="b2"/>
-  <joint name="i" type="continuous"><parent link="base"/><child link="b1"/></joint>
-  <joint name="k" type="continuous"><parent link="b1"/><child link="b2"/></joint>"#;
+const SECOND_ARM: &str = r#"<link name="arm2"/><link name="b2"/>
+  <joint name="i" type="continuous"><parent link="base"/><child link="arm2"/></joint>
+  <joint name="k" type="continuous"><parent link="arm2"/><child link="b2"/></joint>"#;
 
 /// A scenario of 0.2 s: push against a spring in x.
 fn push(robot: &str) -> String {
@@ -113,7 +113,10 @@ fn overrides_are_read_from_a_file() {
     let server = Server::start_with(&["--robot", &format!("{urdf},name=mine,overrides={json}")]);
     let answer = server.get("/v1/robots/mine");
     let robot: Value = serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap();
-    assert_eq!((robot["joints"][0]["name"].as_str(), robot["joints"][0]["velocity_limit"].as_f64()), (Some("swing"), Some(0.125)));
+    assert_eq!(
+        (robot["joints"][0]["name"].as_str(), robot["joints"][0]["velocity_limit"].as_f64()),
+        (Some("swing"), Some(0.125))
+    );
     assert_eq!((robot["chain"]["tip"].as_str(), robot["chain"]["reason"].as_str()), (Some("tool"), Some("tool_name")));
 
     let serve = |overrides: &str| {

@@ -150,19 +150,30 @@ fn wrong_overrides_are_refused_with_their_place() {
         ("limits", json!({"crank": {"position": [1.0, -1.0]}}), "/limits"),
         ("joint_names", json!({"elbow": "j"}), "/joint_names"),
         ("joint_names", json!({"crank": ""}), "/joint_names"),
-        ("tool_offset", json!({"position": [0, 0, 0], "orientation": {"w": 2, "x": 0, "y": 0, "z": 0}}), "/tool_offset/orientation"),
+        (
+            "tool_offset",
+            json!({"position": [0, 0, 0], "orientation": {"w": 2, "x": 0, "y": 0, "z": 0}}),
+            "/tool_offset/orientation",
+        ),
     ] {
         let mut body = registration("wrong", CRANK);
         body[field] = value;
         service.post("/v1/robots", &body.to_string()).assert_refused(422, Some(pointer));
     }
-    let two = CRANK.replace("</robot>", r#"<link name="b1"/><link name="b2"/>
-  <joint name="i" type="continuous"><parent link="base"/><child link="b1"/></joint>
-  <joint name="k" type="continuous"><parent link="b1"/><child link="b2"/></joint></robot>"#);
+    let two = CRANK.replace(
+        "</robot>",
+        r#"<link name="arm2"/><link name="b2"/>
+  <joint name="i" type="continuous"><parent link="base"/><child link="arm2"/></joint>
+  <joint name="k" type="continuous"><parent link="arm2"/><child link="b2"/></joint></robot>"#,
+    );
     let two = two.replace(r#"<joint name="hand" type="fixed">"#, r#"<joint name="hand" type="continuous">"#);
     let refused = service.post("/v1/robots", &registration("two", &two).to_string());
     refused.assert_refused(422, Some("/tip"));
-    assert!(refused.json()["detail"].as_str().unwrap().contains("2 arms; name the `tip`: `tool`, `b2`"), "{}", refused.json());
+    assert!(
+        refused.json()["detail"].as_str().unwrap().contains("2 arms; name the `tip`: `tool`, `b2`"),
+        "{}",
+        refused.json()
+    );
 }
 
 #[test]

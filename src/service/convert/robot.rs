@@ -1,7 +1,10 @@
 //! Robots.
 
 use revprio_api::wire;
-use revprio_robot::{ChainSelection, Joint, LeftOutReason, LimitOverride, ModelError, Overrides, RobotModel, TipReason, UrdfError, UrdfOptions};
+use revprio_robot::{
+    ChainSelection, Joint, LeftOutReason, LimitOverride, ModelError, Overrides, RobotModel, TipReason, UrdfError,
+    UrdfOptions,
+};
 
 use super::numbers::check_numbers;
 use super::pose::pose;

@@ -51,8 +51,8 @@ pub use problem::Problem;
 pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest, ResolveTask};
 pub use robot::{
-    DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration, RobotSource,
-    StatedLimits, TipReason,
+    DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration,
+    RobotSource, StatedLimits, TipReason,
 };
 pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};

@@ -4,7 +4,9 @@
 //! that moves like an arm ends at a tip: the fixed link behind its last joint whose name is most like a tool frame.
 
 use super::document::{Edge, Links, Motion};
-use super::words::{is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_sensor, tool_rank, turns_gripper, words};
+use super::words::{
+    is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_sensor, tool_rank, turns_gripper, words,
+};
 use crate::{LeftOutReason, TipReason};
 
 /// A chain that ends like an arm.
@@ -93,10 +95,12 @@ fn closes(edge: &Edge) -> bool {
     edge.is_mimic() || is_gripper_joint(&words(edge.name)) || is_finger(edge.child) || is_finger(edge.parent)
 }
 
-/// Returns the arms below the base, in the order of the text.
+/// Returns the arms below the base: those with more joints first, and equal ones in the order of the text.
 pub fn arms<'a>(nodes: &[Node<'a>]) -> Vec<Arm<'a>> {
-    let ends = arm_ends(nodes);
-    ends.into_iter().map(|end| arm(nodes, end)).filter(|arm| arm.joints >= MIN_JOINTS).collect()
+    let arms = arm_ends(nodes).into_iter().map(|end| arm(nodes, end));
+    let mut arms: Vec<Arm> = arms.filter(|arm| arm.joints >= MIN_JOINTS).collect();
+    arms.sort_by_key(|arm| std::cmp::Reverse(arm.joints));
+    arms
 }
 
 /// Returns the arm before the gripper, if the only chain ends in one.
@@ -174,7 +178,8 @@ fn arm<'a>(nodes: &[Node<'a>], end: usize) -> Arm<'a> {
     if let Some((_, node)) = named {
         return found(node, TipReason::ToolName);
     }
-    let before_gripper = |node: &&Node| node.left_out == Some(LeftOutReason::Gripper) && nodes[node.parent].moved == end;
+    let before_gripper =
+        |node: &&Node| node.left_out == Some(LeftOutReason::Gripper) && nodes[node.parent].moved == end;
     if let Some(gripper) = nodes[end..].iter().find(before_gripper) {
         let mut last = gripper.parent;
         while last != end && is_finger(&words(nodes[last].link)) {

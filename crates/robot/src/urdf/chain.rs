@@ -1,6 +1,6 @@
 //! The chain of joints from base to tip.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::UrdfError;
 use super::arms::{Arm, arms, before_gripper, survey};
@@ -37,21 +37,7 @@ impl<'a> Chain<'a> {
     /// Describes the chain and the moving joints that are no part of it.
     pub fn selection(&self, links: &Links<'a>) -> ChainSelection {
         let inside: HashSet<&str> = self.joints.iter().map(|joint| joint.name).collect();
-        let nodes = survey(links, self.base);
-        let mut beyond: HashSet<&str> = HashSet::new();
-        let reason = |beyond: &HashSet<&str>, edge: &Edge, left_out: Option<LeftOutReason>| {
-            let place =
-                if beyond.contains(edge.child) { LeftOutReason::BeyondTip } else { LeftOutReason::OtherBranch };
-            left_out.unwrap_or(place)
-        };
-        let mut reasons = std::collections::HashMap::new();
-        for node in &nodes {
-            let Some(edge) = node.edge else { continue };
-            if edge.parent == self.tip || beyond.contains(edge.parent) {
-                beyond.insert(edge.child);
-            }
-            reasons.insert(edge.child, reason(&beyond, &edge, node.left_out));
-        }
+        let reasons = self.reasons(links);
         let edges = links.names.iter().filter_map(|link| links.joint_above.get(link));
         let outside = edges.filter(|edge| edge.motion() != Motion::Fixed && !inside.contains(edge.name));
         let left_out = outside.map(|edge| LeftOut {
@@ -64,6 +50,21 @@ impl<'a> Chain<'a> {
             reason: self.reason,
             left_out: left_out.take(ChainSelection::MAX_LEFT_OUT).collect(),
         }
+    }
+
+    /// Returns why a joint below the base is no part of the chain, by the link below the joint.
+    fn reasons(&self, links: &Links<'a>) -> HashMap<&'a str, LeftOutReason> {
+        let (mut reasons, mut beyond) = (HashMap::new(), HashSet::new());
+        for node in survey(links, self.base) {
+            let Some(edge) = node.edge else { continue };
+            let mut place = LeftOutReason::OtherBranch;
+            if edge.parent == self.tip || beyond.contains(edge.parent) {
+                beyond.insert(edge.child);
+                place = LeftOutReason::BeyondTip;
+            }
+            reasons.insert(edge.child, node.left_out.unwrap_or(place));
+        }
+        reasons
     }
 }
 

