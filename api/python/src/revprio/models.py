@@ -2326,14 +2326,14 @@ class StatedLimits(Body):
     Fields:
 
     - acceleration: Maximum acceleration, rad/s² or m/s².
-    - position: Minimum and maximum position, rad or m.
+    - position: Minimum and maximum position, rad or m. Shape: 2.
     - velocity: Maximum speed, rad/s or m/s.
     """
 
     acceleration: float | None = None
     """Maximum acceleration, rad/s² or m/s²."""
     position: Vector | None = None
-    """Minimum and maximum position, rad or m."""
+    """Minimum and maximum position, rad or m. Shape: 2."""
     velocity: float | None = None
     """Maximum speed, rad/s or m/s."""
 
