@@ -4,6 +4,7 @@
 
 mod kinds;
 
+use std::fmt;
 use std::time::Duration;
 
 use axum::http::{HeaderValue, StatusCode, header};
@@ -282,6 +283,16 @@ impl ApiError {
         // The inner layers set the length of the empty body.
         response.headers_mut().remove(header::CONTENT_LENGTH);
         *response.body_mut() = axum::Json(body).into_response().into_body();
+    }
+}
+
+impl fmt::Display for ApiError {
+    /// Writes the place of the mistake, if it is known, and what is wrong.
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match &self.pointer {
+            Some(pointer) => write!(formatter, "{pointer}: {}", self.detail),
+            None => formatter.write_str(&self.detail),
+        }
     }
 }
 

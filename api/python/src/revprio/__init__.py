@@ -32,6 +32,7 @@ from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import follow as follow
 from revprio.presets import push as push
 from revprio.watchdog import Watchdog as Watchdog
+from revprio.xacro import read_xacro as read_xacro
 
 resolve = LOCAL.resolve
 resolve_batch = LOCAL.resolve_batch

@@ -22,7 +22,7 @@ pub enum UrdfError {
     #[error("URDF: {0}")]
     Xml(#[from] roxmltree::Error),
     /// The root element is not `<robot>`.
-    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first")]
+    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first: `xacro FILE > my_arm.urdf`")]
     NotRobot {
         /// The root element.
         root: String,
@@ -89,6 +89,14 @@ pub enum UrdfError {
         /// Links without children below the base.
         leaves: Vec<String>,
     },
+    /// The tip is not named, and the robot has several arms.
+    #[error("the robot has {} arms; name the `tip`: {}", .tips.len(), list(.tips))]
+    Arms {
+        /// The base link.
+        base: String,
+        /// The tip of each arm.
+        tips: Vec<String>,
+    },
     /// There is no link with the name of the base.
     #[error("the base link `{link}` does not exist; links without parent: {}", list(.roots))]
     UnknownBase {
@@ -129,6 +137,32 @@ pub enum UrdfError {
         text: String,
         /// The number of numbers that it must have.
         count: usize,
+    },
+    /// A limit of a joint is missing or impossible.
+    #[error("joint `{joint}` {cause}; state it in `limits`: {{\"{joint}\": {{{remedy}}}}}")]
+    Limit {
+        /// The joint.
+        joint: String,
+        /// What is wrong with the limit.
+        cause: String,
+        /// The part of `limits` that mends it.
+        remedy: &'static str,
+    },
+    /// An override is about a joint that is no part of the chain.
+    #[error("`{field}` has a joint `{joint}`, which is no joint of the chain; its joints are {}", list(.joints))]
+    UnknownJoint {
+        /// `limits` or `joint_names`.
+        field: &'static str,
+        /// The joint.
+        joint: String,
+        /// The joints of the chain.
+        joints: Vec<String>,
+    },
+    /// A new name of a joint is empty or too long.
+    #[error("`joint_names`: the new name of joint `{joint}` needs 1 to 256 bytes")]
+    JointName {
+        /// The joint.
+        joint: String,
     },
     /// The axis of a joint has length zero.
     #[error("joint `{joint}`: the axis has length zero; give its direction")]
