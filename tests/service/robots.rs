@@ -174,6 +174,7 @@ fn wrong_overrides_are_refused_with_their_place() {
         "{}",
         refused.json()
     );
+    assert_eq!(refused.json()["candidates"], json!(["tool", "b2"]));
 }
 
 #[test]

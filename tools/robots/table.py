@@ -1,13 +1,19 @@
-"""Compares the chain that is taken for the arm with the expected one: `table.py DIRECTORY PROGRAM [--table]`."""
+"""Compares the chain that is taken for the arm with the expected one: `table.py VENV PROGRAM [--table]`."""
 import fnmatch
 import json
 import subprocess
 import sys
 from pathlib import Path
 
-ROOT, PROGRAM = Path(sys.argv[1]), sys.argv[2]
+import mujoco_models
+
+VENV, PROGRAM = Path(sys.argv[1]), sys.argv[2]
 FULL = '--table' in sys.argv
 EXPECTED = Path(__file__).with_name('expected.txt')
+# URDF texts that are made from MuJoCo models.
+MADE = VENV.with_name('mjcf')
+# Largest difference from MuJoCo in position, m, and entries of the rotation.
+MAX_DIFFERENCE = 1e-9
 
 
 def rows():
@@ -25,34 +31,63 @@ def expected(name):
     return found[0]
 
 
-def verdict(answer, arms):
+def files(ending):
+    """The files that count, by name, and the number of others."""
+    found = sorted(path for path in VENV.rglob(f'*.{ending}') if ending == 'urdf' or '<mujoco' in path.read_text())
+    names = {str(path.relative_to(VENV)).split('site-packages/')[-1]: path for path in found}
+    counted = {name: path for name, path in names.items() if not expected(name).startswith('-')}
+    return counted, len(names) - len(counted)
+
+
+def urdf(name, path):
+    """The URDF file of a robot, or why there is none."""
+    if path.suffix == '.urdf':
+        return path, None
+    made = MADE / f'{name}.urdf'
+    try:
+        mujoco_models.convert(path, made)
+    except ValueError as error:
+        return None, {'error': str(error)}
+    return made, None
+
+
+def answers(counted):
+    """The answer for each file, by name."""
+    texts = {name: urdf(name, path) for name, path in counted.items()}
+    program = [PROGRAM, *(str(text) for text, error in texts.values() if error is None)]
+    output = subprocess.run(program, check=True, capture_output=True, text=True).stdout
+    answered = {answer['file']: answer for answer in map(json.loads, output.splitlines())}
+    return {name: error or answered[str(text)] for name, (text, error) in texts.items()}
+
+
+def verdict(name, path, answer):
     if 'error' in answer:
-        return 'refused: ' + answer['error']
-    got = {(arm['joints'][-1], arm['tip']) for arm in answer['arms']}
-    if got == arms:
-        return 'right'
-    return 'wrong: ' + ', '.join(f'{joint}:{tip}' for joint, tip in sorted(got))
+        return 'refused: ' + answer['error'].split('.urdf: ')[-1]
+    got = {f'{arm["joints"][-1]}:{arm["tip"]}' for arm in answer['arms']}
+    if got != set(expected(name).split()):
+        return 'wrong: ' + ', '.join(sorted(got))
+    difference = 0.0 if path.suffix == '.urdf' else max(mujoco_models.error(path, arm) for arm in answer['arms'])
+    return 'right' if difference <= MAX_DIFFERENCE else f'wrong: poses differ from MuJoCo by {difference:.1e}'
 
 
-def main():
-    files = sorted(path for path in ROOT.rglob('*.urdf'))
-    names = {str(path): str(path.relative_to(ROOT)) for path in files}
-    expectations = {path: expected(name) for path, name in names.items()}
-    counted = [path for path in names if not expectations[path].startswith('-')]
-    output = subprocess.run([PROGRAM, *counted], check=True, capture_output=True, text=True).stdout
+def show(answer):
+    for arm in answer.get('arms', []):
+        print(f'  {arm["base"]} → {arm["tip"]}: {", ".join(arm["joints"])}')
+        print(f'    left out: {", ".join(arm["left_out"]) or "nothing"}')
+
+
+def compare(ending, title):
+    counted, others = files(ending)
     right = 0
-    for line in output.splitlines():
-        answer = json.loads(line)
-        arms = {tuple(arm.split(':')) for arm in expectations[answer['file']].split()}
-        said = verdict(answer, arms)
+    for name, answer in answers(counted).items():
+        said = verdict(name, counted[name], answer)
         right += said == 'right'
         if FULL or said != 'right':
-            print(names[answer['file']], said, sep='\n  ')
+            print(name, said, sep='\n  ')
         if FULL:
-            for arm in answer.get('arms', []):
-                print(f'  {arm["base"]} → {arm["tip"]}: {", ".join(arm["joints"])}')
-                print(f'    left out: {", ".join(arm["left_out"]) or "nothing"}')
-    print(f'{right} of {len(counted)} right at once; {len(names) - len(counted)} files are not of arms')
+            show(answer)
+    print(f'{title}: {right} of {len(counted)} right at once; {others} files are not of arms')
 
 
-main()
+compare('urdf', 'URDF')
+compare('xml', 'MJCF')

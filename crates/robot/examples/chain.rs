@@ -1,4 +1,5 @@
-//! Prints which chain of a URDF file is taken for the arm, one line of JSON per file.
+//! Prints which chain of a URDF file is taken for the arm and where its tool is at three postures, one line of JSON per
+//! file.
 //!
 //! ```sh
 //! cargo run -p revprio-robot --example chain -- my_arm.urdf
@@ -6,6 +7,7 @@
 
 use std::path::Path;
 
+use revprio_robot::kinematics::Configuration;
 use revprio_robot::{RobotFileError, RobotModel, UrdfError, UrdfOptions, from_file};
 use serde_json::{Value, json};
 
@@ -40,5 +42,16 @@ fn arm(robot: &RobotModel) -> Value {
         (selection.base.as_str(), selection.tip.as_str(), left_out)
     });
     let (base, tip, left_out) = chosen.unwrap_or_default();
-    json!({"base": base, "tip": tip, "joints": joints, "left_out": left_out})
+    let poses: Vec<Value> = (1..=3).map(|i| pose(robot, f64::from(i))).collect();
+    json!({"base": base, "tip": tip, "joints": joints, "left_out": left_out, "poses": poses})
+}
+
+/// Returns a posture, rad or m, and the pose of the tool there: position, and rotation by rows.
+fn pose(robot: &RobotModel, seed: f64) -> Value {
+    let joints = robot.joints().iter().zip(1_u32..);
+    let posture: Vec<f64> = joints.map(|(_, i)| 3.0 * (12.9898 * seed * f64::from(i)).sin()).collect();
+    let Ok(configuration) = Configuration::new(robot, &posture) else { return Value::Null };
+    let pose = configuration.tool_pose();
+    let rotation: Vec<f64> = pose.rotation.matrix().transpose().iter().copied().collect();
+    json!({"posture": posture, "position": pose.translation.vector.as_slice(), "rotation": rotation})
 }

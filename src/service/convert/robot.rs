@@ -62,10 +62,12 @@ fn urdf_error(request: &wire::RobotRegistration, error: UrdfError) -> ApiError {
         UrdfError::UnknownJoint { field: "limits", .. } => "/limits",
         UrdfError::UnknownJoint { .. } | UrdfError::JointName { .. } => "/joint_names",
         UrdfError::Model(ModelError::DuplicateJoint { .. }) if request.joint_names.is_some() => "/joint_names",
-        UrdfError::Limit { joint, .. } if request.limits.iter().flatten().any(|(name, _)| name == joint) => "/limits",
+        UrdfError::Limit { joints, .. } if request.limits.iter().flatten().any(|(name, _)| joints.contains(name)) => {
+            "/limits"
+        }
         _ => "/urdf",
     };
-    ApiError::invalid(pointer, error)
+    ApiError::invalid(pointer, &error).with_candidates(error.candidates())
 }
 
 /// Converts the error of the registry of robots.

@@ -45,11 +45,16 @@ pub struct ApiError {
     detail: String,
     /// JSON pointer to the wrong field.
     pointer: Option<String>,
+    /// Possible values of the wrong field, best first.
+    candidates: Vec<String>,
 }
 
 impl ApiError {
+    /// Maximum number of candidates in an answer.
+    const MAX_CANDIDATES: usize = 100;
+
     fn new(kind: &'static Kind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: detail.into(), pointer: None }
+        Self { kind, detail: detail.into(), pointer: None, candidates: Vec::new() }
     }
 
     /// Replaces the text that says what was wrong.
@@ -244,6 +249,12 @@ impl ApiError {
         Self { pointer: Some(pointer.into()), ..self }
     }
 
+    /// Lists possible values of the wrong field, best first.
+    #[must_use]
+    pub fn with_candidates(self, candidates: &[String]) -> Self {
+        Self { candidates: candidates.iter().take(Self::MAX_CANDIDATES).cloned().collect(), ..self }
+    }
+
     /// Puts `prefix` before the JSON pointer: the place of the checked object in the whole body.
     #[must_use]
     pub fn inside(self, prefix: &str) -> Self {
@@ -273,6 +284,7 @@ impl ApiError {
             status: self.kind.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
+            candidates: self.candidates,
             request_id: None,
         }
     }

@@ -26,6 +26,7 @@ from revprio.drive import Measurement as Measurement
 from revprio.drive import drive as drive
 from revprio.errors import *  # noqa: F403
 from revprio.local import Local as Local
+from revprio.mjcf import read_mjcf as read_mjcf
 from revprio.models import *  # noqa: F403
 from revprio.pace import Drive as Drive
 from revprio.pace import SlowLoopWarning as SlowLoopWarning

@@ -574,6 +574,8 @@ class Problem(Answer):
     - status: HTTP status code.
     - title: Kind of problem in words.
     - type: Identifier of the kind of problem, a relative reference that never changes.
+    - candidates: Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip`
+      of a robot.
     - pointer: JSON pointer to the wrong field of the request, if there is one.
     - request_id: Identifier of the request, as in the header `x-request-id` and in the log.
     """
@@ -620,6 +622,8 @@ class Problem(Answer):
         "/problems/draining",
     ]
     """Identifier of the kind of problem, a relative reference that never changes."""
+    candidates: list[str] = Field(default_factory=list)
+    """Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip` of a robot."""
     pointer: str | None = None
     """JSON pointer to the wrong field of the request, if there is one."""
     request_id: str | None = None

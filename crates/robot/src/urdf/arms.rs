@@ -5,7 +5,8 @@
 
 use super::document::{Edge, Links, Motion};
 use super::words::{
-    is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_sensor, tool_rank, turns_gripper, words,
+    is_arm, is_finger, is_gripper_joint, is_head, is_leg_or_wheel, is_only_fingertip, is_sensor, tool_rank,
+    turns_gripper, words,
 };
 use crate::{LeftOutReason, TipReason};
 
@@ -46,7 +47,9 @@ pub fn survey<'a>(links: &Links<'a>, base: &'a str) -> Vec<Node<'a>> {
     let mut next = 0;
     while next < nodes.len() {
         for edge in links.below(nodes[next].link).iter().filter(|edge| edge.child != base) {
-            let node = child(&nodes[next], next, *edge, nodes.len());
+            let parent = &nodes[next];
+            let left_out = parent.left_out.or_else(|| left_out(links, parent, edge));
+            let node = Node { left_out, ..child(parent, next, *edge, nodes.len()) };
             nodes.push(node);
         }
         next += 1;
@@ -60,14 +63,14 @@ fn child<'a>(parent: &Node<'a>, parent_index: usize, edge: Edge<'a>, index: usiz
         link: edge.child,
         edge: Some(edge),
         parent: parent_index,
-        left_out: parent.left_out.or_else(|| left_out(parent, &edge)),
+        left_out: None,
         joints: parent.joints + usize::from(moves),
         moved: if moves { index } else { parent.moved },
         depth: if moves { 0 } else { parent.depth + 1 },
     }
 }
 
-fn left_out(parent: &Node, edge: &Edge) -> Option<LeftOutReason> {
+fn left_out(links: &Links, parent: &Node, edge: &Edge) -> Option<LeftOutReason> {
     let (joint, link) = (words(edge.name), words(edge.child));
     let both: Vec<String> = joint.iter().chain(&link).cloned().collect();
     if is_head(&both) {
@@ -79,8 +82,9 @@ fn left_out(parent: &Node, edge: &Edge) -> Option<LeftOutReason> {
     if edge.motion() == Motion::Fixed {
         return None;
     }
-    let behind_hand = parent.joints >= MIN_JOINTS && tool_rank(&words(parent.link)).is_some();
-    if closes(edge) || (behind_hand && !is_arm(&both) && !turns_gripper(&joint)) {
+    let behind_hand = tool_rank(&words(parent.link)).is_some() && !is_arm(&both) && !turns_gripper(&joint);
+    let closes_with_another = links.leads_neighbour(edge);
+    if closes(edge) || (parent.joints >= MIN_JOINTS && (behind_hand || closes_with_another)) {
         return Some(LeftOutReason::Gripper);
     }
     if is_sensor(&both) {
@@ -155,7 +159,7 @@ fn branch(nodes: &[Node], branches_below: &[usize], end: usize) -> Branch {
 fn tips<'n, 'a>(nodes: &'n [Node<'a>], end: usize) -> impl Iterator<Item = &'n Node<'a>> {
     let is_frame = |node: &&Node| {
         let words = words(node.link);
-        !is_finger(&words) && !is_sensor(&words)
+        (!is_finger(&words) || is_only_fingertip(&words)) && !is_sensor(&words)
     };
     nodes[end..].iter().filter(move |node| node.moved == end && node.left_out.is_none()).filter(is_frame)
 }

@@ -35,7 +35,13 @@ pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
 pub fn robot<'a>(document: &'a Document) -> Result<Node<'a, 'a>, UrdfError> {
     let root = document.root_element();
     let name = root.tag_name().name();
-    if name == "robot" { Ok(root) } else { Err(UrdfError::NotRobot { root: name.to_owned() }) }
+    let is_xacro = |node: &Node| node.tag_name().namespace().is_some_and(|namespace| namespace.ends_with("xacro"));
+    match (name, root.children().find(is_xacro)) {
+        ("robot", None) => Ok(root),
+        ("robot", Some(element)) => Err(UrdfError::Xacro { element: element.tag_name().name().to_owned() }),
+        ("mujoco", _) => Err(UrdfError::Mjcf),
+        _ => Err(UrdfError::NotRobot { root: name.to_owned() }),
+    }
 }
 
 /// A joint as an edge of the graph of links.
@@ -57,7 +63,7 @@ pub enum Motion {
     Unsupported,
 }
 
-impl Edge<'_> {
+impl<'a> Edge<'a> {
     pub fn motion(&self) -> Motion {
         match self.element.attribute("type") {
             Some("fixed") => Motion::Fixed,
@@ -70,6 +76,11 @@ impl Edge<'_> {
     pub fn is_mimic(&self) -> bool {
         child(self.element, "mimic").is_some()
     }
+
+    /// Returns the name of the joint that this one follows.
+    fn leader(&self) -> Option<&'a str> {
+        child(self.element, "mimic")?.attribute("joint")
+    }
 }
 
 /// All links in the order of the text, with the joint above each.
@@ -79,6 +90,8 @@ pub struct Links<'a> {
     pub joint_above: HashMap<&'a str, Edge<'a>>,
     /// The joints below a link, by the name of that link.
     joints_below: HashMap<&'a str, Vec<Edge<'a>>>,
+    /// The joints that others follow, with the link above the others.
+    leaders: HashSet<(&'a str, &'a str)>,
 }
 
 impl<'a> Links<'a> {
@@ -99,12 +112,19 @@ impl<'a> Links<'a> {
             }
             joints_below.entry(edge.parent).or_default().push(edge);
         }
-        Ok(Self { names: links.iter().map(|(name, _)| *name).collect(), joint_above, joints_below })
+        let leaders = joint_above.values().filter_map(|edge| Some((edge.leader()?, edge.parent))).collect();
+        Ok(Self { names: links.iter().map(|(name, _)| *name).collect(), joint_above, joints_below, leaders })
     }
 
     /// Returns the joints below a link, in the order of the text.
     pub fn below(&self, link: &str) -> &[Edge<'a>] {
         self.joints_below.get(link).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a joint on the same link follows this joint, and no joint moves on the link below it.
+    pub fn leads_neighbour(&self, edge: &Edge) -> bool {
+        self.leaders.contains(&(edge.name, edge.parent))
+            && self.below(edge.child).iter().all(|next| next.motion() == Motion::Fixed)
     }
 
     /// Returns the links without parent.

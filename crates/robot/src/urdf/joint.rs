@@ -104,18 +104,18 @@ impl Reader<'_> {
             velocity = velocity.or(Some(f64::INFINITY));
         }
         let (Some(lower), Some(upper)) = (lower, upper) else {
-            return Err(self.limit("needs <limit> with `lower` and `upper`, or the type `continuous`", POSITION));
+            return Err(self.limit("<limit> needs `lower` and `upper`, or the type must be `continuous`", POSITION));
         };
-        let velocity = velocity.ok_or_else(|| self.limit("needs <limit> with `velocity`", VELOCITY))?;
+        let velocity = velocity.ok_or_else(|| self.limit("<limit> needs `velocity`", VELOCITY))?;
         self.check(JointLimits { lower, upper, velocity, acceleration })
     }
 
     /// Refuses limits that no motion obeys.
     fn check(&self, limits: JointLimits) -> Result<JointLimits, UrdfError> {
         let JointLimits { lower, upper, velocity, acceleration } = limits;
-        let not_positive = |name: &str, value: f64| format!("has the {name} limit {value}, which is not positive");
+        let not_positive = |name: &str, value: f64| format!("the {name} limit {value} is not positive");
         if !(lower <= upper) {
-            let cause = format!("has the position range from {lower} to {upper}, which is empty");
+            let cause = format!("the position range from {lower} to {upper} is empty");
             return Err(self.limit(cause, POSITION));
         }
         if !(velocity > 0.0) {
@@ -128,7 +128,7 @@ impl Reader<'_> {
     }
 
     fn limit(&self, cause: impl Into<String>, remedy: &'static str) -> UrdfError {
-        UrdfError::Limit { joint: self.joint.to_owned(), cause: cause.into(), remedy }
+        UrdfError::Limit { joints: vec![self.joint.to_owned()], cause: cause.into(), remedy }
     }
 
     /// Reads the numbers of an attribute of the joint's first child with this tag; `None` without the attribute.

@@ -69,11 +69,13 @@ impl RobotModel {
 /// Returns the joints of the chain with their names in the text, and the tool frame behind the last one.
 fn joints(chain: &Chain, overrides: &Overrides) -> Result<(Vec<Joint>, IsometryMatrix3<f64>), UrdfError> {
     let (mut placement, mut joints) = (IsometryMatrix3::identity(), Vec::new());
+    let mut wrong = None;
     for edge in &chain.joints {
         let stated = overrides.limits.get(edge.name).copied().unwrap_or(LimitOverride::default());
-        match segment(edge, &stated)? {
-            Segment::Fixed(origin) => placement *= origin,
-            Segment::Moving(moving) => {
+        match segment(edge, &stated) {
+            Err(error) => wrong = Some(merge(wrong, error)?),
+            Ok(Segment::Fixed(origin)) => placement *= origin,
+            Ok(Segment::Moving(moving)) => {
                 let Moving { mut joint, after } = *moving;
                 joint.placement = placement * joint.placement;
                 placement = after;
@@ -81,7 +83,24 @@ fn joints(chain: &Chain, overrides: &Overrides) -> Result<(Vec<Joint>, IsometryM
             }
         }
     }
-    Ok((joints, overrides.tool_offset.map_or(placement, |offset| placement * offset)))
+    match wrong {
+        Some(error) => Err(error),
+        None => Ok((joints, overrides.tool_offset.map_or(placement, |offset| placement * offset))),
+    }
+}
+
+/// Collects the joints whose limits are wrong for the same reason. Errors of another kind are returned at once.
+fn merge(first: Option<UrdfError>, error: UrdfError) -> Result<UrdfError, UrdfError> {
+    match (first, error) {
+        (None, error @ UrdfError::Limit { .. }) => Ok(error),
+        (Some(UrdfError::Limit { mut joints, cause, remedy }), UrdfError::Limit { joints: more, cause: other, .. }) => {
+            if other == cause {
+                joints.extend(more);
+            }
+            Ok(UrdfError::Limit { joints, cause, remedy })
+        }
+        (_, error) => Err(error),
+    }
 }
 
 /// Refuses overrides of joints that are no part of the chain.

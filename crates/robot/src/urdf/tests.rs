@@ -182,23 +182,27 @@ fn links_that_are_not_a_tree_are_refused() {
 fn invalid_numbers_and_limits_are_named() {
     let limit = |text: &str| message(one(&format!(r#"type="revolute"><limit {text}/>"#)));
     for missing in ["", r#"lower="-1" upper="1""#, r#"upper="1" velocity="1""#, r#"lower="1" velocity="1""#] {
-        assert!(limit(missing).contains("joint `j` needs <limit> with"), "{missing}");
+        assert!(limit(missing).contains("joint `j`: <limit> needs `"), "{missing}");
     }
-    assert!(message(one(r#"type="prismatic">"#)).contains("joint `j` needs <limit> with"));
+    assert!(message(one(r#"type="prismatic">"#)).contains("joint `j`: <limit> needs `"));
     assert!(
-        limit(r#"lower="1" upper="-1" velocity="1""#)
-            .contains("joint `j` has the position range from 1 to -1, which is empty")
+        limit(r#"lower="1" upper="-1" velocity="1""#).contains("joint `j`: the position range from 1 to -1 is empty")
     );
     let still = limit(r#"lower="-1" upper="1" velocity="0""#);
     assert!(
-        still
-            .ends_with(r#"velocity limit 0, which is not positive; state it in `limits`: {"j": {"velocity": number}}"#),
+        still.ends_with(r#"velocity limit 0 is not positive; state it in `limits`: {"j": {"velocity": number}}"#),
         "{still}"
     );
     assert!(
         limit(r#"lower="-1" upper="1" velocity="1" acceleration="-1""#)
-            .contains("acceleration limit -1, which is not positive")
+            .contains("acceleration limit -1 is not positive")
     );
+    let two =
+        [joint("j", "a", "b", r#"type="prismatic"><limit lower="0" upper="1"/>"#), joint("k", "b", "c", REVOLUTE)];
+    let two = [&two[..], &[joint("l", "c", "d", r#"type="revolute"><limit lower="0" upper="2"/>"#)]].concat();
+    let both = message(read(&robot("a b c d", &two)));
+    let remedy = r#"{"j": {"velocity": number}, "l": {"velocity": number}}"#;
+    assert_eq!(both, format!("joint `j`, `l`: <limit> needs `velocity`; state it in `limits`: {remedy}"));
     for number in ["nan", "inf", "-infinity", "1e308", "1e999", "one", "", "1 2", "0x10", "1,5"] {
         let error = limit(&format!(r#"lower="-1" upper="{number}" velocity="1""#));
         assert!(error.contains(&format!("joint `j`: upper=\"{number}\" is not 1 number(s)")), "{error}");
@@ -219,6 +223,9 @@ fn xml_that_is_not_a_robot_is_refused() {
         assert!(matches!(read(text), Err(UrdfError::Xml(_))), "{text}");
     }
     assert!(message(read("<sdf/>")).contains("the outermost element is <sdf>"));
+    assert!(message(read("<mujoco/>")).contains("`revprio.read_mjcf(FILE)`"));
+    let xacro = r#"<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/></robot>"#;
+    assert!(message(read(xacro)).contains("<xacro:include>; expand it first"));
 }
 
 #[test]

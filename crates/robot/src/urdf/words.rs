@@ -33,6 +33,11 @@ pub fn is_finger(words: &[String]) -> bool {
     any_contains(words, &["finger", "thumb", "knuckle"]) || any(words, &["jaw", "claw", "pinky"])
 }
 
+/// Whether the name is just `fingertip`: the end of an arm without a gripper.
+pub fn is_only_fingertip(words: &[String]) -> bool {
+    matches!(words, [word] if word == "fingertip")
+}
+
 /// Whether the words name a joint that closes a gripper, not one that turns it.
 pub fn is_gripper_joint(words: &[String]) -> bool {
     is_finger(words) || (any_contains(words, &["gripper"]) && !turns(words))
@@ -76,16 +81,19 @@ pub fn is_sensor(words: &[String]) -> bool {
 
 /// How well the words name a tool frame: 0 is best; `None` if they name none.
 pub fn tool_rank(words: &[String]) -> Option<usize> {
-    const RANKED: [&[&str]; 7] = [
+    const RANKED: [&[&str]; 8] = [
         &["tool"],
-        &["flange"],
+        &["flange", "attachment"],
         &["tcp"],
         &["ee", "eef", "effector", "endeffector", "endpoint", "tip"],
-        &["grasp", "grasping", "grasptarget"],
+        &["grasp", "grasping", "grasptarget", "grip", "pinch"],
         &["hand", "palm"],
         &["gripper"],
+        &["fingertip"],
     ];
-    RANKED.iter().position(|listed| any(words, listed) && !turns(words))
+    // `ee_x` is the drawing of an axis.
+    let is_axis = words.last().is_some_and(|word| ["x", "y", "z"].contains(&word.as_str()));
+    RANKED.iter().position(|listed| any(words, listed) && !turns(words) && !is_axis)
 }
 
 #[cfg(test)]
@@ -112,9 +120,11 @@ mod tests {
 
     #[test]
     fn tool_frames_are_ranked() {
-        let ranks: Vec<_> = ["tool0", "flange", "panda_hand_tcp", "link_eef", "panda_hand", "link_6"]
-            .map(|name| tool_rank(&of(name)))
-            .into();
-        assert_eq!(ranks, [Some(0), Some(1), Some(2), Some(3), Some(5), None]);
+        let ranks: Vec<_> =
+            ["tool0", "flange", "attachment_site", "panda_hand_tcp", "link_eef", "grip_site", "panda_hand", "link_6"]
+                .map(|name| tool_rank(&of(name)))
+                .into();
+        assert_eq!(ranks, [Some(0), Some(1), Some(1), Some(2), Some(3), Some(4), Some(5), None]);
+        assert_eq!(tool_rank(&of("ee_x")), None);
     }
 }

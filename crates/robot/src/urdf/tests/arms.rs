@@ -23,6 +23,7 @@ fn fixed(name: &str, parent: &str, child: &str) -> String {
 fn the_best_named_link_behind_the_last_joint_is_the_tip() {
     let frames = [fixed("f", "l3", "ee_link"), fixed("g", "l3", "tool0"), fixed("h", "l3", "camera_tool")];
     assert_eq!(chosen("ee_link tool0 camera_tool", &frames), ("tool0".to_owned(), TipReason::ToolName, vec![]));
+    assert_eq!(chosen("cover fingertip", &[fixed("f", "l3", "cover"), fixed("g", "l3", "fingertip")]).0, "fingertip");
     let plain = [fixed("f", "l3", "cover"), fixed("g", "base", "plate")];
     assert_eq!(chosen("cover plate", &plain), ("cover".to_owned(), TipReason::LastLink, vec![]));
     assert_eq!(chosen("cover", &plain[..1]), ("cover".to_owned(), TipReason::OnlyEnd, vec![]));
@@ -44,6 +45,13 @@ fn gripper_joints_are_never_taken_without_being_asked_for() {
     // Behind a hand, the name of the joint does not matter.
     let drive = [fixed("m", "l3", "hand"), joint("x", "hand", "x1", REVOLUTE), joint("y", "hand", "y1", REVOLUTE)];
     assert_eq!(chosen("hand x1 y1", &drive).0, "hand");
+    // So it does not if another joint follows it.
+    let drives = [joint("x", "l3", "x1", REVOLUTE), joint("y", "l3", "y1", r#"type="revolute"><mimic joint="x"/>"#)];
+    assert_eq!(chosen("x1 y1", &drives), ("l3".to_owned(), TipReason::BeforeGripper, vec![LeftOutReason::Gripper; 2]));
+    // Joints of closed loops are never part of a serial arm.
+    let linkage = [joint("p", "l3", "x1", r#"type="closed_loop">"#), joint("q", "l3", "x2", r#"type="closed_loop">"#)];
+    let (tip, _, left_out) = chosen("x1 x2", &linkage);
+    assert_eq!((tip.as_str(), left_out), ("l3", vec![LeftOutReason::Unsupported; 2]));
     // A chain of fingers only is what the caller wants.
     assert_eq!(read(&robot("a b", &[joint("finger", "a", "b", REVOLUTE)])).unwrap().joint_count(), 1);
 }

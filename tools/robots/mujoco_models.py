@@ -1,0 +1,42 @@
+"""MuJoCo models: converts them to URDF by the Python client, and compares poses with those of MuJoCo."""
+import importlib.util
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+CLIENT = Path(__file__).parents[2] / 'api/python/src/revprio/mjcf.py'
+
+
+def client():
+    """The module of the client. It needs no other part of the package."""
+    spec = importlib.util.spec_from_file_location('revprio_mjcf', CLIENT)
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def convert(file, target):
+    """Writes the URDF text. MJCF states no speeds, so every joint gets 1 rad/s or 1 m/s."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(client().read_mjcf(file, velocity_limits=1.0))
+
+
+def error(file, arm):
+    """The largest difference from MuJoCo in position, m, and entries of the rotation, at the postures of an arm."""
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    base = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, arm['base'])
+    worst = 0.0
+    for pose in arm['poses']:
+        for joint, position in zip(arm['joints'], pose['posture'], strict=True):
+            data.joint(joint).qpos[0] = position
+        mujoco.mj_kinematics(model, data)
+        site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, arm['tip'])
+        tip = data.site(site) if site >= 0 else data.body(arm['tip'])
+        turn = data.xmat[base].reshape(3, 3).T
+        position, rotation = turn @ (tip.xpos - data.xpos[base]), turn @ tip.xmat.reshape(3, 3)
+        differences = [position - pose['position'], rotation.ravel() - pose['rotation']]
+        worst = max(worst, *(float(np.abs(difference).max()) for difference in differences))
+    return worst
