@@ -6,6 +6,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+# Otherwise MuJoCo writes its warnings to a file in the present directory.
+mujoco.set_mju_user_warning(lambda _: None)
+
 CLIENT = Path(__file__).parents[2] / 'api/python/src/revprio/mjcf.py'
 
 
@@ -17,10 +20,21 @@ def client():
     return module
 
 
-def convert(file, target):
-    """Writes the URDF text. MJCF states no speeds, so every joint gets 1 rad/s or 1 m/s."""
+def convert(model, target):
+    """Writes the URDF text of a file or model. MJCF states no speeds, so every joint gets 1 rad/s or 1 m/s."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(client().read_mjcf(file, velocity_limits=1.0))
+    target.write_text(client().read_mjcf(model, velocity_limits=1.0))
+
+
+def with_gripper(arm, body, gripper, prefix):
+    """The model of an arm with a gripper on one of its bodies; None if MuJoCo cannot combine the files."""
+    try:
+        spec, tool = mujoco.MjSpec.from_file(str(arm)), mujoco.MjSpec.from_file(str(gripper))
+        spec.attach(tool, frame=spec.body(body).add_frame(), prefix=prefix)
+        return spec.compile()
+    except ValueError as error:
+        print(f'{gripper.name} on {arm.parent.name}: {error}')
+        return None
 
 
 def error(file, arm):

@@ -1,4 +1,4 @@
-"""Compares the chain that is taken for the arm with the expected one: `table.py VENV PROGRAM [--table]`."""
+"""Compares the chain that is taken for the arm with the expected one: `table.py VENV PROGRAM [--table|--grippers]`."""
 import fnmatch
 import json
 import subprocess
@@ -89,5 +89,32 @@ def compare(ending, title):
     print(f'{title}: {right} of {len(counted)} right at once; {others} files are not of arms')
 
 
-compare('urdf', 'URDF')
-compare('xml', 'MJCF')
+def combine():
+    """Puts each gripper of the packages on two arms, and looks for its joints in the chains."""
+    packages = next(VENV.rglob('robosuite')).parent
+    grippers = sorted(packages.glob('robosuite*/**/grippers/*.xml')) + sorted(packages.glob('**/robotiq_2f85/*.xml'))
+    # The prefix has no word that tells what it is.
+    prefix, made = 'g_', []
+    for arm in ('panda', 'baxter'):
+        for gripper in grippers:
+            file = packages / f'robosuite/models/assets/robots/{arm}/robot.xml'
+            if model := mujoco_models.with_gripper(file, 'right_hand', gripper, prefix):
+                made.append(MADE / 'grippers' / arm / f'{gripper.stem}.urdf')
+                mujoco_models.convert(model, made[-1])
+    output = subprocess.run([PROGRAM, *map(str, made)], check=True, capture_output=True, text=True).stdout
+    right = 0
+    for answer in map(json.loads, output.splitlines()):
+        arms = answer.get('arms', [])
+        is_right = arms and not any(joint.startswith(prefix) for arm in arms for joint in arm['joints'])
+        right += bool(is_right)
+        if not is_right:
+            print(answer['file'], answer.get('error', 'wrong'), sep='\n  ')
+            show(answer)
+    print(f'{right} of {len(made)} arms with a gripper have no joint of the gripper in their chain')
+
+
+if '--grippers' in sys.argv:
+    combine()
+else:
+    compare('urdf', 'URDF')
+    compare('xml', 'MJCF')

@@ -58,6 +58,20 @@ FLYING = """<mujoco>
 </mujoco>"""
 
 
+# The second joint is kept at 0.3 + 0.4 rad. The third body has no name, the second one has the name it would get.
+LOCKED = """<mujoco>
+  <compiler angle="radian"/>
+  <worldbody><body name="a"><joint name="first" axis="0 1 0" range="-2 2"/><geom size="0.1"/>
+    <body name="body_3" pos="0 0 0.3"><joint name="kept" axis="1 1 0" pos="0.1 0 0" range="-2 2" ref="0.3"/>
+      <geom size="0.1"/>
+      <body pos="0 0.1 0.3"><joint name="last" axis="1 0 0" range="-2 2"/><geom size="0.1"/>
+        <site name="tcp" pos="0 0 1"/></body>
+    </body></body>
+  </worldbody>
+  <equality><joint joint1="kept" polycoef="0.4 0 0 0 0"/></equality>
+</mujoco>"""
+
+
 def rotation(orientation: revprio.Orientation) -> np.ndarray:
     matrix = np.zeros(9)
     mujoco.mju_quat2Mat(matrix, [orientation.w, orientation.x, orientation.y, orientation.z])
@@ -113,12 +127,25 @@ def test_the_arm_is_found_with_its_limits_and_without_its_gripper() -> None:
         assert (robot.chain.base, robot.chain.tip, robot.chain.joints) == ("world", "attachment_site", list(speeds))
         assert {joint.joint for joint in robot.chain.left_out} == {"drive", "slave"}
         extend, turn = robot.joints[3], robot.joints[5]
-        assert (extend.kind, turn.kind) == ("prismatic", "continuous")
+        assert (extend.kind, turn.kind) == ("prismatic", "revolute")
         np.testing.assert_allclose(np.asarray(extend.position_limit), [-0.1, 0.5])
         assert turn.velocity_limit == pytest.approx(1.5)
         assert turn.position_limit is None
     finally:
         revprio.delete_robot("odd")
+
+
+def test_a_locked_joint_is_fixed() -> None:
+    model = mujoco.MjModel.from_xml_string(LOCKED)
+    robot = revprio.register_robot(name="locked", urdf=revprio.read_mjcf(model, velocity_limits=1.0))
+    revprio_pose = revprio.kinematics(robot="locked", joint_position={"first": 0.5, "last": -1.2}).pose
+    revprio.delete_robot("locked")
+    assert [joint.name for joint in robot.joints] == ["first", "last"]
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.5, 0.7, -1.2]
+    mujoco.mj_kinematics(model, data)
+    np.testing.assert_allclose(np.asarray(revprio_pose.position), data.site("tcp").xpos, atol=1e-12)
+    np.testing.assert_allclose(rotation(revprio_pose.orientation), data.site("tcp").xmat, atol=1e-12)
 
 
 def test_a_joint_that_follows_another_one_becomes_mimic() -> None:

@@ -24,10 +24,10 @@ def read_mjcf(
     """Returns the kinematic tree of a MuJoCo model as URDF text, for `register_robot(urdf=…)`.
 
     Bodies and named sites become links, hinges and slides become joints. A joint keeps its position (`ref` included)
-    and its range. A joint that an `<equality>` couples to another one becomes a `mimic` joint. Ball joints and joints
-    of closed kinematic loops cannot be part of a serial arm; they have the types `ball` and `closed_loop`. If nothing
-    but a body with a free joint has joints, that body is the root; otherwise the root is `world`. The text has no
-    masses and shapes.
+    and its range. A joint that an `<equality>` couples to another one becomes a `mimic` joint, and one that it locks
+    becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have the types
+    `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root; otherwise the
+    root is `world`. The text has no masses and shapes.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -64,11 +64,12 @@ class _Tree:
     ) -> None:
         self.kinds = library.mjtJoint
         self.model = model
-        self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
-        self.joints = [model.joint(i).name or f"joint_{i}" for i in range(model.njnt)]
+        self.bodies = _names("body", [model.body(i).name for i in range(model.nbody)])
+        self.joints = _names("joint", [model.joint(i).name for i in range(model.njnt)])
         self.link_names, self.joint_names = set(self.bodies), set(self.joints)
         self.speeds = self.speeds_of(velocity_limits)
         self.mimics = dict(_mimics(library, model))
+        self.locked = dict(_locked(library, model))
         self.loops = set(_loops(library, model))
         self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
 
@@ -122,6 +123,9 @@ class _Tree:
         link, parent = self.bodies[body], self.bodies[self.model.body_parentid[body]]
         for joint in range(first, first + count):
             before, after = self.around(joint)
+            if joint in self.locked:
+                placement = placement @ before @ self.motion(joint, self.locked[joint]) @ after
+                continue
             is_last = joint == first + count - 1 and np.array_equal(after, np.eye(4))
             child = link if is_last else _unused(f"{link}_{self.joints[joint]}", self.link_names)
             self.moving(joint, parent, child, placement @ before)
@@ -134,14 +138,19 @@ class _Tree:
 
         The motion is by position − `ref`, about an anchor that need not be the origin of the body.
         """
-        axis, reference = self.model.jnt_axis[joint], self.model.qpos0[self.model.jnt_qposadr[joint]]
+        anchor, reference = self.model.jnt_pos[joint], self.model.qpos0[self.model.jnt_qposadr[joint]]
         if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
-            return np.eye(4), _placement(-reference * axis)
-        anchor = self.model.jnt_pos[joint]
-        back = np.eye(4)
-        if self.model.jnt_type[joint] == self.kinds.mjJNT_HINGE and reference:
-            back = _placement(np.zeros(3), np.array([np.cos(reference / 2), *(-np.sin(reference / 2) * axis)]))
-        return _placement(anchor), back @ _placement(-anchor)
+            return np.eye(4), self.motion(joint, -reference)
+        return _placement(anchor), self.motion(joint, -reference) @ _placement(-anchor)
+
+    def motion(self, joint: int, position: float) -> Array:
+        """Returns the placement that a joint makes at a position, rad or m, about its own anchor."""
+        axis = self.model.jnt_axis[joint]
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
+            return _placement(position * axis)
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_HINGE:
+            return _placement(np.zeros(3), np.array([np.cos(position / 2), *(np.sin(position / 2) * axis)]))
+        return np.eye(4)
 
     def sites(self, body: int) -> None:
         for site in range(self.model.nsite):
@@ -200,6 +209,15 @@ def _mimics(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, t
             yield follower, (leader, float(multiplier), y + float(offset) - float(multiplier) * x)
 
 
+def _locked(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, float]]:
+    """Yields each joint that is kept at a position, and that position."""
+    for equality in range(model.neq):
+        is_joint = model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality]
+        if is_joint and model.eq_obj2id[equality] < 0:
+            joint = int(model.eq_obj1id[equality])
+            yield joint, float(model.qpos0[model.jnt_qposadr[joint]] + model.eq_data[equality][0])
+
+
 def _loops(library: ModuleType, model: mujoco.MjModel) -> Iterator[int]:
     """Yields the joints of closed loops: those between two connected bodies of a tree."""
     for equality in range(model.neq):
@@ -219,6 +237,12 @@ def _ancestors(model: mujoco.MjModel, body: int) -> Iterator[int]:
     while body > 0:
         yield body
         body = int(model.body_parentid[body])
+
+
+def _names(kind: str, given: list[str]) -> list[str]:
+    """Returns the names, with new ones for those that are empty."""
+    used = set(given)
+    return [name or _unused(f"{kind}_{i}", used) for i, name in enumerate(given)]
 
 
 def _unused(name: str, used: set[str]) -> str:

@@ -92,7 +92,7 @@ pub fn tool_rank(words: &[String]) -> Option<usize> {
         &["fingertip"],
     ];
     // `ee_x` is the drawing of an axis.
-    let is_axis = words.last().is_some_and(|word| ["x", "y", "z"].contains(&word.as_str()));
+    let is_axis = any(words, &["x", "y", "z"]);
     RANKED.iter().position(|listed| any(words, listed) && !turns(words) && !is_axis)
 }
 
@@ -125,6 +125,6 @@ mod tests {
                 .map(|name| tool_rank(&of(name)))
                 .into();
         assert_eq!(ranks, [Some(0), Some(1), Some(1), Some(2), Some(3), Some(4), Some(5), None]);
-        assert_eq!(tool_rank(&of("ee_x")), None);
+        assert_eq!([tool_rank(&of("ee_x")), tool_rank(&of("ee_x_fixed"))], [None; 2]);
     }
 }
