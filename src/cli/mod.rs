@@ -121,6 +121,14 @@ pub enum CliError {
     /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
+    /// The file with the overrides of a robot is not valid.
+    #[error("--robot FILE,overrides={path}: {message}")]
+    Overrides {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
     /// The name of a robot is not valid or already in use.
     #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
     Robots(#[from] RobotsError),

@@ -40,7 +40,7 @@ pub use profile::MAX_POINTS;
 pub use resolve::{
     MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem,
 };
-pub use robot::{robot, robot_answer, robots_error};
+pub use robot::{overrides, robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
 pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};

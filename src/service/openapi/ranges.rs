@@ -162,6 +162,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         Outage { start_s: Positive, duration_s: NotNegative }
         wire::RobotRegistration { name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
+        wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {
             step: Between(1.0, MAX_STEPS as f64),

@@ -64,6 +64,8 @@ __all__ = [
     "KinematicsAnswer",
     "KinematicsRequest",
     "Law",
+    "LeftOutJoint",
+    "LeftOutReason",
     "LimitKind",
     "Limits",
     "LinkFrame",
@@ -97,6 +99,7 @@ __all__ = [
     "ResolveTask",
     "RestNullSpaceMotion",
     "Robot",
+    "RobotChain",
     "RobotJoint",
     "RobotList",
     "RobotRegistration",
@@ -123,6 +126,7 @@ __all__ = [
     "StabilityRequest",
     "State",
     "StateChecks",
+    "StatedLimits",
     "Status",
     "StepAnswer",
     "StepRequest",
@@ -139,6 +143,7 @@ __all__ = [
     "TargetStream",
     "TaskOutcome",
     "TimeHistogram",
+    "TipReason",
     "VelocityLaw",
     "VelocityLoop",
     "ViolatedInequality",
@@ -569,6 +574,8 @@ class Problem(Answer):
     - status: HTTP status code.
     - title: Kind of problem in words.
     - type: Identifier of the kind of problem, a relative reference that never changes.
+    - candidates: Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip`
+      of a robot.
     - pointer: JSON pointer to the wrong field of the request, if there is one.
     - request_id: Identifier of the request, as in the header `x-request-id` and in the log.
     """
@@ -615,6 +622,8 @@ class Problem(Answer):
         "/problems/draining",
     ]
     """Identifier of the kind of problem, a relative reference that never changes."""
+    candidates: list[str] = Field(default_factory=list)
+    """Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip` of a robot."""
     pointer: str | None = None
     """JSON pointer to the wrong field of the request, if there is one."""
     request_id: str | None = None
@@ -1721,6 +1730,27 @@ class KinematicsRequest(Body):
     """Name of the robot."""
 
 
+LeftOutReason = Literal[
+    "gripper", "head", "leg_or_wheel", "sensor", "unsupported", "beyond_tip", "other_branch", "not_below_base"
+]
+"""Why a joint is no part of the chain."""
+
+
+class LeftOutJoint(Answer):
+    """A moving joint that is no part of the chain.
+
+    Fields:
+
+    - joint: Name of the joint in the text.
+    - reason: Why it is left out.
+    """
+
+    joint: str
+    """Name of the joint in the text."""
+    reason: LeftOutReason
+    """Why it is left out."""
+
+
 class PathCounts(Answer):
     """Number of periods per solver path.
 
@@ -2241,6 +2271,33 @@ class RobotJoint(Answer):
 RobotSource = Literal["denavit_hartenberg", "urdf"]
 """The format that described a robot."""
 
+TipReason = Literal["request", "only_end", "tool_name", "before_gripper", "last_link"]
+"""Why a chain ends at its tip."""
+
+
+class RobotChain(Answer):
+    """The chain of a URDF text that is the arm.
+
+    Fields:
+
+    - base: Link of the base frame.
+    - joints: Joints from base to tip, under the names that requests use.
+    - left_out: Moving joints of the text that are no part of the chain, at most the first 100.
+    - reason: Why the chain ends there.
+    - tip: Link of the tool frame.
+    """
+
+    base: str
+    """Link of the base frame."""
+    joints: list[str]
+    """Joints from base to tip, under the names that requests use."""
+    left_out: list[LeftOutJoint]
+    """Moving joints of the text that are no part of the chain, at most the first 100."""
+    reason: TipReason
+    """Why the chain ends there."""
+    tip: str
+    """Link of the tool frame."""
+
 
 class Robot(Answer):
     """A robot arm.
@@ -2251,6 +2308,7 @@ class Robot(Answer):
     - joints: Joints, base first; the order of all vectors of joints.
     - name: Name for requests.
     - source: Format that described the robot.
+    - chain: The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
     """
 
     description: str
@@ -2261,6 +2319,8 @@ class Robot(Answer):
     """Name for requests."""
     source: RobotSource
     """Format that described the robot."""
+    chain: RobotChain | None = None
+    """The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows."""
 
 
 class RobotList(Answer):
@@ -2275,6 +2335,24 @@ class RobotList(Answer):
     """Robots that requests can name."""
 
 
+class StatedLimits(Body):
+    """Limits of one joint; a limit that is not given is read from the text.
+
+    Fields:
+
+    - acceleration: Maximum acceleration, rad/s² or m/s².
+    - position: Minimum and maximum position, rad or m. Shape: 2.
+    - velocity: Maximum speed, rad/s or m/s.
+    """
+
+    acceleration: float | None = None
+    """Maximum acceleration, rad/s² or m/s²."""
+    position: Vector | None = None
+    """Minimum and maximum position, rad or m. Shape: 2."""
+    velocity: float | None = None
+    """Maximum speed, rad/s or m/s."""
+
+
 class RobotRegistration(Body):
     """`POST /v1/robots`: registers the chain of a URDF text from one link to another.
 
@@ -2283,7 +2361,10 @@ class RobotRegistration(Body):
     - name: Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
     - urdf: URDF text, `<robot …>`.
     - base: Base link; default: the root of the tree.
-    - tip: Link of the tool frame; default: the only leaf of the tree.
+    - joint_names: New names, by the name of the joint in the text.
+    - limits: Limits that replace or complete those of the text, by the name of the joint in the text.
+    - tip: Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
+    - tool_offset: Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     """
 
     name: str
@@ -2292,8 +2373,14 @@ class RobotRegistration(Body):
     """URDF text, `<robot …>`."""
     base: str | None = None
     """Base link; default: the root of the tree."""
+    joint_names: dict[str, str] | None = None
+    """New names, by the name of the joint in the text."""
+    limits: dict[str, StatedLimits] | None = None
+    """Limits that replace or complete those of the text, by the name of the joint in the text."""
     tip: str | None = None
-    """Link of the tool frame; default: the only leaf of the tree."""
+    """Link of the tool frame; default: the end of the only chain or of the only arm, without gripper."""
+    tool_offset: Pose | None = None
+    """Pose of the tool frame in the frame of the tip, m; default: the frame of the tip."""
 
 
 class ScenarioEntry(Answer):
