@@ -168,6 +168,7 @@ mod openapi;
 mod ownership;
 mod platform;
 mod price;
+mod published;
 mod request_id;
 mod resolve;
 mod robots;

@@ -25,7 +25,6 @@
 //! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
 
 use super::null_space::is_redundant;
-use super::target_bounds::RowKind;
 use super::task_target::TaskTarget;
 use super::{ControllerConfig, TaskConfig};
 use crate::law::Law;
@@ -225,11 +224,7 @@ impl Observation<'_> {
     }
 
     fn is_angular(&self, k: usize, row: usize) -> bool {
-        match self.config.tasks[k].rows.kind(row, &self.config.robot) {
-            RowKind::Linear => false,
-            RowKind::Angular | RowKind::Raw => true,
-            RowKind::Joint(joint) => !joint.kind.is_translation(),
-        }
+        self.config.tasks[k].rows.is_angular(row, &self.config.robot).unwrap_or(true)
     }
 
     /// Returns what holds task `k`; empty if the task lacks nothing in this period.
