@@ -2,6 +2,9 @@
 
 const COLOURS = ['#d55e00', '#777777', '#0072b2', '#009e73', '#cc79a7'];
 
+/** Widths of the arrows, px: equal velocities stay visible. */
+const WIDTHS = [10, 7, 5, 3, 2];
+
 /** Half of the width of the shown plane, rad/s. Longer arrows are cut off. */
 const REACH = 2.5;
 
@@ -21,8 +24,8 @@ const digits = (value) => (Math.abs(value) < 5e-4 ? '0' : Number(value.toPrecisi
 function conflict(place, { angles, curves }) {
   place.innerHTML = `
     <label>Angle between the directions of the two tasks: <output></output>
-      <input type="range" min="0" max="${angles.length - 1}" value="${angles.indexOf(30)}"></label>
-    <div class="parts"><svg viewBox="${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}" role="img"
+      <input type="range" min="0" max="${angles.length - 1}" value="${angles.indexOf(3)}"></label>
+    <div class="parts"><svg viewBox="${-REACH} -0.3 ${2 * REACH} ${REACH + 0.3}" role="img"
       aria-label="Joint velocities of the methods as arrows in the plane of two joints"></svg>
     <div class="numbers"><table><thead><tr><th>method</th><th>‖q̇‖, rad/s</th><th>residual of task 1</th>
       <th>residual of task 2</th></tr></thead><tbody></tbody></table></div></div>
@@ -37,7 +40,7 @@ function conflict(place, { angles, curves }) {
     const arrows = curves.map(({ velocity }, k) => {
       const [x, y] = velocity[index];
       const cut = Math.min(1, (0.98 * REACH) / Math.hypot(x, y));
-      const style = { stroke: COLOURS[k], 'stroke-width': k % 2 === 0 ? 5 : 2.5 };
+      const style = { stroke: COLOURS[k], 'stroke-width': WIDTHS[k] };
       const tip = element('circle', { cx: cut * x, cy: -cut * y, r: 0.07, fill: COLOURS[k] });
       return element('g', {}, line(cut * x, cut * y, style), tip);
     });
