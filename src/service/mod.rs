@@ -192,6 +192,7 @@ pub use convert::{controller, robot_answer};
 pub use error::ApiError;
 pub use heartbeat::Supervisor;
 pub use host::is_host_name;
+pub(crate) use in_process::InProcess;
 pub use listener::{Accepted, Listener};
 pub use local::{LocalController, LocalService};
 pub use log::{LogWriter, dropped_lines};

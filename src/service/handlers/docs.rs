@@ -53,7 +53,10 @@ pub struct Documents {
     get,
     path = "/openapi.json",
     tag = "operation",
-    responses((status = 200, body = Object, content_type = "application/json", description = "OpenAPI 3.1."))
+    responses(
+        (status = 200, body = Object, content_type = "application/json", description = "OpenAPI 3.1."),
+        (status = 304, description = "The client has this version, by `If-None-Match`.")
+    )
 )]
 pub async fn document(Extension(documents): Extension<Documents>, headers: HeaderMap) -> Result<Response, ApiError> {
     send(documents.openapi, headers).await
@@ -67,7 +70,10 @@ pub async fn document(Extension(documents): Extension<Documents>, headers: Heade
     path = "/asyncapi.json",
     tag = "operation",
     operation_id = "asyncapi_document",
-    responses((status = 200, body = Object, content_type = "application/json", description = "AsyncAPI 3.0."))
+    responses(
+        (status = 200, body = Object, content_type = "application/json", description = "AsyncAPI 3.0."),
+        (status = 304, description = "The client has this version, by `If-None-Match`.")
+    )
 )]
 pub async fn async_document(
     Extension(documents): Extension<Documents>,
