@@ -1,6 +1,7 @@
 // Tests of the playground: targets, task order, planes, robots, time and undo.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
 import { TIMEOUT_MS, cleanUp, findInScene, launch, number, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
@@ -140,6 +141,21 @@ test('the pointer reads values with units, and changes of method and gains are m
   assert.ok(texts.some((text) => text.includes('◆ Damped least squares')), 'mark of the method');
   assert.ok(texts.some((text) => text.includes('M_d of “push x”: 20')), 'mark of the gain');
 }));
+
+test('scales are logarithmic where values span decades, and linear elsewhere', options, async () => {
+  const labels = async (scenario) => {
+    let texts = [];
+    await withPage(`scenario=${scenario}`, async (page) => {
+      await runUntil(page, 1.5);
+      const [file] = await Promise.all([page.waitForEvent('download'), page.click('#export-svg')]);
+      texts = [...readFileSync(await file.path(), 'utf8').matchAll(/<text[^>]*>([^<]*)</g)].map(([, text]) => text);
+    });
+    return texts.slice(texts.indexOf('Smallest singular value') + 1, texts.indexOf('Solver path and time')).join(' ');
+  };
+  // The smallest singular value stays above 0.2 in the first scenario, and falls below 10⁻⁶ in the second.
+  assert.match(await labels('stiff_wall'), /^0 0\.1 0\.2 /);
+  assert.match(await labels('stiff_wall_singular'), /^10⁻\S+ 10⁻\S+ /);
+});
 
 test('the force is shown along the normal of the polished plane, pose errors where there is no force', options, async () => {
   await withPage('scenario=polishing', async (page) => {

@@ -27,6 +27,7 @@ mod targets;
 mod task;
 mod terms;
 mod warnings;
+mod why;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
@@ -49,3 +50,4 @@ pub use step::{
 };
 pub use targets::warn as warn_about_targets;
 pub use warnings::warnings;
+pub use why::{limited_state, why_of_step};

@@ -18,6 +18,7 @@ mod outcome;
 mod pose;
 mod problem;
 mod profile;
+pub mod read_error;
 mod resolve;
 mod robot;
 mod schema;

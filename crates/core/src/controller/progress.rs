@@ -26,7 +26,6 @@
 
 use super::null_space::is_redundant;
 use super::row_space::in_null_space;
-use super::target_bounds::RowKind;
 use super::task_target::TaskTarget;
 use super::{ControllerConfig, TaskConfig};
 use crate::law::Law;
@@ -226,11 +225,7 @@ impl Observation<'_> {
     }
 
     fn is_angular(&self, k: usize, row: usize) -> bool {
-        match self.config.tasks[k].rows.kind(row, &self.config.robot) {
-            RowKind::Linear => false,
-            RowKind::Angular | RowKind::Raw => true,
-            RowKind::Joint(joint) => !joint.kind.is_translation(),
-        }
+        self.config.tasks[k].rows.is_angular(row, &self.config.robot).unwrap_or(true)
     }
 
     /// Returns what holds task `k`; empty if the task lacks nothing in this period.
