@@ -846,7 +846,8 @@ class PostureNullSpaceMotion(Tagged):
 
 
 class InitialPostureNullSpaceMotion(Tagged):
-    """The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+    """The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
+    most 0.1 rad/s; only in controllers.
 
     Fields:
 
@@ -1353,7 +1354,7 @@ class Streaming(Body):
       0.05.
     - max_acceleration: Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s²,
       for joints their acceleration limits. The task brakes with it.
-    - max_velocity: Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints
+    - max_velocity: Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints
       their velocity limits.
     - smoothing_s: Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no
       smoothing. A uniform motion is followed without lag.
@@ -1370,7 +1371,7 @@ class Streaming(Body):
     """Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s², for joints their
     acceleration limits. The task brakes with it."""
     max_velocity: ArrayLike | None = None
-    """Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints their velocity
+    """Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints their velocity
     limits."""
     smoothing_s: float | None = None
     """Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no smoothing. A
@@ -1548,9 +1549,11 @@ class ControllerConfig(Body):
     - tasks: The tasks, highest priority first: put first what must not give way, such as contact or safety.
     - anti_windup: When integrators of laws follow the achieved velocity. Set another value only to reproduce the
       paper; default `always`.
-    - damping: Damping near singularities, which trades accuracy for lower joint speeds. Set a smaller threshold for
-      a smaller arm; `null`: no damping, for simulations. Default: threshold 0.15, max_factor 0.15, for a reach of
-      about 1 m.
+    - characteristic_length_m: Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values,
+      in damping, and where the rows of a task are weighed against each other. Set it to the reach of an arm that is
+      much smaller or larger than 1 m; default 1.
+    - damping: Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for
+      simulations. Default: threshold 0.15, max_factor 0.15.
     - drive: How the joints follow a command. Set it if you have measured your arm, so that it brakes in time;
       default: a lag of 0.03 s and a delay of 2 periods.
     - environment: Environment that the tool touches, as far as known. Set it before a first contact: `POST
@@ -1566,7 +1569,9 @@ class ControllerConfig(Body):
     - method: Resolution method, the meaning of priorities. Set another one only to compare; default
       `reverse_priority`.
     - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to
-      choose the posture of a redundant arm; default: rest.
+      choose the posture of a redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if
+      the arm has more joints than its tasks have rows, all tasks have the law `pose` or bounds, and none moves
+      single joints; otherwise `rest`.
     - solver: Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
       `closed_form` ignores limits. Default `auto`.
     - state_checks: Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that
@@ -1592,9 +1597,13 @@ class ControllerConfig(Body):
     anti_windup: AntiWindup | None = None
     """When integrators of laws follow the achieved velocity. Set another value only to reproduce the paper; default
     `always`."""
+    characteristic_length_m: float | None = None
+    """Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the
+    rows of a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1
+    m; default 1."""
     damping: Damping | None = None
-    """Damping near singularities, which trades accuracy for lower joint speeds. Set a smaller threshold for a smaller
-    arm; `null`: no damping, for simulations. Default: threshold 0.15, max_factor 0.15, for a reach of about 1 m."""
+    """Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for simulations.
+    Default: threshold 0.15, max_factor 0.15."""
     drive: JointDrive | None = None
     """How the joints follow a command. Set it if you have measured your arm, so that it brakes in time; default: a lag
     of 0.03 s and a delay of 2 periods."""
@@ -1616,7 +1625,8 @@ class ControllerConfig(Body):
     """Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
     """Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
-    redundant arm; default: rest."""
+    redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if the arm has more joints than its
+    tasks have rows, all tasks have the law `pose` or bounds, and none moves single joints; otherwise `rest`."""
     solver: Solver | None = None
     """Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
     `closed_form` ignores limits. Default `auto`."""
