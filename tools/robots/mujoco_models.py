@@ -1,29 +1,15 @@
 """MuJoCo models: converts them to URDF by the Python client, and compares poses with those of MuJoCo."""
-import importlib.util
-import sys
-from pathlib import Path
-
+import client
 import mujoco
 import numpy as np
 
 # Otherwise MuJoCo writes its warnings to a file in the present directory.
 mujoco.set_mju_user_warning(lambda _: None)
 
-CLIENT = Path(__file__).parents[2] / 'api/python/src/revprio/mjcf.py'
-
-
-def client():
-    """The module of the client. It needs no other part of the package."""
-    spec = importlib.util.spec_from_file_location('revprio_mjcf', CLIENT)
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def convert(model, target):
     """Writes the URDF text of a file or model. MJCF states no speeds, so every joint gets 1 rad/s or 1 m/s."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(client().read_mjcf(model, velocity_limits=1.0))
+    target.write_text(client.module('mjcf').read_mjcf(model, velocity_limits=1.0))
 
 
 def with_gripper(arm, body, gripper, prefix):

@@ -5,13 +5,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import client
 import mujoco_models
 
 VENV, PROGRAM = Path(sys.argv[1]), sys.argv[2]
 FULL = '--table' in sys.argv
 EXPECTED = Path(__file__).with_name('expected.txt')
-# URDF texts that are made from MuJoCo models.
-MADE = VENV.with_name('mjcf')
+# URDF texts that are made from other files.
+MADE = VENV.with_name('made')
+# What a file contains that is a robot.
+ROOTS = {'urdf': '', 'xacro': '<robot', 'xml': '<mujoco'}
 # Largest difference from MuJoCo in position, m, and entries of the rotation.
 MAX_DIFFERENCE = 1e-9
 
@@ -33,10 +36,20 @@ def expected(name):
 
 def files(ending):
     """The files that count, by name, and the number of others."""
-    found = sorted(path for path in VENV.rglob(f'*.{ending}') if ending == 'urdf' or '<mujoco' in path.read_text())
+    found = sorted(path for path in VENV.rglob(f'*.{ending}') if ROOTS[ending] in path.read_text(errors='replace'))
     names = {str(path.relative_to(VENV)).split('site-packages/')[-1]: path for path in found}
     counted = {name: path for name, path in names.items() if not expected(name).startswith('-')}
     return counted, len(names) - len(counted)
+
+
+def expand(path, made):
+    """Writes the URDF text of a xacro file. ROS packages are directories with almost the same name."""
+    directories = [directory for directory in path.parents[2].rglob('*') if directory.is_dir()]
+    packages = {directory.name.removesuffix('_description'): directory for directory in directories}
+    packages |= {f'{directory.name}_support': directory for directory in directories}
+    packages |= {directory.name: directory for directory in directories}
+    made.parent.mkdir(parents=True, exist_ok=True)
+    made.write_text(client.module('xacro').read_xacro(path, packages=packages))
 
 
 def urdf(name, path):
@@ -45,7 +58,7 @@ def urdf(name, path):
         return path, None
     made = MADE / f'{name}.urdf'
     try:
-        mujoco_models.convert(path, made)
+        (expand if path.suffix == '.xacro' else mujoco_models.convert)(path, made)
     except ValueError as error:
         return None, {'error': str(error)}
     return made, None
@@ -66,7 +79,8 @@ def verdict(name, path, answer):
     got = {f'{arm["joints"][-1]}:{arm["tip"]}' for arm in answer['arms']}
     if got != set(expected(name).split()):
         return 'wrong: ' + ', '.join(sorted(got))
-    difference = 0.0 if path.suffix == '.urdf' else max(mujoco_models.error(path, arm) for arm in answer['arms'])
+    is_mujoco = path.suffix == '.xml'
+    difference = max(mujoco_models.error(path, arm) for arm in answer['arms']) if is_mujoco else 0.0
     return 'right' if difference <= MAX_DIFFERENCE else f'wrong: poses differ from MuJoCo by {difference:.1e}'
 
 
@@ -117,4 +131,5 @@ if '--grippers' in sys.argv:
     combine()
 else:
     compare('urdf', 'URDF')
+    compare('xacro', 'xacro')
     compare('xml', 'MJCF')

@@ -41,6 +41,14 @@ def test_a_xacro_file_is_expanded_with_its_arguments_and_packages(tmp_path: Path
         revprio.delete_robot("lift")
 
 
+def test_paths_are_relative_to_the_present_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = written(tmp_path)
+    (tmp_path / "robots").mkdir()
+    robot = robot.rename(tmp_path / "robots" / robot.name)
+    monkeypatch.chdir(tmp_path)
+    assert 'name="rail"' in revprio.read_xacro(robot.relative_to(tmp_path), packages={"rails": "."})
+
+
 def test_an_error_names_the_file_and_the_remedy(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"lift.urdf.xacro.*`rails` in `packages`"):
         revprio.read_xacro(written(tmp_path))

@@ -23,7 +23,7 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> 
         tip: request.tip.as_deref(),
         overrides: Some(&overrides),
     };
-    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| urdf_error(request, error))?;
+    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| urdf_error(request, &error))?;
     match robot.joint_count() {
         0..=MAX_JOINTS => Ok(robot),
         joints => {
@@ -55,8 +55,8 @@ pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides, ApiErro
     })
 }
 
-fn urdf_error(request: &wire::RobotRegistration, error: UrdfError) -> ApiError {
-    let pointer = match &error {
+fn urdf_error(request: &wire::RobotRegistration, error: &UrdfError) -> ApiError {
+    let pointer = match error {
         UrdfError::Base { .. } | UrdfError::UnknownBase { .. } => "/base",
         UrdfError::Tip { .. } | UrdfError::Arms { .. } | UrdfError::UnknownTip { .. } => "/tip",
         UrdfError::UnknownJoint { field: "limits", .. } => "/limits",
@@ -67,7 +67,7 @@ fn urdf_error(request: &wire::RobotRegistration, error: UrdfError) -> ApiError {
         }
         _ => "/urdf",
     };
-    ApiError::invalid(pointer, &error).with_candidates(error.candidates())
+    ApiError::invalid(pointer, error).with_candidates(error.candidates())
 }
 
 /// Converts the error of the registry of robots.

@@ -31,7 +31,8 @@ def read_xacro(
         message = "xacro files need the package `xacro`: pip install revprio[xacro]"
         raise ImportError(message) from error
 
-    directories = {name: os.fspath(directory) for name, directory in (packages or {}).items()}
+    # xacro reads relative paths from the directory of the file that names them.
+    directories = {name: os.path.abspath(directory) for name, directory in (packages or {}).items()}
     look_up = substitution_args._eval_find
     unknown: list[str] = []
 
