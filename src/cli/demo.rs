@@ -10,7 +10,7 @@ use revprio_lab::report::metrics::largest_difference;
 use revprio_lab::report::run::Run;
 use revprio_lab::report::table::summary;
 use revprio_lab::simulator::recording::Format;
-use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS, Scenario};
+use revprio_lab::simulator::{CallMode, PAPER_SCENARIOS};
 
 use super::experiment::{ExperimentRunner, make_directory, program, write_report};
 use super::{CliError, traces};
@@ -51,7 +51,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         question: QUESTION.map(str::to_owned).to_vec(),
         command: "cargo run --release -- demo".to_owned(),
         program: program(),
-        runs: runner.run_all(&scenarios, "the paper's four experiments, two methods, three solvers", is_over_http)?,
+        runs: runner.run_all(&scenarios, "the paper's four experiments, two methods, three solvers")?,
         failures: Vec::new(),
     };
     let report = experiment.report();
@@ -61,11 +61,6 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let page = write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &traces)?;
     writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
     Ok(())
-}
-
-/// Returns whether a run calls the service over HTTP: that of the default solver, as a control loop would.
-fn is_over_http(scenario: &Scenario) -> bool {
-    scenario.controller.solver == Solver::Auto
 }
 
 /// Removes the runs that move as an earlier run of their scenario does.
@@ -86,8 +81,8 @@ const QUESTION: [&str; 3] = [
     "Su et al. (Materials 2022, 15, 6611) claim that reverse priority controls a contact force better than the classical \
      control. This page shows in which situations this is the case.",
     "A simulated Sawyer pushes against springs and against a stiff wall. In every control period of 1 ms the simulator \
-     sends the measured state to the service and moves with the joint velocities in the answer: over HTTP in the runs of the \
-     solver `auto`, in the process in the others, with the same joint velocities.",
+     calls the service with the measured state and moves with the joint velocities in the answer. The calls stay in the \
+     process; over HTTP, as in revprio simulate, the joint velocities are the same to the last bit.",
     "Reverse priority is computed in closed form and, within joint limits, by quadratic programs. The classical control is \
      damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor 0.1.",
 ];

@@ -82,14 +82,9 @@ impl ExperimentRunner {
     /// Runs scenarios on all cores, each with a session of its own, and shows the progress. The runs are in the order of the
     /// scenarios.
     ///
-    /// Only scenarios that `is_over_http` selects call the service over HTTP, which takes several times as long. The others
-    /// call its code in this process. Both give the same joint velocities to the last bit.
-    pub fn run_all(
-        &self,
-        scenarios: &[Scenario],
-        title: &str,
-        is_over_http: impl Fn(&Scenario) -> bool + Sync,
-    ) -> Result<Vec<Run>, CliError> {
+    /// They call the code of the service in this process: over HTTP, a period takes several times as long. The joint
+    /// velocities are the same to the last bit.
+    pub fn run_all(&self, scenarios: &[Scenario], title: &str) -> Result<Vec<Run>, CliError> {
         let bar = visible_bar(scenarios.iter().map(Scenario::cycles).sum(), title);
         let run = |scenario: &Scenario| {
             let mut before = 0;
@@ -97,9 +92,6 @@ impl ExperimentRunner {
                 bar.inc(done - before);
                 before = done;
             };
-            if is_over_http(scenario) {
-                return self.run_with(scenario, &self.target.client, progress);
-            }
             let robots = match &self.robot {
                 Some(robot) => Robots::none().with(Arc::clone(robot))?,
                 None => Robots::built_in(),

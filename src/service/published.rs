@@ -1,16 +1,14 @@
 //! Interface descriptions as the service sends them: without spaces, compressed, and with a version.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::Write as _;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use serde_json::Value;
 
 use super::accept;
+use super::body::compress_well;
 
 /// A document that does not change while the service runs.
 pub struct Published {
@@ -25,8 +23,7 @@ impl Published {
     /// Writes a document. This takes tens of milliseconds.
     pub fn new(document: &Value) -> Self {
         let json = document.to_string();
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-        let gzip = encoder.write_all(json.as_bytes()).and_then(|()| encoder.finish()).ok().map(Bytes::from);
+        let gzip = compress_well(json.as_bytes()).map(Bytes::from);
         let mut hasher = DefaultHasher::new();
         json.hash(&mut hasher);
         let version = HeaderValue::from_str(&format!("W/\"{:016x}\"", hasher.finish()));
