@@ -81,7 +81,8 @@ const QUESTION: [&str; 3] = [
     "Su et al. (Materials 2022, 15, 6611) claim that reverse priority controls a contact force better than the classical \
      control. This page shows in which situations this is the case.",
     "A simulated Sawyer pushes against springs and against a stiff wall. In every control period of 1 ms the simulator \
-     sends the measured state to the service over HTTP and moves with the joint velocities in the answer.",
+     calls the service with the measured state and moves with the joint velocities in the answer. The calls stay in the \
+     process; over HTTP, as in revprio simulate, the joint velocities are the same to the last bit.",
     "Reverse priority is computed in closed form and, within joint limits, by quadratic programs. The classical control is \
      damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor 0.1.",
 ];

@@ -19,7 +19,7 @@ use revprio_robot::RobotModel;
 
 use super::robot::{Registration, RobotArgument};
 use super::{CliError, Target, progress_bar, traces};
-use crate::service::{Robots, robot_answer};
+use crate::service::{InProcess, Robots, robot_answer};
 
 /// The service that runs call, and the robot that replaces the robot of the scenario, if given.
 pub struct ExperimentRunner {
@@ -74,21 +74,29 @@ impl ExperimentRunner {
     /// Runs a scenario and shows the progress.
     pub fn run(&self, scenario: &Scenario) -> Result<Run, CliError> {
         let bar = visible_bar(scenario.cycles(), &label(scenario));
-        let run = self.run_with(scenario, |done| bar.set_position(done))?;
+        let run = self.run_with(scenario, &self.target.client, |done| bar.set_position(done))?;
         bar.finish();
         Ok(run)
     }
 
     /// Runs scenarios on all cores, each with a session of its own, and shows the progress. The runs are in the order of the
     /// scenarios.
+    ///
+    /// They call the code of the service in this process: over HTTP, a period takes several times as long. The joint
+    /// velocities are the same to the last bit.
     pub fn run_all(&self, scenarios: &[Scenario], title: &str) -> Result<Vec<Run>, CliError> {
         let bar = visible_bar(scenarios.iter().map(Scenario::cycles).sum(), title);
         let run = |scenario: &Scenario| {
             let mut before = 0;
-            self.run_with(scenario, |done| {
+            let progress = |done| {
                 bar.inc(done - before);
                 before = done;
-            })
+            };
+            let robots = match &self.robot {
+                Some(robot) => Robots::none().with(Arc::clone(robot))?,
+                None => Robots::built_in(),
+            };
+            self.run_with(scenario, &InProcess::new(robots), progress)
         };
         // Without `with_max_len` a thread would get neighbouring scenarios, the long ones.
         let runs = scenarios.par_iter().with_max_len(1).map(run).collect::<Result<_, _>>()?;
@@ -96,7 +104,12 @@ impl ExperimentRunner {
         Ok(runs)
     }
 
-    fn run_with(&self, scenario: &Scenario, mut progress: impl FnMut(u64)) -> Result<Run, CliError> {
+    fn run_with(
+        &self,
+        scenario: &Scenario,
+        service: &dyn Service,
+        mut progress: impl FnMut(u64),
+    ) -> Result<Run, CliError> {
         let robot = match &self.robot {
             Some(robot) => Arc::clone(robot),
             None => built_in_robot(&scenario.controller.robot)?,
@@ -105,7 +118,7 @@ impl ExperimentRunner {
             progress(done);
             ControlFlow::Continue(())
         };
-        let recording = run_robot(&robot, scenario, &self.target.client, self.mode, progress)?;
+        let recording = run_robot(&robot, scenario, service, self.mode, progress)?;
         print_missing_answers(&recording, &label(scenario))?;
         Ok(Run { scenario: scenario.clone(), robot: robot_answer(&robot), recording })
     }

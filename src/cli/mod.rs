@@ -28,6 +28,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use revprio_api::wire::read_error::in_plain_words;
 use revprio_api::{Client, ClientError};
 use revprio_lab::report::number::significant;
 use revprio_lab::simulator::recording::{ReadError, WriteError};
@@ -121,6 +122,14 @@ pub enum CliError {
     /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
+    /// The file with the overrides of a robot is not valid.
+    #[error("--robot FILE,overrides={path}: {message}")]
+    Overrides {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
     /// The name of a robot is not valid or already in use.
     #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
     Robots(#[from] RobotsError),
@@ -206,7 +215,7 @@ pub enum CliError {
         source: std::io::Error,
     },
     /// The problem file is not a valid request.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", in_plain_words(&source.to_string()))]
     ParseProblem {
         /// The file.
         path: PathBuf,
@@ -258,8 +267,8 @@ impl Cli {
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Bench(arguments) => Ok(tool::run("bench", &arguments)?),
-            Command::Openapi => openapi::run(openapi_document()),
-            Command::Asyncapi => openapi::run(asyncapi_document()),
+            Command::Openapi => openapi::run(&openapi_document()),
+            Command::Asyncapi => openapi::run(&asyncapi_document()),
         }
     }
 }

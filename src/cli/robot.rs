@@ -1,17 +1,18 @@
 //! The value of `--robot`: a robot file with options.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use revprio_api::wire::RobotRegistration;
+use revprio_api::wire::{Pose, RobotRegistration, StatedLimits};
 use revprio_api::{Client, ClientError};
 use revprio_robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
 use serde::{Deserialize, Serialize};
 
 use super::CliError;
-use crate::service::robot_answer;
+use crate::service::{overrides, robot_answer};
 
 /// A robot file with options.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,13 +22,26 @@ pub struct RobotArgument {
     name: Option<String>,
     base: Option<String>,
     tip: Option<String>,
+    overrides: Option<PathBuf>,
+}
+
+/// The values of an overrides file: those of a registration besides its name and text.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OverridesFile {
+    base: Option<String>,
+    tip: Option<String>,
+    limits: Option<BTreeMap<String, StatedLimits>>,
+    joint_names: Option<BTreeMap<String, String>>,
+    tool_offset: Option<Pose>,
 }
 
 impl RobotArgument {
-    pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK]";
+    pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK][,overrides=FILE]";
 
     pub const HELP: &str = "Your own robot, as URDF (.urdf) or Denavit-Hartenberg rows (.toml, .json). For URDF, `tip` is the link \
-         of the tool frame and `base` the link of the base frame, if the file has several candidates";
+         of the tool frame and `base` the link of the base frame, if the file has several candidates; `overrides` is a JSON file \
+         with any of `base`, `tip`, `limits`, `joint_names` and `tool_offset` of POST /v1/robots";
 
     /// Returns the robots of a directory in the order of their names. Each file is a robot with the name of the file,
     /// without the extension. Subdirectories and hidden files are not read.
@@ -39,7 +53,7 @@ impl RobotArgument {
         let mut paths: Vec<PathBuf> = paths.filter(|path| !path.is_dir() && !is_hidden(path)).collect();
         paths.sort();
         let name = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let robot = |path: PathBuf| Self { name: name(&path), path, base: None, tip: None };
+        let robot = |path: PathBuf| Self { name: name(&path), path, base: None, tip: None, overrides: None };
         Ok(paths.into_iter().map(robot).collect())
     }
 
@@ -48,14 +62,42 @@ impl RobotArgument {
         &self.path
     }
 
-    pub fn read(&self) -> Result<Arc<RobotModel>, RobotFileError> {
+    /// Reads the robot.
+    pub fn read(&self) -> Result<Arc<RobotModel>, CliError> {
+        let registration = self.registration(String::new(), String::new())?;
+        let overrides = overrides(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
         let options = UrdfOptions {
             name: self.name.as_deref(),
             description: None,
-            base: self.base.as_deref(),
-            tip: self.tip.as_deref(),
+            base: registration.base.as_deref(),
+            tip: registration.tip.as_deref(),
+            overrides: self.overrides.is_some().then_some(&overrides),
         };
-        from_file(&self.path, &options).map(Arc::new)
+        Ok(from_file(&self.path, &options).map(Arc::new)?)
+    }
+
+    /// Returns the registration of the robot; base and tip of the argument have priority over those of its overrides file.
+    fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, CliError> {
+        let file = self.overrides_file()?;
+        Ok(RobotRegistration {
+            name,
+            urdf,
+            base: self.base.clone().or(file.base),
+            tip: self.tip.clone().or(file.tip),
+            limits: file.limits,
+            joint_names: file.joint_names,
+            tool_offset: file.tool_offset,
+        })
+    }
+
+    fn overrides_file(&self) -> Result<OverridesFile, CliError> {
+        let Some(path) = &self.overrides else { return Ok(OverridesFile::default()) };
+        let text = std::fs::read_to_string(path).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        serde_json::from_str(&text).map_err(|error| self.wrong_overrides(error.to_string()))
+    }
+
+    fn wrong_overrides(&self, message: String) -> CliError {
+        CliError::Overrides { path: self.overrides.clone().unwrap_or_default(), message }
     }
 
     /// Registers the robot at a server; `None` if the server already has it.
@@ -76,12 +118,8 @@ impl RobotArgument {
             return Err(CliError::NotSent(self.to_string()));
         }
         let source = |source| RobotFileError::Read { path: self.path.clone(), source };
-        let registration = RobotRegistration {
-            name: robot.name().to_owned(),
-            urdf: std::fs::read_to_string(&self.path).map_err(source)?,
-            base: self.base.clone(),
-            tip: self.tip.clone(),
-        };
+        let urdf = std::fs::read_to_string(&self.path).map_err(source)?;
+        let registration = self.registration(robot.name().to_owned(), urdf)?;
         Ok(Some(Registration::new(&registration, client)?))
     }
 }
@@ -92,18 +130,21 @@ impl FromStr for RobotArgument {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut parts = text.split(',');
         let path = parts.next().filter(|path| !path.is_empty()).ok_or("give a file")?;
-        let mut argument = Self { path: path.into(), name: None, base: None, tip: None };
+        let mut argument = Self { path: path.into(), name: None, base: None, tip: None, overrides: None };
+        let mut overrides = None;
         for part in parts {
             let slot = match part.split_once('=') {
                 Some(("name", value)) => (&mut argument.name, value),
                 Some(("base", value)) => (&mut argument.base, value),
                 Some(("tip", value)) => (&mut argument.tip, value),
-                _ => return Err(format!("`{part}` is none of name=…, base=…, tip=…")),
+                Some(("overrides", value)) => (&mut overrides, value),
+                _ => return Err(format!("`{part}` is none of name=…, base=…, tip=…, overrides=…")),
             };
             if slot.0.replace(slot.1.to_owned()).is_some() {
                 return Err(format!("`{part}` is given twice"));
             }
         }
+        argument.overrides = overrides.map(PathBuf::from);
         Ok(argument)
     }
 }
@@ -128,6 +169,9 @@ impl fmt::Display for RobotArgument {
         let options = [("name", &self.name), ("base", &self.base), ("tip", &self.tip)];
         for (key, value) in options.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?))) {
             write!(formatter, ",{key}={value}")?;
+        }
+        if let Some(path) = &self.overrides {
+            write!(formatter, ",overrides={}", path.display())?;
         }
         Ok(())
     }
@@ -159,7 +203,7 @@ mod tests {
 
     #[test]
     fn options_are_accepted_in_any_order() {
-        let text = "arms/my.urdf,tip=hand,name=mine";
+        let text = "arms/my.urdf,tip=hand,name=mine,overrides=my.json";
         let robot: RobotArgument = text.parse().unwrap();
         assert_eq!((robot.path.to_str(), robot.name.as_deref()), (Some("arms/my.urdf"), Some("mine")));
         assert_eq!((robot.tip.as_deref(), robot.base.as_deref()), (Some("hand"), None));

@@ -2,7 +2,9 @@
 
 use std::future::Future;
 use std::io::{self, IsTerminal, Write as _, stdout};
+use std::sync::Arc;
 
+use revprio_robot::RobotModel;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::prelude::*;
@@ -38,13 +40,25 @@ fn run_with(settings: &EffectiveSettings, log: &LogWriter) -> Result<(), CliErro
 fn robots(settings: &EffectiveSettings) -> Result<Robots, CliError> {
     let mut robots = Robots::built_in();
     for argument in settings.robots() {
-        robots = robots.with(argument.read()?)?;
+        robots = robots.with(announced(argument)?)?;
     }
     for argument in settings.robots_dir().map(RobotArgument::in_directory).transpose()?.unwrap_or_default() {
         let name = |source| CliError::RobotsDirectory { path: argument.path().to_owned(), source };
-        robots = robots.with(argument.read()?).map_err(name)?;
+        robots = robots.with(announced(&argument)?).map_err(name)?;
     }
     Ok(robots)
+}
+
+/// Reads a robot, and writes to the log which chain of its file it is.
+fn announced(argument: &RobotArgument) -> Result<Arc<RobotModel>, CliError> {
+    let robot = argument.read()?;
+    if let Some(chain) = robot.selection() {
+        let joints: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+        let left_out: Vec<&str> = chain.left_out.iter().map(|left_out| left_out.joint.as_str()).collect();
+        let (base, tip, joints, left_out) = (&chain.base, &chain.tip, joints.join(" "), left_out.join(" "));
+        tracing::info!(robot = robot.name(), base, tip, joints, left_out, "robot read");
+    }
+    Ok(robot)
 }
 
 /// Starts the log on standard error, which includes panics.

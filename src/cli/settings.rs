@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, Parser, ValueEnum};
+use revprio_api::wire::read_error::in_plain_words;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -126,7 +127,7 @@ pub enum SettingsError {
         source: std::io::Error,
     },
     /// The file is not valid TOML, or has an unknown key or an invalid value.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", in_plain_words(&source.to_string()))]
     File {
         /// The file.
         path: PathBuf,

@@ -14,7 +14,7 @@ use super::error::ApiError;
 use super::gate::{admission, gate};
 use super::handlers::docs::{self, Documents};
 use super::handlers::page;
-use super::openapi::{asyncapi_document, openapi_document};
+use super::openapi::{published_asyncapi, published_openapi};
 use super::ownership::{IDEMPOTENCY_KEY, OWNER};
 use super::request_id::REQUEST_ID;
 use super::routes::routes;
@@ -35,7 +35,7 @@ pub fn router(app: AppState) -> Service {
 
 /// Returns all routes. This takes milliseconds, because it also describes them.
 fn all_routes() -> Router<Arc<AppState>> {
-    let documents = Documents { openapi: openapi_document, asyncapi: asyncapi_document };
+    let documents = Documents { openapi: published_openapi, asyncapi: published_asyncapi };
     let (routes, _) = routes(OpenApi::default()).split_for_parts();
     routes
         .route("/", get(page::home))

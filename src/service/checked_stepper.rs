@@ -47,19 +47,25 @@ impl CheckedStepper {
         start: Instant,
     ) -> Result<wire::StepAnswer, ApiError> {
         let (controller, rules) = (self.stepper.controller().clone(), self.rules);
-        let (command, warnings) = self.command(memory, last, sequence, measurement)?;
-        Ok(wire::StepAnswer { warnings, ..convert::step_answer(&controller, &rules, sequence, command, start) })
+        let (command, Remarks { warnings, why }) = self.command(memory, last, sequence, measurement)?;
+        let answer = convert::step_answer(&controller, &rules, sequence, command, start);
+        Ok(wire::StepAnswer { warnings, why, ..answer })
     }
 
-    /// Computes the command of a step, and the warnings of its answer.
+    /// Computes the command of a step, and the remarks of its answer.
     fn command(
         &mut self,
         memory: &mut Option<Memory>,
         last: Option<&LastState>,
         sequence: u64,
         measurement: &Measurement,
-    ) -> Result<(&Command, Vec<String>), ApiError> {
+    ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
+        let config = controller.config();
+        let state = self.rules.why.then(|| {
+            let last_command = memory.as_ref().map(|memory| &memory.last_command);
+            convert::limited_state(config, measurement, last_command)
+        });
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         let mut warnings = Vec::new();
         self.rules.warn(&mut warnings, measurement, &controller, command);
@@ -67,8 +73,16 @@ impl CheckedStepper {
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
         }
-        Ok((command, warnings))
+        let why = state.map(|state| convert::why_of_step(config, command, state.as_ref())).unwrap_or_default();
+        Ok((command, Remarks { warnings, why }))
     }
+}
+
+/// The texts of an answer.
+struct Remarks {
+    warnings: Vec<String>,
+    /// What restricts the command and what its tasks give up; empty if the controller does not want it.
+    why: Vec<String>,
 }
 
 /// A controller that is ready for a session, as it was requested and with the warnings about it.
@@ -158,11 +172,11 @@ impl ControlLoop {
     ) -> Result<ComputedStep, ApiError> {
         let (controller, rules) = (Arc::clone(self.stepper.controller()), self.stepper.rules);
         let last = self.last_state.as_ref();
-        let (command, warnings) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
+        let (command, remarks) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
         let command = command.clone();
         self.remember(sequence, measurement);
         let elapsed_us = start.elapsed().as_secs_f64() * 1e6;
-        Ok(ComputedStep { controller, rules, sequence, command, warnings, elapsed_us })
+        Ok(ComputedStep { controller, rules, sequence, command, remarks, elapsed_us })
     }
 
     fn remember(&mut self, sequence: u64, measurement: Measurement) {
@@ -177,7 +191,7 @@ pub struct ComputedStep {
     rules: StateRules,
     sequence: u64,
     command: Command,
-    warnings: Vec<String>,
+    remarks: Remarks,
     elapsed_us: f64,
 }
 
@@ -196,7 +210,8 @@ impl ComputedStep {
     pub fn answer(&self) -> wire::StepAnswer {
         let start = Instant::now();
         wire::StepAnswer {
-            warnings: self.warnings.clone(),
+            warnings: self.remarks.warnings.clone(),
+            why: self.remarks.why.clone(),
             elapsed_us: self.elapsed_us,
             ..convert::step_answer(&self.controller, &self.rules, self.sequence, &self.command, start)
         }

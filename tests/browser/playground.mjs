@@ -1,6 +1,7 @@
 // Tests of the playground: targets, task order, planes, robots, time and undo.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
 import { TIMEOUT_MS, cleanUp, findInScene, launch, number, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
@@ -141,6 +142,21 @@ test('the pointer reads values with units, and changes of method and gains are m
   assert.ok(texts.some((text) => text.includes('M_d of “push x”: 20')), 'mark of the gain');
 }));
 
+test('scales are logarithmic where values span decades, and linear elsewhere', options, async () => {
+  const labels = async (scenario) => {
+    let texts = [];
+    await withPage(`scenario=${scenario}`, async (page) => {
+      await runUntil(page, 1.5);
+      const [file] = await Promise.all([page.waitForEvent('download'), page.click('#export-svg')]);
+      texts = [...readFileSync(await file.path(), 'utf8').matchAll(/<text[^>]*>([^<]*)</g)].map(([, text]) => text);
+    });
+    return texts.slice(texts.indexOf('Smallest singular value') + 1, texts.indexOf('Solver path and time')).join(' ');
+  };
+  // The smallest singular value stays above 0.2 in the first scenario, and falls below 10⁻⁶ in the second.
+  assert.match(await labels('stiff_wall'), /^0 0\.1 0\.2 /);
+  assert.match(await labels('stiff_wall_singular'), /^10⁻\S+ 10⁻\S+ /);
+});
+
 test('the force is shown along the normal of the polished plane, pose errors where there is no force', options, async () => {
   await withPage('scenario=polishing', async (page) => {
     await runUntil(page, 2);
@@ -204,12 +220,16 @@ function drop(page, files) {
   }, files.map(([name, bytes]) => ({ name, bytes: [...bytes] })));
 }
 
+/** Two arms of two joints. */
+const TWINS = `<robot name="twins"><link name="base"/>${['left', 'right'].map((side) => `
+  <link name="${side}_upper"/><link name="${side}_hand"/>
+  <joint name="${side}_shoulder" type="revolute"><parent link="base"/><child link="${side}_upper"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="0"/></joint>
+  <joint name="${side}_elbow" type="revolute"><parent link="${side}_upper"/><child link="${side}_hand"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="2"/></joint>`).join('')}
+</robot>`;
+
 test('a URDF file that is dropped onto the page with its mesh becomes a robot', options, () => withPage('scenario=stiff_wall', async (page) => {
   await drop(page, [['lift.urdf', Buffer.from(URDF)], ['hand.stl', stl()]]);
-  await page.waitForSelector('#tip-dialog[open]');
-  assert.equal(await page.inputValue('#tip-link'), 'finger');
-  await page.click('#tip-dialog [value="ok"]');
-  await waitForText(page, '#notice', /Robot my_lift.*2 joints and 3 shapes/);
+  await waitForText(page, '#notice', /Robot my_lift.*2 joints and 3 shapes\. Chain from base to hand \(tool name\)\./);
   assert.equal(await page.inputValue('#robot'), 'my_lift');
   await page.click('#go');
   await waitForClock(page, 0.2);
@@ -217,6 +237,20 @@ test('a URDF file that is dropped onto the page with its mesh becomes a robot', 
   await page.click('#end');
   await drop(page, [['broken.urdf', Buffer.from('<html/>')]]);
   await waitForText(page, '#notice', /not a URDF/);
+  // A refusal offers the tips of the arms. The file beside the URDF file states what it lacks.
+  await drop(page, [['twins.urdf', Buffer.from(TWINS)]]);
+  await page.waitForSelector('#tip-dialog[open]');
+  await waitForText(page, '#tip-detail', /the robot has 2 arms/);
+  assert.deepEqual(await page.locator('#tip-link option').allTextContents(), ['left_hand', 'right_hand']);
+  await page.selectOption('#tip-link', 'right_hand');
+  await page.click('#tip-dialog [value="ok"]');
+  await waitForText(page, '#notice', /velocity limit 0 is not positive; state it in `limits`: \{"right_shoulder"/);
+  const limits = JSON.stringify({ limits: { right_shoulder: { velocity: 1.5 } }, joint_names: { right_elbow: 'elbow' } });
+  await drop(page, [['twins.urdf', Buffer.from(TWINS)], ['twins.json', Buffer.from(limits)]]);
+  await page.waitForSelector('#tip-dialog[open]');
+  await page.selectOption('#tip-link', 'right_hand');
+  await page.click('#tip-dialog [value="ok"]');
+  await waitForText(page, '#notice', /2 joints.*Chain from base to right_hand \(request\)\. Left out: left_shoulder \(other branch\), left_elbow/);
   await drop(page, [['photo.png', Buffer.from('png')]]);
   await waitForText(page, '#notice', /No URDF file/);
 }));

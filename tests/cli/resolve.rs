@@ -64,7 +64,10 @@ fn running_server_gives_the_same_answer() {
 #[test]
 fn errors_name_the_file_and_the_line() {
     assert!(failure(&["resolve", "no_such.json"]).contains("cannot read no_such.json"));
-    assert!(failure(&["resolve", "rustfmt.toml"]).contains("rustfmt.toml: expected value at line 1"));
+    assert!(
+        failure(&["resolve", "rustfmt.toml"])
+            .contains("rustfmt.toml: this is not a JSON value; strings stand in double quotes at line 1")
+    );
     let message = failure(&["resolve", EXAMPLE, "--server", "http://127.0.0.1:9"]);
     assert!(message.contains("no answer from http://127.0.0.1:9/v1/resolve"), "{message}");
 }

@@ -15,6 +15,14 @@ fn camera_arm() -> String {
     text.replace("</robot>", camera).replace(r#"name="planar_3r""#, r#"name="camera_arm""#)
 }
 
+fn planar() -> String {
+    include_str!("../../fixtures/robots/planar_3r.urdf").to_owned()
+}
+
+const SECOND_ARM: &str = r#"<link name="arm2"/><link name="b2"/>
+  <joint name="i" type="continuous"><parent link="base"/><child link="arm2"/></joint>
+  <joint name="k" type="continuous"><parent link="arm2"/><child link="b2"/></joint>"#;
+
 /// A scenario of 0.2 s: push against a spring in x.
 fn push(robot: &str) -> String {
     format!(
@@ -69,7 +77,10 @@ fn errors_of_robot_registration_name_the_remedy() {
     let scenario = scratch.write("push.toml", &push("whatever"));
     let urdf = scratch.write("arm.urdf", &camera_arm());
     let simulate = |robot: &str| failure(&["simulate", &scenario, "--robot", robot, "--server", &server.url]);
-    assert!(simulate(&urdf).contains("name the `tip`: `tool`, `camera`"));
+    let two = planar().replace("</robot>", &format!("{SECOND_ARM}</robot>")).replace("planar_3r", "two_arms");
+    let two = scratch.write("two.urdf", &two);
+    let message = simulate(&two);
+    assert!(message.contains("2 arms; name the `tip`: `tool`, `b2`"), "{message}");
     let message = simulate(&format!("{urdf},tip=tool,name=panda"));
     assert!(message.contains("has another robot `panda`") && message.contains("name=NAME"), "{message}");
     let rows = include_str!("../../fixtures/robots/sawyer_dh.toml");
@@ -91,6 +102,32 @@ fn own_robots_are_served_with_the_built_in_ones() {
     let robots: Value = serde_json::from_str(robots).unwrap();
     let names: Vec<&str> = robots["robots"].as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "mine", "rows"]);
+}
+
+#[test]
+fn overrides_are_read_from_a_file() {
+    let scratch = Scratch::new("overrides");
+    let urdf = scratch.write("arm.urdf", &camera_arm());
+    let overrides = r#"{"limits": {"shoulder": {"velocity": 0.125}}, "joint_names": {"shoulder": "swing"}}"#;
+    let json = scratch.write("my.json", overrides);
+    let server = Server::start_with(&["--robot", &format!("{urdf},name=mine,overrides={json}")]);
+    let answer = server.get("/v1/robots/mine");
+    let robot: Value = serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap();
+    assert_eq!(
+        (robot["joints"][0]["name"].as_str(), robot["joints"][0]["velocity_limit"].as_f64()),
+        (Some("swing"), Some(0.125))
+    );
+    assert_eq!((robot["chain"]["tip"].as_str(), robot["chain"]["reason"].as_str()), (Some("tool"), Some("tool_name")));
+
+    let serve = |overrides: &str| {
+        let file = scratch.write("wrong.json", overrides);
+        failure(&["serve", "--listen", "127.0.0.1:0", "--robot", &format!("{urdf},overrides={file}")])
+    };
+    assert!(serve("{").contains("wrong.json"));
+    assert!(serve(r#"{"limit": {}}"#).contains("unknown field `limit`"));
+    assert!(serve(r#"{"limits": {"nose": {}}}"#).contains("`limits` has a joint `nose`"));
+    let rows = format!("fixtures/robots/sawyer_dh.toml,overrides={json}");
+    assert!(failure(&["serve", "--robot", &rows]).contains("`base` and `tip` are for .urdf"));
 }
 
 #[test]

@@ -50,7 +50,9 @@ fn errors_name_the_scenario_the_line_and_the_server() {
     let broken = scratch.write("broken.toml", &short("stiff_wall", "duration_s = = 1"));
     assert!(failure(&["simulate", &broken]).contains("line 5"));
     let misspelt = scratch.write("misspelt.toml", &short("stiff_wall", "duration = 1.0"));
-    assert!(failure(&["simulate", &misspelt]).contains("line 5"));
+    let message = failure(&["simulate", &misspelt]);
+    let text = "there is no field `duration`; did you mean `duration_s`? known: `name`, ";
+    assert!(message.contains("line 5") && message.contains(text), "{message}");
     let message = failure(&["simulate", "stiff_wall", "--server", "http://127.0.0.1:9"]);
     assert!(
         message.contains("no answer from http://127.0.0.1:9") && message.contains("is the service running"),

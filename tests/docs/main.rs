@@ -81,19 +81,63 @@ fn every_guide_is_in_the_index() {
     let index = Page::read("docs/README.md".as_ref());
     for page in pages().iter().filter(|page| page.path.starts_with("docs") && page.path != index.path) {
         let below_docs = page.path.strip_prefix("docs").unwrap();
-        assert!(index.links.iter().any(|(_, link)| below_docs.as_os_str() == link.as_str()), "{}", page.path.display());
+        let is_linked = index.links.iter().any(|(_, (link, _))| below_docs.as_os_str() == link.as_str());
+        assert!(is_linked, "{}", page.path.display());
     }
 }
 
 #[test]
 fn links_are_valid() {
-    let dead = |page: &Page| -> Vec<String> {
-        let directory = root().join(page.path.parent().unwrap());
-        let missing = page.links.iter().filter(|(_, link)| !directory.join(link).exists());
-        missing.map(|(line, link)| format!("{}: {link}", page.at(*line))).collect()
+    let is_dead = |page: &Page, path: &str, fragment: &str| {
+        let target = root().join(page.path.parent().unwrap()).join(path);
+        let has = |page: &Page| page.headings.iter().any(|heading| heading == fragment);
+        match (path.is_empty(), fragment.is_empty()) {
+            (true, _) => !has(page),
+            (false, true) => !target.exists(),
+            (false, false) => !target.is_file() || !has(&Page::read(&target)),
+        }
     };
-    let dead: Vec<String> = pages().iter().flat_map(dead).collect();
+    let dead = |page: &Page| -> Vec<String> {
+        let dead = page.links.iter().filter(|(_, (path, fragment))| is_dead(page, path, fragment));
+        dead.map(|(line, (path, fragment))| format!("{}: {path}#{fragment}", page.at(*line))).collect()
+    };
+    let pages = pages();
+    let with_fragment = pages.iter().flat_map(|page| &page.links).filter(|(_, (_, fragment))| !fragment.is_empty());
+    assert!(with_fragment.count() > 20, "fragments are not read");
+    let dead: Vec<String> = pages.iter().flat_map(dead).collect();
     assert!(dead.is_empty(), "\n{}", dead.join("\n"));
+}
+
+#[test]
+fn the_site_has_every_page_in_its_contents_and_no_link_leaves_it() {
+    let book = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("site");
+    let _ = std::fs::remove_dir_all(&book);
+    let stage =
+        std::process::Command::new("python3").arg("tools/site/stage.py").arg(&book).current_dir(root()).output();
+    let stage = stage.expect("python3 is needed");
+    assert!(stage.status.success(), "{}", String::from_utf8_lossy(&stage.stderr));
+    let book = book.join("src");
+    let contents = Page::read(&book.join("SUMMARY.md"));
+    let chapters: Vec<&str> = contents.links.iter().map(|(_, (path, _))| path.as_str()).collect();
+    for page in pages().iter().filter(|page| page.path.starts_with("docs")) {
+        assert!(chapters.contains(&page.path.to_str().unwrap()), "{} is not in the contents", page.path.display());
+    }
+    for chapter in &chapters {
+        let page = Page::read(&book.join(chapter));
+        for (line, (path, _)) in page.links.iter().filter(|(_, (path, _))| !path.is_empty()) {
+            let target = page.path.parent().unwrap().join(path);
+            let is_written_later =
+                ["rust/", "http/"].iter().any(|part| path.trim_start_matches("../").starts_with(part));
+            assert!(is_written_later || target.is_file(), "{}: {path}", page.at(*line));
+            let is_page = target.extension().is_some_and(|ending| ending == "md");
+            let name = target.canonicalize().ok().filter(|_| is_page);
+            let Some(name) = name.as_deref().and_then(|name| name.strip_prefix(book.canonicalize().unwrap()).ok())
+            else {
+                continue;
+            };
+            assert!(chapters.contains(&name.to_str().unwrap()), "{}: {path} is no chapter", page.at(*line));
+        }
+    }
 }
 
 #[test]

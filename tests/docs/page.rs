@@ -18,26 +18,31 @@ pub struct Page {
     /// Path from the root of the repository.
     pub path: PathBuf,
     pub blocks: Vec<Block>,
-    /// Targets without fragment of relative links, each with its line.
-    pub links: Vec<(usize, String)>,
+    /// Targets of relative links, each with its line: path and fragment, of which one can be empty.
+    pub links: Vec<(usize, (String, String))>,
+    /// Fragments of the headings.
+    pub headings: Vec<String>,
 }
 
 impl Page {
     pub fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(root().join(path)).unwrap();
-        let (mut blocks, mut links, mut open) = (Vec::new(), Vec::new(), None::<Block>);
+        let (mut blocks, mut links, mut headings, mut open) = (Vec::new(), Vec::new(), Vec::new(), None::<Block>);
         let mut before = "";
         for (i, line) in text.lines().enumerate() {
             match (&mut open, line.strip_prefix("```")) {
                 (Some(_), Some("")) => blocks.extend(open.take()),
                 (Some(block), _) => block.text.extend([line, "\n"]),
                 (None, Some(kind)) => open = Some(opened(i + 1, kind, before)),
-                (None, None) => links.extend(links_in(line).map(|link| (i + 1, link))),
+                (None, None) => {
+                    links.extend(links_in(line).map(|link| (i + 1, link)));
+                    headings.extend(heading(line).map(|heading| fragment(heading, &headings)));
+                }
             }
             before = line;
         }
         assert!(open.is_none(), "{}: a fence is not closed", path.display());
-        Self { path: path.to_owned(), blocks, links }
+        Self { path: path.to_owned(), blocks, links, headings }
     }
 
     /// Returns path and line.
@@ -52,11 +57,25 @@ fn opened(line: usize, kind: &str, before: &str) -> Block {
     Block { line, kind: kind.trim().to_owned(), text: String::new(), is_run }
 }
 
-/// Returns the targets of links and pictures in a line that are inside the repository.
-fn links_in(line: &str) -> impl Iterator<Item = String> {
-    let target = |rest: &str| rest.split_once(')').map(|(target, _)| target.split('#').next().unwrap_or("").to_owned());
-    let targets = line.split("](").skip(1).filter_map(target);
-    targets.filter(|target| !target.is_empty() && !target.contains("://"))
+/// Returns the targets of links and pictures in a line that are inside the repository: path and fragment.
+fn links_in(line: &str) -> impl Iterator<Item = (String, String)> {
+    let targets = line.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
+    let inside = targets.filter(|target| !target.contains("://"));
+    inside.map(|target| target.split_once('#').unwrap_or((target, ""))).map(|(path, name)| (path.into(), name.into()))
+}
+
+/// Returns the text of a heading.
+fn heading(line: &str) -> Option<&str> {
+    let text = line.trim_start_matches('#');
+    (text.len() < line.len()).then(|| text.strip_prefix(' ')).flatten()
+}
+
+/// Returns the fragment of a heading, as GitHub and mdBook write it. The `others` stand before it.
+fn fragment(heading: &str, others: &[String]) -> String {
+    let is_part = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    let name: String = heading.trim().to_lowercase().chars().filter(is_part).collect::<String>().replace(' ', "-");
+    let repeated = others.iter().filter(|other| **other == name).count();
+    if repeated == 0 { name } else { format!("{name}-{repeated}") }
 }
 
 pub fn root() -> &'static Path {

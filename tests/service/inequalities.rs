@@ -87,9 +87,9 @@ fn wrong_inequalities_are_refused_with_a_pointer() {
         json!([inequality])
     };
     let rows: Vec<(Value, &str, &str)> = vec![
-        (json!(7), "/inequalities", "expected a sequence"),
-        (json!([7]), "/inequalities/0", "expected an object"),
-        (json!([{"kind": "sphere"}]), "/inequalities/0/kind", "unknown variant"),
+        (json!(7), "/inequalities", "give a list, not 7"),
+        (json!([7]), "/inequalities/0", "give an object, not 7"),
+        (json!([{"kind": "sphere"}]), "/inequalities/0/kind", "there is no value `sphere`; known: `joints`, `plane`"),
         (with(&joints, "coefficients", json!([1, 0])), "/inequalities/0/coefficients", "one per joint"),
         (
             with(&joints, "coefficients", json!([0, 0, 0, 0, 0, 0, 0])),
@@ -102,7 +102,7 @@ fn wrong_inequalities_are_refused_with_a_pointer() {
         (with(&plane, "point", json!("elbow")), "/inequalities/0/point", "j4"),
         (with(&plane, "rate_per_s", json!(0)), "/inequalities/0/rate_per_s", "positive"),
         (with(&plane, "rate_per_s", json!(-3)), "/inequalities/0/rate_per_s", "positive"),
-        (with(&plane, "offset", json!(1)), "/inequalities/0", "unknown field"),
+        (with(&plane, "offset", json!(1)), "/inequalities/0", "there is no field `offset`; did you mean `offset_m`?"),
         (
             json!([plane, {"kind": "joints", "name": "inequality 1", "coefficients": [1, 0, 0, 0, 0, 0, 0], "upper": 0}]),
             "/inequalities/1/name",

@@ -31,3 +31,4 @@ mod streaming;
 mod tasks;
 mod warnings;
 mod watch;
+mod why;

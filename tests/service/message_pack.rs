@@ -134,6 +134,12 @@ fn message_pack_is_refused_like_json() {
             post(&service, "/v1/resolve", &[("content-type", MESSAGE_PACK)], &packed(&body));
         assert_eq!((status, media_type.as_str()), (422, "application/problem+json"));
         assert_eq!(problem["pointer"], in_json["pointer"], "{body}");
+        // Only JSON has lines and columns.
+        let detail = in_json["detail"].as_str().unwrap();
+        assert_eq!(problem["detail"], detail.split(" at line ").next().unwrap(), "{body}");
+        for word in ["unknown variant", "unknown field", "missing field", "invalid type", "expected"] {
+            assert!(!detail.contains(word), "{detail}");
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::harness::{Service, example};
 
 fn document() -> Value {
-    serde_json::from_str(openapi_document()).unwrap()
+    serde_json::from_str(&openapi_document()).unwrap()
 }
 
 fn committed(name: &str) -> PathBuf {
@@ -29,8 +29,33 @@ fn the_committed_documents_equal_those_of_the_program() {
 #[test]
 fn the_service_serves_its_description() {
     let service = Service::start();
-    assert_eq!(service.get("/openapi.json").text, openapi_document());
-    assert_eq!(service.get("/asyncapi.json").text, asyncapi_document());
+    for (path, text) in [("/openapi.json", openapi_document()), ("/asyncapi.json", asyncapi_document())] {
+        let served = service.get(path).text;
+        let document: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(served, document.to_string(), "{path} is not compact or differs");
+    }
+}
+
+#[test]
+fn descriptions_are_compressed_and_sent_once() {
+    let service = Service::start();
+    let get = |headers: &str| {
+        let request = format!("GET /openapi.json HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n{headers}\r\n");
+        service.raw_bytes(request.as_bytes())
+    };
+    let head = |answer: &[u8]| String::from_utf8_lossy(answer).split("\r\n\r\n").next().unwrap().to_owned();
+    let plain = get("");
+    assert!(!head(&plain).contains("content-encoding") && plain.len() > 200_000, "{}", head(&plain));
+    let compressed = get("accept-encoding: gzip, br\r\n");
+    assert!(
+        head(&compressed).contains("content-encoding: gzip") && head(&compressed).contains("vary: accept-encoding")
+    );
+    assert!(5 * compressed.len() < plain.len(), "{} bytes", compressed.len());
+    let version = head(&plain).lines().find_map(|line| line.strip_prefix("etag: ").map(str::to_owned)).unwrap();
+    let known = get(&format!("if-none-match: {version}\r\n"));
+    assert!(head(&known).starts_with("HTTP/1.1 304 ") && known.len() < 1000, "{}", head(&known));
+    let other = get("if-none-match: W/\"0\"\r\n");
+    assert!(head(&other).starts_with("HTTP/1.1 200 ") && other.len() == plain.len());
 }
 
 #[test]

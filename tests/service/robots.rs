@@ -97,9 +97,84 @@ fn base_and_tip_select_the_chain() {
     let short = service.post("/v1/robots", &body.to_string()).accepted();
     assert!(short["description"].as_str().unwrap().contains("to link `arm`"));
     let full = service.post("/v1/robots", &registration("full", CRANK).to_string()).accepted();
-    assert_eq!(without(short, &["name", "description"]), without(full, &["name", "description"]));
+    let chain = json!({"base": "base", "tip": "arm", "reason": "request", "joints": ["crank"], "left_out": []});
+    assert_eq!((&short["chain"], &full["chain"]["reason"]), (&chain, &json!("only_end")));
+    let same = ["name", "description", "chain"];
+    assert_eq!(without(short, &same), without(full, &same));
     let reached = service.call("/v1/resolve", &pull("short"))["tasks"][0]["achieved"][0].as_f64().unwrap();
     assert_eq!(reached, 0.0, "the tool is not on the axis");
+}
+
+/// The crank with a gripper on its tool and a second joint, and a wheel at its base.
+fn with_gripper() -> String {
+    let more = r#"<link name="fore"/><link name="finger"/><link name="wheel"/>
+  <joint name="elbow" type="revolute">
+    <parent link="tool"/><child link="fore"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="0"/>
+  </joint>
+  <joint name="grip" type="prismatic">
+    <parent link="fore"/><child link="finger"/><limit lower="0" upper="0.1" velocity="1"/>
+  </joint>
+  <joint name="roll" type="continuous"><parent link="base"/><child link="wheel"/></joint>
+</robot>"#;
+    CRANK.replace("</robot>", more)
+}
+
+#[test]
+fn a_registration_mends_limits_and_names_what_it_left_out() {
+    let service = Service::start();
+    let mut body = registration("mended", &with_gripper());
+    let refused = service.post("/v1/robots", &body.to_string());
+    refused.assert_refused(422, Some("/urdf"));
+    assert!(refused.json()["detail"].as_str().unwrap().contains(r#""elbow": {"velocity""#), "{}", refused.json());
+
+    body["limits"] = json!({"elbow": {"velocity": 2.0, "acceleration": 9.0, "position": [-1.0, 1.0]}});
+    body["joint_names"] = json!({"elbow": "q2"});
+    body["tool_offset"] = json!({"position": [0.5, 0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}});
+    let mended = service.post("/v1/robots", &body.to_string()).accepted();
+    assert_eq!(service.get("/v1/robots/mended").accepted(), mended);
+    let left_out = json!([{"joint": "grip", "reason": "gripper"}, {"joint": "roll", "reason": "leg_or_wheel"}]);
+    let chain = json!({"base": "base", "tip": "fore", "reason": "before_gripper", "joints": ["crank", "q2"], "left_out": left_out});
+    assert_eq!(mended["chain"], chain);
+    let elbow = &mended["joints"][1];
+    assert_eq!((&elbow["velocity_limit"], &elbow["position_limit"]), (&json!(2.0), &json!([-1.0, 1.0])));
+    let pose = service.call("/v1/kinematics", &json!({"robot": "mended", "joint_position": [0.0, 0.0]}));
+    assert_eq!(pose["pose"]["position"], json!([2.5, 0.0, 0.0]));
+}
+
+#[test]
+fn wrong_overrides_are_refused_with_their_place() {
+    let service = Service::start();
+    for (field, value, pointer) in [
+        ("limits", json!({"elbow": {"velocity": 1.0}}), "/limits"),
+        ("limits", json!({"crank": {"velocity": 0.0}}), "/limits"),
+        ("limits", json!({"crank": {"position": [1.0, -1.0]}}), "/limits"),
+        ("joint_names", json!({"elbow": "j"}), "/joint_names"),
+        ("joint_names", json!({"crank": ""}), "/joint_names"),
+        (
+            "tool_offset",
+            json!({"position": [0, 0, 0], "orientation": {"w": 2, "x": 0, "y": 0, "z": 0}}),
+            "/tool_offset/orientation",
+        ),
+    ] {
+        let mut body = registration("wrong", CRANK);
+        body[field] = value;
+        service.post("/v1/robots", &body.to_string()).assert_refused(422, Some(pointer));
+    }
+    let two = CRANK.replace(
+        "</robot>",
+        r#"<link name="arm2"/><link name="b2"/>
+  <joint name="i" type="continuous"><parent link="base"/><child link="arm2"/></joint>
+  <joint name="k" type="continuous"><parent link="arm2"/><child link="b2"/></joint></robot>"#,
+    );
+    let two = two.replace(r#"<joint name="hand" type="fixed">"#, r#"<joint name="hand" type="continuous">"#);
+    let refused = service.post("/v1/robots", &registration("two", &two).to_string());
+    refused.assert_refused(422, Some("/tip"));
+    assert!(
+        refused.json()["detail"].as_str().unwrap().contains("2 arms; name the `tip`: `tool`, `b2`"),
+        "{}",
+        refused.json()
+    );
+    assert_eq!(refused.json()["candidates"], json!(["tool", "b2"]));
 }
 
 #[test]

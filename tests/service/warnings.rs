@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::harness::{Service, example, without};
+use crate::robots::{CRANK, registration};
 
 /// Returns the example controller at a wall of 10⁵ N/m along x, with a lag.
 fn at_the_wall(lag_s: f64) -> Value {
@@ -113,4 +114,28 @@ fn braking_slows_down_a_distant_pose_and_the_bare_gain_does_not() {
     let gentle = speed(json!({"kind": "pose", "gain": 10, "max_acceleration": 0.1}));
     assert!((bare - 3.0).abs() < 1e-9, "{bare}");
     assert!(gentle > 0.0 && gentle < 0.25 && braked > gentle && braked < 2.0, "{gentle} {braked}");
+}
+
+#[test]
+fn the_length_that_suits_a_small_arm_is_named_and_accepted() {
+    let service = Service::start();
+    let small = CRANK.replace("xyz=\"2 0 0\"", "xyz=\"0.05 0 0\"");
+    service.post("/v1/robots", &registration("small", &small).to_string()).accepted();
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.01]}});
+    let mut controller = json!({"robot": "small", "period_s": 0.01, "limits": "position_velocity", "tasks": [{"name": "pull", "axes": ["y"], "law": law}]});
+    let velocity = |controller: &Value| {
+        let state = json!({"sequence": 0, "time_s": 0.0, "joint_position": [0.0]});
+        service.call(&format!("{}/step", service.open(controller)), &state)["joint_velocity"][0].as_f64().unwrap()
+    };
+    let found = warnings(&service, &controller);
+    assert!(found.len() == 1 && found[0].contains("set `characteristic_length_m` to 0.05"), "{found:?}");
+    let damped = velocity(&controller);
+    controller["characteristic_length_m"] = json!(0.05);
+    assert_eq!(warnings(&service, &controller), [""; 0]);
+    let exact = velocity(&controller);
+    assert!(damped < 0.05 && (exact - 0.2).abs() < 1e-12, "{damped} and {exact} rad/s of the 0.2 rad/s for 1 cm/s");
+    for length in [json!(0.0), json!(1e4), json!("long")] {
+        controller["characteristic_length_m"] = length;
+        service.post("/v1/controllers", &controller.to_string()).assert_refused(422, Some("/characteristic_length_m"));
+    }
 }

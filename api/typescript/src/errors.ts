@@ -45,6 +45,8 @@ export class ProblemError extends RevprioError {
   readonly detail: string;
   /** JSON pointer of the invalid field, if there is one. */
   readonly pointer: string | undefined;
+  /** Possible values of that field, best first, if the service can list them: links for `base` and `tip`. */
+  readonly candidates: readonly string[];
   /** What to do about the problem. */
   readonly remedy: string;
   override readonly isSilence: boolean;
@@ -55,6 +57,7 @@ export class ProblemError extends RevprioError {
     super(`${problem.detail} (${problem.status} ${problem.type}${place}). ${remedy}`);
     ({ type: this.type, status: this.status, detail: this.detail } = problem);
     this.pointer = problem.pointer ?? undefined;
+    this.candidates = problem.candidates ?? [];
     this.remedy = remedy;
     this.isSilence = problem.status >= 500 || problem.status === 408 || problem.status === 429;
   }

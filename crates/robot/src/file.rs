@@ -19,8 +19,8 @@ pub enum RobotFileError {
     /// The extension of the file name is unknown.
     #[error("{0}: robots are described in .urdf, .toml or .json")]
     Extension(PathBuf),
-    /// Base or tip is given for a description that has only one chain.
-    #[error("{0}: `base` and `tip` are for .urdf; the joints of this file are the chain")]
+    /// Base, tip or overrides are given for a description that has only one chain.
+    #[error("{0}: `base` and `tip` are for .urdf, also those in `overrides`; change this file itself")]
     BaseOrTip(PathBuf),
     /// The URDF text is not a robot.
     #[error("{path}: {source}")]
@@ -50,7 +50,7 @@ pub fn from_file(path: &Path, options: &UrdfOptions) -> Result<RobotModel, Robot
             let robot = RobotModel::from_urdf(&read()?, options);
             return robot.map_err(|source| RobotFileError::Urdf { path: owned(), source });
         }
-        Some("toml" | "json") if options.base.is_some() || options.tip.is_some() => {
+        Some("toml" | "json") if is_chosen(options) => {
             return Err(RobotFileError::BaseOrTip(owned()));
         }
         Some("toml") => from_toml(&read()?),
@@ -62,6 +62,11 @@ pub fn from_file(path: &Path, options: &UrdfOptions) -> Result<RobotModel, Robot
         Some(name) => robot.renamed(name),
         None => robot,
     })
+}
+
+/// Whether the options say more than a name.
+fn is_chosen(options: &UrdfOptions) -> bool {
+    options.base.is_some() || options.tip.is_some() || options.overrides.is_some()
 }
 
 macro_rules! urdf {

@@ -37,11 +37,15 @@ mod file;
 mod joint_kind;
 pub mod kinematics;
 mod model;
+mod overrides;
 pub mod profile;
+mod selection;
 mod urdf;
 
 pub use description::{DenavitHartenberg, DescriptionError, from_json, from_toml};
 pub use file::{RobotFileError, built_in, from_file};
 pub use joint_kind::JointKind;
 pub use model::{Joint, JointLimits, ModelError, RobotModel};
+pub use overrides::{LimitOverride, Overrides};
+pub use selection::{ChainSelection, LeftOut, LeftOutReason, TipReason};
 pub use urdf::{UrdfError, UrdfOptions};

@@ -1,8 +1,10 @@
 //! The model of an arm: a serial chain, independent of the format that described it.
 
+use std::sync::Arc;
+
 use nalgebra::IsometryMatrix3;
 
-use super::{DenavitHartenberg, JointKind};
+use super::{ChainSelection, DenavitHartenberg, JointKind};
 use crate::kinematics::Chain;
 
 /// Position, velocity and acceleration limits of one joint; infinite where there is none.
@@ -86,6 +88,7 @@ pub struct RobotModel {
     joints: Vec<Joint>,
     tool: IsometryMatrix3<f64>,
     chain: Chain,
+    selection: Option<Arc<ChainSelection>>,
 }
 
 impl RobotModel {
@@ -113,7 +116,17 @@ impl RobotModel {
             }
         }
         let chain = Chain::new(&joints, &tool);
-        Ok(Self { name: name.into(), description: description.into(), joints, tool, chain })
+        Ok(Self { name: name.into(), description: description.into(), joints, tool, chain, selection: None })
+    }
+
+    /// Returns the same robot with a note about the chain that it was read from.
+    pub(crate) fn with_selection(self, selection: ChainSelection) -> Self {
+        Self { selection: Some(Arc::new(selection)), ..self }
+    }
+
+    /// Returns which chain of the description the robot is; `None` if the description has only one.
+    pub fn selection(&self) -> Option<&ChainSelection> {
+        self.selection.as_deref()
     }
 
     /// Returns the same robot under another name.
@@ -149,6 +162,13 @@ impl RobotModel {
     /// Returns the joints, base first.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
+    }
+
+    /// Returns the length of the stretched chain from the first joint to the tool, m: no point of the chain is farther away,
+    /// apart from prismatic motion.
+    pub fn reach(&self) -> f64 {
+        let links = self.joints.iter().skip(1).map(|joint| &joint.placement).chain([&self.tool]);
+        links.map(|placement| placement.translation.vector.norm()).sum()
     }
 
     /// Returns the pose of the tool frame in the frame that the last joint moves.

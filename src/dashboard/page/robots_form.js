@@ -3,13 +3,16 @@
 import { select as selectScenario } from './editing.js';
 import { element, notify } from './notices.js';
 import { PLAYGROUND } from './setup.js';
-import { post, removeNow } from './transport.js';
+import { ApiError, post, removeNow } from './transport.js';
 import { parseUrdf } from './urdf.js';
 import { loadVisuals } from './visuals.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./controls.js').Attempt} Attempt
+ * @typedef {import('./types.js').Robot} Robot
+ * @typedef {import('./types.js').RobotRegistration} RobotRegistration
+ * @typedef {import('./urdf.js').Urdf} Urdf
  * @typedef {Map<string, File>} Files files by path
  */
 
@@ -88,13 +91,15 @@ async function register(runControl, files) {
     return;
   }
   const urdf = await file.text();
-  const model = parseUrdf(urdf);
-  const tip = model.leaves.length > 1 ? await askForTip(model.leaves, model.longest) : null;
-  if (model.leaves.length > 1 && !tip) return;
-  const name = robotName(model.name || path.replace(/^.*\//, '').replace(/\.\w+$/, ''));
+  const parsed = parseUrdf(urdf);
+  const stem = path.replace(/\.\w+$/, '');
+  const stated = await overrides(files.get(`${stem}.json`));
+  const name = robotName(parsed.name || stem.replace(/^.*\//, ''));
   const known = runControl.robots.find((robot) => robot.name === name);
   if (known) await removeNow(`/v1/robots/${name}`);
-  await post('/v1/robots', { name, urdf, tip });
+  const robot = await registerChain({ ...stated, name, urdf });
+  if (!robot) return;
+  const model = named(parsed, stated.joint_names ?? {}, robot.chain?.base ?? parsed.root);
   const { visuals, missing } = await loadVisuals(model, files);
   runControl.visuals.set(name, visuals);
   await runControl.loadRobots();
@@ -102,7 +107,55 @@ async function register(runControl, files) {
   runControl.showSetup();
   const shown = `${visuals.shapes.length} shapes`;
   const lost = missing.length > 0 ? ` Not found or not readable: ${missing.slice(0, 4).join(', ')}. Drop their folder too, as STL or OBJ.` : '';
-  notify(`Robot ${name}`, `Registered with ${runControl.robot?.joints.length ?? 0} joints and ${shown}.${lost}`, { info: missing.length === 0 });
+  notify(`Robot ${name}`, `Registered with ${robot.joints.length} joints and ${shown}. ${chainText(robot)}${lost}`, { info: missing.length === 0 });
+}
+
+/** Reads the fields of the registration from the file beside the URDF file. @type {(file: File | undefined) => Promise<Partial<RobotRegistration>>} */
+async function overrides(file) {
+  if (!file) return {};
+  try {
+    return JSON.parse(await file.text());
+  } catch {
+    throw new Error(`${file.name} is not JSON; it states limits, joint_names, tool_offset, base or tip of the robot`);
+  }
+}
+
+/**
+ * Registers the robot. If the service cannot tell which links are its ends, asks for them.
+ * @type {(registration: RobotRegistration) => Promise<Robot | null>} null if the user cancels
+ */
+async function registerChain(registration) {
+  try {
+    return await post('/v1/robots', registration);
+  } catch (error) {
+    if (!(error instanceof ApiError)) throw error;
+    const { pointer, candidates = [], detail } = error.problem;
+    const field = pointer === '/tip' ? 'tip' : 'base';
+    if (pointer !== `/${field}` || candidates.length === 0 || registration[field]) throw error;
+    const link = await askForLink(field, detail, candidates);
+    return link ? registerChain({ ...registration, [field]: link }) : null;
+  }
+}
+
+/** Names the chain, why it ends there, and the joints that are no part of it. @type {(robot: Robot) => string} */
+function chainText({ chain }) {
+  if (!chain) return '';
+  const reason = chain.reason.replaceAll('_', ' ');
+  const shown = chain.left_out.slice(0, 6).map(({ joint, reason: why }) => `${joint} (${why.replaceAll('_', ' ')})`);
+  const more = chain.left_out.length > shown.length ? ` and ${chain.left_out.length - shown.length} more` : '';
+  const leftOut = shown.length > 0 ? ` Left out: ${shown.join(', ')}${more}.` : '';
+  return `Chain from ${chain.base} to ${chain.tip} (${reason}).${leftOut}`;
+}
+
+/** Returns the model with the names of joints that requests use. @type {(model: Urdf, names: Record<string, string>, root: string) => Urdf} */
+function named(model, names, root) {
+  const renamed = (/** @type {string} */ name) => names[name] ?? name;
+  const joints = model.joints.map((joint) => ({
+    ...joint,
+    name: renamed(joint.name),
+    mimic: joint.mimic && { ...joint.mimic, joint: renamed(joint.mimic.joint) },
+  }));
+  return { ...model, root, joints };
 }
 
 /** @type {(text: string) => string} */
@@ -111,13 +164,15 @@ function robotName(text) {
   return `my_${name || 'robot'}`;
 }
 
-/** Asks for the link of the tool; null if the user cancels. @type {(leaves: string[], longest: string) => Promise<string | null>} */
-function askForTip(leaves, longest) {
+/** Asks for a link; null if the user cancels. @type {(field: 'base' | 'tip', detail: string, links: string[]) => Promise<string | null>} */
+function askForLink(field, detail, links) {
   /** @type {HTMLDialogElement} */
   const dialog = element('tip-dialog');
   /** @type {HTMLSelectElement} */
   const choice = element('tip-link');
-  choice.replaceChildren(...leaves.map((leaf) => new Option(leaf, leaf, false, leaf === longest)));
+  element('tip-title').textContent = field === 'tip' ? 'Which link is the tool?' : 'Which link is the base?';
+  element('tip-detail').textContent = `The service says: ${detail}.`;
+  choice.replaceChildren(...links.map((link) => new Option(link, link)));
   dialog.returnValue = '';
   dialog.showModal();
   return new Promise((resolve) => {

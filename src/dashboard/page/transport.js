@@ -1,6 +1,6 @@
 // Requests to the service: JSON bodies, server-sent events, problem reports and the token.
 
-/** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer'>} Problem */
+/** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer' | 'candidates'>} Problem */
 
 const TOKEN = 'revprio-token';
 

@@ -17,6 +17,7 @@ export type ArmView = Schemas['ArmView'];
 export type TimeHistogram = Schemas['TimeHistogram'];
 export type PathCounts = Schemas['PathCounts'];
 export type Robot = Schemas['Robot'];
+export type RobotRegistration = Schemas['RobotRegistration'];
 export type SessionList = Schemas['SessionList'];
 export type SessionEntry = Schemas['SessionEntry'];
 export type SessionStatus = Schemas['SessionStatus'];

@@ -27,8 +27,6 @@ import { IDENTITY, fromVector, multiply, rotate } from './rotation.js';
  * @property {Joint[]} joints
  * @property {Shape[]} shapes
  * @property {string} root
- * @property {string[]} leaves links without children
- * @property {string} longest the leaf behind the most moving joints
  */
 
 /** @type {(text: string | null | undefined, missing: Vec3) => Vec3} */
@@ -53,26 +51,16 @@ const children = (element, name) => Array.from(element.children).filter(({ tagNa
 /** @type {(text: string) => Urdf} throws an error if the text is not a URDF */
 export function parseUrdf(text) {
   const root = new DOMParser().parseFromString(text, 'text/xml').documentElement;
-  if (root.tagName !== 'robot') throw new Error('this is not a URDF text: it has no <robot> element; expand Xacro files first');
+  if (root.tagName === 'mujoco') throw new Error('this is a MuJoCo model (MJCF), not URDF; convert it in Python: revprio.read_mjcf(FILE) returns URDF');
+  if (root.tagName !== 'robot') throw new Error('this is not a URDF text: it has no <robot> element');
   const links = children(root, 'link').map((link) => link.getAttribute('name') ?? '');
   const joints = children(root, 'joint').map(joint);
-  const parents = new Set(joints.map(({ parent }) => parent));
   const inner = new Set(joints.map((joint) => joint.child));
-  const leaves = links.filter((link) => !parents.has(link));
-  const depth = (/** @type {string} */ link) => {
-    let count = 0;
-    for (let at = joints.find((joint) => joint.child === link); at; at = joints.find((joint) => joint.child === at?.parent)) {
-      count += Number(at.kind !== 'fixed') + 1e-3;
-    }
-    return count;
-  };
   return {
     name: root.getAttribute('name') ?? '',
     joints,
     shapes: children(root, 'link').flatMap(shapes),
     root: links.find((link) => !inner.has(link)) ?? '',
-    leaves,
-    longest: leaves.reduce((best, link) => (depth(link) > depth(best) ? link : best), leaves[0] ?? ''),
   };
 }
 

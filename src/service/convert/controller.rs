@@ -1,7 +1,9 @@
 //! Controllers.
 
 use revprio_api::wire;
-use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, TaskConfigError};
+use revprio_core::controller::{
+    ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
+};
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 
 use super::environment;
@@ -19,6 +21,9 @@ use crate::service::robots::Robots;
 /// Maximum lag of a drive, s.
 pub const MAX_LAG_S: f64 = 1.0;
 
+/// Smallest and largest characteristic length, m.
+pub const CHARACTERISTIC_LENGTH_M: (f64, f64) = (1e-3, 1e3);
+
 /// Maximum number of tasks of a controller.
 pub const MAX_TASKS: usize = 64;
 
@@ -33,16 +38,18 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         task_config(task, &robot).map_err(|error| error.inside(&format!("/tasks/{k}")))
     };
     let tasks = request.tasks.iter().enumerate().map(task).collect::<Result<Vec<_>, _>>()?;
+    let (period_s, drive) = (positive_period(request.period_s, "/period_s")?, drive(request.drive)?);
     let config = ControllerConfig {
-        period_s: positive_period(request.period_s, "/period_s")?,
+        period_s,
         method: terms::method(request.method),
         solver: terms::solver(request.solver),
         damping: damping(request.damping)?,
+        characteristic_length_m: characteristic_length(request.characteristic_length_m)?,
         limits: match &request.limits {
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
             wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
         },
-        drive: drive(request.drive)?,
+        drive,
         barriers: InequalityReader {
             robot: Some(&robot),
             joints: robot.joint_count(),
@@ -53,7 +60,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: match &request.null_space_velocity {
             Some(motion) => null_space(motion, Some(&robot), robot.joint_count())?,
-            None => None,
+            None => NullSpaceMotion::default_for(&robot, &tasks, drive, period_s),
         },
         leave_local_minima: request.leave_local_minima,
         anti_windup: terms::anti_windup(request.anti_windup),
@@ -63,6 +70,17 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
     environment::check(request)?;
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
+}
+
+fn characteristic_length(length: f64) -> Result<f64, ApiError> {
+    let pointer = "/characteristic_length_m";
+    let (least, greatest) = CHARACTERISTIC_LENGTH_M;
+    let length = number(length, pointer)?;
+    if (least..=greatest).contains(&length) {
+        Ok(length)
+    } else {
+        Err(ApiError::invalid(pointer, format!("give {least} to {greatest} m")))
+    }
 }
 
 fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
@@ -78,6 +96,7 @@ fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
 fn config_pointer(error: &ConfigError) -> String {
     match error {
         ConfigError::Period(_) => "/period_s".to_owned(),
+        ConfigError::CharacteristicLength(_) => "/characteristic_length_m".to_owned(),
         ConfigError::NoTasks => "/tasks".to_owned(),
         ConfigError::DuplicateTask { task, .. } => format!("/tasks/{task}/name"),
         ConfigError::Task { task, source: TaskConfigError::Streaming(source) } => {

@@ -27,10 +27,11 @@ mod targets;
 mod task;
 mod terms;
 mod warnings;
+mod why;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
-pub use controller::{MAX_LAG_S, MAX_TASKS, controller};
+pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, controller};
 pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
@@ -40,7 +41,7 @@ pub use profile::MAX_POINTS;
 pub use resolve::{
     MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem,
 };
-pub use robot::{robot, robot_answer, robots_error};
+pub use robot::{overrides, robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};
 pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
@@ -49,3 +50,4 @@ pub use step::{
 };
 pub use targets::warn as warn_about_targets;
 pub use warnings::warnings;
+pub use why::{limited_state, why_of_step};

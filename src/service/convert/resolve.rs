@@ -20,6 +20,7 @@ use super::numbers::{
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::{task_frame, with_tool_offset};
 use super::terms;
+use super::why::{Explained, LimitedState, NamedTask, Unit};
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
@@ -45,6 +46,17 @@ pub struct ResolveProblem {
     conflicts: Vec<usize>,
     /// Joint limit index H, if robot and posture are known.
     joint_limit_index: Option<f64>,
+    /// What the sentences of the answer need, if the request wants them.
+    why: Option<WhyInputs>,
+}
+
+/// What the sentences of an answer need besides the problem.
+struct WhyInputs {
+    robot: Option<Arc<RobotModel>>,
+    /// The state that the limits depend on, if they are the robot's.
+    state: Option<LimitedState>,
+    /// Units of the rows of each task.
+    units: Vec<Vec<Unit>>,
 }
 
 /// Reads a request.
@@ -62,6 +74,7 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
     let are_others =
         matches!(request.limits, Some(wire::Limits::Box { .. } | wire::Limits::Robot(wire::LimitKind::None)));
     let zeta = null_space_velocity(request, robot, configuration.as_ref(), joints)?;
+    let why = request.why.then(|| why_inputs(request, robot, configuration.as_ref(), are_others));
     Ok(ResolveProblem {
         problem: Problem {
             tasks,
@@ -76,7 +89,31 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
         faster_than: robot.filter(|_| are_others).cloned(),
         conflicts: limited.conflicts,
         joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
+        why,
     })
+}
+
+/// Collects what the sentences of the answer need. `are_others`: the limits are not the robot's.
+fn why_inputs(
+    request: &wire::ResolveRequest,
+    robot: Option<&Arc<RobotModel>>,
+    configuration: Option<&Configuration>,
+    are_others: bool,
+) -> WhyInputs {
+    let kind = match request.limits {
+        Some(wire::Limits::Robot(kind)) => kind,
+        _ => wire::LimitKind::PositionVelocity,
+    };
+    let last = |robot| joint_vector(request.joint_velocity.as_ref()?, robot, "").ok().zip(request.period_s);
+    let state = robot.filter(|_| !are_others).map(|robot| LimitedState {
+        position: configuration.filter(|_| kind.includes_position()).map(|at| at.joint_position().to_vec()),
+        last_command: Some(robot).filter(|_| kind.includes_acceleration()).and_then(|robot| last(robot)),
+    });
+    let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
+        (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
+        (None, rows) => vec![Unit::Unknown; rows.as_ref().map_or(0, Vec::len)],
+    };
+    WhyInputs { robot: robot.cloned(), state, units: request.tasks.iter().map(units).collect() }
 }
 
 /// Returns the robot of the request, with its tool offset.
@@ -337,6 +374,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
     };
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),
+        why: problem.why.as_ref().map(|inputs| why(problem, inputs, resolution)).unwrap_or_default(),
         tasks: outcome.tasks(|k| (requested(&tasks[k], &resolution.tasks[k].achieved), None)),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
@@ -349,6 +387,26 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         joint_limit_index: problem.joint_limit_index,
         elapsed_us: elapsed_us(start),
     }
+}
+
+/// Returns the sentences of the answer.
+fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) -> Vec<String> {
+    let tasks = problem.problem.tasks.tasks().iter().zip(&resolution.tasks).zip(&inputs.units);
+    let tasks = tasks.map(|((task, outcome), units)| NamedTask {
+        name: &task.name,
+        requested: requested(task, &outcome.achieved),
+        units: units.clone(),
+    });
+    let explained = Explained {
+        resolution,
+        joints: problem.joints.iter().map(String::as_str).collect(),
+        robot: inputs.robot.as_deref(),
+        state: inputs.state.as_ref(),
+        threshold: problem.problem.damping.map(|damping| damping.threshold()),
+        conflicts: &problem.conflicts,
+        tasks: tasks.collect(),
+    };
+    explained.sentences()
 }
 
 /// Returns the requested velocity of a task: the allowed velocity nearest to the achieved one.

@@ -1,29 +1,29 @@
 //! Robots.
 
 use revprio_api::wire;
-use revprio_robot::{Joint, RobotModel, UrdfError, UrdfOptions};
+use revprio_robot::{
+    ChainSelection, Joint, LeftOutReason, LimitOverride, ModelError, Overrides, RobotModel, TipReason, UrdfError,
+    UrdfOptions,
+};
 
+use super::numbers::check_numbers;
+use super::pose::pose;
 use super::resolve::MAX_JOINTS;
 use super::terms;
-use crate::service::error::ApiError;
+use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::RobotsError;
 
 /// Reads a robot to be registered.
 pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> {
+    let overrides = overrides(request)?;
     let options = UrdfOptions {
         name: Some(&request.name),
         description: None,
         base: request.base.as_deref(),
         tip: request.tip.as_deref(),
+        overrides: Some(&overrides),
     };
-    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| {
-        let pointer = match error {
-            UrdfError::Base { .. } | UrdfError::UnknownBase { .. } => "/base",
-            UrdfError::Tip { .. } | UrdfError::UnknownTip { .. } => "/tip",
-            _ => "/urdf",
-        };
-        ApiError::invalid(pointer, error)
-    })?;
+    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| urdf_error(request, &error))?;
     match robot.joint_count() {
         0..=MAX_JOINTS => Ok(robot),
         joints => {
@@ -31,6 +31,43 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> 
             Err(ApiError::invalid("/urdf", detail))
         }
     }
+}
+
+/// Reads the values of a registration that replace those of its text.
+pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides, ApiError> {
+    let limits = || request.limits.iter().flatten();
+    for (joint, stated) in limits() {
+        let numbers = stated.position.into_iter().flatten().chain(stated.velocity).chain(stated.acceleration);
+        let numbers: Vec<f64> = numbers.collect();
+        let at = |error: ApiError| error.inside(&format!("/limits/{}", escape_pointer(joint)));
+        check_numbers(&numbers, "").map_err(at)?;
+    }
+    let limit = |stated: &wire::StatedLimits| LimitOverride {
+        position: stated.position,
+        velocity: stated.velocity,
+        acceleration: stated.acceleration,
+    };
+    let tool_offset = request.tool_offset.as_ref().map(pose).transpose();
+    Ok(Overrides {
+        limits: limits().map(|(joint, stated)| (joint.clone(), limit(stated))).collect(),
+        joint_names: request.joint_names.clone().unwrap_or_default(),
+        tool_offset: tool_offset.map_err(|error| error.inside("/tool_offset"))?,
+    })
+}
+
+fn urdf_error(request: &wire::RobotRegistration, error: &UrdfError) -> ApiError {
+    let pointer = match error {
+        UrdfError::Base { .. } | UrdfError::UnknownBase { .. } => "/base",
+        UrdfError::Tip { .. } | UrdfError::Arms { .. } | UrdfError::UnknownTip { .. } => "/tip",
+        UrdfError::UnknownJoint { field: "limits", .. } => "/limits",
+        UrdfError::UnknownJoint { .. } | UrdfError::JointName { .. } => "/joint_names",
+        UrdfError::Model(ModelError::DuplicateJoint { .. }) if request.joint_names.is_some() => "/joint_names",
+        UrdfError::Limit { joints, .. } if request.limits.iter().flatten().any(|(name, _)| joints.contains(name)) => {
+            "/limits"
+        }
+        _ => "/urdf",
+    };
+    ApiError::invalid(pointer, error).with_candidates(error.candidates())
 }
 
 /// Converts the error of the registry of robots.
@@ -51,6 +88,40 @@ pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
         description: robot.description().to_owned(),
         source: source(robot),
         joints: robot.joints().iter().map(joint_answer).collect(),
+        chain: robot.selection().map(|selection| chain_answer(robot, selection)),
+    }
+}
+
+fn chain_answer(robot: &RobotModel, selection: &ChainSelection) -> wire::RobotChain {
+    let reason = match selection.reason {
+        TipReason::Request => wire::TipReason::Request,
+        TipReason::OnlyEnd => wire::TipReason::OnlyEnd,
+        TipReason::ToolName => wire::TipReason::ToolName,
+        TipReason::BeforeGripper => wire::TipReason::BeforeGripper,
+        TipReason::LastLink => wire::TipReason::LastLink,
+    };
+    let left_out = selection.left_out.iter();
+    wire::RobotChain {
+        base: selection.base.clone(),
+        tip: selection.tip.clone(),
+        reason,
+        joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        left_out: left_out
+            .map(|joint| wire::LeftOutJoint { joint: joint.joint.clone(), reason: left_out_answer(joint.reason) })
+            .collect(),
+    }
+}
+
+fn left_out_answer(reason: LeftOutReason) -> wire::LeftOutReason {
+    match reason {
+        LeftOutReason::Gripper => wire::LeftOutReason::Gripper,
+        LeftOutReason::Head => wire::LeftOutReason::Head,
+        LeftOutReason::LegOrWheel => wire::LeftOutReason::LegOrWheel,
+        LeftOutReason::Sensor => wire::LeftOutReason::Sensor,
+        LeftOutReason::Unsupported => wire::LeftOutReason::Unsupported,
+        LeftOutReason::BeyondTip => wire::LeftOutReason::BeyondTip,
+        LeftOutReason::OtherBranch => wire::LeftOutReason::OtherBranch,
+        LeftOutReason::NotBelowBase => wire::LeftOutReason::NotBelowBase,
     }
 }
 

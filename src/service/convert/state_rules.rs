@@ -30,6 +30,8 @@ const POSITION_MARGIN: f64 = 0.02;
 pub struct StateRules {
     /// Maximum validity of an answer, ms.
     pub valid_for_ms: u64,
+    /// Whether answers have `why`.
+    pub why: bool,
     checks: wire::StateChecks,
 }
 
@@ -47,7 +49,7 @@ pub struct LastState {
 impl StateRules {
     /// Reads the rules of a controller.
     pub fn read(controller: &wire::Controller) -> Result<Self, ApiError> {
-        let wire::Controller { valid_for_ms, state_checks: checks, .. } = *controller;
+        let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
         if !(1..=MAX_VALID_FOR_MS).contains(&valid_for_ms) {
             return Err(ApiError::invalid("/valid_for_ms", format!("give 1 to {MAX_VALID_FOR_MS} ms")));
         }
@@ -57,7 +59,7 @@ impl StateRules {
         {
             bound.map(|bound| not_negative(bound, pointer)).transpose()?;
         }
-        Ok(Self { valid_for_ms, checks })
+        Ok(Self { valid_for_ms, why, checks })
     }
 
     /// Refuses a state beyond a bound.

@@ -92,7 +92,7 @@ pub fn valid_for_ms(hold: &Hold, rules: &StateRules) -> u64 {
     (hold.time_s * 1e3).min(rules.valid_for_ms as f64) as u64
 }
 
-/// Returns the body of the answer, without memory and warnings.
+/// Returns the body of the answer, without memory, warnings and `why`.
 pub fn step_answer(
     controller: &Controller,
     rules: &StateRules,
@@ -123,6 +123,7 @@ pub fn step_answer(
         valid_for_ms: valid_for_ms(&command.hold, rules),
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),
+        why: Vec::new(),
         tasks: tasks_with_targets(outcome.tasks(task), command),
         stuck_tasks: command.stuck.iter().map(|stuck| stuck_task(stuck, controller)).collect(),
         active_limits: outcome.active_limits(),

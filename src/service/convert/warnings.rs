@@ -6,11 +6,28 @@ use revprio_core::controller::{ControllerConfig, SteepGain};
 use super::environment;
 use crate::service::error::ApiError;
 
-/// Returns the warnings about a controller, which must be checked before: unstable contacts, then steep gains.
+/// Reaches of arms that the default characteristic length of 1 m suits, m.
+const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
+
+/// Returns the warnings about a controller, which must be checked before: unstable contacts, steep gains, then a damping that
+/// does not suit the size of the arm.
 pub fn warnings(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
     let mut warnings = environment::warnings(request)?;
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
+    warnings.extend(unusual_size(request, config));
     Ok(warnings)
+}
+
+/// Singular values of linear rows are proportional to the size of the arm, and the thresholds of damping are not.
+#[expect(clippy::float_cmp, reason = "any other length is a choice of the user")]
+fn unusual_size(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
+    let (reach, chosen) = (config.robot.reach(), request.characteristic_length_m != 1.0);
+    (config.damping.is_some() && !chosen && !ORDINARY_REACH_M.contains(&reach)).then(|| {
+        format!(
+            "the arm reaches {reach:.2} m, and a characteristic length of 1 m suits arms of about that reach; set \
+             `characteristic_length_m` to {reach:.2}, or damping begins at the wrong distance from singularities"
+        )
+    })
 }
 
 fn describe(steep: &SteepGain) -> String {

@@ -4,6 +4,7 @@
 
 mod kinds;
 
+use std::fmt;
 use std::time::Duration;
 
 use axum::http::{HeaderValue, StatusCode, header};
@@ -44,11 +45,16 @@ pub struct ApiError {
     detail: String,
     /// JSON pointer to the wrong field.
     pointer: Option<String>,
+    /// Possible values of the wrong field, best first.
+    candidates: Vec<String>,
 }
 
 impl ApiError {
+    /// Maximum number of candidates in an answer.
+    const MAX_CANDIDATES: usize = 100;
+
     fn new(kind: &'static Kind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: detail.into(), pointer: None }
+        Self { kind, detail: detail.into(), pointer: None, candidates: Vec::new() }
     }
 
     /// Replaces the text that says what was wrong.
@@ -243,6 +249,12 @@ impl ApiError {
         Self { pointer: Some(pointer.into()), ..self }
     }
 
+    /// Lists possible values of the wrong field, best first.
+    #[must_use]
+    pub fn with_candidates(self, candidates: &[String]) -> Self {
+        Self { candidates: candidates.iter().take(Self::MAX_CANDIDATES).cloned().collect(), ..self }
+    }
+
     /// Puts `prefix` before the JSON pointer: the place of the checked object in the whole body.
     #[must_use]
     pub fn inside(self, prefix: &str) -> Self {
@@ -272,6 +284,7 @@ impl ApiError {
             status: self.kind.status.as_u16(),
             detail: self.detail,
             pointer: self.pointer,
+            candidates: self.candidates,
             request_id: None,
         }
     }
@@ -282,6 +295,16 @@ impl ApiError {
         // The inner layers set the length of the empty body.
         response.headers_mut().remove(header::CONTENT_LENGTH);
         *response.body_mut() = axum::Json(body).into_response().into_body();
+    }
+}
+
+impl fmt::Display for ApiError {
+    /// Writes the place of the mistake, if it is known, and what is wrong.
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match &self.pointer {
+            Some(pointer) => write!(formatter, "{pointer}: {}", self.detail),
+            None => formatter.write_str(&self.detail),
+        }
     }
 }
 

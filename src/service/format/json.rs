@@ -1,6 +1,7 @@
 //! Bodies in JSON.
 
 use revprio_api::wire::Object;
+use revprio_api::wire::read_error::in_plain_words;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
@@ -33,13 +34,14 @@ pub(super) fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> 
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let (place, cause) = (pointer(error.path()), error.into_inner());
+        let detail = in_plain_words(&cause.to_string());
         match cause.classify() {
-            Category::Data => ApiError::invalid(place, cause),
-            _ if is_well_formed(bytes) => ApiError::invalid(place, cause),
-            Category::Syntax | Category::Eof | Category::Io => ApiError::malformed(cause.to_string()),
+            Category::Data => ApiError::invalid(place, detail),
+            _ if is_well_formed(bytes) => ApiError::invalid(place, detail),
+            Category::Syntax | Category::Eof | Category::Io => ApiError::malformed(detail),
         }
     })?;
-    deserializer.end().map_err(|error| ApiError::malformed(error.to_string()))?;
+    deserializer.end().map_err(|error| ApiError::malformed(in_plain_words(&error.to_string())))?;
     Ok(value)
 }
 

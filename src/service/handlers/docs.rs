@@ -3,14 +3,16 @@
 use std::convert::Infallible;
 
 use axum::body::Body;
-use axum::http::{HeaderValue, Request, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, Request, StatusCode, header};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::{Extension, Router};
 use swagger_ui_dist::{ApiDefinition, OpenApiSource};
 use tower_service::Service as _;
 
 use super::Segment;
+use crate::service::background::background;
 use crate::service::error::ApiError;
+use crate::service::published::Published;
 
 /// Allows only files of the service itself. The style sheet of the page contains its pictures.
 const ONLY_SELF: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
@@ -39,22 +41,25 @@ const SCRIPT: &str = r##"SwaggerUIBundle({ url: "/openapi.json", dom_id: "#swagg
 #[derive(Clone, Copy)]
 pub struct Documents {
     /// Returns the OpenAPI document.
-    pub openapi: fn() -> &'static str,
+    pub openapi: fn() -> &'static Published,
     /// Returns the AsyncAPI document.
-    pub asyncapi: fn() -> &'static str,
+    pub asyncapi: fn() -> &'static Published,
 }
 
 /// Returns the OpenAPI document.
 ///
-/// It describes all HTTP routes and their bodies.
+/// It describes all HTTP routes and their bodies. It is compressed if the client accepts gzip, and has an `ETag`.
 #[utoipa::path(
     get,
     path = "/openapi.json",
     tag = "operation",
-    responses((status = 200, body = Object, content_type = "application/json", description = "OpenAPI 3.1."))
+    responses(
+        (status = 200, body = Object, content_type = "application/json", description = "OpenAPI 3.1."),
+        (status = 304, description = "The client has this version, by `If-None-Match`.")
+    )
 )]
-pub async fn document(Extension(documents): Extension<Documents>) -> Response {
-    json((documents.openapi)())
+pub async fn document(Extension(documents): Extension<Documents>, headers: HeaderMap) -> Result<Response, ApiError> {
+    send(documents.openapi, headers).await
 }
 
 /// Returns the AsyncAPI document.
@@ -65,14 +70,21 @@ pub async fn document(Extension(documents): Extension<Documents>) -> Response {
     path = "/asyncapi.json",
     tag = "operation",
     operation_id = "asyncapi_document",
-    responses((status = 200, body = Object, content_type = "application/json", description = "AsyncAPI 3.0."))
+    responses(
+        (status = 200, body = Object, content_type = "application/json", description = "AsyncAPI 3.0."),
+        (status = 304, description = "The client has this version, by `If-None-Match`.")
+    )
 )]
-pub async fn async_document(Extension(documents): Extension<Documents>) -> Response {
-    json((documents.asyncapi)())
+pub async fn async_document(
+    Extension(documents): Extension<Documents>,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
+    send(documents.asyncapi, headers).await
 }
 
-fn json(text: &'static str) -> Response {
-    ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], text).into_response()
+/// Sends a document. The first request writes it, in another thread, so that steps do not wait.
+async fn send(document: fn() -> &'static Published, headers: HeaderMap) -> Result<Response, ApiError> {
+    background(move |_| document().answer(&headers)).await
 }
 
 /// `GET /docs`

@@ -153,6 +153,12 @@ fn add_values(schemas: &mut Value, schema: &Value, place: &str, value: &Value) {
         }
         add_values(schemas, part, &place, value);
     }
+    if schema["additionalProperties"].is_object() {
+        let place = format!("{place}/additionalProperties");
+        for value in value.as_object().into_iter().flatten().map(|(_, value)| value) {
+            add_values(schemas, &schema["additionalProperties"], &place, value);
+        }
+    }
     for value in value.as_array().into_iter().flatten() {
         add_values(schemas, &schema["items"], &format!("{place}/items"), value);
     }

@@ -16,10 +16,11 @@ use revprio_api::wire;
 use serde_json::{Value, json};
 use utoipa::OpenApi;
 
+use super::published::Published;
 use super::routes::routes;
 
-static OPENAPI: LazyLock<String> = LazyLock::new(|| format!("{:#}\n", document()));
-static ASYNCAPI: LazyLock<String> = LazyLock::new(|| format!("{:#}\n", asyncapi::asyncapi(&document())));
+static OPENAPI: LazyLock<Value> = LazyLock::new(document);
+static ASYNCAPI: LazyLock<Value> = LazyLock::new(|| asyncapi::asyncapi(&OPENAPI));
 
 /// The head of the document.
 #[derive(OpenApi)]
@@ -36,35 +37,59 @@ static ASYNCAPI: LazyLock<String> = LazyLock::new(|| format!("{:#}\n", asyncapi:
     ),
     servers((url = "/", description = "This service.")),
     tags(
-        (name = "resolve", description = "Stateless resolution: tasks in, joint velocities out."),
-        (name = "control", description = "Controllers: one call per control period."),
-        (name = "analysis", description = "Kinematics of arms, stability of contacts."),
+        (name = "control", description = "Control loops, recommended: open a session, then call it once per control period."),
+        (name = "resolve", description = "Single problems without memory: tasks in, joint velocities out."),
         (name = "robots", description = "The arms that requests can name."),
+        (name = "analysis", description = "Kinematics of an arm, stability of a contact, before you start a loop."),
         (name = "simulation", description = "The built-in simulator, with this service as the controller."),
-        (name = "operation", description = "For operators of the service.")
+        (name = "operation", description = "For operators of the service: health, metrics, these descriptions.")
     ),
     components(schemas(wire::Problem, wire::WatchedStep, wire::LiveFrame))
 )]
 struct Head;
 
-/// Returns the OpenAPI document.
-pub fn openapi_document() -> &'static str {
-    &OPENAPI
+/// Returns the OpenAPI document, indented.
+pub fn openapi_document() -> String {
+    format!("{:#}\n", *OPENAPI)
 }
 
-/// Returns the AsyncAPI document of the stream.
-pub fn asyncapi_document() -> &'static str {
-    &ASYNCAPI
+/// Returns the AsyncAPI document of the stream, indented.
+pub fn asyncapi_document() -> String {
+    format!("{:#}\n", *ASYNCAPI)
+}
+
+/// Returns the OpenAPI document as the service sends it.
+pub fn published_openapi() -> &'static Published {
+    static PUBLISHED: LazyLock<Published> = LazyLock::new(|| Published::new(&OPENAPI));
+    &PUBLISHED
+}
+
+/// Returns the AsyncAPI document as the service sends it.
+pub fn published_asyncapi() -> &'static Published {
+    static PUBLISHED: LazyLock<Published> = LazyLock::new(|| Published::new(&ASYNCAPI));
+    &PUBLISHED
 }
 
 fn document() -> Value {
     let mut document = serde_json::to_value(routes(Head::openapi()).into_openapi()).unwrap_or_default();
     schemas::complete(&mut document);
     ranges::complete(&mut document);
+    add_ways(&mut document);
     problems::complete(&mut document);
     examples::complete(&mut document);
     add_security(&mut document);
     document
+}
+
+/// The page for users of the interface, whose first table the description shows too.
+const PAGE: &str = include_str!("../../../docs/http.md");
+
+/// Adds the table of the ways to call to the description.
+fn add_ways(document: &mut Value) {
+    let table: Vec<&str> =
+        PAGE.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|')).collect();
+    let text = document["info"]["description"].as_str().unwrap_or_default();
+    document["info"]["description"] = json!(format!("{text}\n\n{}", table.join("\n")));
 }
 
 /// Adds the bearer token, which only services with a token require.

@@ -20,6 +20,7 @@ pub fn complete(document: &mut Value) {
     let problem = &mut document["components"]["schemas"][schema_name::<wire::Problem>()]["properties"];
     problem["type"]["enum"] = kinds.collect();
     problem["type"]["format"] = json!("uri-reference");
+    problem["candidates"]["examples"] = json!([["left_hand", "right_hand"]]);
     let row = |kind: &crate::service::error::Kind| {
         format!("| `/problems/{}` | {} | {} | {} |\n", kind.name, kind.status.as_u16(), kind.cause, kind.remedy)
     };

@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
-    MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE, MAX_PERIOD_S, MAX_POINTS, MAX_ROWS,
-    MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
+    CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE,
+    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA,
+    MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -77,6 +78,7 @@ fn request_ranges() -> Vec<FieldRange> {
         wire::BatchRequest { items: Items(0, MAX_ITEMS) }
         wire::Controller {
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
+            characteristic_length_m: Between(CHARACTERISTIC_LENGTH_M.0, CHARACTERISTIC_LENGTH_M.1),
             tasks: Items(1, MAX_TASKS),
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
@@ -160,6 +162,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         Outage { start_s: Positive, duration_s: NotNegative }
         wire::RobotRegistration { name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
+        wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {
             step: Between(1.0, MAX_STEPS as f64),

@@ -35,6 +35,8 @@ VALUES = (
     (0.2, 0.3),
 )
 """Threshold and largest factor."""
+LENGTHS = ((0.5, 0.3), (0.25, 0.3), (0.25, 0.6))
+"""Characteristic length, m, and threshold, which is the largest factor too."""
 SHOWN = ("none", "0.05, 0.1", "0.15, 0.15")
 
 Runs = dict[str, dict[str, Record]]
@@ -46,6 +48,9 @@ def changes() -> dict[str, dict[str, Any]]:
     named: dict[str, dict[str, Any]] = {"none": {"damping": None}}
     for threshold, factor in VALUES:
         named[f"{threshold}, {factor}"] = {"damping": Damping(threshold=threshold, max_factor=factor)}
+    for length, threshold in LENGTHS:
+        damping = Damping(threshold=threshold, max_factor=threshold)
+        named[f"{threshold}, {threshold}, L = {length} m"] = {"damping": damping, "characteristic_length_m": length}
     return named
 
 

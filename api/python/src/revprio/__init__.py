@@ -26,12 +26,14 @@ from revprio.drive import Measurement as Measurement
 from revprio.drive import drive as drive
 from revprio.errors import *  # noqa: F403
 from revprio.local import Local as Local
+from revprio.mjcf import read_mjcf as read_mjcf
 from revprio.models import *  # noqa: F403
 from revprio.pace import Drive as Drive
 from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import follow as follow
 from revprio.presets import push as push
 from revprio.watchdog import Watchdog as Watchdog
+from revprio.xacro import read_xacro as read_xacro
 
 resolve = LOCAL.resolve
 resolve_batch = LOCAL.resolve_batch

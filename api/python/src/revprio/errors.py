@@ -75,6 +75,8 @@ class ProblemError(RevprioError):
         """Description of the problem."""
         self.pointer = problem.pointer
         """JSON pointer of the invalid field, if there is one."""
+        self.candidates = problem.candidates or []
+        """Possible values of that field, best first, if the service can list them: links for `base` and `tip`."""
         self.remedy = REMEDIES.get(problem.type, problem.title)
         """What to do about the problem."""
         self.retry_after_s = retry_after_s

@@ -64,6 +64,8 @@ __all__ = [
     "KinematicsAnswer",
     "KinematicsRequest",
     "Law",
+    "LeftOutJoint",
+    "LeftOutReason",
     "LimitKind",
     "Limits",
     "LinkFrame",
@@ -97,6 +99,7 @@ __all__ = [
     "ResolveTask",
     "RestNullSpaceMotion",
     "Robot",
+    "RobotChain",
     "RobotJoint",
     "RobotList",
     "RobotRegistration",
@@ -123,6 +126,7 @@ __all__ = [
     "StabilityRequest",
     "State",
     "StateChecks",
+    "StatedLimits",
     "Status",
     "StepAnswer",
     "StepRequest",
@@ -139,6 +143,7 @@ __all__ = [
     "TargetStream",
     "TaskOutcome",
     "TimeHistogram",
+    "TipReason",
     "VelocityLaw",
     "VelocityLoop",
     "ViolatedInequality",
@@ -530,6 +535,8 @@ class ResolveAnswer(Answer):
     - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
       limit; only with a robot.
     - violated_inequalities: Violated inequalities.
+    - why: Sentences that say what restricts the joint velocities, then what each task gives up; only if the request
+      has `"why": true`.
     """
 
     active_limits: list[ActiveLimit]
@@ -558,6 +565,9 @@ class ResolveAnswer(Answer):
     robot."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
     """Violated inequalities."""
+    why: list[str] = Field(default_factory=list)
+    """Sentences that say what restricts the joint velocities, then what each task gives up; only if the request has
+    `"why": true`."""
 
 
 class Problem(Answer):
@@ -569,6 +579,8 @@ class Problem(Answer):
     - status: HTTP status code.
     - title: Kind of problem in words.
     - type: Identifier of the kind of problem, a relative reference that never changes.
+    - candidates: Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip`
+      of a robot.
     - pointer: JSON pointer to the wrong field of the request, if there is one.
     - request_id: Identifier of the request, as in the header `x-request-id` and in the log.
     """
@@ -615,6 +627,8 @@ class Problem(Answer):
         "/problems/draining",
     ]
     """Identifier of the kind of problem, a relative reference that never changes."""
+    candidates: list[str] = Field(default_factory=list)
+    """Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip` of a robot."""
     pointer: str | None = None
     """JSON pointer to the wrong field of the request, if there is one."""
     request_id: str | None = None
@@ -647,37 +661,45 @@ class ResolveTask(Body):
 
     Fields:
 
-    - axes: Axes of the tool, one per row; instead of `jacobian`.
-    - frame: Axes along which the rows are measured; default `base`.
-    - jacobian: Task Jacobian J_k, m × n, row by row; instead of `axes`.
-    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
-      none.
-    - name: Name; default `task 1`, `task 2`, …
-    - reference_point: Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3.
-    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with
-      `velocity`; default `false`.
-    - upper: Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
-      none.
+    - axes: Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep
+      the others. Instead of `jacobian`.
+    - frame: Axes along which the rows are measured. Set `tool` for motions relative to the tool, or a pose for a
+      surface; default `base`.
+    - jacobian: Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile
+      base; instead of `axes`.
+    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of
+      `velocity` if the task only limits a motion; `null`: no bound; default: none.
+    - name: Name, by which the answer names the task; default `task 1`, `task 2`, …
+    - reference_point: Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another
+      point than the others; default: the tool point. Shape: 3.
+    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for
+      paths that must keep their shape; only with `velocity`; default `false`.
+    - upper: Upper bounds of the task velocity J_k q̇, as `lower`.
     - velocity: Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`.
     """
 
     axes: OneOrMore[Axis] | None = None
-    """Axes of the tool, one per row; instead of `jacobian`."""
+    """Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
+    others. Instead of `jacobian`."""
     frame: Frame | None = None
-    """Axes along which the rows are measured; default `base`."""
+    """Axes along which the rows are measured. Set `tool` for motions relative to the tool, or a pose for a surface;
+    default `base`."""
     jacobian: Matrix | None = None
-    """Task Jacobian J_k, m × n, row by row; instead of `axes`."""
+    """Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile base; instead
+    of `axes`."""
     lower: LowerBounds | None = None
-    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
+    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `velocity` if
+    the task only limits a motion; `null`: no bound; default: none."""
     name: str | None = None
-    """Name; default `task 1`, `task 2`, …"""
+    """Name, by which the answer names the task; default `task 1`, `task 2`, …"""
     reference_point: Vector | None = None
-    """Reference point of the rows: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
+    """Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another point than the
+    others; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `velocity`;
-    default `false`."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
+    must keep their shape; only with `velocity`; default `false`."""
     upper: UpperBounds | None = None
-    """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
+    """Upper bounds of the task velocity J_k q̇, as `lower`."""
     velocity: Vector | None = None
     """Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`."""
 
@@ -687,14 +709,18 @@ class Damping(Body):
 
     Fields:
 
-    - max_factor: Maximum damping factor λ_max ≥ 0, reached at a singular value of zero.
-    - threshold: Threshold δ > 0: damping acts if the smallest singular value is below it.
+    - max_factor: Maximum damping factor λ_max ≥ 0, reached at a singular value of zero. A larger one moves the
+      joints more slowly there.
+    - threshold: Threshold δ > 0: damping acts if the smallest singular value is below it. A larger one begins
+      farther from the singularity.
     """
 
     max_factor: float
-    """Maximum damping factor λ_max ≥ 0, reached at a singular value of zero."""
+    """Maximum damping factor λ_max ≥ 0, reached at a singular value of zero. A larger one moves the joints more slowly
+    there."""
     threshold: float
-    """Threshold δ > 0: damping acts if the smallest singular value is below it."""
+    """Threshold δ > 0: damping acts if the smallest singular value is below it. A larger one begins farther from the
+    singularity."""
 
 
 class JointsInequality(Tagged):
@@ -702,18 +728,21 @@ class JointsInequality(Tagged):
 
     Fields:
 
-    - coefficients: Coefficients a, one per joint, in joint order, any unit.
+    - coefficients: Coefficients a, one per joint, in joint order, any unit; zero for joints that the inequality is
+      not about.
     - kind: Selects the variant.
-    - upper: Upper bound b, rad/s (or m/s) times the unit of a.
+    - upper: Upper bound b, rad/s (or m/s) times the unit of a. For a lower bound, change the sign of `coefficients`
+      and `upper`.
     - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
     """
 
     coefficients: Vector
-    """Coefficients a, one per joint, in joint order, any unit."""
+    """Coefficients a, one per joint, in joint order, any unit; zero for joints that the inequality is not about."""
     kind: Literal["joints"] = "joints"
     """Selects the variant."""
     upper: float
-    """Upper bound b, rad/s (or m/s) times the unit of a."""
+    """Upper bound b, rad/s (or m/s) times the unit of a. For a lower bound, change the sign of `coefficients` and
+    `upper`."""
     name: str | None = None
     """Name, unique in the list; default `inequality 1`, `inequality 2`, …"""
 
@@ -728,7 +757,8 @@ class PlaneInequality(Tagged):
     - offset_m: Distance of the plane from the base origin along n, m.
     - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
     - point: Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
-    - rate_per_s: Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10.
+    - rate_per_s: Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows
+      the arm earlier; default 10.
     """
 
     kind: Literal["plane"] = "plane"
@@ -742,7 +772,8 @@ class PlaneInequality(Tagged):
     point: str | None = None
     """Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`."""
     rate_per_s: float | None = None
-    """Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10."""
+    """Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows the arm earlier;
+    default 10."""
 
 
 Inequality = Annotated[JointsInequality | PlaneInequality, Field(discriminator="kind")]
@@ -757,12 +788,12 @@ class ExplicitLimits(Body):
 
     Fields:
 
-    - lower: Lower bounds, one per joint, rad/s or m/s.
+    - lower: Lower bounds, one per joint, rad/s or m/s; usually negative.
     - upper: Upper bounds, one per joint, rad/s or m/s.
     """
 
     lower: Vector
-    """Lower bounds, one per joint, rad/s or m/s."""
+    """Lower bounds, one per joint, rad/s or m/s; usually negative."""
     upper: Vector
     """Upper bounds, one per joint, rad/s or m/s."""
 
@@ -786,12 +817,12 @@ class JointLimitsNullSpaceMotion(Tagged):
 
     Fields:
 
-    - gain: Gain k, rad²/s or m²/s.
+    - gain: Gain k, rad²/s or m²/s. A larger one leaves the limits faster.
     - kind: Selects the variant.
     """
 
     gain: float
-    """Gain k, rad²/s or m²/s."""
+    """Gain k, rad²/s or m²/s. A larger one leaves the limits faster."""
     kind: Literal["joint_limits"] = "joint_limits"
     """Selects the variant."""
 
@@ -801,30 +832,31 @@ class PostureNullSpaceMotion(Tagged):
 
     Fields:
 
-    - gain: Gain K, 1/s.
-    - joint_position: Target posture q_d, rad or m.
+    - gain: Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %.
+    - joint_position: Target posture q_d, rad or m: a posture that works well, such as one with a raised elbow.
     - kind: Selects the variant.
     """
 
     gain: float
-    """Gain K, 1/s."""
+    """Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %."""
     joint_position: JointVector
-    """Target posture q_d, rad or m."""
+    """Target posture q_d, rad or m: a posture that works well, such as one with a raised elbow."""
     kind: Literal["posture"] = "posture"
     """Selects the variant."""
 
 
 class InitialPostureNullSpaceMotion(Tagged):
-    """The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+    """The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
+    most 0.1 rad/s; only in controllers.
 
     Fields:
 
-    - gain: Gain K, 1/s.
+    - gain: Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %.
     - kind: Selects the variant.
     """
 
     gain: float
-    """Gain K, 1/s."""
+    """Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %."""
     kind: Literal["initial_posture"] = "initial_posture"
     """Selects the variant."""
 
@@ -859,47 +891,63 @@ class ResolveRequest(Body):
 
     Fields:
 
-    - tasks: The tasks, highest priority first.
-    - damping: Damping near singularities; default: no damping.
-    - inequalities: Inequalities on the joint velocities besides the limits; default: none.
+    - tasks: The tasks, highest priority first: put first what must not give way.
+    - damping: Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may
+      be singular; default: no damping.
+    - inequalities: Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes,
+      or to couple joints; default: none.
     - joint_position: Joint position q, rad or m; needed unless every task has its own `jacobian`.
     - joint_velocity: Joint velocity of the last command, rad/s or m/s; needed for acceleration limits.
-    - limits: Limits of the joint velocities; default: `position_velocity` with robot, posture and period;
-      `velocity` with a robot alone; otherwise `none`.
-    - method: Resolution method, the meaning of priorities; default `reverse_priority`.
-    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default:
-      rest.
-    - period_s: Control period T, s; needed for position and acceleration limits.
-    - robot: Name of the robot; not needed if every task has its own `jacobian`.
-    - solver: Solver; default `auto`.
-    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
+    - limits: Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with
+      robot, posture and period; `velocity` with a robot alone; otherwise `none`.
+    - method: Resolution method, the meaning of priorities. Set another one only to compare; default
+      `reverse_priority`.
+    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to
+      choose the posture of a redundant arm; default: rest.
+    - period_s: Control period T, s: how long the answer will be commanded. Needed for position and acceleration
+      limits.
+    - robot: Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`.
+    - solver: Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores
+      limits. Default `auto`.
+    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works,
+      such as the tip of a gripper; default: that frame itself.
+    - why: Whether the answer has `why`, sentences that say what restricts it. Set it while you try a problem out;
+      default `false`.
     """
 
     tasks: list[ResolveTask]
-    """The tasks, highest priority first."""
+    """The tasks, highest priority first: put first what must not give way."""
     damping: Damping | None = None
-    """Damping near singularities; default: no damping."""
+    """Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may be singular;
+    default: no damping."""
     inequalities: list[Inequality] | None = None
-    """Inequalities on the joint velocities besides the limits; default: none."""
+    """Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes, or to couple
+    joints; default: none."""
     joint_position: JointVector | None = None
     """Joint position q, rad or m; needed unless every task has its own `jacobian`."""
     joint_velocity: JointVector | None = None
     """Joint velocity of the last command, rad/s or m/s; needed for acceleration limits."""
     limits: Limits | None = None
-    """Limits of the joint velocities; default: `position_velocity` with robot, posture and period; `velocity` with a
-    robot alone; otherwise `none`."""
+    """Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with robot,
+    posture and period; `velocity` with a robot alone; otherwise `none`."""
     method: Method | None = None
-    """Resolution method, the meaning of priorities; default `reverse_priority`."""
+    """Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
-    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest."""
+    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
+    redundant arm; default: rest."""
     period_s: float | None = None
-    """Control period T, s; needed for position and acceleration limits."""
+    """Control period T, s: how long the answer will be commanded. Needed for position and acceleration limits."""
     robot: str | None = None
-    """Name of the robot; not needed if every task has its own `jacobian`."""
+    """Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`."""
     solver: Solver | None = None
-    """Solver; default `auto`."""
+    """Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores limits. Default
+    `auto`."""
     tool_offset: Pose | None = None
-    """Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself."""
+    """Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the tip
+    of a gripper; default: that frame itself."""
+    why: bool | None = None
+    """Whether the answer has `why`, sentences that say what restricts it. Set it while you try a problem out; default
+    `false`."""
 
 
 class BatchRequest(Body):
@@ -907,11 +955,11 @@ class BatchRequest(Body):
 
     Fields:
 
-    - items: Problems, at most 10 000.
+    - items: Problems, at most 10 000. Each is solved on its own, so their order does not matter.
     """
 
     items: list[ResolveRequest]
-    """Problems, at most 10 000."""
+    """Problems, at most 10 000. Each is solved on its own, so their order does not matter."""
 
 
 ContactKind = Literal["spring", "wall", "plane"]
@@ -1116,30 +1164,32 @@ class PoseLaw(Tagged):
 
     Fields:
 
-    - gain: Gain K, 1/s.
+    - gain: Gain K, 1/s: within 1/K seconds the distance to the target decreases to 37 %. 1 to 5 suits most arms.
     - kind: Selects the variant.
     - braking: Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default
       `true`.
     - max_acceleration: Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits
-      of the joints; default: those limits alone.
-    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
-      frame; default: none.
-    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+      of the joints. Set it for a gentler stop; default: those limits alone.
+    - target_displacement: Displacement added to X_d over time, m and rad (rotation vector), along the axes of the
+      task's frame. Set it for a path that is known in advance; default: none.
+    - target_pose: Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the
+      first step.
     """
 
     gain: ArrayLike
-    """Gain K, 1/s."""
+    """Gain K, 1/s: within 1/K seconds the distance to the target decreases to 37 %. 1 to 5 suits most arms."""
     kind: Literal["pose"] = "pose"
     """Selects the variant."""
     braking: bool | None = None
     """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
     max_acceleration: ArrayLike | None = None
-    """Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints;
-    default: those limits alone."""
+    """Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints. Set it
+    for a gentler stop; default: those limits alone."""
     target_displacement: Profile | None = None
-    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
+    """Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it for
+    a path that is known in advance; default: none."""
     target_pose: TargetPose | None = None
-    """Target pose X_d; default `initial`, the pose at the first step."""
+    """Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step."""
 
 
 PostureTarget = Literal["mid_range"] | Profile
@@ -1153,18 +1203,20 @@ class PostureLaw(Tagged):
 
     Fields:
 
-    - gain: Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s.
+    - gain: Gain K, one for all joints or one per joint, 1/s: within 1/K seconds the distance decreases to 37 %. For
+      `mid_range` rad²/s or m²/s.
     - kind: Selects the variant.
     - target_position: Target positions q_d, rad or m, or `mid_range`.
     - braking: Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default
       `true`.
-    - joints: Names of the joints; default: all joints, for `mid_range` all joints with a range.
+    - joints: Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range.
     - max_acceleration: Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of
-      the joints; default: those limits alone.
+      the joints. Set it for a gentler stop; default: those limits alone.
     """
 
     gain: ArrayLike
-    """Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s."""
+    """Gain K, one for all joints or one per joint, 1/s: within 1/K seconds the distance decreases to 37 %. For
+    `mid_range` rad²/s or m²/s."""
     kind: Literal["posture"] = "posture"
     """Selects the variant."""
     target_position: PostureTarget
@@ -1172,10 +1224,10 @@ class PostureLaw(Tagged):
     braking: bool | None = None
     """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
     joints: OneOrMore[str] | None = None
-    """Names of the joints; default: all joints, for `mid_range` all joints with a range."""
+    """Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range."""
     max_acceleration: ArrayLike | None = None
-    """Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints; default:
-    those limits alone."""
+    """Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints. Set it
+    for a gentler stop; default: those limits alone."""
 
 
 class ForceLaw(Tagged):
@@ -1183,20 +1235,26 @@ class ForceLaw(Tagged):
 
     Fields:
 
-    - damping: Damping B_d, N·s/m and N·m·s/rad.
-    - inertia: Inertia M_d, kg and kg·m².
+    - damping: Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at
+      F_d/B_d. `POST /v1/stability` computes the minimum.
+    - inertia: Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a
+      larger one is more stable.
     - kind: Selects the variant.
-    - target_force: Target force F_d, N and N·m.
+    - target_force: Target force F_d, N and N·m, along the axes of the task; positive presses against a surface in
+      the positive direction.
     """
 
     damping: ArrayLike
-    """Damping B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d. `POST
+    /v1/stability` computes the minimum."""
     inertia: ArrayLike
-    """Inertia M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one is
+    more stable."""
     kind: Literal["force"] = "force"
     """Selects the variant."""
     target_force: Profile
-    """Target force F_d, N and N·m."""
+    """Target force F_d, N and N·m, along the axes of the task; positive presses against a surface in the positive
+    direction."""
 
 
 class ImpedanceLaw(Tagged):
@@ -1204,27 +1262,34 @@ class ImpedanceLaw(Tagged):
 
     Fields:
 
-    - damping: Damping B_d, N·s/m and N·m·s/rad.
-    - inertia: Inertia M_d, kg and kg·m².
+    - damping: Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at
+      F_d/B_d. `POST /v1/stability` computes the minimum.
+    - inertia: Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a
+      larger one is more stable.
     - kind: Selects the variant.
-    - stiffness: Stiffness K_d, N/m and N·m/rad.
-    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
-      frame; default: none.
-    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+    - stiffness: Stiffness K_d, N/m and N·m/rad: a force F moves the tool by F/K_d. Set a small one where contact is
+      expected.
+    - target_displacement: Displacement added to X_d over time, m and rad (rotation vector), along the axes of the
+      task's frame. Set it for a path that is known in advance; default: none.
+    - target_pose: Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the
+      first step.
     """
 
     damping: ArrayLike
-    """Damping B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d. `POST
+    /v1/stability` computes the minimum."""
     inertia: ArrayLike
-    """Inertia M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one is
+    more stable."""
     kind: Literal["impedance"] = "impedance"
     """Selects the variant."""
     stiffness: ArrayLike
-    """Stiffness K_d, N/m and N·m/rad."""
+    """Stiffness K_d, N/m and N·m/rad: a force F moves the tool by F/K_d. Set a small one where contact is expected."""
     target_displacement: Profile | None = None
-    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
+    """Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it for
+    a path that is known in advance; default: none."""
     target_pose: TargetPose | None = None
-    """Target pose X_d; default `initial`, the pose at the first step."""
+    """Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step."""
 
 
 PerAxisBool = bool | list[bool]
@@ -1236,21 +1301,26 @@ class HybridLaw(Tagged):
 
     Fields:
 
-    - damping: Damping B_d, N·s/m and N·m·s/rad.
-    - inertia: Inertia M_d, kg and kg·m².
+    - damping: Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at
+      F_d/B_d. `POST /v1/stability` computes the minimum.
+    - inertia: Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a
+      larger one is more stable.
     - kind: Selects the variant.
     - position_controlled: Selection S per axis: `true` position-controlled, `false` force-controlled.
     - stiffness: Stiffness K_d of the position-controlled axes, N/m and N·m/rad; ignored on the others.
     - target_force: Target force F_d of the force-controlled axes, N and N·m; ignored on the others.
-    - target_displacement: Displacement added to X_d, m and rad (rotation vector), along the axes of the task's
-      frame; default: none.
-    - target_pose: Target pose X_d; default `initial`, the pose at the first step.
+    - target_displacement: Displacement added to X_d over time, m and rad (rotation vector), along the axes of the
+      task's frame. Set it for a path that is known in advance; default: none.
+    - target_pose: Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the
+      first step.
     """
 
     damping: ArrayLike
-    """Damping B_d, N·s/m and N·m·s/rad."""
+    """Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d. `POST
+    /v1/stability` computes the minimum."""
     inertia: ArrayLike
-    """Inertia M_d, kg and kg·m²."""
+    """Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one is
+    more stable."""
     kind: Literal["hybrid"] = "hybrid"
     """Selects the variant."""
     position_controlled: PerAxisBool
@@ -1260,9 +1330,10 @@ class HybridLaw(Tagged):
     target_force: Profile
     """Target force F_d of the force-controlled axes, N and N·m; ignored on the others."""
     target_displacement: Profile | None = None
-    """Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none."""
+    """Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it for
+    a path that is known in advance; default: none."""
     target_pose: TargetPose | None = None
-    """Target pose X_d; default `initial`, the pose at the first step."""
+    """Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step."""
 
 
 Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")]
@@ -1283,7 +1354,7 @@ class Streaming(Body):
       0.05.
     - max_acceleration: Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s²,
       for joints their acceleration limits. The task brakes with it.
-    - max_velocity: Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints
+    - max_velocity: Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints
       their velocity limits.
     - smoothing_s: Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no
       smoothing. A uniform motion is followed without lag.
@@ -1300,7 +1371,7 @@ class Streaming(Body):
     """Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s², for joints their
     acceleration limits. The task brakes with it."""
     max_velocity: ArrayLike | None = None
-    """Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints their velocity
+    """Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints their velocity
     limits."""
     smoothing_s: float | None = None
     """Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no smoothing. A
@@ -1312,45 +1383,54 @@ class ControllerTask(Body):
 
     Fields:
 
-    - name: Name, unique in the controller.
-    - axes: Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`.
-    - frame: Axes along which rows, displacements and wrench are measured; default `base`.
-    - jacobian: Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law
-      `velocity` or bounds.
-    - law: Law that computes the velocity of the task; instead of `lower` and `upper`.
-    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
-      none.
-    - reference_point: Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool
-      point. Shape: 3.
-    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with
-      `law`; default `false`.
-    - streaming: How the task follows the `targets` of the states; default: the defaults of its fields.
-    - upper: Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default:
-      none.
+    - name: Name, unique in the controller. Answers and targets name the task by it.
+    - axes: Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep
+      the others. Required by every law except `posture` if there is no `jacobian`.
+    - frame: Axes along which rows, displacements and wrench are measured. Set `tool` for motions relative to the
+      tool, or a pose for a surface; default `base`.
+    - jacobian: Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives,
+      such as a sum of joints; instead of `axes`, with the law `velocity` or bounds.
+    - law: Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of
+      `lower` and `upper`.
+    - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law`
+      if the task only limits a motion; `null`: no bound; default: none.
+    - reference_point: Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task
+      moves another point than the others; default: the tool point. Shape: 3.
+    - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for
+      paths that must keep their shape; only with `law`; default `false`.
+    - streaming: How the task follows the `targets` of the states. Set it for a source of targets that is slower
+      than 30 Hz, noisy or late; default: the defaults of its fields.
+    - upper: Upper bounds of the task velocity J_k q̇, as `lower`.
     """
 
     name: str
-    """Name, unique in the controller."""
+    """Name, unique in the controller. Answers and targets name the task by it."""
     axes: OneOrMore[Axis] | None = None
-    """Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`."""
+    """Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
+    others. Required by every law except `posture` if there is no `jacobian`."""
     frame: Frame | None = None
-    """Axes along which rows, displacements and wrench are measured; default `base`."""
+    """Axes along which rows, displacements and wrench are measured. Set `tool` for motions relative to the tool, or a
+    pose for a surface; default `base`."""
     jacobian: Matrix | None = None
-    """Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law `velocity` or
-    bounds."""
+    """Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives, such as a sum
+    of joints; instead of `axes`, with the law `velocity` or bounds."""
     law: Law | None = None
-    """Law that computes the velocity of the task; instead of `lower` and `upper`."""
+    """Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of `lower` and
+    `upper`."""
     lower: LowerBounds | None = None
-    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
+    """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law` if the
+    task only limits a motion; `null`: no bound; default: none."""
     reference_point: Vector | None = None
-    """Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point. Shape: 3."""
+    """Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task moves another point
+    than the others; default: the tool point. Shape: 3."""
     scale: bool | None = None
-    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
-    default `false`."""
+    """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
+    must keep their shape; only with `law`; default `false`."""
     streaming: Streaming | None = None
-    """How the task follows the `targets` of the states; default: the defaults of its fields."""
+    """How the task follows the `targets` of the states. Set it for a source of targets that is slower than 30 Hz, noisy
+    or late; default: the defaults of its fields."""
     upper: UpperBounds | None = None
-    """Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none."""
+    """Upper bounds of the task velocity J_k q̇, as `lower`."""
 
 
 class JointDrive(Body):
@@ -1360,14 +1440,17 @@ class JointDrive(Body):
     Fields:
 
     - delay_periods: Dead time D from the measurement of a state to the motion that its answer causes, whole
-      periods; default 2.
-    - lag_s: Time constant L of the lag, s; default 0.03.
+      periods. Count sensor, network and drive; default 2.
+    - lag_s: Time constant L of the lag, s: after a step of the command, the joint has 63 % of the velocity at that
+      time. Default 0.03.
     """
 
     delay_periods: int | None = None
-    """Dead time D from the measurement of a state to the motion that its answer causes, whole periods; default 2."""
+    """Dead time D from the measurement of a state to the motion that its answer causes, whole periods. Count sensor,
+    network and drive; default 2."""
     lag_s: float | None = None
-    """Time constant L of the lag, s; default 0.03."""
+    """Time constant L of the lag, s: after a step of the command, the joint has 63 % of the velocity at that time.
+    Default 0.03."""
 
 
 class EnvironmentAxis(Body):
@@ -1394,8 +1477,9 @@ class Environment(Body):
 
     Fields:
 
-    - delay_periods: Delay of a command, control periods; default 0.
-    - lag_s: Lag τ of the arm's velocity loop, s; default 0.
+    - delay_periods: Delay of a command, control periods: from the measurement to the motion that its answer causes.
+      Default 0.
+    - lag_s: Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
     - rx: Environment about x of the base; default: none.
     - ry: Environment about y of the base; default: none.
     - rz: Environment about z of the base; default: none.
@@ -1407,9 +1491,9 @@ class Environment(Body):
     """
 
     delay_periods: int | None = None
-    """Delay of a command, control periods; default 0."""
+    """Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0."""
     lag_s: float | None = None
-    """Lag τ of the arm's velocity loop, s; default 0."""
+    """Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0."""
     rx: EnvironmentAxis | None = None
     """Environment about x of the base; default: none."""
     ry: EnvironmentAxis | None = None
@@ -1460,71 +1544,109 @@ class ControllerConfig(Body):
 
     Fields:
 
-    - period_s: Control period T, s.
-    - robot: Name of the robot.
-    - tasks: The tasks, highest priority first.
-    - anti_windup: When integrators of laws follow the achieved velocity; default `always`.
-    - damping: Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
-    - drive: How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
-    - environment: Environment that the tool touches, as far as known, for the stability warnings of `POST
-      /v1/controllers`; default: unknown.
-    - inequalities: Inequalities on the joint velocities besides the limits; default: none.
+    - period_s: Control period T, s: the time from one state to the next, as your loop keeps it.
+    - robot: Name of the robot, from `GET /v1/robots`.
+    - tasks: The tasks, highest priority first: put first what must not give way, such as contact or safety.
+    - anti_windup: When integrators of laws follow the achieved velocity. Set another value only to reproduce the
+      paper; default `always`.
+    - characteristic_length_m: Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values,
+      in damping, and where the rows of a task are weighed against each other. Set it to the reach of an arm that is
+      much smaller or larger than 1 m; default 1.
+    - damping: Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for
+      simulations. Default: threshold 0.15, max_factor 0.15.
+    - drive: How the joints follow a command. Set it if you have measured your arm, so that it brakes in time;
+      default: a lag of 0.03 s and a delay of 2 periods.
+    - environment: Environment that the tool touches, as far as known. Set it before a first contact: `POST
+      /v1/controllers` then warns of unstable axes. Default: unknown.
+    - inequalities: Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes,
+      or to couple joints; default: none.
     - leave_local_minima: Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task
       back: the joints move towards the middle of their ranges for 4 s, up to three times. Tasks above it are not
       disturbed. Only if the arm has more joints than its tasks have rows, no task moves single joints, and no task
       has the law `force`, `impedance` or `hybrid`; default `true`.
-    - limits: Limits of the joint velocities; default `position_velocity_acceleration`.
-    - method: Resolution method, the meaning of priorities; default `reverse_priority`.
-    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default:
-      rest.
-    - solver: Solver of each period's problem; default `auto`.
-    - state_checks: Bounds of a plausible state; default: those of `StateChecks`.
-    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
-    - valid_for_ms: Maximum validity of an answer, ms; default 100.
-    - wrench_convention: Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
-    - wrench_frame: Axes of the wrench in the states; default `base`.
+    - limits: Limits of the joint velocities. Keep the default on an arm; give `lower` and `upper` to move it more
+      slowly. Default `position_velocity_acceleration`.
+    - method: Resolution method, the meaning of priorities. Set another one only to compare; default
+      `reverse_priority`.
+    - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to
+      choose the posture of a redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if
+      the arm has more joints than its tasks have rows, all tasks have the law `pose` or bounds, and none moves
+      single joints; otherwise `rest`.
+    - solver: Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
+      `closed_form` ignores limits. Default `auto`.
+    - state_checks: Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that
+      your task needs; default: those of `StateChecks`.
+    - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works,
+      such as the tip of a gripper; default: that frame itself.
+    - valid_for_ms: Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes
+      after it. Default 100.
+    - why: Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a
+      fault; it makes answers longer. Default `false`.
+    - wrench_convention: Sign of the wrench in the states: who exerts it on whom. Set `on_tool` for a wrist sensor
+      that measures the force on the tool; a wrong sign makes contacts unstable. Default `on_environment`.
+    - wrench_frame: Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default
+      `base`.
     """
 
     period_s: float
-    """Control period T, s."""
+    """Control period T, s: the time from one state to the next, as your loop keeps it."""
     robot: str
-    """Name of the robot."""
+    """Name of the robot, from `GET /v1/robots`."""
     tasks: list[ControllerTask]
-    """The tasks, highest priority first."""
+    """The tasks, highest priority first: put first what must not give way, such as contact or safety."""
     anti_windup: AntiWindup | None = None
-    """When integrators of laws follow the achieved velocity; default `always`."""
+    """When integrators of laws follow the achieved velocity. Set another value only to reproduce the paper; default
+    `always`."""
+    characteristic_length_m: float | None = None
+    """Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the
+    rows of a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1
+    m; default 1."""
     damping: Damping | None = None
-    """Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping."""
+    """Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for simulations.
+    Default: threshold 0.15, max_factor 0.15."""
     drive: JointDrive | None = None
-    """How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods."""
+    """How the joints follow a command. Set it if you have measured your arm, so that it brakes in time; default: a lag
+    of 0.03 s and a delay of 2 periods."""
     environment: Environment | None = None
-    """Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
-    default: unknown."""
+    """Environment that the tool touches, as far as known. Set it before a first contact: `POST /v1/controllers` then
+    warns of unstable axes. Default: unknown."""
     inequalities: list[Inequality] | None = None
-    """Inequalities on the joint velocities besides the limits; default: none."""
+    """Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes, or to couple
+    joints; default: none."""
     leave_local_minima: bool | None = None
     """Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move
     towards the middle of their ranges for 4 s, up to three times. Tasks above it are not disturbed. Only if the arm has
     more joints than its tasks have rows, no task moves single joints, and no task has the law `force`, `impedance` or
     `hybrid`; default `true`."""
     limits: Limits | None = None
-    """Limits of the joint velocities; default `position_velocity_acceleration`."""
+    """Limits of the joint velocities. Keep the default on an arm; give `lower` and `upper` to move it more slowly.
+    Default `position_velocity_acceleration`."""
     method: Method | None = None
-    """Resolution method, the meaning of priorities; default `reverse_priority`."""
+    """Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
-    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest."""
+    """Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
+    redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if the arm has more joints than its
+    tasks have rows, all tasks have the law `pose` or bounds, and none moves single joints; otherwise `rest`."""
     solver: Solver | None = None
-    """Solver of each period's problem; default `auto`."""
+    """Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
+    `closed_form` ignores limits. Default `auto`."""
     state_checks: StateChecks | None = None
-    """Bounds of a plausible state; default: those of `StateChecks`."""
+    """Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that your task needs;
+    default: those of `StateChecks`."""
     tool_offset: Pose | None = None
-    """Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself."""
+    """Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the tip
+    of a gripper; default: that frame itself."""
     valid_for_ms: int | None = None
-    """Maximum validity of an answer, ms; default 100."""
+    """Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it. Default
+    100."""
+    why: bool | None = None
+    """Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a fault;
+    it makes answers longer. Default `false`."""
     wrench_convention: WrenchConvention | None = None
-    """Sign of the wrench in the states: who exerts it on whom; default `on_environment`."""
+    """Sign of the wrench in the states: who exerts it on whom. Set `on_tool` for a wrist sensor that measures the force
+    on the tool; a wrong sign makes contacts unstable. Default `on_environment`."""
     wrench_frame: WrenchFrame | None = None
-    """Axes of the wrench in the states; default `base`."""
+    """Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default `base`."""
 
 
 class CreatedController(Answer):
@@ -1651,14 +1773,16 @@ class Interactive(Body):
 
     Fields:
 
-    - paused: Whether the run is paused; default `false`.
-    - speed: Simulated seconds per second of real time, if the machine is fast enough; default 1.
+    - paused: Whether the run starts paused, to step it with `step`; default `false`.
+    - speed: Simulated seconds per second of real time, if the machine is fast enough. Set less than 1 to watch a
+      contact; default 1.
     """
 
     paused: bool | None = None
-    """Whether the run is paused; default `false`."""
+    """Whether the run starts paused, to step it with `step`; default `false`."""
     speed: float | None = None
-    """Simulated seconds per second of real time, if the machine is fast enough; default 1."""
+    """Simulated seconds per second of real time, if the machine is fast enough. Set less than 1 to watch a contact;
+    default 1."""
 
 
 JointKind = Literal["revolute", "prismatic"]
@@ -1712,13 +1836,34 @@ class KinematicsRequest(Body):
     Fields:
 
     - joint_position: Joint position q, rad or m.
-    - robot: Name of the robot.
+    - robot: Name of the robot, from `GET /v1/robots`.
     """
 
     joint_position: JointVector
     """Joint position q, rad or m."""
     robot: str
-    """Name of the robot."""
+    """Name of the robot, from `GET /v1/robots`."""
+
+
+LeftOutReason = Literal[
+    "gripper", "head", "leg_or_wheel", "sensor", "unsupported", "beyond_tip", "other_branch", "not_below_base"
+]
+"""Why a joint is no part of the chain."""
+
+
+class LeftOutJoint(Answer):
+    """A moving joint that is no part of the chain.
+
+    Fields:
+
+    - joint: Name of the joint in the text.
+    - reason: Why it is left out.
+    """
+
+    joint: str
+    """Name of the joint in the text."""
+    reason: LeftOutReason
+    """Why it is left out."""
 
 
 class PathCounts(Answer):
@@ -2241,6 +2386,33 @@ class RobotJoint(Answer):
 RobotSource = Literal["denavit_hartenberg", "urdf"]
 """The format that described a robot."""
 
+TipReason = Literal["request", "only_end", "tool_name", "before_gripper", "last_link"]
+"""Why a chain ends at its tip."""
+
+
+class RobotChain(Answer):
+    """The chain of a URDF text that is the arm.
+
+    Fields:
+
+    - base: Link of the base frame.
+    - joints: Joints from base to tip, under the names that requests use.
+    - left_out: Moving joints of the text that are no part of the chain, at most the first 100.
+    - reason: Why the chain ends there.
+    - tip: Link of the tool frame.
+    """
+
+    base: str
+    """Link of the base frame."""
+    joints: list[str]
+    """Joints from base to tip, under the names that requests use."""
+    left_out: list[LeftOutJoint]
+    """Moving joints of the text that are no part of the chain, at most the first 100."""
+    reason: TipReason
+    """Why the chain ends there."""
+    tip: str
+    """Link of the tool frame."""
+
 
 class Robot(Answer):
     """A robot arm.
@@ -2251,6 +2423,7 @@ class Robot(Answer):
     - joints: Joints, base first; the order of all vectors of joints.
     - name: Name for requests.
     - source: Format that described the robot.
+    - chain: The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
     """
 
     description: str
@@ -2261,6 +2434,8 @@ class Robot(Answer):
     """Name for requests."""
     source: RobotSource
     """Format that described the robot."""
+    chain: RobotChain | None = None
+    """The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows."""
 
 
 class RobotList(Answer):
@@ -2275,6 +2450,24 @@ class RobotList(Answer):
     """Robots that requests can name."""
 
 
+class StatedLimits(Body):
+    """Limits of one joint; a limit that is not given is read from the text.
+
+    Fields:
+
+    - acceleration: Maximum acceleration, rad/s² or m/s².
+    - position: Minimum and maximum position, rad or m. Shape: 2.
+    - velocity: Maximum speed, rad/s or m/s.
+    """
+
+    acceleration: float | None = None
+    """Maximum acceleration, rad/s² or m/s²."""
+    position: Vector | None = None
+    """Minimum and maximum position, rad or m. Shape: 2."""
+    velocity: float | None = None
+    """Maximum speed, rad/s or m/s."""
+
+
 class RobotRegistration(Body):
     """`POST /v1/robots`: registers the chain of a URDF text from one link to another.
 
@@ -2283,7 +2476,10 @@ class RobotRegistration(Body):
     - name: Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
     - urdf: URDF text, `<robot …>`.
     - base: Base link; default: the root of the tree.
-    - tip: Link of the tool frame; default: the only leaf of the tree.
+    - joint_names: New names, by the name of the joint in the text.
+    - limits: Limits that replace or complete those of the text, by the name of the joint in the text.
+    - tip: Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
+    - tool_offset: Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     """
 
     name: str
@@ -2292,8 +2488,14 @@ class RobotRegistration(Body):
     """URDF text, `<robot …>`."""
     base: str | None = None
     """Base link; default: the root of the tree."""
+    joint_names: dict[str, str] | None = None
+    """New names, by the name of the joint in the text."""
+    limits: dict[str, StatedLimits] | None = None
+    """Limits that replace or complete those of the text, by the name of the joint in the text."""
     tip: str | None = None
-    """Link of the tool frame; default: the only leaf of the tree."""
+    """Link of the tool frame; default: the end of the only chain or of the only arm, without gripper."""
+    tool_offset: Pose | None = None
+    """Pose of the tool frame in the frame of the tip, m; default: the frame of the tip."""
 
 
 class ScenarioEntry(Answer):
@@ -2337,8 +2539,8 @@ class SessionEntry(Answer):
     - id: Identifier of the session.
     - idle_s: Time since the last state, or since the session was opened, s.
     - method: Resolution method.
-    - period_s: Control period T, s.
-    - robot: Name of the robot.
+    - period_s: Control period T, s: the time from one state to the next, as your loop keeps it.
+    - robot: Name of the robot, from `GET /v1/robots`.
     - solver: Solver.
     - steps: Number of states answered by a step.
     """
@@ -2350,9 +2552,9 @@ class SessionEntry(Answer):
     method: Method
     """Resolution method."""
     period_s: float
-    """Control period T, s."""
+    """Control period T, s: the time from one state to the next, as your loop keeps it."""
     robot: str
-    """Name of the robot."""
+    """Name of the robot, from `GET /v1/robots`."""
     solver: Solver
     """Solver."""
     steps: int
@@ -2451,12 +2653,12 @@ class SimulationControl(Body):
       `impedance`, `hybrid`.
     - end: Whether to finish the run now and keep its trace so far; a paused run does one more period. Default
       `false`.
-    - external_force: External force on the tool, N, base axes. It ends 1 s (real time) after the last request that
-      sets it. Shape: 3.
-    - method: New resolution method.
-    - paused: Whether the run is paused.
-    - solver: New solver.
-    - speed: Simulated seconds per second of real time.
+    - external_force: External force on the tool, N, base axes. Send it again at least once a second: it ends 1 s
+      (real time) after the last request that sets it. Shape: 3.
+    - method: New resolution method. The change is blended over 0.1 s of simulated time.
+    - paused: Whether the run pauses, or goes on.
+    - solver: New solver; the joint velocities change only if one of both is `closed_form`.
+    - speed: Simulated seconds per second of real time; less than 1 to watch a contact.
     - step: Number of control periods to run before the run pauses.
     - targets: New targets by task name, without `time_s`: part of the next state. Between targets the task
       interpolates or extrapolates, as its `streaming` says.
@@ -2468,16 +2670,16 @@ class SimulationControl(Body):
     end: bool | None = None
     """Whether to finish the run now and keep its trace so far; a paused run does one more period. Default `false`."""
     external_force: Vector | None = None
-    """External force on the tool, N, base axes. It ends 1 s (real time) after the last request that sets it. Shape:
-    3."""
+    """External force on the tool, N, base axes. Send it again at least once a second: it ends 1 s (real time) after the
+    last request that sets it. Shape: 3."""
     method: Method | None = None
-    """New resolution method."""
+    """New resolution method. The change is blended over 0.1 s of simulated time."""
     paused: bool | None = None
-    """Whether the run is paused."""
+    """Whether the run pauses, or goes on."""
     solver: Solver | None = None
-    """New solver."""
+    """New solver; the joint velocities change only if one of both is `closed_form`."""
     speed: float | None = None
-    """Simulated seconds per second of real time."""
+    """Simulated seconds per second of real time; less than 1 to watch a contact."""
     step: int | None = None
     """Number of control periods to run before the run pauses."""
     targets: dict[str, StreamedTarget] | None = None
@@ -2490,22 +2692,22 @@ class SimulationRequest(Body):
 
     Fields:
 
-    - scenario: Name of a scenario that ships with the service, or a whole scenario.
+    - scenario: Name of a scenario from `GET /v1/scenarios`, or a whole scenario.
     - interactive: Interactive run: paced by the clock, shown live, and controlled by `POST
       /v1/simulations/{id}/control`. If left out, the simulation runs as fast as possible.
-    - method: Method, instead of the method of the scenario.
-    - solver: Solver, instead of the solver of the scenario.
+    - method: Method, instead of the method of the scenario. Set it to compare.
+    - solver: Solver, instead of the solver of the scenario. Set it to compare.
     """
 
     scenario: NamedScenario
-    """Name of a scenario that ships with the service, or a whole scenario."""
+    """Name of a scenario from `GET /v1/scenarios`, or a whole scenario."""
     interactive: Interactive | None = None
     """Interactive run: paced by the clock, shown live, and controlled by `POST /v1/simulations/{id}/control`. If left
     out, the simulation runs as fast as possible."""
     method: Method | None = None
-    """Method, instead of the method of the scenario."""
+    """Method, instead of the method of the scenario. Set it to compare."""
     solver: Solver | None = None
-    """Solver, instead of the solver of the scenario."""
+    """Solver, instead of the solver of the scenario. Set it to compare."""
 
 
 class StabilityAnswer(Answer):
@@ -2541,29 +2743,30 @@ class StabilityRequest(Body):
 
     Fields:
 
-    - damping: Damping B_d of the law.
-    - environment: Environment that the tool touches.
-    - inertia: Inertia M_d > 0 of the law.
-    - period_s: Control period T, s.
-    - delay_periods: Delay of a command, control periods; default 0.
-    - lag_s: Lag τ of the arm's velocity loop, s; default 0.
+    - damping: Damping B_d of the law, as in the task; the answer names the minimum.
+    - environment: Environment that the tool touches. Take the stiffest one that it can meet.
+    - inertia: Inertia M_d > 0 of the law, as in the task.
+    - period_s: Control period T, s, as in the controller.
+    - delay_periods: Delay of a command, control periods: from the measurement to the motion that its answer causes.
+      Default 0.
+    - lag_s: Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
     - stiffness: Stiffness K_d of the law; default 0, as on a force-controlled axis.
     - velocity_measured: Whether states contain the measured joint velocity; otherwise the last command replaces it.
       Default `true`.
     """
 
     damping: float
-    """Damping B_d of the law."""
+    """Damping B_d of the law, as in the task; the answer names the minimum."""
     environment: EnvironmentAxis
-    """Environment that the tool touches."""
+    """Environment that the tool touches. Take the stiffest one that it can meet."""
     inertia: float
-    """Inertia M_d > 0 of the law."""
+    """Inertia M_d > 0 of the law, as in the task."""
     period_s: float
-    """Control period T, s."""
+    """Control period T, s, as in the controller."""
     delay_periods: int | None = None
-    """Delay of a command, control periods; default 0."""
+    """Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0."""
     lag_s: float | None = None
-    """Lag τ of the arm's velocity loop, s; default 0."""
+    """Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0."""
     stiffness: float | None = None
     """Stiffness K_d of the law; default 0, as on a force-controlled axis."""
     velocity_measured: bool | None = None
@@ -2590,28 +2793,33 @@ class State(Body):
 
     Fields:
 
-    - joint_position: Joint position q, rad or m.
-    - sequence: Sequence number of the period; must increase.
-    - time_s: Time t of the measurement, s.
-    - joint_velocity: Measured joint velocity q̇, rad/s or m/s; default: the last command.
+    - joint_position: Measured joint position q, rad or m, in joint order or by name.
+    - sequence: Sequence number of the period; must increase. Repeat it only with an unchanged state, to get the
+      same answer again.
+    - time_s: Time t of the measurement, s, on any clock that runs evenly.
+    - joint_velocity: Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its
+      velocities are noisy; default: the last command.
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
       task interpolates or extrapolates, as its `streaming` says.
-    - wrench: Measured wrench; required by the laws `force`, `impedance` and `hybrid`.
+    - wrench: Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and
+      `hybrid`.
     """
 
     joint_position: JointVector
-    """Joint position q, rad or m."""
+    """Measured joint position q, rad or m, in joint order or by name."""
     sequence: int
-    """Sequence number of the period; must increase."""
+    """Sequence number of the period; must increase. Repeat it only with an unchanged state, to get the same answer
+    again."""
     time_s: float
-    """Time t of the measurement, s."""
+    """Time t of the measurement, s, on any clock that runs evenly."""
     joint_velocity: JointVector | None = None
-    """Measured joint velocity q̇, rad/s or m/s; default: the last command."""
+    """Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its velocities are noisy;
+    default: the last command."""
     targets: dict[str, StreamedTarget] | None = None
     """New targets by task name, if any arrived since the last state; default: none. Between targets the task
     interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
-    """Measured wrench; required by the laws `force`, `impedance` and `hybrid`."""
+    """Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`."""
 
 
 class StuckTask(Answer):
@@ -2666,6 +2874,8 @@ class StepAnswer(Answer):
     - stuck_tasks: Tasks that make no progress, and what holds them back.
     - violated_inequalities: Violated inequalities.
     - warnings: Warnings: what is not plausible about the state, and what to do.
+    - why: Sentences that say what restricts the joint velocities, then what each task gives up; only if the
+      controller has `"why": true`.
     """
 
     active_limits: list[ActiveLimit]
@@ -2709,6 +2919,9 @@ class StepAnswer(Answer):
     """Violated inequalities."""
     warnings: list[str] = Field(default_factory=list)
     """Warnings: what is not plausible about the state, and what to do."""
+    why: list[str] = Field(default_factory=list)
+    """Sentences that say what restricts the joint velocities, then what each task gives up; only if the controller has
+    `"why": true`."""
 
 
 class StepRequest(Body):
@@ -2716,17 +2929,17 @@ class StepRequest(Body):
 
     Fields:
 
-    - controller: Controller.
+    - controller: Controller; the same in every step, so that the service finds it again.
     - state: Measured state.
-    - memory: Memory of the last answer; `null` at the first step.
+    - memory: Memory of the last answer, unchanged; `null` at the first step.
     """
 
     controller: ControllerConfig
-    """Controller."""
+    """Controller; the same in every step, so that the service finds it again."""
     state: State
     """Measured state."""
     memory: Memory | None = None
-    """Memory of the last answer; `null` at the first step."""
+    """Memory of the last answer, unchanged; `null` at the first step."""
 
 
 class WatchedStep(Answer):

@@ -13,35 +13,43 @@ use super::{bounds, integer, object};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Name of the robot.
+    /// Name of the robot, from `GET /v1/robots`.
     pub robot: String,
-    /// Control period T, s.
+    /// Control period T, s: the time from one state to the next, as your loop keeps it.
     pub period_s: f64,
-    /// Resolution method, the meaning of priorities; default `reverse_priority`.
+    /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// Solver of each period's problem; default `auto`.
+    /// Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
+    /// `closed_form` ignores limits. Default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Limits of the joint velocities; default `position_velocity_acceleration`.
+    /// Limits of the joint velocities. Keep the default on an arm; give `lower` and `upper` to move it more slowly.
+    /// Default `position_velocity_acceleration`.
     #[serde(default = "default_limits")]
     pub limits: Limits,
-    /// How the joints follow a command; default: a lag of 0.03 s and a delay of 2 periods.
+    /// How the joints follow a command. Set it if you have measured your arm, so that it brakes in time; default: a lag
+    /// of 0.03 s and a delay of 2 periods.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "JointDrive::is_default")]
     pub drive: JointDrive,
-    /// Sign of the wrench in the states: who exerts it on whom; default `on_environment`.
+    /// Sign of the wrench in the states: who exerts it on whom. Set `on_tool` for a wrist sensor that measures the
+    /// force on the tool; a wrong sign makes contacts unstable. Default `on_environment`.
     #[serde(default)]
     pub wrench_convention: WrenchConvention,
-    /// Inequalities on the joint velocities besides the limits; default: none.
+    /// Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes, or to couple
+    /// joints; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub inequalities: Vec<Inequality>,
-    /// Axes of the wrench in the states; default `base`.
+    /// Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default `base`.
     #[serde(default)]
     pub wrench_frame: WrenchFrame,
-    /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
+    /// Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the
+    /// tip of a gripper; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
+    /// redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if the arm has more joints than its
+    /// tasks have rows, all tasks have the law `pose` or bounds, and none moves single joints; otherwise `rest`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
     /// Whether the arm leaves a posture in which the end of a joint's range holds a `pose` task back: the joints move towards
@@ -50,27 +58,42 @@ pub struct Controller {
     /// `hybrid`; default `true`.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub leave_local_minima: bool,
-    /// Damping near singularities; default: threshold 0.15, max_factor 0.15; `null`: no damping.
+    /// Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for simulations.
+    /// Default: threshold 0.15, max_factor 0.15.
     #[serde(default = "default_damping", deserialize_with = "object::optional")]
     pub damping: Option<Damping>,
-    /// Environment that the tool touches, as far as known, for the stability warnings of `POST /v1/controllers`;
-    /// default: unknown.
+    /// Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the rows of
+    /// a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1 m; default
+    /// 1.
+    #[schema(example = 1.2)]
+    #[serde(default = "default_length", skip_serializing_if = "is_default_length")]
+    pub characteristic_length_m: f64,
+    /// Environment that the tool touches, as far as known. Set it before a first contact: `POST /v1/controllers` then
+    /// warns of unstable axes. Default: unknown.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
-    /// Maximum validity of an answer, ms; default 100.
+    /// Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it. Default
+    /// 100.
     #[serde(
         default = "default_valid_for_ms",
         deserialize_with = "integer::deserialize",
         skip_serializing_if = "is_default_valid_for_ms"
     )]
     pub valid_for_ms: u64,
-    /// Bounds of a plausible state; default: those of `StateChecks`.
+    /// Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that your task needs;
+    /// default: those of `StateChecks`.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "StateChecks::is_default")]
     pub state_checks: StateChecks,
-    /// When integrators of laws follow the achieved velocity; default `always`.
+    /// When integrators of laws follow the achieved velocity. Set another value only to reproduce the paper; default
+    /// `always`.
     #[serde(default, skip_serializing_if = "AntiWindup::is_default")]
     pub anti_windup: AntiWindup,
-    /// The tasks, highest priority first.
+    /// Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a fault; it
+    /// makes answers longer. Default `false`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schema(example = true)]
+    pub why: bool,
+    /// The tasks, highest priority first: put first what must not give way, such as contact or safety.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
 }
@@ -82,6 +105,16 @@ fn yes() -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
 fn is_yes(value: &bool) -> bool {
     *value
+}
+
+fn default_length() -> f64 {
+    1.0
+}
+
+#[expect(clippy::float_cmp, reason = "the default is written as it is")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_default_length(length: &f64) -> bool {
+    *length == default_length()
 }
 
 /// Covers a few periods of a slow loop.
@@ -107,34 +140,41 @@ fn default_damping() -> Option<Damping> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
-    /// Name, unique in the controller.
+    /// Name, unique in the controller. Answers and targets name the task by it.
     pub name: String,
-    /// Axes of the tool, one per row; required by every law except `posture` if there is no `jacobian`.
+    /// Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
+    /// others. Required by every law except `posture` if there is no `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Axes along which rows, displacements and wrench are measured; default `base`.
+    /// Axes along which rows, displacements and wrench are measured. Set `tool` for motions relative to the tool, or a
+    /// pose for a surface; default `base`.
     #[serde(default)]
     pub frame: Frame,
-    /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m; default: the tool point.
+    /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task moves another point
+    /// than the others; default: the tool point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
-    /// Constant task Jacobian J_k, m × n, row by row, in joint order; instead of `axes`, with the law `velocity` or bounds.
+    /// Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives, such as a sum
+    /// of joints; instead of `axes`, with the law `velocity` or bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
-    /// Law that computes the velocity of the task; instead of `lower` and `upper`.
+    /// Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of `lower` and
+    /// `upper`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub law: Option<Law>,
-    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law` if the
+    /// task only limits a motion; `null`: no bound; default: none.
     #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
     pub lower: Option<Vec<Option<f64>>>,
-    /// Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    /// Upper bounds of the task velocity J_k q̇, as `lower`.
     #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
     pub upper: Option<Vec<Option<f64>>>,
-    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `law`;
-    /// default `false`.
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
+    /// must keep their shape; only with `law`; default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
-    /// How the task follows the `targets` of the states; default: the defaults of its fields.
+    /// How the task follows the `targets` of the states. Set it for a source of targets that is slower than 30 Hz,
+    /// noisy or late; default: the defaults of its fields.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub streaming: Option<Streaming>,
 }
@@ -184,13 +224,13 @@ pub struct SessionList {
 pub struct SessionEntry {
     /// Identifier of the session.
     pub id: String,
-    /// Name of the robot.
+    /// Name of the robot, from `GET /v1/robots`.
     pub robot: String,
     /// Resolution method.
     pub method: Method,
     /// Solver.
     pub solver: Solver,
-    /// Control period T, s.
+    /// Control period T, s: the time from one state to the next, as your loop keeps it.
     pub period_s: f64,
     /// Number of states answered by a step.
     pub steps: u64,

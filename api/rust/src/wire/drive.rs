@@ -10,9 +10,11 @@ use super::integer;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct JointDrive {
-    /// Time constant L of the lag, s; default 0.03.
+    /// Time constant L of the lag, s: after a step of the command, the joint has 63 % of the velocity at that time.
+    /// Default 0.03.
     pub lag_s: f64,
-    /// Dead time D from the measurement of a state to the motion that its answer causes, whole periods; default 2.
+    /// Dead time D from the measurement of a state to the motion that its answer causes, whole periods. Count sensor,
+    /// network and drive; default 2.
     #[serde(deserialize_with = "integer::deserialize")]
     pub delay_periods: u64,
 }

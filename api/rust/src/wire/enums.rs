@@ -200,9 +200,11 @@ impl AntiWindup {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
-    /// Threshold δ > 0: damping acts if the smallest singular value is below it.
+    /// Threshold δ > 0: damping acts if the smallest singular value is below it. A larger one begins farther from the
+    /// singularity.
     pub threshold: f64,
-    /// Maximum damping factor λ_max ≥ 0, reached at a singular value of zero.
+    /// Maximum damping factor λ_max ≥ 0, reached at a singular value of zero. A larger one moves the joints more slowly
+    /// there.
     pub max_factor: f64,
 }
 
@@ -250,7 +252,7 @@ pub enum Limits {
     Robot(LimitKind),
     /// Bounds lower ≤ q̇ ≤ upper.
     Box {
-        /// Lower bounds, one per joint, rad/s or m/s.
+        /// Lower bounds, one per joint, rad/s or m/s; usually negative.
         lower: Vec<f64>,
         /// Upper bounds, one per joint, rad/s or m/s.
         upper: Vec<f64>,

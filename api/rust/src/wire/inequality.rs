@@ -12,9 +12,10 @@ pub enum Inequality {
         /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
-        /// Coefficients a, one per joint, in joint order, any unit.
+        /// Coefficients a, one per joint, in joint order, any unit; zero for joints that the inequality is not about.
         coefficients: Vec<f64>,
-        /// Upper bound b, rad/s (or m/s) times the unit of a.
+        /// Upper bound b, rad/s (or m/s) times the unit of a. For a lower bound, change the sign of `coefficients` and
+        /// `upper`.
         upper: f64,
     },
     /// A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p).
@@ -29,7 +30,8 @@ pub enum Inequality {
         /// Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
         #[serde(default = "tool")]
         point: String,
-        /// Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T; default 10.
+        /// Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows the arm
+        /// earlier; default 10.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rate_per_s: Option<f64>,
     },

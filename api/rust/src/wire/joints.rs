@@ -94,19 +94,20 @@ pub enum NullSpaceVelocity {
 pub enum NullSpaceMotion {
     /// The velocity −k ∇H, away from the position limits, with the joint-limit index H.
     JointLimits {
-        /// Gain k, rad²/s or m²/s.
+        /// Gain k, rad²/s or m²/s. A larger one leaves the limits faster.
         gain: f64,
     },
     /// The velocity K (q_d − q), towards a posture.
     Posture {
-        /// Target posture q_d, rad or m.
+        /// Target posture q_d, rad or m: a posture that works well, such as one with a raised elbow.
         joint_position: JointVector,
-        /// Gain K, 1/s.
+        /// Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %.
         gain: f64,
     },
-    /// The velocity K (q_0 − q), towards the posture of the first state, at most 0.1 rad/s; only in controllers.
+    /// The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
+    /// most 0.1 rad/s; only in controllers.
     InitialPosture {
-        /// Gain K, 1/s.
+        /// Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %.
         gain: f64,
     },
     /// Rest, ζ̇ = 0.

@@ -9,7 +9,7 @@ use super::{JointVector, Pose};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicsRequest {
-    /// Name of the robot.
+    /// Name of the robot, from `GET /v1/robots`.
     pub robot: String,
     /// Joint position q, rad or m.
     pub joint_position: JointVector,

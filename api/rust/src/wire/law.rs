@@ -20,32 +20,34 @@ pub enum Law {
     },
     /// Motion to a pose: ẋ = ẋ_d + f K (x_d − x). f is 1 near the target, and smaller where the joints could not brake.
     Pose {
-        /// Gain K, 1/s.
+        /// Gain K, 1/s: within 1/K seconds the distance to the target decreases to 37 %. 1 to 5 suits most arms.
         gain: PerAxis<f64>,
-        /// Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints; default:
-        /// those limits alone.
+        /// Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints.
+        /// Set it for a gentler stop; default: those limits alone.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
         #[serde(default = "default_braking", skip_serializing_if = "is_default_braking")]
         braking: bool,
-        /// Target pose X_d; default `initial`, the pose at the first step.
+        /// Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
+        /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
+        /// for a path that is known in advance; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
     /// Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1 near
     /// the target, and smaller where the joint could not brake.
     Posture {
-        /// Names of the joints; default: all joints, for `mid_range` all joints with a range.
+        /// Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         joints: Option<Vec<String>>,
-        /// Gain K, one for all joints or one per joint, 1/s; for `mid_range` rad²/s or m²/s.
+        /// Gain K, one for all joints or one per joint, 1/s: within 1/K seconds the distance decreases to 37 %. For
+        /// `mid_range` rad²/s or m²/s.
         gain: PerAxis<f64>,
-        /// Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints; default:
-        /// those limits alone.
+        /// Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints. Set
+        /// it for a gentler stop; default: those limits alone.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
@@ -56,34 +58,43 @@ pub enum Law {
     },
     /// Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
     Force {
-        /// Inertia M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one
+        /// is more stable.
         inertia: PerAxis<f64>,
-        /// Damping B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d.
+        /// `POST /v1/stability` computes the minimum.
         damping: PerAxis<f64>,
-        /// Target force F_d, N and N·m.
+        /// Target force F_d, N and N·m, along the axes of the task; positive presses against a surface in the positive
+        /// direction.
         #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
     },
     /// Mass, damper and spring about a pose: M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e.
     Impedance {
-        /// Inertia M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one
+        /// is more stable.
         inertia: PerAxis<f64>,
-        /// Damping B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d.
+        /// `POST /v1/stability` computes the minimum.
         damping: PerAxis<f64>,
-        /// Stiffness K_d, N/m and N·m/rad.
+        /// Stiffness K_d, N/m and N·m/rad: a force F moves the tool by F/K_d. Set a small one where contact is
+        /// expected.
         stiffness: PerAxis<f64>,
-        /// Target pose X_d; default `initial`, the pose at the first step.
+        /// Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
+        /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
+        /// for a path that is known in advance; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
     /// Force control on some axes, impedance on the others.
     Hybrid {
-        /// Inertia M_d, kg and kg·m².
+        /// Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one
+        /// is more stable.
         inertia: PerAxis<f64>,
-        /// Damping B_d, N·s/m and N·m·s/rad.
+        /// Damping B_d, N·s/m and N·m·s/rad. A larger one is slower and more stable; a free axis moves at F_d/B_d.
+        /// `POST /v1/stability` computes the minimum.
         damping: PerAxis<f64>,
         /// Stiffness K_d of the position-controlled axes, N/m and N·m/rad; ignored on the others.
         stiffness: PerAxis<f64>,
@@ -92,10 +103,11 @@ pub enum Law {
         /// Target force F_d of the force-controlled axes, N and N·m; ignored on the others.
         #[serde(deserialize_with = "object::deserialize")]
         target_force: Profile,
-        /// Target pose X_d; default `initial`, the pose at the first step.
+        /// Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step.
         #[serde(default)]
         target_pose: TargetPose,
-        /// Displacement added to X_d, m and rad (rotation vector), along the axes of the task's frame; default: none.
+        /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
+        /// for a path that is known in advance; default: none.
         #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },

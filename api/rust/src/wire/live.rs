@@ -14,10 +14,11 @@ use super::{
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interactive {
-    /// Simulated seconds per second of real time, if the machine is fast enough; default 1.
+    /// Simulated seconds per second of real time, if the machine is fast enough. Set less than 1 to watch a contact;
+    /// default 1.
     #[serde(default = "real_time")]
     pub speed: f64,
-    /// Whether the run is paused; default `false`.
+    /// Whether the run starts paused, to step it with `step`; default `false`.
     #[serde(default)]
     pub paused: bool,
 }
@@ -30,16 +31,17 @@ fn real_time() -> f64 {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulationControl {
-    /// Whether the run is paused.
+    /// Whether the run pauses, or goes on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paused: Option<bool>,
     /// Number of control periods to run before the run pauses.
     #[serde(deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub step: Option<u64>,
-    /// Simulated seconds per second of real time.
+    /// Simulated seconds per second of real time; less than 1 to watch a contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
-    /// External force on the tool, N, base axes. It ends 1 s (real time) after the last request that sets it.
+    /// External force on the tool, N, base axes. Send it again at least once a second: it ends 1 s (real time) after
+    /// the last request that sets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub external_force: Option<[f64; 3]>,
     /// New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
@@ -47,10 +49,10 @@ pub struct SimulationControl {
     #[serde(deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"push x": {"force": [25]}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
-    /// New resolution method.
+    /// New resolution method. The change is blended over 0.1 s of simulated time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
-    /// New solver.
+    /// New solver; the joint velocities change only if one of both is `closed_form`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
     /// New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,

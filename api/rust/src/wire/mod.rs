@@ -18,6 +18,7 @@ mod outcome;
 mod pose;
 mod problem;
 mod profile;
+pub mod read_error;
 mod resolve;
 mod robot;
 mod schema;
@@ -50,7 +51,10 @@ pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;
 pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest, ResolveTask};
-pub use robot::{DenavitHartenberg, Robot, RobotJoint, RobotList, RobotRegistration, RobotSource};
+pub use robot::{
+    DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration,
+    RobotSource, StatedLimits, TipReason,
+};
 pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;

@@ -18,6 +18,9 @@ pub struct Problem {
     /// JSON pointer to the wrong field of the request, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointer: Option<String>,
+    /// Possible values of the wrong field, best first, if they can be listed: links for `base` and `tip` of a robot.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<String>,
     /// Identifier of the request, as in the header `x-request-id` and in the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub request_id: Option<String>,

@@ -14,7 +14,7 @@ use super::{bounds, object};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveRequest {
-    /// Name of the robot; not needed if every task has its own `jacobian`.
+    /// Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// Joint position q, rad or m; needed unless every task has its own `jacobian`.
@@ -23,66 +23,81 @@ pub struct ResolveRequest {
     /// Joint velocity of the last command, rad/s or m/s; needed for acceleration limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// Control period T, s; needed for position and acceleration limits.
+    /// Control period T, s: how long the answer will be commanded. Needed for position and acceleration limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
-    /// The tasks, highest priority first.
+    /// The tasks, highest priority first: put first what must not give way.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ResolveTask>,
-    /// Resolution method, the meaning of priorities; default `reverse_priority`.
+    /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// Solver; default `auto`.
+    /// Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores limits.
+    /// Default `auto`.
     #[serde(default)]
     pub solver: Solver,
-    /// Limits of the joint velocities; default: `position_velocity` with robot, posture and period; `velocity` with
-    /// a robot alone; otherwise `none`.
+    /// Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with robot,
+    /// posture and period; `velocity` with a robot alone; otherwise `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
-    /// Inequalities on the joint velocities besides the limits; default: none.
+    /// Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes, or to couple
+    /// joints; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub inequalities: Vec<Inequality>,
-    /// Damping near singularities; default: no damping.
+    /// Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may be singular;
+    /// default: no damping.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// Pose of the tool point and axes in the robot's own tool frame, m; default: that frame itself.
+    /// Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the
+    /// tip of a gripper; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
-    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit; default: rest.
+    /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
+    /// redundant arm; default: rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
+    /// Whether the answer has `why`, sentences that say what restricts it. Set it while you try a problem out; default
+    /// `false`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schema(example = true)]
+    pub why: bool,
 }
 
 /// One task: axes of the tool or its own Jacobian, and their velocity or bounds of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveTask {
-    /// Name; default `task 1`, `task 2`, …
+    /// Name, by which the answer names the task; default `task 1`, `task 2`, …
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Axes of the tool, one per row; instead of `jacobian`.
+    /// Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
+    /// others. Instead of `jacobian`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Axes along which the rows are measured; default `base`.
+    /// Axes along which the rows are measured. Set `tool` for motions relative to the tool, or a pose for a surface;
+    /// default `base`.
     #[serde(default)]
     pub frame: Frame,
-    /// Reference point of the rows: x, y, z in the tool frame, m; default: the tool point.
+    /// Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another point than the
+    /// others; default: the tool point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
-    /// Task Jacobian J_k, m × n, row by row; instead of `axes`.
+    /// Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile base; instead
+    /// of `axes`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<f64>>,
-    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `velocity` if
+    /// the task only limits a motion; `null`: no bound; default: none.
     #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
     pub lower: Option<Vec<Option<f64>>>,
-    /// Upper bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s; `null`: no bound; default: none.
+    /// Upper bounds of the task velocity J_k q̇, as `lower`.
     #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
     pub upper: Option<Vec<Option<f64>>>,
-    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1; only with `velocity`;
-    /// default `false`.
+    /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
+    /// must keep their shape; only with `velocity`; default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scale: bool,
 }
@@ -92,6 +107,11 @@ pub struct ResolveTask {
 pub struct ResolveAnswer {
     /// Joint velocity q̇, the command, in joint order, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
+    /// Sentences that say what restricts the joint velocities, then what each task gives up; only if the request has
+    /// `"why": true`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["joint `j6` is at its lower limit", "task `hold` gives up 0.030 rad/s"]))]
+    pub why: Vec<String>,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
     /// Active limits: bounds that the answer reaches and that restrict it.
@@ -127,7 +147,7 @@ pub struct ResolveAnswer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BatchRequest {
-    /// Problems, at most 10 000.
+    /// Problems, at most 10 000. Each is solved on its own, so their order does not matter.
     #[serde(deserialize_with = "object::list")]
     pub items: Vec<ResolveRequest>,
 }

@@ -1,9 +1,11 @@
 //! Robots: `GET /v1/robots`, `POST /v1/robots`.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::JointKind;
+use super::{JointKind, Pose};
 
 /// Answer to `GET /v1/robots`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -13,7 +15,7 @@ pub struct RobotList {
 }
 
 /// `POST /v1/robots`: registers the chain of a URDF text from one link to another.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotRegistration {
     /// Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
@@ -23,9 +25,33 @@ pub struct RobotRegistration {
     /// Base link; default: the root of the tree.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
-    /// Link of the tool frame; default: the only leaf of the tree.
+    /// Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
+    /// Limits that replace or complete those of the text, by the name of the joint in the text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<BTreeMap<String, StatedLimits>>,
+    /// New names, by the name of the joint in the text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_names: Option<BTreeMap<String, String>>,
+    /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool_offset: Option<Pose>,
+}
+
+/// Limits of one joint; a limit that is not given is read from the text.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StatedLimits {
+    /// Minimum and maximum position, rad or m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 2]>,
+    /// Maximum speed, rad/s or m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// Maximum acceleration, rad/s² or m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<f64>,
 }
 
 /// The format that described a robot.
@@ -49,6 +75,71 @@ pub struct Robot {
     pub source: RobotSource,
     /// Joints, base first; the order of all vectors of joints.
     pub joints: Vec<RobotJoint>,
+    /// The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chain: Option<RobotChain>,
+}
+
+/// The chain of a URDF text that is the arm.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct RobotChain {
+    /// Link of the base frame.
+    pub base: String,
+    /// Link of the tool frame.
+    pub tip: String,
+    /// Why the chain ends there.
+    pub reason: TipReason,
+    /// Joints from base to tip, under the names that requests use.
+    pub joints: Vec<String>,
+    /// Moving joints of the text that are no part of the chain, at most the first 100.
+    pub left_out: Vec<LeftOutJoint>,
+}
+
+/// Why a chain ends at its tip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TipReason {
+    /// The request named the tip.
+    Request,
+    /// The chain has no other end.
+    OnlyEnd,
+    /// Behind the last joint of the arm, this link has the best name of a tool frame.
+    ToolName,
+    /// It is the last link before the gripper.
+    BeforeGripper,
+    /// It is the last link that the arm moves.
+    LastLink,
+}
+
+/// A moving joint that is no part of the chain.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LeftOutJoint {
+    /// Name of the joint in the text.
+    pub joint: String,
+    /// Why it is left out.
+    pub reason: LeftOutReason,
+}
+
+/// Why a joint is no part of the chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LeftOutReason {
+    /// It closes a gripper or bends a finger.
+    Gripper,
+    /// It turns a head.
+    Head,
+    /// It moves a leg or a wheel.
+    LegOrWheel,
+    /// It moves a sensor.
+    Sensor,
+    /// Its type cannot be a joint of an arm.
+    Unsupported,
+    /// It moves only what is behind the tip.
+    BeyondTip,
+    /// It is on another branch, for example of another arm.
+    OtherBranch,
+    /// It is not below the base.
+    NotBelowBase,
 }
 
 /// A joint and its limits; a limit is `null` if there is none.

@@ -9,22 +9,22 @@ use super::{integer, object};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StabilityRequest {
-    /// Inertia M_d > 0 of the law.
+    /// Inertia M_d > 0 of the law, as in the task.
     pub inertia: f64,
-    /// Damping B_d of the law.
+    /// Damping B_d of the law, as in the task; the answer names the minimum.
     pub damping: f64,
     /// Stiffness K_d of the law; default 0, as on a force-controlled axis.
     #[serde(default)]
     pub stiffness: f64,
-    /// Environment that the tool touches.
+    /// Environment that the tool touches. Take the stiffest one that it can meet.
     #[serde(deserialize_with = "object::deserialize")]
     pub environment: EnvironmentAxis,
-    /// Control period T, s.
+    /// Control period T, s, as in the controller.
     pub period_s: f64,
-    /// Lag τ of the arm's velocity loop, s; default 0.
+    /// Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
     #[serde(default)]
     pub lag_s: f64,
-    /// Delay of a command, control periods; default 0.
+    /// Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0.
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
@@ -73,10 +73,10 @@ pub struct Environment {
     /// Environment about z of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub rz: Option<EnvironmentAxis>,
-    /// Lag τ of the arm's velocity loop, s; default 0.
+    /// Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
     #[serde(default)]
     pub lag_s: f64,
-    /// Delay of a command, control periods; default 0.
+    /// Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0.
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.

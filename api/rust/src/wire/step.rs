@@ -15,17 +15,19 @@ use super::{integer, object, streaming};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct State {
-    /// Sequence number of the period; must increase.
+    /// Sequence number of the period; must increase. Repeat it only with an unchanged state, to get the same answer
+    /// again.
     #[serde(deserialize_with = "integer::deserialize")]
     pub sequence: u64,
-    /// Time t of the measurement, s.
+    /// Time t of the measurement, s, on any clock that runs evenly.
     pub time_s: f64,
-    /// Joint position q, rad or m.
+    /// Measured joint position q, rad or m, in joint order or by name.
     pub joint_position: JointVector,
-    /// Measured joint velocity q̇, rad/s or m/s; default: the last command.
+    /// Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its velocities are
+    /// noisy; default: the last command.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// Measured wrench; required by the laws `force`, `impedance` and `hybrid`.
+    /// Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
     /// New targets by task name, if any arrived since the last state; default: none. Between targets the task
@@ -49,13 +51,13 @@ pub struct Wrench {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepRequest {
-    /// Controller.
+    /// Controller; the same in every step, so that the service finds it again.
     #[serde(deserialize_with = "object::deserialize")]
     pub controller: Controller,
     /// Measured state.
     #[serde(deserialize_with = "object::deserialize")]
     pub state: State,
-    /// Memory of the last answer; `null` at the first step.
+    /// Memory of the last answer, unchanged; `null` at the first step.
     #[serde(default, deserialize_with = "object::optional")]
     pub memory: Option<Memory>,
 }
@@ -201,6 +203,11 @@ pub struct StepAnswer {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!(["time_s went back from 3 to 1"]))]
     pub warnings: Vec<String>,
+    /// Sentences that say what restricts the joint velocities, then what each task gives up; only if the controller has
+    /// `"why": true`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["joint `j6` is at its lower limit", "task `hold` gives up 0.030 rad/s"]))]
+    pub why: Vec<String>,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
     /// Tasks that make no progress, and what holds them back.

@@ -30,7 +30,7 @@ pub struct Streaming {
     /// uniform motion is followed without lag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing_s: Option<f64>,
-    /// Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 2 rad/s, for joints their velocity
+    /// Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints their velocity
     /// limits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_velocity: Option<PerAxis<f64>>,

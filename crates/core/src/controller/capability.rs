@@ -28,7 +28,7 @@ use crate::task::TaskStack;
 ///
 /// which for λ → 0 is the motion with J_k w = v that leaves the other tasks at rest. While J stays the same, v decays
 /// along a straight line, w with it, and a decay at the rate K demands the deceleration K |w_j| of joint j. So
-/// ρ = min_j η a_j / (K |w_j|), with the largest K of the rows. One factor slows all rows of the task, so the tool keeps
+/// ρ = min_j η a_j / (K |w_j|), with the largest K of the rows. Rows have the weights of [`ControllerConfig::characteristic_length_m`]. One factor slows all rows of the task, so the tool keeps
 /// its direction, and no joint decelerates by more than η a_j. λ keeps w bounded near singularities, by |v|/2λ; it
 /// shortens w by the factor σ²/(σ² + λ²) in a direction with the singular value σ: 2 % at σ = 0.15, where the
 /// default damping begins.
@@ -40,7 +40,7 @@ use crate::task::TaskStack;
 /// The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
 pub const BRAKING_SHARE: f64 = 0.4;
 
-/// λ, singular value of the tool's rows below which the estimate of joint velocities gives way, m/rad and 1.
+/// λ, singular value of the weighed rows of the tool below which the estimate of joint velocities gives way.
 ///
 /// Less than half of the default threshold of damping, so that the estimate is right wherever tasks are not damped.
 const REGULARISATION: f64 = 0.02;
@@ -106,7 +106,7 @@ impl Capability {
                 let factor = if task.rows.joint(&config.robot, 0).is_some() {
                     self.joint_factors(law, &task.rows, config, &feedback)
                 } else {
-                    let factor = self.tool_factor(k, law, tasks, &feedback);
+                    let factor = self.tool_factor(k, law, config, tasks, &feedback);
                     TaskVector::from_fn(feedback.len(), |_| factor)
                 };
                 let braked = |row: usize| match factor[row] {
@@ -118,7 +118,7 @@ impl Capability {
             law if law.integrates() && config.anti_windup == AntiWindup::Always => {
                 let jacobian = &tasks.tasks()[k].jacobian;
                 TaskVector::from_fn(velocity.len(), |row| {
-                    let largest = self.largest_speed(jacobian, row);
+                    let largest = self.largest_speed(jacobian, row) / config.weight(k, row);
                     velocity[row].clamp(-largest, largest)
                 })
             }
@@ -126,7 +126,7 @@ impl Capability {
         }
     }
 
-    /// Returns Σ_j |J_rj| V_j of a row r.
+    /// Returns Σ_j |J_rj| V_j of a row r, with its weight.
     fn largest_speed(&self, jacobian: &Matrix, row: usize) -> f64 {
         let reach = |(joint, speed): (usize, &f64)| match jacobian[(row, joint)] {
             // Not NaN for a joint without limit that does not move the row.
@@ -155,18 +155,26 @@ impl Capability {
     }
 
     /// Returns f of task `k` of rows of the tool.
-    fn tool_factor(&mut self, k: usize, law: &PositionLaw, tasks: &TaskStack, feedback: &[f64]) -> f64 {
+    fn tool_factor(
+        &mut self,
+        k: usize,
+        law: &PositionLaw,
+        config: &ControllerConfig,
+        tasks: &TaskStack,
+        feedback: &[f64],
+    ) -> f64 {
         let own = |row: usize| max_acceleration(law, row) / (law.gain()[row] * feedback[row].abs());
         let ratio = (0..feedback.len()).map(own).fold(f64::INFINITY, f64::min);
         let gain = law.gain().max();
         let linear = linear_share(gain, self.reaction);
         // |w_j| ≤ |w| ≤ |v| / 2λ: near the target this settles it without the factors.
-        let bound = norm(feedback) / (2.0 * REGULARISATION);
+        let feedback = config.weighed(k, feedback);
+        let bound = norm(&feedback) / (2.0 * REGULARISATION);
         let smallest = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
         if gain * bound <= linear * BRAKING_SHARE * smallest(&self.deceleration) && bound <= smallest(&self.speed) {
             return factor(ratio, linear, f64::INFINITY);
         }
-        self.update_joint_velocity(k, tasks, feedback);
+        self.update_joint_velocity(k, tasks, &feedback);
         let joints = self.joint_velocity.iter().zip(self.speed.iter().zip(&self.deceleration));
         let (ratio, speed_ratio) = joints.fold((ratio, f64::INFINITY), |(ratio, speed_ratio), (w, (speed, a))| {
             let w = w.abs();
@@ -175,7 +183,7 @@ impl Capability {
         factor(ratio, linear, speed_ratio)
     }
 
-    /// Updates w of task `k`.
+    /// Updates w of task `k`; `feedback`: v with the weights of the Jacobians.
     fn update_joint_velocity(&mut self, k: usize, tasks: &TaskStack, feedback: &[f64]) {
         if self.factors.is_none() {
             self.gram.fill(0.0);

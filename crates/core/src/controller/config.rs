@@ -99,6 +99,9 @@ pub struct ControllerConfig {
     pub solver: Solver,
     /// Damping near singularities; `None`: no damping.
     pub damping: Option<Damping>,
+    /// L, m. Linear rows of the tool are divided by it, so 1 m/s counts as 1/L rad/s in singular values, in damping and where
+    /// the rows of a task are weighed against each other.
+    pub characteristic_length_m: f64,
     /// The limits of the joint velocities.
     pub limits: Limits,
     /// The drive of the joints. Limits of position and planes hold behind it.
@@ -123,16 +126,17 @@ impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
     /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
-    /// acceleration limits of the robot, a slow drive, and rest in the null space unless a task is stuck.
+    /// acceleration limits of the robot, a characteristic length of 1 m, a slow drive, and [`NullSpaceMotion::default_for`] the tasks.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
-            null_space: None,
+            null_space: NullSpaceMotion::default_for(&robot, &tasks, Drive::CONSERVATIVE, period_s),
             leave_local_minima: true,
             robot,
             period_s,
             method: Method::ReversePriority,
             solver: Solver::Auto,
             damping: Some(Damping::ARM),
+            characteristic_length_m: 1.0,
             limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
             drive: Drive::CONSERVATIVE,
             barriers: Vec::new(),
@@ -150,6 +154,9 @@ pub enum ConfigError {
     /// T is not positive or not finite.
     #[error("the period must be a positive number of seconds, not {0}")]
     Period(f64),
+    /// L is not positive or not finite.
+    #[error("the characteristic length must be a positive number of metres, not {0}")]
+    CharacteristicLength(f64),
     /// The list of tasks is empty.
     #[error("give at least one task")]
     NoTasks,
@@ -214,6 +221,10 @@ impl ControllerConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         if !(self.period_s.is_finite() && self.period_s > 0.0) {
             return Err(ConfigError::Period(self.period_s));
+        }
+        let length = self.characteristic_length_m;
+        if !(length.is_finite() && length > 0.0) {
+            return Err(ConfigError::CharacteristicLength(length));
         }
         if self.tasks.is_empty() {
             return Err(ConfigError::NoTasks);

@@ -43,6 +43,7 @@ mod memory;
 mod null_space;
 mod progress;
 mod raw_rows;
+mod row_space;
 mod stability;
 mod steep_gain;
 mod step;
@@ -54,6 +55,7 @@ mod task;
 mod task_target;
 mod tool_rows;
 mod transition;
+mod weights;
 
 pub use capability::BRAKING_SHARE;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};

@@ -4,6 +4,8 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::TaskConfig;
+use crate::law::Law;
+use crate::limits::Drive;
 use crate::linalg::Vector;
 
 /// The null-space velocity ζ̇: a joint velocity that the answer follows as far as the tasks permit.
@@ -23,17 +25,24 @@ pub enum NullSpaceMotion {
         /// K, 1/s.
         gain: f64,
     },
-    /// K (q_0 − q), towards the posture of the first step, with a norm of at most [`HOLDING_SPEED`]: on repeated paths the
-    /// arm returns to the same postures.
+    /// N K (q_0 − q), towards the posture of the first step in the null space of all tasks (projector N), with a norm of at
+    /// most [`HOLDING_SPEED`]: on repeated paths the arm returns to the same postures.
     InitialPosture {
         /// K, 1/s.
         gain: f64,
     },
 }
 
-/// Maximum norm of [`NullSpaceMotion::InitialPosture`], rad/s and m/s. It is slow for an arm, but faster than postures
-/// drift along a circle of 10 cm in 5 s.
-pub const HOLDING_SPEED: f64 = 0.1;
+/// Maximum norm of [`NullSpaceMotion::InitialPosture`], rad/s and m/s. Postures drift along a circle of 10 cm in 5 s with
+/// 0.03 rad/s. With the default gain joints need no more than 1 rad/s² to stop from it.
+pub const HOLDING_SPEED: f64 = 0.5;
+
+/// K of [`NullSpaceMotion::default_for`], 1/s, for drives that are fast enough.
+const HOLDING_GAIN: f64 = 2.0;
+
+/// K of [`NullSpaceMotion::default_for`] times the delay of the loop, for slow drives. A loop with a dead time does not
+/// oscillate below 1/e.
+const HOLDING_MARGIN: f64 = 1.0 / 3.0;
 
 /// K of the motion that leaves a posture, 1/s.
 const LEAVING_GAIN: f64 = 2.0;
@@ -67,6 +76,18 @@ pub enum NullSpaceError {
 }
 
 impl NullSpaceMotion {
+    /// Returns the motion of a controller that states none; `period_s`: T, s.
+    ///
+    /// A redundant arm whose tasks all follow positions returns to its initial posture; bounds may be among the tasks.
+    /// Otherwise the arm rests in the null space (`None`).
+    pub fn default_for(robot: &RobotModel, tasks: &[TaskConfig], drive: Drive, period_s: f64) -> Option<Self> {
+        let mut equations = tasks.iter().filter(|task| task.law.bounds().is_none()).peekable();
+        let follow = equations.peek().is_some() && equations.all(|task| matches!(task.law, Law::Position(_)));
+        let delay = drive.time_to_rest(period_s) + period_s;
+        let gain = HOLDING_GAIN.min(HOLDING_MARGIN / delay);
+        (follow && is_redundant(robot, tasks)).then_some(Self::InitialPosture { gain })
+    }
+
     /// Returns ζ̇ of the first step, at its posture (`joint_position`: q, n), n, rad/s or m/s.
     pub fn velocity(&self, robot: &RobotModel, joint_position: &[f64]) -> Vector {
         let mut velocity = Vector::zeros(robot.joint_count());
@@ -74,7 +95,8 @@ impl NullSpaceMotion {
         velocity
     }
 
-    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q; `initial`: q_0), n each, rad/s or m/s.
+    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q; `initial`: q_0), n each, rad/s or m/s. That of
+    /// [`Self::InitialPosture`] is neither projected nor limited.
     pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], initial: &[f64], velocity: &mut Vector) {
         match self {
             Self::Constant(constant) => velocity.copy_from(constant),
@@ -90,10 +112,6 @@ impl NullSpaceMotion {
             Self::InitialPosture { gain } => {
                 for (speed, (target, q)) in velocity.iter_mut().zip(initial.iter().zip(joint_position)) {
                     *speed = (target - q) * gain;
-                }
-                let norm = velocity.norm();
-                if norm > HOLDING_SPEED {
-                    *velocity *= HOLDING_SPEED / norm;
                 }
             }
         }
@@ -115,6 +133,14 @@ impl NullSpaceMotion {
         }
         let bound = 2.0 / (rate * period);
         if gain < bound { Ok(()) } else { Err(NullSpaceError::Unstable { gain, bound }) }
+    }
+}
+
+/// Limits the norm of ζ̇ (n) to [`HOLDING_SPEED`].
+pub(super) fn limit_holding(velocity: &mut Vector) {
+    let norm = velocity.norm();
+    if norm > HOLDING_SPEED {
+        *velocity *= HOLDING_SPEED / norm;
     }
 }
 

@@ -25,7 +25,7 @@
 //! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
 
 use super::null_space::is_redundant;
-use super::target_bounds::RowKind;
+use super::row_space::in_null_space;
 use super::task_target::TaskTarget;
 use super::{ControllerConfig, TaskConfig};
 use crate::law::Law;
@@ -225,11 +225,7 @@ impl Observation<'_> {
     }
 
     fn is_angular(&self, k: usize, row: usize) -> bool {
-        match self.config.tasks[k].rows.kind(row, &self.config.robot) {
-            RowKind::Linear => false,
-            RowKind::Angular | RowKind::Raw => true,
-            RowKind::Joint(joint) => !joint.kind.is_translation(),
-        }
+        self.config.tasks[k].rows.is_angular(row, &self.config.robot).unwrap_or(true)
     }
 
     /// Returns what holds task `k`; empty if the task lacks nothing in this period.
@@ -242,7 +238,7 @@ impl Observation<'_> {
             return vec![Obstacle::Singularity];
         }
         let is_taken = |left: Vector| left.norm() < TAKEN_AWAY * pull.norm();
-        let (inside, below) = (self.inside_limits(&pull), in_null_space_above(self.tasks, k, pull.clone()));
+        let (inside, below) = (self.inside_limits(&pull), in_null_space(&self.tasks.tasks()[..k], pull.clone()));
         let limited = inside != pull;
         match (is_taken(inside), is_taken(below)) {
             (true, false) => vec![Obstacle::Limits],
@@ -276,23 +272,4 @@ impl Observation<'_> {
         }
         left
     }
-}
-
-/// Returns the part of a joint velocity in the null space of the tasks above task `k`, by Gram-Schmidt.
-pub(super) fn in_null_space_above(tasks: &TaskStack, k: usize, mut velocity: Vector) -> Vector {
-    let mut basis: Vec<Vector> = Vec::new();
-    for row in tasks.tasks()[..k].iter().flat_map(|task| task.jacobian.row_iter()) {
-        let mut direction: Vector = row.transpose();
-        let length = direction.norm();
-        for known in &basis {
-            direction.axpy(-known.dot(&direction), known, 1.0);
-        }
-        if direction.norm() > 1e-6 * length {
-            basis.push(direction.normalize());
-        }
-    }
-    for known in &basis {
-        velocity.axpy(-known.dot(&velocity), known, 1.0);
-    }
-    velocity
 }

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::capability::Capability;
-use super::null_space::write_leaving;
-use super::progress::{Observation, Progress, StuckTask, in_null_space_above};
+use super::null_space::{NullSpaceMotion, limit_holding, write_leaving};
+use super::progress::{Observation, Progress, StuckTask};
+use super::row_space::{RowSpace, in_null_space};
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::ArmState;
@@ -140,6 +141,7 @@ impl Controller {
             zero_velocity,
             distance_to_rest,
             streams,
+            row_space,
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -155,19 +157,20 @@ impl Controller {
             None => initial.insert(self.initial_memory(&arm)),
         };
         target_streams::update(streams, previous, measurement, &arm, config);
-        problem
-            .tasks
-            .overwrite_jacobians(|k, jacobian| config.tasks[k].rows.write_jacobian(configuration, jacobian))?;
+        problem.tasks.overwrite_jacobians(|k, jacobian| {
+            config.tasks[k].rows.write_jacobian(configuration, jacobian);
+            config.weigh_jacobian(k, jacobian);
+        })?;
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
-            self.move_null_space(velocity, &mut command.targets, &problem.tasks, previous, measurement);
+            self.move_null_space(velocity, &mut command.targets, &problem.tasks, row_space, previous, measurement);
         }
         problem.tasks.overwrite(|k, _, lower, upper| {
-            // The bounds of an inequality task are constant.
-            if config.tasks[k].law.bounds().is_none() {
-                lower.copy_from(&command.targets[k].velocity);
-                upper.copy_from(&command.targets[k].velocity);
-            }
+            let velocity = &command.targets[k].velocity;
+            let (least, greatest) =
+                config.tasks[k].law.bounds().map_or((velocity, velocity), |b| (b.lower(), b.upper()));
+            lower.copy_from_slice(&config.weighed(k, least.as_slice()));
+            upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
         })?;
         for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
             *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
@@ -183,6 +186,7 @@ impl Controller {
             .inequalities
             .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
         resolver.resolve(problem, &previous.active_set, &mut command.resolution)?;
+        config.remove_weights(&mut command.resolution.tasks, &command.targets);
         command.report_bounds(&config.tasks);
         command.limit_conflicts.clone_from(&limited.conflicts);
         command.joint_limit_index = joint_limit_index(&config.robot, position);
@@ -314,6 +318,7 @@ impl Controller {
         velocity: &mut Vector,
         targets: &mut [TaskTarget],
         tasks: &TaskStack,
+        row_space: &mut RowSpace,
         previous: &Memory,
         measurement: &Measurement,
     ) {
@@ -325,13 +330,19 @@ impl Controller {
                 Some(motion) => motion.write(&config.robot, position, initial, velocity),
                 None => velocity.fill(0.0),
             }
+            if let Some(NullSpaceMotion::InitialPosture { .. }) = config.null_space {
+                row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+                row_space.remove_from(velocity);
+                limit_holding(velocity);
+            }
             return;
         }
         write_leaving(&config.robot, position, velocity);
         for (k, (target, progress)) in targets.iter_mut().zip(&previous.progress).enumerate() {
             if leaves(progress) {
-                let motion = in_null_space_above(tasks, k, velocity.clone());
+                let motion = in_null_space(&tasks.tasks()[..k], velocity.clone());
                 target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, &motion, 0.0);
+                target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
             }
         }
     }

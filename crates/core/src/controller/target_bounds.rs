@@ -20,12 +20,12 @@ pub(super) enum RowKind<'a> {
 const DEFAULT_ACCELERATION: f64 = 5.0;
 
 impl RowKind<'_> {
-    /// Linear axes: 1 m/s and 5 m/s²; angular axes: 2 rad/s and 10 rad/s². A hand moves so when it works, not when it
+    /// Linear axes: 1 m/s and 5 m/s²; angular axes: 3 rad/s and 10 rad/s². A hand moves so when it works, not when it
     /// throws.
     fn bound(self) -> Bound {
         match self {
             Self::Linear => Bound { velocity: 1.0, acceleration: 5.0 },
-            Self::Angular => Bound { velocity: 2.0, acceleration: 10.0 },
+            Self::Angular => Bound { velocity: 3.0, acceleration: 10.0 },
             Self::Joint(joint) => {
                 let acceleration = Some(joint.limits.acceleration).filter(|value| value.is_finite() && *value > 0.0);
                 let acceleration = acceleration.unwrap_or(DEFAULT_ACCELERATION);

@@ -221,6 +221,16 @@ impl TaskRows {
         }
     }
 
+    /// Returns whether a row is an angular velocity, rad/s, and not a linear one, m/s; `None` for constant rows, of any unit.
+    pub fn is_angular(&self, row: usize, robot: &RobotModel) -> Option<bool> {
+        match self.kind(row, robot) {
+            RowKind::Linear => Some(false),
+            RowKind::Angular => Some(true),
+            RowKind::Joint(joint) => Some(!joint.kind.is_translation()),
+            RowKind::Raw => None,
+        }
+    }
+
     /// Returns the kind of a row, which decides the default bounds of its streamed targets.
     pub(super) fn kind<'a>(&self, row: usize, robot: &'a RobotModel) -> RowKind<'a> {
         match self {
@@ -228,6 +238,11 @@ impl TaskRows {
             Self::Joints(rows) => RowKind::Joint(&robot.joints()[rows.joints[row]]),
             Self::Raw(_) => RowKind::Raw,
         }
+    }
+
+    /// Returns whether a row is a linear axis of the tool.
+    pub(super) fn is_linear(&self, row: usize) -> bool {
+        matches!(self, Self::Tool(rows) if matches!(rows.kind(row), RowKind::Linear))
     }
 
     /// Returns the measured position with a velocity of the task, m.

@@ -222,10 +222,12 @@ fn steps_of_sawyer_end_without_overshoot_for_any_gain() {
 #[test]
 fn the_bare_gain_overshoots() {
     for name in ROBOTS {
-        let step = &steps(name, 1)[0];
-        let controller = step.controller(step.tasks(20.0, false, &Braking::None), 4e-3);
-        let found = step.run(controller, 2.0, DRIVES[0]);
-        assert!(found.overshoot > 0.05 * STEP, "{name}: {found:?}");
+        let overshoot = |step: &ToolStep| {
+            let controller = step.controller(step.tasks(20.0, false, &Braking::None), 4e-3);
+            step.run(controller, 2.0, DRIVES[0]).overshoot
+        };
+        let largest = steps(name, 4).iter().map(overshoot).fold(0.0, f64::max);
+        assert!(largest > 0.05 * STEP, "{name}: {largest} m");
     }
 }
 

@@ -9,6 +9,7 @@ mod drives;
 mod frames;
 mod hold;
 mod laws;
+mod lengths;
 mod limits;
 mod memory;
 mod outstretched;

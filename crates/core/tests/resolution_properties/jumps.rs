@@ -12,6 +12,9 @@ const STEPS: u32 = 1000;
 /// Paths of each family and method.
 const PATHS: u64 = 20;
 
+/// How often steep paths are walked with steps that are eight times finer again.
+const REFINEMENTS: usize = 3;
+
 /// Halves a step 20 times and follows the half with the larger change: what remains is a jump.
 fn jump_within(walk: &mut Walk, mut step: Step) -> f64 {
     for _ in 0..20 {
@@ -26,8 +29,9 @@ fn jump_within(walk: &mut Walk, mut step: Step) -> f64 {
 struct Row {
     limited: u32,
     jumps: u32,
-    /// Paths whose largest change is not four times smaller with steps that are eight times finer.
-    steep: u32,
+    /// Paths whose largest change is not four times smaller with steps that are eight times finer; then those of them for
+    /// which this is so again from the finer steps on, and so forth.
+    steep: [u32; REFINEMENTS],
     working_sets: u32,
     residuals: [f64; 4],
     changes: Vec<f64>,
@@ -60,10 +64,18 @@ impl Row {
         }
         self.changes.extend(steps.iter().map(|step| step.change));
         steps.sort_by(|a, b| b.change.total_cmp(&a.change));
-        let largest = &steps[..4];
-        self.jumps += u32::from(largest.iter().any(|&step| jump_within(&mut walk, step) > 1e-4));
-        let fine = largest.iter().flat_map(|&step| walk.split(step, 8)).fold(0.0_f64, |a, step| a.max(step.change));
-        self.steep += u32::from(steps[0].change > 1e-3 && fine > steps[0].change / 4.0);
+        steps.truncate(4);
+        self.jumps += u32::from(steps.iter().any(|&step| jump_within(&mut walk, step) > 1e-4));
+        for steep in &mut self.steep {
+            let coarse = steps[0].change;
+            steps = steps.iter().flat_map(|&step| walk.split(step, 8)).collect();
+            steps.sort_by(|a, b| b.change.total_cmp(&a.change));
+            steps.truncate(4);
+            if coarse < 1e-3 || steps[0].change <= coarse / 4.0 {
+                break;
+            }
+            *steep += 1;
+        }
     }
 
     fn print(&mut self, name: &str) {
@@ -73,7 +85,7 @@ impl Row {
         let misses = self.misses.len() as f64;
         let miss = [self.misses.iter().sum::<f64>() / misses, self.misses[self.misses.len() * 99 / 100]];
         println!(
-            "| {name} | {:.0} % | {} | {} | {:.3} | {:.4} | {:.2} | {:.3?} | {:.4?}, {:.1} % |",
+            "| {name} | {:.0} % | {} | {:?} | {:.3} | {:.4} | {:.2} | {:.3?} | {:.4?}, {:.1} % |",
             100.0 * f64::from(self.limited) / answers,
             self.jumps,
             self.steep,

@@ -83,6 +83,8 @@ pub struct Section {
     pub json: String,
     /// Remarks on the runs.
     pub notes: Vec<String>,
+    /// Whether both methods of the paper move alike. Its figures are then collapsed.
+    pub methods_coincide: bool,
     /// Rows of its runs.
     pub rows: Vec<Row>,
     /// Figures.

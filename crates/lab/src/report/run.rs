@@ -36,6 +36,7 @@ impl Run {
             description: String::new(),
             source: wire::RobotSource::Urdf,
             joints: Vec::new(),
+            chain: None,
         };
         Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording }
     }

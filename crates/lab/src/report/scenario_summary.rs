@@ -55,6 +55,7 @@ mod tests {
             description: String::new(),
             source: wire::RobotSource::DenavitHartenberg,
             joints: Vec::new(),
+            chain: None,
         };
         let text = sentences(&scenario, &robot).join("\n");
         for part in [

@@ -12,12 +12,12 @@ use super::scenario::{BUILT_IN_SCENARIOS, Scenario, ScenarioError};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulationRequest {
-    /// Name of a scenario that ships with the service, or a whole scenario.
+    /// Name of a scenario from `GET /v1/scenarios`, or a whole scenario.
     pub scenario: NamedScenario,
-    /// Method, instead of the method of the scenario.
+    /// Method, instead of the method of the scenario. Set it to compare.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
-    /// Solver, instead of the solver of the scenario.
+    /// Solver, instead of the solver of the scenario. Set it to compare.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
     /// Interactive run: paced by the clock, shown live, and controlled by `POST /v1/simulations/{id}/control`. If left out, the

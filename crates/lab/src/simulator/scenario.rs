@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use revprio_api::wire::read_error::in_plain_words;
 use revprio_api::wire::{self, integer, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -87,7 +88,7 @@ pub enum ScenarioError {
         source: std::io::Error,
     },
     /// The file is not valid TOML, or not a scenario. The message names the line.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", in_plain_words(&source.to_string()))]
     Toml {
         /// The file.
         path: String,
@@ -95,7 +96,7 @@ pub enum ScenarioError {
         source: Box<toml::de::Error>,
     },
     /// The file is not valid JSON, or not a scenario. The message names the line.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", in_plain_words(&source.to_string()))]
     Json {
         /// The file.
         path: String,

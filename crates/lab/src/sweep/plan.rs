@@ -1,5 +1,6 @@
 //! The plan of a sweep: a scenario, quantities and their values. Its cells are all combinations.
 
+use revprio_api::wire::read_error::in_plain_words;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -65,8 +66,9 @@ impl Plan {
                 let read: Result<Scenario, _> = serde_json::from_value(scenario);
                 read.map_err(|error| {
                     format!(
-                        "`{}` = {value}: {error}; write values like 0,0.001 or lin:0..1:5 or log:1..1e6:10",
-                        variation.path
+                        "`{}` = {value}: {}; write values like 0,0.001 or lin:0..1:5 or log:1..1e6:10",
+                        variation.path,
+                        in_plain_words(&error.to_string())
                     )
                 })?;
             }
@@ -102,7 +104,7 @@ impl Plan {
         for (variation, value) in self.variations.iter().zip(&cell.values) {
             path::set(&mut scenario, &variation.path, value)?;
         }
-        serde_json::from_value(scenario).map_err(|error| error.to_string())
+        serde_json::from_value(scenario).map_err(|error| in_plain_words(&error.to_string()))
     }
 
     /// Returns the identity of the sweep.

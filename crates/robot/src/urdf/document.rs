@@ -15,7 +15,7 @@ const MAX_NAMESPACES: usize = 64;
 const MAX_NODES: u32 = 100_000;
 
 /// Maximum length of the name of a link or joint, bytes. Every answer repeats the names of the joints.
-const MAX_NAME_BYTES: usize = 256;
+pub const MAX_NAME_BYTES: usize = 256;
 
 /// Parses XML in bounded time.
 pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
@@ -35,7 +35,13 @@ pub fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
 pub fn robot<'a>(document: &'a Document) -> Result<Node<'a, 'a>, UrdfError> {
     let root = document.root_element();
     let name = root.tag_name().name();
-    if name == "robot" { Ok(root) } else { Err(UrdfError::NotRobot { root: name.to_owned() }) }
+    let is_xacro = |node: &Node| node.tag_name().namespace().is_some_and(|namespace| namespace.ends_with("xacro"));
+    match (name, root.children().find(is_xacro)) {
+        ("robot", None) => Ok(root),
+        ("robot", Some(element)) => Err(UrdfError::Xacro { element: element.tag_name().name().to_owned() }),
+        ("mujoco", _) => Err(UrdfError::Mjcf),
+        _ => Err(UrdfError::NotRobot { root: name.to_owned() }),
+    }
 }
 
 /// A joint as an edge of the graph of links.
@@ -47,11 +53,45 @@ pub struct Edge<'a> {
     pub element: Node<'a, 'a>,
 }
 
+/// How a joint moves.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    Fixed,
+    /// As a joint of an arm can.
+    Moving,
+    /// In another way.
+    Unsupported,
+}
+
+impl<'a> Edge<'a> {
+    pub fn motion(&self) -> Motion {
+        match self.element.attribute("type") {
+            Some("fixed") => Motion::Fixed,
+            Some("revolute" | "continuous" | "prismatic") => Motion::Moving,
+            _ => Motion::Unsupported,
+        }
+    }
+
+    /// Whether the joint follows another one.
+    pub fn is_mimic(&self) -> bool {
+        child(self.element, "mimic").is_some()
+    }
+
+    /// Returns the name of the joint that this one follows.
+    fn leader(&self) -> Option<&'a str> {
+        child(self.element, "mimic")?.attribute("joint")
+    }
+}
+
 /// All links in the order of the text, with the joint above each.
 pub struct Links<'a> {
     pub names: Vec<&'a str>,
     /// The joint above a link, by the name of that link.
     pub joint_above: HashMap<&'a str, Edge<'a>>,
+    /// The joints below a link, by the name of that link.
+    joints_below: HashMap<&'a str, Vec<Edge<'a>>>,
+    /// The joints that others follow, with the link above the others.
+    leaders: HashSet<(&'a str, &'a str)>,
 }
 
 impl<'a> Links<'a> {
@@ -60,6 +100,7 @@ impl<'a> Links<'a> {
         let links = named(robot, "link")?;
         let known: HashMap<&str, Node> = links.iter().copied().collect();
         let mut joint_above: HashMap<&str, Edge> = HashMap::new();
+        let mut joints_below: HashMap<&str, Vec<Edge>> = HashMap::new();
         for (name, element) in named(robot, "joint")? {
             let edge = edge(name, element)?;
             if let Some(link) = [edge.parent, edge.child].into_iter().find(|link| !known.contains_key(link)) {
@@ -69,8 +110,21 @@ impl<'a> Links<'a> {
                 let [link, first, second] = [edge.child, first.name, name].map(str::to_owned);
                 return Err(UrdfError::TwoParents { link, first, second });
             }
+            joints_below.entry(edge.parent).or_default().push(edge);
         }
-        Ok(Self { names: links.iter().map(|(name, _)| *name).collect(), joint_above })
+        let leaders = joint_above.values().filter_map(|edge| Some((edge.leader()?, edge.parent))).collect();
+        Ok(Self { names: links.iter().map(|(name, _)| *name).collect(), joint_above, joints_below, leaders })
+    }
+
+    /// Returns the joints below a link, in the order of the text.
+    pub fn below(&self, link: &str) -> &[Edge<'a>] {
+        self.joints_below.get(link).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a joint on the same link follows this joint, and no joint moves on the link below it.
+    pub fn leads_neighbour(&self, edge: &Edge) -> bool {
+        self.leaders.contains(&(edge.name, edge.parent))
+            && self.below(edge.child).iter().all(|next| next.motion() == Motion::Fixed)
     }
 
     /// Returns the links without parent.

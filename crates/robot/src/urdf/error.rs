@@ -22,10 +22,19 @@ pub enum UrdfError {
     #[error("URDF: {0}")]
     Xml(#[from] roxmltree::Error),
     /// The root element is not `<robot>`.
-    #[error("the outermost element is <{root}>, not <robot>; expand xacro files first")]
+    #[error("the outermost element is <{root}>, not <robot>; this is no URDF text")]
     NotRobot {
         /// The root element.
         root: String,
+    },
+    /// The text is a MuJoCo model.
+    #[error("this is a MuJoCo model (MJCF), not URDF; convert it in Python: `revprio.read_mjcf(FILE)` returns URDF")]
+    Mjcf,
+    /// The text is not expanded.
+    #[error("the text contains <xacro:{element}>; expand it first: `xacro FILE > my_arm.urdf`")]
+    Xacro {
+        /// The first element of xacro.
+        element: String,
     },
     /// A link or joint has no name, or a name that is too long.
     #[error("<{element}> number {place} of the robot needs a name of 1 to 256 bytes")]
@@ -89,6 +98,14 @@ pub enum UrdfError {
         /// Links without children below the base.
         leaves: Vec<String>,
     },
+    /// The tip is not named, and the robot has several arms.
+    #[error("the robot has {} arms; name the `tip`: {}", .tips.len(), list(.tips))]
+    Arms {
+        /// The base link.
+        base: String,
+        /// The tip of each arm.
+        tips: Vec<String>,
+    },
     /// There is no link with the name of the base.
     #[error("the base link `{link}` does not exist; links without parent: {}", list(.roots))]
     UnknownBase {
@@ -130,6 +147,32 @@ pub enum UrdfError {
         /// The number of numbers that it must have.
         count: usize,
     },
+    /// A limit is missing or impossible, for the same reason at one or several joints.
+    #[error("joint {}: {cause}; state it in `limits`: {{{}}}", list(.joints), remedies(.joints, .remedy))]
+    Limit {
+        /// The joints.
+        joints: Vec<String>,
+        /// What is wrong with the limit.
+        cause: String,
+        /// The part of `limits` that mends it.
+        remedy: &'static str,
+    },
+    /// An override is about a joint that is no part of the chain.
+    #[error("`{field}` has a joint `{joint}`, which is no joint of the chain; its joints are {}", list(.joints))]
+    UnknownJoint {
+        /// `limits` or `joint_names`.
+        field: &'static str,
+        /// The joint.
+        joint: String,
+        /// The joints of the chain.
+        joints: Vec<String>,
+    },
+    /// A new name of a joint is empty or too long.
+    #[error("`joint_names`: the new name of joint `{joint}` needs 1 to 256 bytes")]
+    JointName {
+        /// The joint.
+        joint: String,
+    },
     /// The axis of a joint has length zero.
     #[error("joint `{joint}`: the axis has length zero; give its direction")]
     Axis {
@@ -141,9 +184,30 @@ pub enum UrdfError {
     Model(#[from] ModelError),
 }
 
-/// Returns the first 50 names of a list, each in backquotes.
+impl UrdfError {
+    /// Links that the refused or missing base or tip can be, best first; empty for other errors.
+    pub fn candidates(&self) -> &[String] {
+        match self {
+            Self::Base { links } => links,
+            Self::UnknownBase { roots, .. } => roots,
+            Self::Tip { leaves, .. } | Self::UnknownTip { leaves, .. } => leaves,
+            Self::Arms { tips, .. } => tips,
+            _ => &[],
+        }
+    }
+}
+
+/// Maximum number of names that an error lists.
+const MAX_SHOWN: usize = 50;
+
+/// Returns the part of `limits` that mends the limits of joints.
+fn remedies(joints: &[String], remedy: &str) -> String {
+    let each: Vec<String> = joints.iter().take(MAX_SHOWN).map(|joint| format!("\"{joint}\": {{{remedy}}}")).collect();
+    each.join(", ")
+}
+
+/// Returns the first names of a list, each in backquotes.
 fn list(names: &[String]) -> String {
-    const MAX_SHOWN: usize = 50;
     let shown: Vec<String> = names.iter().take(MAX_SHOWN).map(|name| format!("`{name}`")).collect();
     match names.len().saturating_sub(MAX_SHOWN) {
         0 if names.is_empty() => "none".to_owned(),

@@ -5,10 +5,14 @@ use roxmltree::Node;
 
 use super::UrdfError;
 use super::document::{Edge, child};
-use crate::{Joint, JointKind, JointLimits};
+use crate::{Joint, JointKind, JointLimits, LimitOverride};
 
 /// Maximum absolute value of a number, m or rad. An axis shorter than its inverse has no direction.
 const MAX_NUMBER: f64 = 1e9;
+
+const POSITION: &str = "\"position\": [lower, upper]";
+const VELOCITY: &str = "\"velocity\": number";
+const ACCELERATION: &str = "\"acceleration\": number";
 
 /// The part of the chain that a joint makes.
 pub enum Segment {
@@ -25,14 +29,14 @@ pub struct Moving {
     pub after: IsometryMatrix3<f64>,
 }
 
-/// Reads a joint of the chain.
-pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
+/// Reads a joint of the chain; `stated` replaces limits of the text.
+pub fn segment(edge: &Edge, stated: &LimitOverride) -> Result<Segment, UrdfError> {
     let reader = Reader { joint: edge.name, element: edge.element };
     let origin = reader.origin()?;
     let kind = match edge.element.attribute("type") {
         None => return Err(reader.missing("a type")),
         Some("fixed") => return Ok(Segment::Fixed(origin)),
-        Some(_) if child(edge.element, "mimic").is_some() => return Err(reader.kind("mimic")),
+        Some(_) if edge.is_mimic() => return Err(reader.kind("mimic")),
         Some(name) => JointKind::from_urdf(name).ok_or_else(|| reader.kind(name))?,
     };
     let to_axis = rotation_from_z(&reader.axis()?);
@@ -40,7 +44,7 @@ pub fn segment(edge: &Edge) -> Result<Segment, UrdfError> {
         name: edge.name.to_owned(),
         kind,
         placement: origin * to_axis,
-        limits: reader.limits()?,
+        limits: reader.limits(stated)?,
         published_range: None,
         denavit_hartenberg: None,
     };
@@ -80,20 +84,51 @@ impl Reader<'_> {
         axis.try_normalize(1.0 / MAX_NUMBER).ok_or_else(|| UrdfError::Axis { joint: self.joint.to_owned() })
     }
 
-    fn limits(&self) -> Result<JointLimits, UrdfError> {
-        let limit = |field| Ok::<_, UrdfError>(self.numbers("limit", field)?.map(|[value]: [f64; 1]| value));
-        let infinite = |field| limit(field).map(|value| value.unwrap_or(f64::INFINITY));
-        let acceleration = infinite("acceleration")?.min(infinite("deceleration")?);
+    fn limits(&self, stated: &LimitOverride) -> Result<JointLimits, UrdfError> {
+        let limit = |field, stated: Option<f64>| match stated {
+            Some(value) => Ok(Some(value)),
+            None => Ok::<_, UrdfError>(self.numbers("limit", field)?.map(|[value]: [f64; 1]| value)),
+        };
+        let infinite = |field| limit(field, None).map(|value| value.unwrap_or(f64::INFINITY));
+        let acceleration = match stated.acceleration {
+            Some(value) => value,
+            None => infinite("acceleration")?.min(infinite("deceleration")?),
+        };
+        let [lower, upper] = match (stated.position, self.element.attribute("type")) {
+            (Some([lower, upper]), _) => [Some(lower), Some(upper)],
+            (None, Some("continuous")) => [Some(f64::NEG_INFINITY), Some(f64::INFINITY)],
+            (None, _) => [limit("lower", None)?, limit("upper", None)?],
+        };
+        let mut velocity = limit("velocity", stated.velocity)?;
         if self.element.attribute("type") == Some("continuous") {
-            return Ok(JointLimits { velocity: infinite("velocity")?, acceleration, ..JointLimits::NONE });
+            velocity = velocity.or(Some(f64::INFINITY));
         }
-        let missing_limit = || self.missing("<limit> with `lower`, `upper` and `velocity`, or the type `continuous`");
-        Ok(JointLimits {
-            lower: limit("lower")?.ok_or_else(missing_limit)?,
-            upper: limit("upper")?.ok_or_else(missing_limit)?,
-            velocity: limit("velocity")?.ok_or_else(missing_limit)?,
-            acceleration,
-        })
+        let (Some(lower), Some(upper)) = (lower, upper) else {
+            return Err(self.limit("<limit> needs `lower` and `upper`, or the type must be `continuous`", POSITION));
+        };
+        let velocity = velocity.ok_or_else(|| self.limit("<limit> needs `velocity`", VELOCITY))?;
+        self.check(JointLimits { lower, upper, velocity, acceleration })
+    }
+
+    /// Refuses limits that no motion obeys.
+    fn check(&self, limits: JointLimits) -> Result<JointLimits, UrdfError> {
+        let JointLimits { lower, upper, velocity, acceleration } = limits;
+        let not_positive = |name: &str, value: f64| format!("the {name} limit {value} is not positive");
+        if !(lower <= upper) {
+            let cause = format!("the position range from {lower} to {upper} is empty");
+            return Err(self.limit(cause, POSITION));
+        }
+        if !(velocity > 0.0) {
+            return Err(self.limit(not_positive("velocity", velocity), VELOCITY));
+        }
+        if !(acceleration > 0.0) {
+            return Err(self.limit(not_positive("acceleration", acceleration), ACCELERATION));
+        }
+        Ok(limits)
+    }
+
+    fn limit(&self, cause: impl Into<String>, remedy: &'static str) -> UrdfError {
+        UrdfError::Limit { joints: vec![self.joint.to_owned()], cause: cause.into(), remedy }
     }
 
     /// Reads the numbers of an attribute of the joint's first child with this tag; `None` without the attribute.

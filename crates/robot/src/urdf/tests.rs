@@ -2,7 +2,9 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::{JointKind, ModelError};
+use crate::{JointKind, ModelError, TipReason};
+
+mod arms;
 
 const REVOLUTE: &str = r#"type="revolute"><limit lower="-1" upper="2" velocity="3"/>"#;
 
@@ -100,15 +102,54 @@ fn the_named_tip_selects_the_chain_and_branches_are_ignored() {
             joint("grip", "hand", "finger", r#"type="prismatic"><mimic joint="wrist"/>"#),
         ],
     );
-    assert_eq!(between(&text, "base", "hand").unwrap().joint_count(), 2);
+    let two = between(&text, "base", "hand").unwrap();
+    let left_out: Vec<_> = two.selection().unwrap().left_out.iter().map(|joint| joint.joint.as_str()).collect();
+    assert_eq!((two.joint_count(), left_out), (2, vec!["pan", "grip"]));
+    assert_eq!(two.selection().unwrap().reason, TipReason::Request);
     assert_eq!(between(&text, "arm", "hand").unwrap().joint_count(), 1);
-    assert!(message(read(&text)).contains("name the `tip`: `camera`, `finger`"));
+    assert_eq!(read(&text).unwrap().selection().unwrap().tip, "hand");
     assert!(message(between(&text, "base", "camera")).contains("joint `pan` of the chain is floating"));
     assert!(message(between(&text, "base", "finger")).contains("joint `grip` of the chain is mimic"));
     assert!(message(between(&text, "base", "foot")).contains("to a link `foot`; chains from there end at `camera`"));
     assert!(message(between(&text, "camera", "hand")).contains("no chain leads from `camera` to a link `hand`"));
     assert!(message(between(&text, "foot", "hand")).contains("base link `foot` does not exist"));
     assert_eq!(between(&text, "base", "base").unwrap_err(), UrdfError::Model(ModelError::NoJoints));
+}
+
+fn with(text: &str, overrides: &Overrides) -> Result<RobotModel, UrdfError> {
+    RobotModel::from_urdf(text, &UrdfOptions { overrides: Some(overrides), ..UrdfOptions::default() })
+}
+
+#[test]
+fn overrides_replace_and_complete_the_text() {
+    let text = robot("a b", &[joint("j", "a", "b", r#"type="revolute"><limit lower="-1" upper="1" velocity="0"/>"#)]);
+    let limit = |limit: LimitOverride| Overrides { limits: [("j".to_owned(), limit)].into(), ..Overrides::default() };
+    let limits = |stated| with(&text, &limit(stated)).map(|robot| robot.joints()[0].limits);
+    let mended = limits(LimitOverride { velocity: Some(2.0), ..LimitOverride::default() }).unwrap();
+    assert_eq!((mended.lower, mended.upper, mended.velocity), (-1.0, 1.0, 2.0));
+    assert!(mended.acceleration.is_infinite());
+    let all = LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0) };
+    let all = limits(all).unwrap();
+    assert_eq!((all.lower, all.upper, all.velocity, all.acceleration), (-0.5, 0.5, 3.0, 4.0));
+    for bad in [f64::NAN, 0.0, -1.0] {
+        assert!(limits(LimitOverride { velocity: Some(bad), ..LimitOverride::default() }).is_err(), "{bad}");
+    }
+
+    let spin = robot("a b", &[joint("j", "a", "b", r#"type="continuous">"#)]);
+    let bounded = LimitOverride { position: Some([-9.0, 9.0]), ..LimitOverride::default() };
+    assert_eq!(with(&spin, &limit(bounded)).unwrap().joints()[0].limits.upper, 9.0);
+    let tool_offset = Some(IsometryMatrix3::translation(0.0, 0.0, 0.25));
+    let names = [("j".to_owned(), "spin".to_owned())].into();
+    let named = with(&spin, &Overrides { joint_names: names, tool_offset, ..Overrides::default() }).unwrap();
+    assert_eq!(named.joints()[0].name, "spin");
+    let moved = named.tool().translation.vector - read(&spin).unwrap().tool().translation.vector;
+    assert!((moved.norm() - 0.25).abs() < 1e-15);
+
+    let unknown = Overrides { joint_names: [("k".to_owned(), "l".to_owned())].into(), ..Overrides::default() };
+    let error = with(&spin, &unknown).unwrap_err().to_string();
+    assert_eq!(error, "`joint_names` has a joint `k`, which is no joint of the chain; its joints are `j`");
+    let empty = Overrides { joint_names: [("j".to_owned(), String::new())].into(), ..Overrides::default() };
+    assert_eq!(with(&spin, &empty).unwrap_err(), UrdfError::JointName { joint: "j".to_owned() });
 }
 
 #[test]
@@ -141,12 +182,27 @@ fn links_that_are_not_a_tree_are_refused() {
 fn invalid_numbers_and_limits_are_named() {
     let limit = |text: &str| message(one(&format!(r#"type="revolute"><limit {text}/>"#)));
     for missing in ["", r#"lower="-1" upper="1""#, r#"upper="1" velocity="1""#, r#"lower="1" velocity="1""#] {
-        assert!(limit(missing).contains("joint `j` needs <limit> with"), "{missing}");
+        assert!(limit(missing).contains("joint `j`: <limit> needs `"), "{missing}");
     }
-    assert!(message(one(r#"type="prismatic">"#)).contains("joint `j` needs <limit> with"));
-    assert!(limit(r#"lower="1" upper="-1" velocity="1""#).contains("joint `j`: the position range must not be empty"));
-    assert!(limit(r#"lower="-1" upper="1" velocity="0""#).contains("must be positive"));
-    assert!(limit(r#"lower="-1" upper="1" velocity="1" acceleration="-1""#).contains("must be positive"));
+    assert!(message(one(r#"type="prismatic">"#)).contains("joint `j`: <limit> needs `"));
+    assert!(
+        limit(r#"lower="1" upper="-1" velocity="1""#).contains("joint `j`: the position range from 1 to -1 is empty")
+    );
+    let still = limit(r#"lower="-1" upper="1" velocity="0""#);
+    assert!(
+        still.ends_with(r#"velocity limit 0 is not positive; state it in `limits`: {"j": {"velocity": number}}"#),
+        "{still}"
+    );
+    assert!(
+        limit(r#"lower="-1" upper="1" velocity="1" acceleration="-1""#)
+            .contains("acceleration limit -1 is not positive")
+    );
+    let two =
+        [joint("j", "a", "b", r#"type="prismatic"><limit lower="0" upper="1"/>"#), joint("k", "b", "c", REVOLUTE)];
+    let two = [&two[..], &[joint("l", "c", "d", r#"type="revolute"><limit lower="0" upper="2"/>"#)]].concat();
+    let both = message(read(&robot("a b c d", &two)));
+    let remedy = r#"{"j": {"velocity": number}, "l": {"velocity": number}}"#;
+    assert_eq!(both, format!("joint `j`, `l`: <limit> needs `velocity`; state it in `limits`: {remedy}"));
     for number in ["nan", "inf", "-infinity", "1e308", "1e999", "one", "", "1 2", "0x10", "1,5"] {
         let error = limit(&format!(r#"lower="-1" upper="{number}" velocity="1""#));
         assert!(error.contains(&format!("joint `j`: upper=\"{number}\" is not 1 number(s)")), "{error}");
@@ -167,6 +223,9 @@ fn xml_that_is_not_a_robot_is_refused() {
         assert!(matches!(read(text), Err(UrdfError::Xml(_))), "{text}");
     }
     assert!(message(read("<sdf/>")).contains("the outermost element is <sdf>"));
+    assert!(message(read("<mujoco/>")).contains("`revprio.read_mjcf(FILE)`"));
+    let xacro = r#"<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/></robot>"#;
+    assert!(message(read(xacro)).contains("<xacro:include>; expand it first"));
 }
 
 #[test]
@@ -199,7 +258,7 @@ proptest! {
     #[test]
     fn a_damaged_text_gives_an_error_or_a_valid_robot(text in any_text()) {
         let options = UrdfOptions { tip: Some("tool"), ..UrdfOptions::default() };
-        if let Ok(robot) = RobotModel::from_urdf(&text, &options) {
+        for robot in [RobotModel::from_urdf(&text, &options), read(&text)].into_iter().flatten() {
             prop_assert!(robot.joint_count() > 0);
             prop_assert!(robot.tool().to_homogeneous().iter().all(|entry| entry.is_finite()));
         }

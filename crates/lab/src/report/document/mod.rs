@@ -132,12 +132,17 @@ fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
         @let (compared, own): (Vec<_>, Vec<_>) = figures.iter().partition(|drawn| is_comparison(drawn.figure));
         @let is_alone = own.is_empty();
         @if !is_alone {
-            details open { summary { "Figures" } div.figures { @for drawn in own { (figure(drawn)) } } }
+            details open[!section.methods_coincide] { summary { (figures_title(section)) } div.figures { @for drawn in own { (figure(drawn)) } } }
         }
         @if !compared.is_empty() {
             details open[is_alone] { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
         }
     }
+}
+
+/// Returns the title of the figures. It says why they are collapsed.
+fn figures_title(section: &Section) -> &'static str {
+    if section.methods_coincide { "Figures: both methods move alike" } else { "Figures" }
 }
 
 /// Returns whether a figure compares all runs of a scenario. It is collapsed next to other figures, because it is long.

@@ -5,6 +5,7 @@
 
 pub mod store;
 
+use super::comparison::MethodPair;
 use super::paper_figures::{Posture, of_posture};
 use super::run::{Program, Run};
 use super::table::{self, Row};
@@ -64,6 +65,7 @@ fn section(runs: &[Run], rows: &[Row]) -> Section {
             .into_iter()
             .chain(recordings.iter().filter_map(|run| answer_gap::of_run(run)))
             .collect(),
+        methods_coincide: MethodPair::from_runs(runs).is_some_and(|pair| pair.coincide()),
         rows: rows.iter().filter(|row| row.scenario == *name).cloned().collect(),
         figures,
     }

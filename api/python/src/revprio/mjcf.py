@@ -1,0 +1,283 @@
+"""Reads MuJoCo models (MJCF), from which robot descriptions in URDF are made."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import mujoco
+
+Array = NDArray[np.float64]
+
+
+def read_mjcf(
+    model: str | os.PathLike[str] | mujoco.MjModel,
+    velocity_limits: float | Mapping[str, float] | None = None,
+) -> str:
+    """Returns the kinematic tree of a MuJoCo model as URDF text, for `register_robot(urdf=…)`.
+
+    Bodies and named sites become links, hinges and slides become joints. A joint keeps its position (`ref` included)
+    and its range. A joint that an `<equality>` couples to another one becomes a `mimic` joint, and one that it locks
+    becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have the types
+    `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root; otherwise the
+    root is `world`. The text has no masses and shapes.
+
+    Needs the package `mujoco`: `pip install revprio[mujoco]`.
+
+    Args:
+        model: An MJCF file, or a compiled model.
+        velocity_limits: Maximum speed of all joints, or of each joint by its name, rad/s or m/s. MJCF has none. The
+            registration needs one for each joint of the arm; its `limits` can state them too.
+
+    Raises:
+        ImportError: The package `mujoco` is not installed.
+        ValueError: MuJoCo cannot compile the file, or `velocity_limits` names a joint that the model does not have.
+
+    """
+    try:
+        import mujoco  # noqa: PLC0415
+    except ImportError as error:
+        message = "MJCF files need the package `mujoco`: pip install revprio[mujoco]"
+        raise ImportError(message) from error
+
+    if isinstance(model, str | os.PathLike):
+        try:
+            model = mujoco.MjModel.from_xml_path(os.fspath(model))
+        except ValueError as error:
+            message = f"{os.fspath(model)}: {error}"
+            raise ValueError(message) from error
+    return _Tree(mujoco, model, velocity_limits).text()
+
+
+class _Tree:
+    """The links and joints of a model. A placement is a 4 × 4 matrix."""
+
+    def __init__(
+        self, library: ModuleType, model: mujoco.MjModel, velocity_limits: float | Mapping[str, float] | None
+    ) -> None:
+        self.kinds = library.mjtJoint
+        self.model = model
+        self.bodies = _names("body", [model.body(i).name for i in range(model.nbody)])
+        self.joints = _names("joint", [model.joint(i).name for i in range(model.njnt)])
+        self.link_names, self.joint_names = set(self.bodies), set(self.joints)
+        self.speeds = self.speeds_of(velocity_limits)
+        self.mimics = dict(_mimics(library, model))
+        self.locked = dict(_locked(library, model))
+        self.loops = set(_loops(library, model))
+        self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
+
+    def speeds_of(self, limits: float | Mapping[str, float] | None) -> Mapping[str, float]:
+        if not isinstance(limits, Mapping):
+            return {} if limits is None else dict.fromkeys(self.joints, limits)
+        unknown = sorted(limits.keys() - set(self.joints))
+        if unknown:
+            message = f"`velocity_limits`: the model has no joint {unknown[0]}; its joints are {', '.join(self.joints)}"
+            raise ValueError(message)
+        return limits
+
+    def text(self) -> str:
+        roots, named = self.roots(), self.named()
+        inside = set(roots)
+        # A body comes after its parent.
+        for body in range(self.model.nbody):
+            if body in roots:
+                self.link(self.bodies[body])
+            elif body in named and int(self.model.body_parentid[body]) in inside and not self.is_free(body):
+                inside.add(body)
+                self.body(body)
+            else:
+                continue
+            self.sites(body)
+        return ET.tostring(self.robot, encoding="unicode")
+
+    def roots(self) -> list[int]:
+        """Returns the world, if it carries joints, and the free bodies that carry joints."""
+        jointed = {int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt)}
+        free = {body for body in jointed if self.is_free(body)}
+        moving = {int(self.model.body_rootid[body]) for body in jointed - free}
+        world = [0] if moving - free or not moving else []
+        return world + sorted(free & moving)
+
+    def named(self) -> set[int]:
+        """Returns the bodies that have a name, a joint or a named site, and those that carry them."""
+        model = self.model
+        named = {body for body in range(model.nbody) if model.body(body).name or model.body_jntnum[body]}
+        named |= {int(model.site_bodyid[site]) for site in range(model.nsite) if model.site(site).name}
+        return {above for body in named for above in _ancestors(model, body)}
+
+    def is_free(self, body: int) -> bool:
+        first = self.model.body_jntadr[body]
+        return bool(first >= 0 and self.model.jnt_type[first] == self.kinds.mjJNT_FREE)
+
+    def body(self, body: int) -> None:
+        """Writes a body and its joints. MuJoCo moves a body by its joints, one after the other."""
+        first, count = self.model.body_jntadr[body], self.model.body_jntnum[body]
+        placement = _placement(self.model.body_pos[body], self.model.body_quat[body])
+        link, parent = self.bodies[body], self.bodies[self.model.body_parentid[body]]
+        for joint in range(first, first + count):
+            before, after = self.around(joint)
+            if joint in self.locked:
+                placement = placement @ before @ self.motion(joint, self.locked[joint]) @ after
+                continue
+            is_last = joint == first + count - 1 and np.array_equal(after, np.eye(4))
+            child = link if is_last else _unused(f"{link}_{self.joints[joint]}", self.link_names)
+            self.moving(joint, parent, child, placement @ before)
+            parent, placement = child, after
+        if parent != link:
+            self.fixed(link, parent, placement)
+
+    def around(self, joint: int) -> tuple[Array, Array]:
+        """Returns the placement of a joint in the frame of its body, and what follows its motion.
+
+        The motion is by position − `ref`, about an anchor that need not be the origin of the body.
+        """
+        anchor, reference = self.model.jnt_pos[joint], self.model.qpos0[self.model.jnt_qposadr[joint]]
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
+            return np.eye(4), self.motion(joint, -reference)
+        return _placement(anchor), self.motion(joint, -reference) @ _placement(-anchor)
+
+    def motion(self, joint: int, position: float) -> Array:
+        """Returns the placement that a joint makes at a position, rad or m, about its own anchor."""
+        axis = self.model.jnt_axis[joint]
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
+            return _placement(position * axis)
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_HINGE:
+            return _placement(np.zeros(3), np.array([np.cos(position / 2), *(np.sin(position / 2) * axis)]))
+        return np.eye(4)
+
+    def sites(self, body: int) -> None:
+        for site in range(self.model.nsite):
+            name = self.model.site(site).name
+            if name and self.model.site_bodyid[site] == body:
+                placement = _placement(self.model.site_pos[site], self.model.site_quat[site])
+                link = _unused(name if name not in self.link_names else f"{name}_site", self.link_names)
+                self.fixed(link, self.bodies[body], placement)
+
+    def link(self, name: str) -> None:
+        ET.SubElement(self.robot, "link", name=name)
+
+    def fixed(self, link: str, parent: str, placement: Array) -> None:
+        self.joint(_unused(f"{link}_fixed", self.joint_names), "fixed", (parent, link), placement)
+
+    def moving(self, joint: int, parent: str, child: str, placement: Array) -> None:
+        name, limits = self.joints[joint], {}
+        if self.model.jnt_limited[joint]:
+            limits = dict(zip(("lower", "upper"), map(_number, self.model.jnt_range[joint]), strict=True))
+        element = self.joint(name, self.kind(joint), (parent, child), placement)
+        ET.SubElement(element, "axis", xyz=_numbers(self.model.jnt_axis[joint]))
+        if name in self.speeds:
+            limits["velocity"] = _number(self.speeds[name])
+        if limits:
+            ET.SubElement(element, "limit", limits)
+        if joint in self.mimics:
+            leader, multiplier, offset = self.mimics[joint]
+            values = {"multiplier": _number(multiplier), "offset": _number(offset)}
+            ET.SubElement(element, "mimic", values, joint=self.joints[leader])
+
+    def kind(self, joint: int) -> str:
+        if joint in self.loops:
+            return "closed_loop"
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
+            return "prismatic"
+        if self.model.jnt_type[joint] == self.kinds.mjJNT_HINGE:
+            return "revolute" if self.model.jnt_limited[joint] else "continuous"
+        return "ball"
+
+    def joint(self, name: str, kind: str, links: tuple[str, str], placement: Array) -> ET.Element:
+        self.link(links[1])
+        element = ET.SubElement(self.robot, "joint", name=name, type=kind)
+        ET.SubElement(element, "parent", link=links[0])
+        ET.SubElement(element, "child", link=links[1])
+        ET.SubElement(element, "origin", xyz=_numbers(placement[:3, 3]), rpy=_numbers(_roll_pitch_yaw(placement)))
+        return element
+
+
+def _mimics(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, tuple[int, float, float]]]:
+    """Yields each joint that follows another one, with that one, the factor and the offset."""
+    for equality in range(model.neq):
+        follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+        if model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality] and leader >= 0:
+            offset, multiplier = model.eq_data[equality][:2]
+            y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, leader))
+            yield follower, (leader, float(multiplier), y + float(offset) - float(multiplier) * x)
+
+
+def _locked(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, float]]:
+    """Yields each joint that is kept at a position, and that position."""
+    for equality in range(model.neq):
+        is_joint = model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality]
+        if is_joint and model.eq_obj2id[equality] < 0:
+            joint = int(model.eq_obj1id[equality])
+            yield joint, float(model.qpos0[model.jnt_qposadr[joint]] + model.eq_data[equality][0])
+
+
+def _loops(library: ModuleType, model: mujoco.MjModel) -> Iterator[int]:
+    """Yields the joints of closed loops: those between two connected bodies of a tree."""
+    for equality in range(model.neq):
+        if int(model.eq_type[equality]) not in {int(library.mjtEq.mjEQ_CONNECT), int(library.mjtEq.mjEQ_WELD)}:
+            continue
+        ends = [int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])]
+        if model.eq_objtype[equality] == library.mjtObj.mjOBJ_SITE:
+            ends = [int(model.site_bodyid[end]) for end in ends]
+        first, second = (set(_ancestors(model, end)) for end in ends)
+        if first & second and model.eq_active0[equality]:
+            for body in first ^ second:
+                yield from range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+
+
+def _ancestors(model: mujoco.MjModel, body: int) -> Iterator[int]:
+    """Yields a body and those below it in the tree, without the world."""
+    while body > 0:
+        yield body
+        body = int(model.body_parentid[body])
+
+
+def _names(kind: str, given: list[str]) -> list[str]:
+    """Returns the names, with new ones for those that are empty."""
+    used = set(given)
+    return [name or _unused(f"{kind}_{i}", used) for i, name in enumerate(given)]
+
+
+def _unused(name: str, used: set[str]) -> str:
+    """Returns the name, with a number if it is used already."""
+    found = next(new for i in range(len(used) + 1) if (new := f"{name}_{i + 1}" if i else name) not in used)
+    used.add(found)
+    return found
+
+
+def _placement(position: Array, quaternion: Array | None = None) -> Array:
+    placement = np.eye(4)
+    placement[:3, 3] = position
+    if quaternion is not None:
+        w, x, y, z = quaternion / np.linalg.norm(quaternion)
+        placement[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    return placement
+
+
+def _roll_pitch_yaw(placement: Array) -> Array:
+    """Returns the angles about the fixed axes x, y, z; accurate also where roll and yaw turn about the same axis."""
+    r = placement[:3, :3]
+    yaw = np.arctan2(r[1, 0], r[0, 0])
+    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
+    sine, cosine = np.sin(yaw), np.cos(yaw)
+    roll = np.arctan2(sine * r[0, 2] - cosine * r[1, 2], cosine * r[1, 1] - sine * r[0, 1])
+    return np.array([roll, pitch, yaw])
+
+
+def _number(value: float) -> str:
+    return repr(float(value))
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(map(_number, values))

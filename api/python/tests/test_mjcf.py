@@ -1,0 +1,182 @@
+"""MuJoCo models."""
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+
+import revprio
+
+# A shoulder of three joints in one body, anchors that are not the origin of the body, positions with a reference, a
+# slide before a hinge in one body, and Euler angles in degrees of a default class.
+ARM = """<mujoco model="odd arm">
+  <compiler angle="degree" eulerseq="zyx"/>
+  <default><joint limited="true" range="-170 170"/></default>
+  <worldbody>
+    <body name="table" pos="0.3 -0.2 0.7" euler="30 20 10">
+      <body name="shoulder" pos="0 0.1 0.2" quat="0.5 -0.5 0.5 0.5">
+        <joint name="pan" axis="0 0 1" ref="20"/>
+        <joint name="lift" axis="1 2 0" pos="0.01 0.02 0.03" ref="-35"/>
+        <joint name="roll" axis="0 1 0" pos="0.1 0 -0.2"/>
+        <geom size="0.1"/>
+        <body name="rail" pos="0.2 0 0.1" euler="0 90 0">
+          <joint name="extend" type="slide" axis="1 1 1" range="-0.1 0.5" ref="0.2"/>
+          <joint name="elbow" axis="0 -1 0" pos="0 0.1 0"/>
+          <geom size="0.1"/>
+          <body name="wrist" pos="0 0 0.3">
+            <joint name="turn" axis="0.2 0 1" limited="false" pos="0 0 0.05"/>
+            <geom size="0.1"/>
+            <site name="attachment_site" pos="0.01 0.02 0.1" euler="0 -90 45"/>
+            <body name="left" pos="0 0.02 0.1">
+              <joint name="drive" type="slide" axis="0 1 0" range="0 0.04"/><geom size="0.01"/>
+            </body>
+            <body name="right" pos="0 -0.02 0.1">
+              <joint name="slave" type="slide" axis="0 -1 0" range="0 0.04"/><geom size="0.01"/>
+            </body>
+          </body>
+        </body>
+      </body>
+    </body>
+    <body name="cube"><freejoint/><geom size="0.1"/></body>
+  </worldbody>
+  <equality><joint joint1="slave" joint2="drive" polycoef="0.01 -1 0 0 0"/></equality>
+</mujoco>"""
+
+# The arm of a flying base, with a linkage that drives its gripper.
+FLYING = """<mujoco>
+  <worldbody><body name="drone" pos="0 0 2"><freejoint name="float"/><geom size="0.1"/>
+    <body name="upper"><joint name="a" axis="0 1 0" range="-2 2"/><geom size="0.1"/>
+      <body name="fore" pos="0 0 0.3"><joint name="b" axis="0 1 0" range="-2 2"/><geom size="0.1"/>
+        <body name="crank" pos="0 0 0.3"><joint name="c" axis="0 1 0" range="-2 2"/><geom size="0.1"/></body>
+        <body name="rocker" pos="0 0 0.3"><joint name="d" axis="0 1 0" range="-2 2"/><geom size="0.1"/></body>
+        <body><joint type="ball"/><geom size="0.1"/></body>
+      </body></body></body>
+  </worldbody>
+  <equality><connect body1="crank" body2="rocker" anchor="0 0 0.1"/></equality>
+</mujoco>"""
+
+
+# The second joint is kept at 0.3 + 0.4 rad. The third body has no name, the second one has the name it would get.
+LOCKED = """<mujoco>
+  <compiler angle="radian"/>
+  <worldbody><body name="a"><joint name="first" axis="0 1 0" range="-2 2"/><geom size="0.1"/>
+    <body name="body_3" pos="0 0 0.3"><joint name="kept" axis="1 1 0" pos="0.1 0 0" range="-2 2" ref="0.3"/>
+      <geom size="0.1"/>
+      <body pos="0 0.1 0.3"><joint name="last" axis="1 0 0" range="-2 2"/><geom size="0.1"/>
+        <site name="tcp" pos="0 0 1"/></body>
+    </body></body>
+  </worldbody>
+  <equality><joint joint1="kept" polycoef="0.4 0 0 0 0"/></equality>
+</mujoco>"""
+
+
+def rotation(orientation: revprio.Orientation) -> np.ndarray:
+    matrix = np.zeros(9)
+    mujoco.mju_quat2Mat(matrix, [orientation.w, orientation.x, orientation.y, orientation.z])
+    return matrix
+
+
+def random_arm(seed: int) -> str:
+    """A chain of bodies with one to three joints each, at random places."""
+    rng = np.random.default_rng(seed)
+    text = '<site name="tool0" pos="0.1 0.2 0.3"/>'
+    for body in range(4):
+        joints = ""
+        for joint in range(rng.integers(1, 4)):
+            axis, anchor = (" ".join(map(str, rng.uniform(-1, 1, 3))) for _ in range(2))
+            kind, reference = rng.choice(["hinge", "slide"]), rng.uniform(-1, 1)
+            joints += f'<joint name="j{body}{joint}" type="{kind}" axis="{axis}" pos="{anchor}" ref="{reference}"/>'
+        place, turn = (" ".join(map(str, rng.uniform(-1, 1, count))) for count in (3, 4))
+        text = f'<body name="b{body}" pos="{place}" quat="{turn}">{joints}<geom size="0.1"/>{text}</body>'
+    options = '<compiler angle="radian"/><default><joint limited="true" range="-3 3"/></default>'
+    return f"<mujoco>{options}<worldbody>{text}</worldbody></mujoco>"
+
+
+@pytest.mark.parametrize("text", [ARM, *map(random_arm, range(8))], ids=["odd", *map(str, range(8))])
+def test_poses_are_those_of_mujoco(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.xml"
+    file.write_text(text, encoding="utf-8")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(1)
+    urdf = revprio.read_mjcf(file, velocity_limits=2.0)
+    # Sites are tips, and so are bodies.
+    for tip, frame in [(model.site(0).name, data.site(0)), (model.body(2).name, data.body(2))]:
+        robot = revprio.register_robot(name="mjcf", urdf=urdf, tip=tip)
+        try:
+            for _ in range(20):
+                posture = {joint.name: rng.uniform(-2, 2) for joint in robot.joints}
+                for name, position in posture.items():
+                    data.joint(name).qpos[0] = position
+                mujoco.mj_kinematics(model, data)
+                pose = revprio.kinematics(robot="mjcf", joint_position=posture).pose
+                np.testing.assert_allclose(np.asarray(pose.position), frame.xpos, atol=1e-12)
+                np.testing.assert_allclose(rotation(pose.orientation), frame.xmat, atol=1e-12)
+        finally:
+            revprio.delete_robot("mjcf")
+
+
+def test_the_arm_is_found_with_its_limits_and_without_its_gripper() -> None:
+    model = mujoco.MjModel.from_xml_string(ARM)
+    speeds = dict.fromkeys(("pan", "lift", "roll", "extend", "elbow", "turn"), 1.5)
+    robot = revprio.register_robot(name="odd", urdf=revprio.read_mjcf(model, velocity_limits=speeds))
+    try:
+        assert robot.chain is not None
+        assert (robot.chain.base, robot.chain.tip, robot.chain.joints) == ("world", "attachment_site", list(speeds))
+        assert {joint.joint for joint in robot.chain.left_out} == {"drive", "slave"}
+        extend, turn = robot.joints[3], robot.joints[5]
+        assert (extend.kind, turn.kind) == ("prismatic", "revolute")
+        np.testing.assert_allclose(np.asarray(extend.position_limit), [-0.1, 0.5])
+        assert turn.velocity_limit == pytest.approx(1.5)
+        assert turn.position_limit is None
+    finally:
+        revprio.delete_robot("odd")
+
+
+def test_a_locked_joint_is_fixed() -> None:
+    model = mujoco.MjModel.from_xml_string(LOCKED)
+    robot = revprio.register_robot(name="locked", urdf=revprio.read_mjcf(model, velocity_limits=1.0))
+    revprio_pose = revprio.kinematics(robot="locked", joint_position={"first": 0.5, "last": -1.2}).pose
+    revprio.delete_robot("locked")
+    assert [joint.name for joint in robot.joints] == ["first", "last"]
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.5, 0.7, -1.2]
+    mujoco.mj_kinematics(model, data)
+    np.testing.assert_allclose(np.asarray(revprio_pose.position), data.site("tcp").xpos, atol=1e-12)
+    np.testing.assert_allclose(rotation(revprio_pose.orientation), data.site("tcp").xmat, atol=1e-12)
+
+
+def test_a_joint_that_follows_another_one_becomes_mimic() -> None:
+    robot = ET.fromstring(revprio.read_mjcf(mujoco.MjModel.from_xml_string(ARM)))
+    mimic = robot.find("joint[@name='slave']/mimic")
+    assert mimic is not None
+    assert (mimic.get("joint"), mimic.get("multiplier"), mimic.get("offset")) == ("drive", "-1.0", "0.01")
+
+
+def test_a_free_base_is_the_root_and_loops_and_balls_are_left_out() -> None:
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING), velocity_limits=1.0)
+    robot = revprio.register_robot(name="flying", urdf=urdf)
+    try:
+        assert robot.chain is not None
+        assert (robot.chain.base, robot.chain.tip, robot.chain.joints) == ("drone", "fore", ["a", "b"])
+        left_out = {joint.joint: joint.reason for joint in robot.chain.left_out}
+        assert left_out == dict.fromkeys(["c", "d", "joint_5"], "unsupported")
+    finally:
+        revprio.delete_robot("flying")
+
+
+def test_missing_speeds_and_wrong_files_are_refused_with_the_remedy(tmp_path: Path) -> None:
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING))
+    with pytest.raises(revprio.InvalidError, match=r'`limits`: {"a": {"velocity": number}, "b": {"velocity": number}}'):
+        revprio.register_robot(name="slow", urdf=urdf)
+    limits = {"a": revprio.StatedLimits(velocity=1.0), "b": revprio.StatedLimits(velocity=2.0)}
+    robot = revprio.register_robot(name="slow", urdf=urdf, limits=limits)
+    revprio.delete_robot("slow")
+    assert [joint.velocity_limit for joint in robot.joints] == [1.0, 2.0]
+    with pytest.raises(ValueError, match="no joint elbow; its joints are float, a, b"):
+        revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING), velocity_limits={"elbow": 1.0})
+    (tmp_path / "broken.xml").write_text("<mujoco><worldbody>", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"broken\.xml: XML"):
+        revprio.read_mjcf(tmp_path / "broken.xml")

@@ -1,0 +1,272 @@
+//! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
+
+use revprio_api::wire;
+use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
+use revprio_core::linalg::Vector;
+use revprio_core::resolution::{ActiveLimit, Resolution, Side, Status, TaskOutcome};
+use revprio_lab::report::number::significant;
+use revprio_robot::RobotModel;
+
+/// Distance from the end of its range at which a joint is there, rad or m.
+const RANGE_END: f64 = 0.02;
+
+/// Part of the speed limit from which a joint is at it.
+const AT_SPEED: f64 = 1.0 - 1e-6;
+
+/// Part of the largest change within a period from which a joint is at its acceleration limit.
+const AT_ACCELERATION: f64 = 1.0 - 1e-6;
+
+/// Smallest velocity that a task gives up, m/s or rad/s.
+const MIN_GIVEN_UP: f64 = 1e-4;
+
+/// Smallest part of its speed that a scaled task gives up.
+const MIN_SCALED: f64 = 1e-4;
+
+/// The state that the limits of a robot depend on.
+#[derive(Debug, Clone)]
+pub struct LimitedState {
+    /// Joint position, n, if position limits apply.
+    pub position: Option<Vec<f64>>,
+    /// Joint velocity of the last command, n, and control period, s, if acceleration limits apply.
+    pub last_command: Option<(Vec<f64>, f64)>,
+}
+
+/// The unit of a row of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// m/s.
+    Metres,
+    /// rad/s.
+    Radians,
+    /// A row of a given Jacobian.
+    Unknown,
+}
+
+impl Unit {
+    /// Returns the unit of an axis of the tool.
+    pub fn of_axis(axis: wire::Axis) -> Self {
+        match axis {
+            wire::Axis::X | wire::Axis::Y | wire::Axis::Z => Self::Metres,
+            wire::Axis::Rx | wire::Axis::Ry | wire::Axis::Rz => Self::Radians,
+        }
+    }
+
+    const ALL: [Self; 3] = [Self::Metres, Self::Radians, Self::Unknown];
+
+    fn velocity(self) -> &'static str {
+        match self {
+            Self::Metres => "m/s",
+            Self::Radians => "rad/s",
+            Self::Unknown => "m/s or rad/s",
+        }
+    }
+}
+
+/// A task of the sentences.
+pub struct NamedTask<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Requested velocity; for a task with bounds the allowed one nearest to the achieved one.
+    pub requested: Vec<f64>,
+    /// Units of the rows.
+    pub units: Vec<Unit>,
+}
+
+/// A resolution with the names and limits of its sentences.
+pub struct Explained<'a> {
+    /// The resolution.
+    pub resolution: &'a Resolution,
+    /// Names of the joints, n.
+    pub joints: Vec<&'a str>,
+    /// The robot, if known.
+    pub robot: Option<&'a RobotModel>,
+    /// Its state, if its limits apply.
+    pub state: Option<&'a LimitedState>,
+    /// Threshold of the damping, if there is damping.
+    pub threshold: Option<f64>,
+    /// Joints whose acceleration limit is not kept.
+    pub conflicts: &'a [usize],
+    /// Tasks, highest priority first.
+    pub tasks: Vec<NamedTask<'a>>,
+}
+
+/// Returns the sentences about a command. `state`: the state that its limits depend on, if they are the robot's.
+pub fn why_of_step(config: &ControllerConfig, command: &Command, state: Option<&LimitedState>) -> Vec<String> {
+    let unit = |task: &TaskConfig, row| match task.rows.is_angular(row, &config.robot) {
+        Some(true) => Unit::Radians,
+        Some(false) => Unit::Metres,
+        None => Unit::Unknown,
+    };
+    let tasks = config.tasks.iter().zip(&command.targets).map(|(task, target)| NamedTask {
+        name: &task.name,
+        requested: target.velocity.as_slice().to_vec(),
+        units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
+    });
+    let explained = Explained {
+        resolution: &command.resolution,
+        joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
+        robot: Some(&config.robot),
+        state,
+        threshold: config.damping.map(|damping| damping.threshold()),
+        conflicts: &command.limit_conflicts,
+        tasks: tasks.collect(),
+    };
+    let mut sentences = explained.sentences();
+    sentences.extend(command.stuck.iter().map(|stuck| explained.stuck(stuck)));
+    sentences
+}
+
+/// Returns the state that the limits of a controller depend on; `None` if they are not the robot's. `last_command`: joint
+/// velocities of the last period, n, if there was one.
+pub fn limited_state(
+    config: &ControllerConfig,
+    measurement: &Measurement,
+    last_command: Option<&Vector>,
+) -> Option<LimitedState> {
+    let measured = || measurement.joint_velocity.clone().unwrap_or_else(|| vec![0.0; config.robot.joint_count()]);
+    let last = || (last_command.map_or_else(measured, |last| last.as_slice().to_vec()), config.period_s);
+    let Limits::Robot(kind) = config.limits else { return None };
+    Some(LimitedState {
+        position: kind.includes_position().then(|| measurement.joint_position.clone()),
+        last_command: kind.includes_acceleration().then(last),
+    })
+}
+
+impl Explained<'_> {
+    /// Returns what restricts the answer, then what each task gives up.
+    pub fn sentences(&self) -> Vec<String> {
+        let resolution = self.resolution;
+        let losses: Vec<String> =
+            self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
+        let mut sentences: Vec<String> = self.solver().into_iter().collect();
+        sentences.extend(resolution.active_limits.iter().map(|active| self.limit(active)));
+        sentences.extend(resolution.violated_limits.iter().map(|violated| {
+            let (joint, unit) = (self.joints[violated.joint], self.unit(violated.joint));
+            let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
+            format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
+        }));
+        let active = resolution.active_inequalities.iter().map(|active| &active.name);
+        sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
+        let violated = resolution.violated_inequalities.iter().map(|violated| &violated.name);
+        sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
+        let conflicts = self.conflicts.iter().map(|&joint| self.joints[joint]);
+        sentences.extend(conflicts.map(|joint| {
+            format!("the acceleration limit of joint `{joint}` contradicts its other limits and is not kept")
+        }));
+        if losses.is_empty() {
+            let all = if sentences.is_empty() {
+                "no limit is active; every task is achieved"
+            } else {
+                "every task is achieved"
+            };
+            sentences.push(all.to_owned());
+            return sentences;
+        }
+        sentences.extend(self.singularities());
+        if sentences.is_empty() {
+            sentences.push("the tasks are in conflict".to_owned());
+        }
+        sentences.extend(losses);
+        sentences
+    }
+
+    fn solver(&self) -> Option<String> {
+        let text = match self.resolution.solver.status {
+            Status::Optimal => return None,
+            Status::NotCertified => "the joint velocities are inside the limits, but may not be optimal",
+            Status::Failed => "no answer was found; the joint velocities are the slowest ones inside the limits",
+        };
+        Some(text.to_owned())
+    }
+
+    /// Returns which limit of a joint is active.
+    fn limit(&self, active: &ActiveLimit) -> String {
+        let (joint, unit) = (self.joints[active.joint], self.unit(active.joint));
+        let side = if active.side == Side::Upper { "upper" } else { "lower" };
+        let speed = significant(active.value.abs(), 2);
+        let Some((robot, LimitedState { position, last_command })) = self.robot.zip(self.state) else {
+            let value = significant(active.value, 2);
+            return format!("joint `{joint}` is at its {side} velocity bound of {value} {unit}");
+        };
+        let limits = robot.joints()[active.joint].limits;
+        if active.value.abs() >= AT_SPEED * limits.velocity {
+            return format!("joint `{joint}` is at its speed limit of {speed} {unit}");
+        }
+        let left = position.as_ref().map(|position| match active.side {
+            Side::Upper => limits.upper - position[active.joint],
+            Side::Lower => position[active.joint] - limits.lower,
+        });
+        if left.is_some_and(|left| left < 0.0) {
+            return format!("joint `{joint}` is beyond its {side} limit and must move back");
+        }
+        if left.is_some_and(|left| left < RANGE_END) {
+            return format!("joint `{joint}` is at its {side} limit");
+        }
+        if let Some((last, period)) = last_command
+            && (active.value - last[active.joint]).abs() >= AT_ACCELERATION * limits.acceleration * period
+        {
+            return format!("joint `{joint}` is at its acceleration limit");
+        }
+        format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}")
+    }
+
+    /// Returns the singularities that tasks give way to.
+    fn singularities(&self) -> Vec<String> {
+        let tasks = self.tasks.iter().zip(&self.resolution.tasks);
+        let deficient = tasks.filter(|(task, outcome)| outcome.rank < task.units.len());
+        let mut sentences: Vec<String> = deficient
+            .map(|(task, outcome)| {
+                let rows = task.units.len();
+                format!(
+                    "the posture is singular: task `{}` can move in {} of {rows} directions",
+                    task.name, outcome.rank
+                )
+            })
+            .collect();
+        let singularity = &self.resolution.singularity;
+        if singularity.algorithmic {
+            sentences.push("the tasks are in conflict".to_owned());
+        } else if sentences.is_empty()
+            && let Some(threshold) = self.threshold
+            && singularity.smallest_singular_value() < threshold
+        {
+            let [sigma, threshold] =
+                [singularity.smallest_singular_value(), threshold].map(|value| significant(value, 2));
+            sentences.push(format!(
+                "the arm is near a singularity: the smallest singular value is {sigma}, damping starts below {threshold}"
+            ));
+        }
+        sentences
+    }
+
+    fn stuck(&self, stuck: &StuckTask) -> String {
+        let (name, since) = (self.tasks[stuck.task].name, significant(stuck.since_s, 4));
+        let leaving = if stuck.leaving { "; the arm leaves this posture" } else { "" };
+        format!("task `{name}` has made no progress since t = {since} s{leaving}")
+    }
+
+    /// Returns the unit of the velocity of a joint.
+    fn unit(&self, joint: usize) -> &'static str {
+        let unit = match self.robot.map(|robot| robot.joints()[joint].kind.is_translation()) {
+            Some(true) => Unit::Metres,
+            Some(false) => Unit::Radians,
+            None => Unit::Unknown,
+        };
+        unit.velocity()
+    }
+}
+
+/// Returns what a task gives up, if anything.
+fn loss(task: &NamedTask, outcome: &TaskOutcome) -> Option<String> {
+    if let Some(scale) = outcome.scale.filter(|scale| *scale < 1.0 - MIN_SCALED) {
+        let percent = significant(100.0 * scale, 2);
+        return Some(format!("task `{}` moves in its direction at {percent} % of its speed", task.name));
+    }
+    let part = |unit: Unit| {
+        let rows = task.requested.iter().zip(&outcome.achieved).zip(&task.units).filter(|(_, known)| **known == unit);
+        let norm = rows.fold(0.0_f64, |norm, ((requested, achieved), _)| norm.hypot(achieved - requested));
+        (norm >= MIN_GIVEN_UP).then(|| format!("{} {}", significant(norm, 2), unit.velocity()))
+    };
+    let parts: Vec<String> = Unit::ALL.into_iter().filter_map(part).collect();
+    (!parts.is_empty()).then(|| format!("task `{}` gives up {}", task.name, parts.join(" and ")))
+}

@@ -1,0 +1,52 @@
+// Tests of the page that `revprio demo` writes.
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { pathToFileURL } from 'node:url';
+
+import { TIMEOUT_MS, launch, open } from './harness.mjs';
+
+const options = { timeout: 4 * TIMEOUT_MS };
+const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+
+/** Largest height of the page at 1280 px, as it opens, px. */
+const MAX_HEIGHT = 6000;
+
+let browser;
+let folder;
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'revprio-demo-'));
+  execFileSync(process.env.REVPRIO, ['demo', '--out', folder], { stdio: 'ignore' });
+  browser = await launch();
+}, options);
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+for (const [width, height] of [[1280, 800], [390, 844]]) {
+  for (const colorScheme of ['light', 'dark']) {
+    test(`the report of the demo fits ${width} px, ${colorScheme}, and axe finds nothing serious`, options, async () => {
+      const address = pathToFileURL(join(folder, 'index.html')).href;
+      const { page, pageErrors, close } = await open(browser, address, { viewport: { width, height }, colorScheme });
+      const size = () => page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]);
+      const [wide, high] = await size();
+      assert.ok(wide <= width, `${wide} px on ${width}`);
+      if (width === 1280) assert.ok(high > 1000 && high < MAX_HEIGHT, `${high} px high`);
+      await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
+      const [openWide, openHigh] = await size();
+      assert.ok(openWide <= width, `${openWide} px on ${width} with everything open`);
+      assert.ok(openHigh > high, 'details open');
+      await page.evaluate(AXE);
+      const result = await page.evaluate(() => globalThis.axe.run(document));
+      const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+      assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
+      assert.deepEqual(pageErrors, []);
+      await close();
+    });
+  }
+}
