@@ -38,11 +38,14 @@ pub struct Node<'a> {
     moved: usize,
     /// Number of fixed joints since then.
     depth: usize,
+    /// Whether the link or one of those above it, up to the last moving joint, has the name of a tool frame.
+    is_tool: bool,
 }
 
 /// Returns the links from the base down, each after its parent.
 pub fn survey<'a>(links: &Links<'a>, base: &'a str) -> Vec<Node<'a>> {
-    let start = Node { link: base, edge: None, parent: 0, left_out: None, joints: 0, moved: 0, depth: 0 };
+    let start =
+        Node { link: base, edge: None, parent: 0, left_out: None, joints: 0, moved: 0, depth: 0, is_tool: false };
     let mut nodes = vec![start];
     let mut next = 0;
     while next < nodes.len() {
@@ -67,6 +70,7 @@ fn child<'a>(parent: &Node<'a>, parent_index: usize, edge: Edge<'a>, index: usiz
         joints: parent.joints + usize::from(moves),
         moved: if moves { index } else { parent.moved },
         depth: if moves { 0 } else { parent.depth + 1 },
+        is_tool: (parent.is_tool && !moves) || tool_rank(&words(edge.child)).is_some(),
     }
 }
 
@@ -82,7 +86,7 @@ fn left_out(links: &Links, parent: &Node, edge: &Edge) -> Option<LeftOutReason> 
     if edge.motion() == Motion::Fixed {
         return None;
     }
-    let behind_hand = tool_rank(&words(parent.link)).is_some() && !is_arm(&both) && !turns_gripper(&joint);
+    let behind_hand = parent.is_tool && !is_arm(&both) && !turns_gripper(&joint);
     let closes_with_another = links.leads_neighbour(edge);
     if closes(edge) || (parent.joints >= MIN_JOINTS && (behind_hand || closes_with_another)) {
         return Some(LeftOutReason::Gripper);

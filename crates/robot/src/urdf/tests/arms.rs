@@ -45,6 +45,13 @@ fn gripper_joints_are_never_taken_without_being_asked_for() {
     // Behind a hand, the name of the joint does not matter.
     let drive = [fixed("m", "l3", "hand"), joint("x", "hand", "x1", REVOLUTE), joint("y", "hand", "y1", REVOLUTE)];
     assert_eq!(chosen("hand x1 y1", &drive).0, "hand");
+    let mounted = [
+        fixed("m", "l3", "hand"),
+        fixed("n", "hand", "plate"),
+        fixed("o", "plate", "lamp"),
+        joint("x", "plate", "mover", REVOLUTE),
+    ];
+    assert_eq!(chosen("hand plate lamp mover", &mounted).2, [LeftOutReason::Gripper]);
     // So it does not if another joint follows it.
     let drives = [joint("x", "l3", "x1", REVOLUTE), joint("y", "l3", "y1", r#"type="revolute"><mimic joint="x"/>"#)];
     assert_eq!(chosen("x1 y1", &drives), ("l3".to_owned(), TipReason::BeforeGripper, vec![LeftOutReason::Gripper; 2]));
