@@ -154,6 +154,10 @@ fn an_answer_reports_what_it_does() {
     let active: Vec<_> = limited.active_limits.iter().map(|it| (it.joint, it.value)).collect();
     assert_eq!((active, limited.active_limits[0].side), (vec![(0, 0.75), (2, 0.5)], Side::Upper));
     assert!((limited.tasks[0].residual_norm - 0.25).abs() < 1e-12 && limited.tasks[1].residual_norm < 1e-12);
+    // The empty set and the proposal of the search; one set more for each lower stage.
+    let stages = Problem { limits: narrow.clone(), method: Method::SingularityRobust, ..problem(&tasks) };
+    let stages = resolve(&stages, &[]).unwrap();
+    assert_eq!((limited.solver.working_sets, stages.solver.working_sets), (2, 3));
     let closed = Problem { limits: narrow, solver: Solver::ClosedForm, ..problem(&tasks) };
     let closed = resolve(&closed, &[]).unwrap();
     let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
@@ -161,6 +165,11 @@ fn an_answer_reports_what_it_does() {
     let dependent = resolve(&problem(&[row(1.0, 0.0, 1.0), row(2.0, 0.0, 1.0)]), &[]).unwrap();
     assert_eq!((dependent.tasks[0].rank, dependent.tasks[1].rank), (1, 1));
     assert!(dependent.tasks[0].algorithmic && !dependent.tasks[1].algorithmic && dependent.singularity.algorithmic);
+    assert_eq!(dependent.solver.path, Path::ClosedForm);
+    let still = Problem { limits: limits([-3.0, -3.0, -3.0, -3.0, 0.0], [3.0, 3.0, 3.0, 3.0, 0.0]), ..problem(&tasks) };
+    let still = resolve(&still, &[]).unwrap();
+    let pinned: Vec<_> = still.active_limits.iter().map(|it| (it.joint, it.side, it.value, it.multiplier)).collect();
+    assert_eq!((still.solver.path, pinned), (Path::ClosedForm, vec![(4, Side::Upper, 0.0, 0.0)]));
     assert_ne!(free.singularity, resolve(&problem(&tasks[..1]), &[]).unwrap().singularity);
     let bounds = Vector::from_row_slice(&[1.0]);
     let inequality = Task::between("bounds", tasks[0].0.clone(), -1.0 * &bounds, bounds);
@@ -232,7 +241,10 @@ fn the_certificate_of_the_closed_form_is_relative_to_the_sizes_of_its_task() {
             let is_strict = matches!(method, Method::TaskPriority | Method::StrictReversePriority) && lambda > 0.0;
             for solver in [Solver::ClosedForm, Solver::Auto].into_iter().take(1 + usize::from(is_strict)) {
                 let found = residual(method, solver, tasks);
-                assert!((found / expected - 1.0).abs() < 1e-4, "{method:?}, {solver:?}, {lambda}: {found:e} {expected:e}");
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-4,
+                    "{method:?}, {solver:?}, {lambda}: {found:e} {expected:e}"
+                );
             }
         }
     }
@@ -306,7 +318,8 @@ fn ranks_of_tasks_change_at_the_tolerance() {
 /// the lower tasks.
 #[test]
 fn the_closed_form_keeps_the_digits_of_short_rows() {
-    let rows = |seed: f64, unit: f64| Matrix::from_fn(2, N, |i, j| unit * (seed + 3.0 * i as f64 + 1.7 * j as f64).sin());
+    let rows =
+        |seed: f64, unit: f64| Matrix::from_fn(2, N, |i, j| unit * (seed + 3.0 * i as f64 + 1.7 * j as f64).sin());
     for (unit, below) in [(1e-6, 1.0), (1e-6, 1e3), (1e-3, 1e3)] {
         let tasks = [
             (rows(0.3, unit), Vector::from_row_slice(&[0.4 * unit, -0.7 * unit])),
@@ -348,5 +361,71 @@ fn weak_directions_of_a_task_are_left_to_lower_tasks_as_the_formulas_say() {
             let error = (&closed.joint_velocity - &exact.joint_velocity).amax();
             assert!(error < 1e-6, "{sizes:?} {method:?}: {} {}", closed.joint_velocity, exact.joint_velocity);
         }
+    }
+}
+
+/// −0 counts as 0: reflections take their sign from the first entry of a row, which decides the last bits.
+#[test]
+fn a_negative_zero_gives_the_bits_of_zero() {
+    let bits = |zero: f64| {
+        let first = Matrix::from_row_slice(2, N, &[zero, 0.7, -0.3, 0.9, 0.1, zero, 0.2, 0.8, -0.6, 0.4]);
+        let second = Matrix::from_row_slice(1, N, &[zero, 0.5, 0.3, 0.2, -0.7]);
+        let tasks = [(first, Vector::from_row_slice(&[0.31, -0.17])), (second, Vector::from_row_slice(&[0.53]))];
+        let answer = resolve(&problem(&tasks), &[]).unwrap().joint_velocity;
+        answer.iter().map(|entry| (entry + 0.0).to_bits()).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(-0.0), bits(0.0));
+}
+
+/// The rows of the task are independent. A joint that stands still leaves them with an angle of 10⁻⁸. Also, rows at this angle
+/// may have a certain rank only at the limits, which does not make the rank of the task certain.
+#[test]
+fn a_rank_is_uncertain_with_and_without_limits() {
+    let rows = Matrix::from_row_slice(2, N, &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1e-8, 0.0, -1.0, 0.0]);
+    let tasks = [(rows, Vector::from_row_slice(&[0.5, 0.5 + 1e-8]))];
+    for (speed, expected) in [(3.0, false), (0.0, true)] {
+        let limits = limits([-3.0, -3.0, -3.0, -speed, -3.0], [3.0, 3.0, 3.0, speed, 3.0]);
+        let answer = resolve(&Problem { limits, ..problem(&tasks) }, &[]).unwrap();
+        assert_eq!((answer.solver.status, answer.solver.rank_uncertain), (Status::Optimal, expected));
+    }
+    let rows = Matrix::from_row_slice(2, N, &[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1e-8, 0.0, 0.0, 0.0]);
+    let tasks = [(rows, Vector::from_row_slice(&[0.5, 0.7]))];
+    for solver in [Solver::Auto, Solver::ClosedForm] {
+        let limits = limits([-3.0; N], [3.0; N]);
+        assert!(
+            resolve(&Problem { limits, solver, ..problem(&tasks) }, &[]).unwrap().solver.rank_uncertain,
+            "{solver:?}"
+        );
+    }
+}
+
+/// Each bound has the multiplier of the first level that it holds back: what the task misses there, or the distance from the
+/// reference.
+#[test]
+fn active_bounds_are_listed_with_their_sides_and_multipliers() {
+    let rows = |count: usize| Matrix::from_fn(count, N, |i, j| f64::from(u8::from(i == j)));
+    let vector = Vector::from_row_slice;
+    let inequality = Task::between("bounds", rows(2), vector(&[-1.0, 0.3]), vector(&[0.2, 1.0]));
+    let goal = Task::new("goal", rows(3), vector(&[1.0, 0.0, 1.0]));
+    let stack = TaskStack::new(vec![inequality, goal]).unwrap();
+    let limits = limits([-3.0, -3.0, -3.0, 0.0, 0.1], [3.0, 3.0, 0.4, 0.0, 3.0]);
+    for solver in [Solver::Auto, Solver::Qp] {
+        let problem = Problem {
+            limits: limits.clone(),
+            method: Method::StrictReversePriority,
+            solver,
+            ..Problem::new(stack.clone())
+        };
+        let answer = resolve(&problem, &[]).unwrap();
+        assert!((&answer.joint_velocity - vector(&[0.2, 0.3, 0.4, 0.0, 0.1])).amax() < 1e-12, "{answer:?}");
+        assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.violated_limits.is_empty());
+        let rows: Vec<_> = answer.tasks[0].active_rows.iter().map(|it| (it.row, it.side)).collect();
+        assert_eq!((rows, answer.tasks[1].active_rows.len()), (vec![(0, Side::Upper), (1, Side::Lower)], 0));
+        let joints: Vec<_> = answer.active_limits.iter().map(|it| (it.joint, it.side)).collect();
+        assert_eq!(joints, [(2, Side::Upper), (3, Side::Upper), (4, Side::Lower)]);
+        let of_rows = answer.tasks[0].active_rows.iter().map(|it| it.multiplier);
+        let multipliers: Vec<f64> = of_rows.chain(answer.active_limits.iter().map(|it| it.multiplier)).collect();
+        let error = (Vector::from_vec(multipliers) - vector(&[0.8, 0.3, 0.6, 0.0, 0.1])).amax();
+        assert!(error < 1e-12, "{answer:?}");
     }
 }
