@@ -137,14 +137,14 @@ fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_
     })
 }
 
-/// The blend from X_0 to X_K.
-fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, f64) {
+/// The blend from X_0 to X_K, and how many problems it takes.
+fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, usize) {
     let exact = solve(levels, limits, reference, None).joint_velocity;
     let unlimited = VelocityBox::unbounded(N);
     let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
     let free = solve(&equations, &unlimited, reference, None).joint_velocity;
     let first = weight(levels, limits, &exact, damping.threshold());
-    let (mut parts, mut weights) = (vec![exact], vec![first]);
+    let (mut parts, mut weights, mut problems) = (vec![exact], vec![first], 1 + usize::from(first < 1.0));
     for kept in (0..levels.len()).rev() {
         if weights[weights.len() - 1] == 1.0 {
             break;
@@ -152,10 +152,11 @@ fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Da
         let x = part(levels, kept, limits, &free, damping.max_factor());
         weights.push(if kept == 0 { 1.0 } else { weight(&levels[..kept], limits, &x, damping.threshold()) });
         parts.push(x);
+        problems += levels.len() - kept;
     }
     let start = parts[parts.len() - 1].clone();
     let blended = parts.iter().zip(&weights).rev().skip(1).fold(start, |x, (part, weight)| &x + (part - &x) * *weight);
-    (blended, first)
+    (blended, problems)
 }
 
 fn entries(count: usize) -> impl Strategy<Value = Vec<f64>> {
@@ -207,10 +208,10 @@ proptest! {
     #[test]
     fn a_damped_answer_is_the_blend_of_its_definition(
         mut levels in prop::collection::vec(level(), 1..5), limits in entries(N), reference in entries(N),
-        full in full_level(), place in 0..8_usize,
+        full in full_level(), place in 0..8_usize, unit in prop::sample::select(vec![1.0, 16.0]),
         kinds in prop::collection::vec(prop::sample::select(vec![Some(0.0), None, None, None, Some(f64::INFINITY)]), N),
     ) {
-        let damping = Damping::new(0.6, 0.2).unwrap();
+        let damping = Damping::new(0.6 * unit, 0.2).unwrap();
         let mut upper: Vec<f64> = limits.iter().map(|limit| 0.05 + limit.abs()).collect();
         let mut lower: Vec<f64> = upper.iter().enumerate().map(|(j, limit)| if j == 0 { -0.5 } else { -limit }).collect();
         // Pinned joints, and joints with one bound, on either side of zero.
@@ -227,15 +228,19 @@ proptest! {
             levels.truncate(place);
             levels.push(full);
         }
+        for level in &mut levels {
+            (level.rows, level.lower, level.upper) = (&level.rows * unit, &level.lower * unit, &level.upper * unit);
+        }
         let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
-        prop_assume!(!equations.is_empty() && keep_their_targets(&equations, 0.6));
+        prop_assume!(!equations.is_empty() && keep_their_targets(&equations, 0.6 * unit));
         let exact = solve(&levels, &limits, &reference, None);
         prop_assume!(exact.active_set.iter().any(|set| !set.is_empty()) || kinds.contains(&Some(0.0)));
-        let (expected, _) = blend(&levels, &limits, &reference, damping);
+        let (expected, problems) = blend(&levels, &limits, &reference, damping);
         let found = solve(&levels, &limits, &reference, Some(damping));
         prop_assert_eq!(found.solver.status, Status::Optimal);
         let error = (&found.joint_velocity - &expected).amax();
         prop_assert!(error < 1e-8, "{error:e}");
+        prop_assert!(found.solver.working_sets as usize >= problems, "{:?}, {problems} problems", found.solver);
         for active in &found.active_limits {
             prop_assert_eq!(found.joint_velocity[active.joint], active.value, "{:?} is not reached", active);
         }
@@ -267,4 +272,20 @@ fn a_damped_answer_is_exact_without_active_bounds_and_without_a_factor() {
     let exact = solve(&levels, &narrow, &reference, None);
     let damped = solve(&levels, &narrow, &reference, Damping::new(0.6, 0.0));
     assert_eq!((exact.active_limits.len(), &damped.joint_velocity), (2, &exact.joint_velocity));
+}
+
+/// Rows with room do not count as bounds: seven inequality rows on five joints leave the levels regular.
+#[test]
+fn more_inequality_rows_than_joints_leave_room() {
+    let row = |i: usize, j: usize| if i < N { f64::from(u8::from(i == j)) } else { 0.5 - (i + j) as f64 / 8.0 };
+    let wide =
+        Level { rows: Matrix::from_fn(7, N, row), lower: Vector::repeat(7, -3.0), upper: Vector::repeat(7, 3.0) };
+    let target = Vector::from_row_slice(&[1.0]);
+    let goal =
+        Level { rows: Matrix::from_row_slice(1, N, &[1.0, 0.4, 0.0, 0.0, 0.0]), lower: target.clone(), upper: target };
+    let limits = VelocityBox::new(&[-1.0; N], &[0.8, 1.0, 1.0, 1.0, 1.0]).unwrap();
+    let (levels, reference, damping) = ([wide, goal], Vector::zeros(N), Damping::new(0.6, 0.2).unwrap());
+    let expected = blend(&levels, &limits, &reference, damping).0;
+    let found = solve(&levels, &limits, &reference, Some(damping)).joint_velocity;
+    assert!((&found - &expected).amax() < 1e-8, "{found} {expected}");
 }
