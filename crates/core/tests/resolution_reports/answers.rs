@@ -28,6 +28,8 @@ fn an_answer_reports_what_it_does() {
     let stages = Problem { limits: narrow.clone(), method: Method::SingularityRobust, ..problem(&tasks) };
     let stages = resolve(&stages, &[]).unwrap();
     assert_eq!((limited.solver.working_sets, stages.solver.working_sets), (2, 3));
+    let again = Problem { limits: narrow.clone(), ..problem(&tasks) };
+    assert_eq!(resolve(&again, &limited.active_set).unwrap().solver.working_sets, 1);
     let closed = Problem { limits: narrow, solver: Solver::ClosedForm, ..problem(&tasks) };
     let closed = resolve(&closed, &[]).unwrap();
     let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
@@ -75,7 +77,19 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
         let multipliers: Vec<f64> = of_rows.chain(answer.active_limits.iter().map(|it| it.multiplier)).collect();
         let error = (Vector::from_vec(multipliers) - vector(&[0.8, 0.3, 0.6, 0.0, 0.1])).amax();
         assert!(error < 1e-12, "{answer:?}");
+        let again = resolve(&Problem { solver: Solver::Auto, ..problem }, &answer.active_set).unwrap();
+        assert_eq!((again.solver.working_sets, again.active_set), (1, answer.active_set));
     }
+}
+
+/// The velocity that meets the task without limits is 1 for joint 0. It breaks q̇_0 − 3 q̇_1 ≤ 0.5.
+#[test]
+fn an_inequality_is_kept_although_the_task_alone_breaks_it() {
+    let row = Matrix::from_row_slice(1, N, &[1.0, 0.0, 0.0, 0.0, 0.0]);
+    let inequality = Inequality::new("wall", vec![1.0, -3.0, 0.0, 0.0, 0.0], 0.5).unwrap();
+    let problem = Problem { inequalities: vec![inequality], ..problem(&[(row, Vector::from_row_slice(&[1.0]))]) };
+    let answer = resolve(&problem, &[]).unwrap();
+    assert!((answer.joint_velocity[0] - 1.0).abs() < 1e-12 && (answer.joint_velocity[1] - 0.5 / 3.0).abs() < 1e-12);
 }
 
 #[test]

@@ -83,19 +83,21 @@ fn the_closed_form_is_not_certified_beyond_the_numbers() {
 }
 
 /// A stage of the closed form does not depend on the length of the rows of its task, which may be much shorter than those of
-/// the lower tasks.
+/// the lower tasks, also where these determine all joints.
 #[test]
 fn the_closed_form_keeps_the_digits_of_short_rows() {
-    let rows =
-        |seed: f64, unit: f64| Matrix::from_fn(2, N, |i, j| unit * (seed + 3.0 * i as f64 + 1.7 * j as f64).sin());
-    for (unit, below) in [(1e-6, 1.0), (1e-6, 1e3), (1e-3, 1e3)] {
-        let tasks = [
-            (rows(0.3, unit), Vector::from_row_slice(&[0.4 * unit, -0.7 * unit])),
-            (rows(1.1, below), Vector::from_row_slice(&[0.9 * below, 0.2 * below])),
-        ];
-        let solve = |solver| resolve(&Problem { solver, ..problem(&tasks) }, &[]).unwrap().joint_velocity;
-        let (closed, exact) = (solve(Solver::ClosedForm), solve(Solver::Auto));
-        assert!((&closed - &exact).amax() < 1e-7 * exact.norm(), "{unit}, {below}: {closed} {exact}");
+    let rows = |count: usize, seed: f64, unit: f64| {
+        Matrix::from_fn(count, N, |i, j| unit * (seed + (2 * i * i + 3 * i) as f64 + 1.7 * (j * (i + 1)) as f64).sin())
+    };
+    let targets = |count: usize, unit: f64| Vector::from_fn(count, |i, _| unit * (0.4 - 0.3 * i as f64));
+    for (unit, below) in [(1e-6, 1.0), (1e-8, 1.0), (1e-6, 1e4), (1e-3, 1e3)] {
+        for count in [2, N] {
+            let tasks = [(rows(2, 0.3, unit), targets(2, unit)), (rows(count, 1.1, below), targets(count, below))];
+            let solve = |solver| resolve(&Problem { solver, ..problem(&tasks) }, &[]).unwrap().joint_velocity;
+            let (closed, exact) = (solve(Solver::ClosedForm), solve(Solver::Auto));
+            let error = (&closed - &exact).amax() / exact.norm();
+            assert!(error < 1e-10, "{unit}, {below}, {count}: {error:e}");
+        }
     }
 }
 
