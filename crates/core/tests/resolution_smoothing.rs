@@ -289,3 +289,29 @@ fn more_inequality_rows_than_joints_leave_room() {
     let found = solve(&levels, &limits, &reference, Some(damping)).joint_velocity;
     assert!((&found - &expected).amax() < 1e-8, "{found} {expected}");
 }
+
+/// Joint 0 stops at a limit and the first task at a bound of its row, on either side, in every part of the blend.
+#[test]
+fn a_damped_answer_lists_the_bounds_that_it_reaches() {
+    for sign in [1.0, -1.0] {
+        let target = Vector::from_row_slice(&[sign]);
+        let level = |row: [f64; N], lower: &Vector, upper: &Vector| Level {
+            rows: Matrix::from_row_slice(1, N, &row),
+            lower: lower.clone(),
+            upper: upper.clone(),
+        };
+        let (half, one) = (Vector::from_row_slice(&[0.5]), Vector::from_row_slice(&[2.0]));
+        let bounds = if sign > 0.0 { (-&one, half) } else { (-half, one) };
+        let levels = [
+            level([0.0, 0.0, 1.0, 0.0, 0.0], &bounds.0, &bounds.1),
+            level([1.0, 0.4, 0.0, 0.0, 0.0], &target, &target),
+            level([0.0, 0.0, 1.0, 0.0, 0.0], &target, &target),
+        ];
+        let limits = VelocityBox::new(&[-0.8; N], &[0.8; N]).unwrap();
+        let answer = solve(&levels, &limits, &Vector::zeros(N), Damping::new(0.6, 0.2));
+        let side = if sign > 0.0 { Side::Upper } else { Side::Lower };
+        let joints: Vec<_> = answer.active_limits.iter().map(|it| (it.joint, it.side)).collect();
+        let rows: Vec<_> = answer.tasks[0].active_rows.iter().map(|it| (it.row, it.side)).collect();
+        assert_eq!((joints, rows), (vec![(0, side)], vec![(0, side)]), "{answer:?}");
+    }
+}

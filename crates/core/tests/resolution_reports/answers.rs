@@ -165,8 +165,8 @@ fn a_rank_is_uncertain_with_and_without_limits() {
 #[test]
 fn a_negative_zero_gives_the_bits_of_zero() {
     let bits = |zero: f64| {
-        let first = Matrix::from_row_slice(2, N, &[zero, 0.7, -0.3, 0.9, 0.1, zero, 0.2, 0.8, -0.6, 0.4]);
-        let second = Matrix::from_row_slice(1, N, &[zero, 0.5, 0.3, 0.2, -0.7]);
+        let first = Matrix::from_row_slice(2, N, &[zero, 0.7, -0.3, 0.9, 0.1, 0.3, 0.2, 0.4, -0.6, 0.4]);
+        let second = Matrix::from_row_slice(1, N, &[0.6, 0.5, 0.3, 0.2, -0.7]);
         let tasks = [(first, Vector::from_row_slice(&[0.31, -0.17])), (second, Vector::from_row_slice(&[0.53]))];
         let answer = resolve(&problem(&tasks), &[]).unwrap().joint_velocity;
         answer.iter().map(|entry| (entry + 0.0).to_bits()).collect::<Vec<_>>()
