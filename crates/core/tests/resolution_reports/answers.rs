@@ -69,6 +69,7 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
         let answer = resolve(&problem, &[]).unwrap();
         assert!((&answer.joint_velocity - vector(&[0.2, 0.3, 0.4, 0.0, 0.1])).amax() < 1e-12, "{answer:?}");
         assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.violated_limits.is_empty());
+        assert_eq!(answer.solver.iterations > 0, solver == Solver::Qp);
         let rows: Vec<_> = answer.tasks[0].active_rows.iter().map(|it| (it.row, it.side)).collect();
         assert_eq!((rows, answer.tasks[1].active_rows.len()), (vec![(0, Side::Upper), (1, Side::Lower)], 0));
         let joints: Vec<_> = answer.active_limits.iter().map(|it| (it.joint, it.side)).collect();
