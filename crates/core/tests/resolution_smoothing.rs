@@ -111,16 +111,22 @@ fn merged(levels: &[Level]) -> Level {
     Level { rows, lower: entries(|level| &level.lower), upper: entries(|level| &level.upper) }
 }
 
+/// The middle of the box; next to a single bound, the speed next to zero that is 1 rad/s inside.
+fn middle(lower: f64, upper: f64) -> f64 {
+    if (upper - lower).is_finite() { f64::midpoint(lower, upper) } else { 0.0_f64.max(lower + 1.0).min(upper - 1.0) }
+}
+
 /// X_k: the first levels exactly, then one level after the other with the weight 1 + 1/λ_max, twice that for the first one.
 /// What the levels between have achieved counts sixty times as much.
 fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_factor: f64) -> Vector {
     let weight = 1.0 + 1.0 / max_factor;
-    let bounds = |j: usize| (limits.lower()[j], limits.upper()[j]);
-    let middle = Vector::from_fn(N, |j, _| f64::midpoint(bounds(j).0, bounds(j).1));
+    let middle = Vector::from_fn(N, |j, _| middle(limits.lower()[j], limits.upper()[j]));
     let way = free - &middle;
-    let reach = |j: usize| (bounds(j).1 - bounds(j).0) / 2.0 / way[j].abs();
-    let scale = (0..N).map(reach).fold(1.0, f64::min);
-    let start = middle + way * scale;
+    let room = |j: usize| if way[j] > 0.0 { limits.upper()[j] - middle[j] } else { middle[j] - limits.lower()[j] };
+    // A pinned joint stays and does not count.
+    let is_open = |j: &usize| limits.lower()[*j] < limits.upper()[*j];
+    let scale = (0..N).filter(is_open).map(|j| room(j) / way[j].abs()).fold(1.0, f64::min);
+    let start = limits.clamp(&(middle + way * scale));
     (kept..levels.len()).fold(start, |point, reached| {
         let mut rows: Vec<Level> =
             levels[kept..reached].iter().map(|level| aimed_at(level, &point, 1.0, 60.0 * weight)).collect();
@@ -131,14 +137,14 @@ fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_
     })
 }
 
-/// The blend from X_0 to X_K.
-fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, f64) {
+/// The blend from X_0 to X_K, and how many problems it takes.
+fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, usize) {
     let exact = solve(levels, limits, reference, None).joint_velocity;
     let unlimited = VelocityBox::unbounded(N);
     let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
     let free = solve(&equations, &unlimited, reference, None).joint_velocity;
     let first = weight(levels, limits, &exact, damping.threshold());
-    let (mut parts, mut weights) = (vec![exact], vec![first]);
+    let (mut parts, mut weights, mut problems) = (vec![exact], vec![first], 1 + usize::from(first < 1.0));
     for kept in (0..levels.len()).rev() {
         if weights[weights.len() - 1] == 1.0 {
             break;
@@ -146,24 +152,54 @@ fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Da
         let x = part(levels, kept, limits, &free, damping.max_factor());
         weights.push(if kept == 0 { 1.0 } else { weight(&levels[..kept], limits, &x, damping.threshold()) });
         parts.push(x);
+        problems += levels.len() - kept;
     }
     let start = parts[parts.len() - 1].clone();
     let blended = parts.iter().zip(&weights).rev().skip(1).fold(start, |x, (part, weight)| &x + (part - &x) * *weight);
-    (blended, first)
+    (blended, problems)
 }
 
 fn entries(count: usize) -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(-1.0..1.0_f64, count)
 }
 
-/// One or two rows: equations, or wide and narrow bounds.
+/// The distance of the bounds of a level: equations, or wide and narrow bounds.
+fn width() -> impl Strategy<Value = f64> {
+    prop::sample::select(vec![0.0, 0.0, 0.0, 0.3, f64::INFINITY])
+}
+
+/// One or two rows.
 fn level() -> impl Strategy<Value = Level> {
-    (1..3_usize, entries(2 * N), entries(2), prop::sample::select(vec![0.0, 0.0, 0.0, 0.3, f64::INFINITY])).prop_map(
-        |(m, rows, targets, width)| {
-            let lower = Vector::from_row_slice(&targets[..m]);
-            Level { rows: Matrix::from_row_slice(m, N, &rows[..m * N]), upper: lower.add_scalar(width), lower }
-        },
-    )
+    (1..3_usize, entries(2 * N), entries(2), width()).prop_map(|(m, rows, targets, width)| {
+        let lower = Vector::from_row_slice(&targets[..m]);
+        Level { rows: Matrix::from_row_slice(m, N, &rows[..m * N]), upper: lower.add_scalar(width), lower }
+    })
+}
+
+/// A level that determines all joints.
+fn full_level() -> impl Strategy<Value = Level> {
+    (entries(N * N), entries(N), width()).prop_map(|(rows, targets, width)| {
+        let lower = Vector::from_vec(targets);
+        let rows = Matrix::identity(N, N) + Matrix::from_row_slice(N, N, &rows) * 0.4;
+        Level { rows, upper: lower.add_scalar(width), lower }
+    })
+}
+
+/// Whether damping leaves the targets as they are: no singular value of a level, in the null space of the levels above, is
+/// below the threshold. Then only what the limits leave of the levels is singular.
+fn keep_their_targets(equations: &[Level], threshold: f64) -> bool {
+    (0..equations.len()).all(|k| {
+        let above = stack(equations[..k].iter().map(|level| &level.rows));
+        let dimensions = N.saturating_sub(above.nrows());
+        let mut open = Matrix::identity(N, N);
+        if k > 0 {
+            open -= above.clone().pseudo_inverse(1e-9).unwrap() * &above;
+        }
+        let projected = &equations[k].rows * open;
+        let mut sigma = projected.svd(false, false).singular_values.as_slice().to_vec();
+        sigma.sort_by(|a, b| b.total_cmp(a));
+        dimensions > 0 && sigma[equations[k].rows.nrows().min(dimensions) - 1] > threshold
+    })
 }
 
 proptest! {
@@ -171,24 +207,40 @@ proptest! {
 
     #[test]
     fn a_damped_answer_is_the_blend_of_its_definition(
-        levels in prop::collection::vec(level(), 1..5), limits in entries(N), reference in entries(N),
+        mut levels in prop::collection::vec(level(), 1..5), limits in entries(N), reference in entries(N),
+        full in full_level(), place in 0..8_usize, unit in prop::sample::select(vec![1.0, 16.0]),
+        kinds in prop::collection::vec(prop::sample::select(vec![Some(0.0), None, None, None, Some(f64::INFINITY)]), N),
     ) {
-        let damping = Damping::new(0.6, 0.2).unwrap();
-        let upper: Vec<f64> = limits.iter().map(|limit| 0.05 + limit.abs()).collect();
-        let lower: Vec<f64> = upper.iter().enumerate().map(|(j, limit)| if j == 0 { -0.5 } else { -limit }).collect();
+        let damping = Damping::new(0.6 * unit, 0.2).unwrap();
+        let mut upper: Vec<f64> = limits.iter().map(|limit| 0.05 + limit.abs()).collect();
+        let mut lower: Vec<f64> = upper.iter().enumerate().map(|(j, limit)| if j == 0 { -0.5 } else { -limit }).collect();
+        // Pinned joints, and joints with one bound, on either side of zero.
+        for (j, width) in kinds.iter().enumerate() {
+            match width {
+                Some(width) if limits[j] > 0.3 => (lower[j], upper[j]) = (limits[j] - 0.6, limits[j] - 0.6 + width),
+                Some(width) => (lower[j], upper[j]) = (limits[j] - width, limits[j]),
+                None => {}
+            }
+        }
         let limits = VelocityBox::new(&lower, &upper).unwrap();
         let reference = Vector::from_vec(reference);
-        // Damping may change no target: only what the limits leave of the tasks is singular.
+        if place < levels.len() {
+            levels.truncate(place);
+            levels.push(full);
+        }
+        for level in &mut levels {
+            (level.rows, level.lower, level.upper) = (&level.rows * unit, &level.lower * unit, &level.upper * unit);
+        }
         let equations: Vec<Level> = levels.iter().filter(|level| level.is_equation()).cloned().collect();
-        let rows = stack(equations.iter().map(|level| &level.rows));
-        prop_assume!(rows.nrows() > 0 && rows.nrows() <= N && regularity(&rows, rows.nrows(), 0.6) == 1.0);
+        prop_assume!(!equations.is_empty() && keep_their_targets(&equations, 0.6 * unit));
         let exact = solve(&levels, &limits, &reference, None);
-        prop_assume!(!exact.active_set.is_empty() && !exact.active_set[0].is_empty());
-        let (expected, _) = blend(&levels, &limits, &reference, damping);
+        prop_assume!(exact.active_set.iter().any(|set| !set.is_empty()) || kinds.contains(&Some(0.0)));
+        let (expected, problems) = blend(&levels, &limits, &reference, damping);
         let found = solve(&levels, &limits, &reference, Some(damping));
         prop_assert_eq!(found.solver.status, Status::Optimal);
         let error = (&found.joint_velocity - &expected).amax();
         prop_assert!(error < 1e-8, "{error:e}");
+        prop_assert!(found.solver.working_sets as usize >= problems, "{:?}, {problems} problems", found.solver);
         for active in &found.active_limits {
             prop_assert_eq!(found.joint_velocity[active.joint], active.value, "{:?} is not reached", active);
         }
@@ -200,5 +252,66 @@ proptest! {
                 prop_assert!(level.is_equation() || is_reached, "{:?} is not reached by {}", active, value);
             }
         }
+    }
+}
+
+/// Without an active bound the answer is x^f, and nothing else is computed: one working set, although two tasks are singular
+/// together. A damping factor of zero leaves the exact answer, whatever the limits do.
+#[test]
+fn a_damped_answer_is_exact_without_active_bounds_and_without_a_factor() {
+    let level = |row: [f64; N], target: f64| {
+        let target = Vector::from_row_slice(&[target]);
+        Level { rows: Matrix::from_row_slice(1, N, &row), lower: target.clone(), upper: target }
+    };
+    let levels = [level([1.0, 0.0, 0.0, 0.0, 0.0], 0.5), level([1.0, 0.1, 0.0, 0.0, 0.0], 0.5)];
+    let reference = Vector::zeros(N);
+    let wide = VelocityBox::new(&[-9.0; N], &[9.0; N]).unwrap();
+    let damped = solve(&levels, &wide, &reference, Damping::new(0.6, 0.2));
+    assert_eq!((damped.active_limits.len(), damped.solver.working_sets), (0, 1));
+    let narrow = VelocityBox::new(&[-0.4; N], &[0.4; N]).unwrap();
+    let exact = solve(&levels, &narrow, &reference, None);
+    let damped = solve(&levels, &narrow, &reference, Damping::new(0.6, 0.0));
+    assert_eq!((exact.active_limits.len(), &damped.joint_velocity), (2, &exact.joint_velocity));
+}
+
+/// Rows with room do not count as bounds: seven inequality rows on five joints leave the levels regular.
+#[test]
+fn more_inequality_rows_than_joints_leave_room() {
+    let row = |i: usize, j: usize| if i < N { f64::from(u8::from(i == j)) } else { 0.5 - (i + j) as f64 / 8.0 };
+    let wide =
+        Level { rows: Matrix::from_fn(7, N, row), lower: Vector::repeat(7, -3.0), upper: Vector::repeat(7, 3.0) };
+    let target = Vector::from_row_slice(&[1.0]);
+    let goal =
+        Level { rows: Matrix::from_row_slice(1, N, &[1.0, 0.4, 0.0, 0.0, 0.0]), lower: target.clone(), upper: target };
+    let limits = VelocityBox::new(&[-1.0; N], &[0.8, 1.0, 1.0, 1.0, 1.0]).unwrap();
+    let (levels, reference, damping) = ([wide, goal], Vector::zeros(N), Damping::new(0.6, 0.2).unwrap());
+    let expected = blend(&levels, &limits, &reference, damping).0;
+    let found = solve(&levels, &limits, &reference, Some(damping)).joint_velocity;
+    assert!((&found - &expected).amax() < 1e-8, "{found} {expected}");
+}
+
+/// Joint 0 stops at a limit and the first task at a bound of its row, on either side, in every part of the blend.
+#[test]
+fn a_damped_answer_lists_the_bounds_that_it_reaches() {
+    for sign in [1.0, -1.0] {
+        let target = Vector::from_row_slice(&[sign]);
+        let level = |row: [f64; N], lower: &Vector, upper: &Vector| Level {
+            rows: Matrix::from_row_slice(1, N, &row),
+            lower: lower.clone(),
+            upper: upper.clone(),
+        };
+        let (half, one) = (Vector::from_row_slice(&[0.5]), Vector::from_row_slice(&[2.0]));
+        let bounds = if sign > 0.0 { (-&one, half) } else { (-half, one) };
+        let levels = [
+            level([0.0, 0.0, 1.0, 0.0, 0.0], &bounds.0, &bounds.1),
+            level([1.0, 0.4, 0.0, 0.0, 0.0], &target, &target),
+            level([0.0, 0.0, 1.0, 0.0, 0.0], &target, &target),
+        ];
+        let limits = VelocityBox::new(&[-0.8; N], &[0.8; N]).unwrap();
+        let answer = solve(&levels, &limits, &Vector::zeros(N), Damping::new(0.6, 0.2));
+        let side = if sign > 0.0 { Side::Upper } else { Side::Lower };
+        let joints: Vec<_> = answer.active_limits.iter().map(|it| (it.joint, it.side)).collect();
+        let rows: Vec<_> = answer.tasks[0].active_rows.iter().map(|it| (it.row, it.side)).collect();
+        assert_eq!((joints, rows), (vec![(0, side)], vec![(0, side)]), "{answer:?}");
     }
 }

@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use revprio_core::limits::VelocityBox;
-use revprio_core::linalg::{Matrix, Vector, stack};
+use revprio_core::linalg::{Damping, Matrix, Vector, stack};
 use revprio_core::resolution::{Method, Problem, Resolution, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
@@ -148,4 +148,74 @@ fn a_fixed_joint_stops_the_whole_task() {
     let limits = VelocityBox::new(&[-1.0, 0.0], &[1.0, 0.0]).unwrap();
     let answer = resolve(&Problem { limits, ..plane_task([1.0, 0.5], true) }, &[]).unwrap();
     assert!(answer.joint_velocity.amax() <= 1e-14 && answer.tasks[0].scale.unwrap() <= 1e-14, "{answer:?}");
+}
+
+/// Returns tasks on two joints within ±1, scaled ones marked.
+fn plane_tasks(method: Method, tasks: &[(&[f64], &[f64], bool)]) -> Problem {
+    let task = |&(rows, velocity, scaled): &(&[f64], &[f64], bool)| {
+        let rows = Matrix::from_row_slice(velocity.len(), 2, rows);
+        Task { scaled, ..Task::new("", rows, Vector::from_row_slice(velocity)) }
+    };
+    let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
+    Problem { limits, method, ..Problem::new(TaskStack::new(tasks.iter().map(task).collect()).unwrap()) }
+}
+
+fn assert_scales(problem: &Problem, velocity: [f64; 2], scales: &[Option<f64>]) {
+    let answer = resolve(problem, &[]).unwrap();
+    let near = |(a, b): (&Option<f64>, &Option<f64>)| {
+        a.is_some() == b.is_some() && (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < 1e-12
+    };
+    assert!((&answer.joint_velocity - Vector::from_row_slice(&velocity)).amax() < 1e-12, "{answer:?}");
+    assert!(factors(&answer).iter().zip(scales).all(near), "{answer:?}");
+    assert_eq!(answer.solver.status, Status::Optimal);
+}
+
+/// The tasks of a strict hierarchy have a scale each, the stack of the pseudo-inverse has one, and reverse priority scales its
+/// highest task alone.
+#[test]
+fn each_method_scales_what_it_solves_at_once() {
+    let two: [(&[f64], &[f64], bool); 2] = [(&[1.0, 0.0], &[2.0], true), (&[0.0, 1.0], &[4.0], true)];
+    assert_scales(&plane_tasks(Method::StrictReversePriority, &two), [1.0, 1.0], &[Some(0.5), Some(0.25)]);
+    assert_scales(&plane_tasks(Method::Pseudoinverse, &two), [0.5, 1.0], &[Some(0.25), Some(0.25)]);
+    assert_scales(&plane_tasks(Method::ReversePriority, &two), [1.0, 1.0], &[Some(0.5), None]);
+    // The first task is bent by the limits and leaves nothing that could bend the second one.
+    let second: [(&[f64], &[f64], bool); 2] =
+        [(&[1.0, 1.0, 0.0, 1.0], &[3.0, 0.5], false), (&[1.0, 0.0], &[4.0], true)];
+    assert_scales(&plane_tasks(Method::StrictReversePriority, &second), [1.0, 1.0], &[None, Some(1.0)]);
+}
+
+/// What the higher task decides does not count as a change of direction, in any unit.
+#[test]
+fn a_higher_task_does_not_bend_a_scaled_one() {
+    for unit in [1.0, 1e-6] {
+        let above: (&[f64], &[f64], bool) = (&[unit, 0.0], &[0.0], false);
+        let scaled: (&[f64], &[f64], bool) = (&[unit, 0.0, 0.0, unit], &[unit, 2.0 * unit], true);
+        assert_scales(&plane_tasks(Method::StrictReversePriority, &[above, scaled]), [0.0, 1.0], &[None, Some(0.5)]);
+    }
+}
+
+/// A task at rest has no direction to keep. A direction is kept up to 10⁻¹¹ (‖J‖ ‖q̇‖ + ‖ẋ‖).
+#[test]
+fn rest_has_no_scale_and_rounding_does_not_cut() {
+    let rest: (&[f64], &[f64], bool) = (&[1.0, 0.0], &[0.0], true);
+    let limits = VelocityBox::new(&[0.2, -1.0], &[1.0, 1.0]).unwrap();
+    let forced = Problem { limits, ..plane_tasks(Method::ReversePriority, &[rest]) };
+    assert_scales(&forced, [0.2, 0.0], &[None]);
+    let scale = |off: f64| {
+        let move_it: (&[f64], &[f64], bool) = (&[2.0, 0.0], &[6.0], true);
+        let limits = VelocityBox::new(&[-9.0; 2], &[3.0 * (1.0 - off), 9.0]).unwrap();
+        let problem = Problem { limits, ..plane_tasks(Method::ReversePriority, &[move_it]) };
+        resolve(&problem, &[]).unwrap().tasks[0].scale.unwrap()
+    };
+    assert!(scale(1.95e-11) == 1.0 && scale(2.05e-11) < 1.0, "{} {}", scale(1.95e-11), scale(2.05e-11));
+}
+
+/// The velocity of a scaled stack is damped first: 0.1 q̇ = 0.02 gives q̇ = 0.1 · 0.02/(0.01 + λ²).
+#[test]
+fn a_scaled_stack_is_damped_before_it_is_scaled() {
+    let damping = Damping::new(0.2, 0.1).unwrap();
+    let weak: (&[f64], &[f64], bool) = (&[0.1, 0.0], &[0.02], true);
+    let problem = Problem { damping: Some(damping), ..plane_tasks(Method::DampedLeastSquares, &[weak]) };
+    let lambda = damping.factor(0.1);
+    assert_scales(&problem, [0.002 / (0.01 + lambda * lambda), 0.0], &[Some(1.0)]);
 }

@@ -116,3 +116,14 @@ fn a_large_warm_start_gives_the_same_answer() {
     let difference = (&cold.joint_velocity - &warm.joint_velocity).amax();
     assert!(difference <= 1e-11 * length(cold.joint_velocity.as_slice()), "{difference:e}");
 }
+
+/// After sixty sets Clarabel's working set is tried, which is nearly right. All sets count.
+#[test]
+fn a_search_that_takes_long_goes_on_from_the_set_of_clarabel() {
+    for (n, seed) in [(16, 18), (24, 1), (24, 3)] {
+        let hierarchy = large(&mut Random::new(seed), n);
+        let answer = hierarchy.solve(&[]);
+        assert_certified(&hierarchy, &answer);
+        assert!((61..=65).contains(&answer.solver.working_sets), "{n} {seed}: {:?}", answer.solver);
+    }
+}

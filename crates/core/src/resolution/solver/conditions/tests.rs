@@ -265,8 +265,8 @@ fn the_conditions_are_those_of_the_documentation() {
     assert!(wrong > 300 && wrong_rows > 150 && decided > 150 && last_level > 300, "{wrong} {wrong_rows} {decided}");
 }
 
-/// Returns the conditions of a problem of one level without bounds, with the rows a·x = b.
-fn of_rows(rows: &[([f64; 2], f64)], upper: f64) -> f64 {
+/// Returns a problem of one level with the rows a·x = b, whose first unknown is pinned at a finite `upper`.
+fn of_rows(rows: &[([f64; 2], f64)], upper: f64) -> RandomSet {
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&[0.0; 2]);
     for (row, target) in rows {
@@ -280,14 +280,24 @@ fn of_rows(rows: &[([f64; 2], f64)], upper: f64) -> f64 {
     of.problem.load(&hierarchy);
     of.set.clear(2, rows.len());
     of.solved.solve(&of.problem, &of.set);
-    evaluate(&of, 1e-13).residual
+    of
 }
 
 #[test]
 fn nothing_is_certified_where_sizes_overflow() {
-    assert!(of_rows(&[([1.0, 0.0], 1.0)], f64::INFINITY) < 1e-15);
-    assert_eq!(of_rows(&[([1e200, 0.0], 1.0)], f64::INFINITY), f64::INFINITY, "‖A‖²");
-    assert_eq!(of_rows(&[([1.0, 0.0], 1e200)], f64::INFINITY), f64::INFINITY, "‖b‖");
-    assert_eq!(of_rows(&[([0.0, 1.0], 1.0)], 1e200), f64::INFINITY, "the speed");
-    assert_eq!(of_rows(&[([0.0, 0.0], 0.0)], f64::INFINITY), 0.0);
+    let residual = |row: [f64; 2], target: f64, upper: f64| evaluate(&of_rows(&[(row, target)], upper), 1e-13).residual;
+    assert!(residual([1.0, 0.0], 1.0, f64::INFINITY) < 1e-15);
+    assert_eq!(residual([1e200, 0.0], 1.0, f64::INFINITY), f64::INFINITY, "‖A‖²");
+    assert_eq!(residual([1.0, 0.0], 1e200, f64::INFINITY), f64::INFINITY, "‖b‖");
+    assert_eq!(residual([0.0, 1.0], 1.0, 1e200), f64::INFINITY, "the speed");
+    assert_eq!(residual([0.0, 0.0], 0.0, f64::INFINITY), 0.0);
+}
+
+/// Four equal rows, whose residuals all have the same error δ: Aᵀr is off by 4 · 16 δ, relative to ‖A‖ (‖b‖ + ‖A‖ ‖x‖).
+#[test]
+fn an_error_that_all_rows_share_is_one_of_stationarity() {
+    let mut of = of_rows(&[1.0, 2.0, 3.0, 4.0].map(|target| ([16.0, 0.0], 16.0 * target)), f64::INFINITY);
+    of.solved.rows.iter_mut().for_each(|row| row.residual += 1e-3);
+    let size = 32.0 * (16.0 * 30.0_f64.sqrt() + 32.0 * 2.5);
+    assert!((evaluate(&of, 1e-13).residual - 64e-3 / size).abs() < 1e-12);
 }
