@@ -140,5 +140,5 @@ def test_help_shows_fields_with_units_and_plain_types() -> None:
     assert "- velocity: Task velocity ẋ_k, one entry per row, m/s and rad/s" in text
     assert "axes: OneOrMore[Axis] | None = None" in str(inspect.signature(ResolveTask))
     for function in (revprio.resolve, revprio.Controller.__init__, Client.session):
-        assert "- tasks: The tasks, highest priority first." in (inspect.getdoc(function) or "")
+        assert "- tasks: The tasks, highest priority first" in (inspect.getdoc(function) or "")
         assert "PlainValidator" not in str(inspect.signature(function))
