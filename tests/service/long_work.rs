@@ -74,7 +74,9 @@ fn margins_above_the_quota_are_refused_at_once() {
         let calls: Vec<_> = (0..12).map(|_| scope.spawn(call)).collect();
         let answers: Vec<_> = calls.into_iter().map(|answer| answer.join().unwrap()).collect();
         let refused: Vec<_> = answers.iter().filter(|answer| answer.status != 200).collect();
-        assert!((1..=4).contains(&refused.len()), "{} refused", refused.len());
+        // On a busy machine, admitted ones may miss their deadline as well.
+        let above_the_quota = refused.iter().filter(|answer| answer.text.contains("/problems/busy")).count();
+        assert!((1..=4).contains(&above_the_quota), "{above_the_quota} of {} refused", refused.len());
         for answer in refused {
             answer.assert_refused(503, None);
         }
