@@ -100,7 +100,7 @@ impl Row {
 }
 
 #[test]
-#[ignore = "a measurement"]
+#[ignore = "asserts nothing; prints the table of docs/solver.md"]
 fn table_of_jumps() {
     println!("{PATHS} paths of {STEPS} steps each; changes in rad/s");
     println!(
