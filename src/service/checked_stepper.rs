@@ -110,12 +110,13 @@ pub struct ControlLoop {
     stepper: CheckedStepper,
     memory: Option<Memory>,
     last_state: Option<LastState>,
+    answers: RecentAnswers,
 }
 
 impl ControlLoop {
     /// Starts without memory.
     pub fn new(stepper: CheckedStepper) -> Self {
-        Self { stepper, memory: None, last_state: None }
+        Self { stepper, memory: None, last_state: None, answers: RecentAnswers::default() }
     }
 
     /// Returns the controller.
@@ -172,8 +173,8 @@ impl ControlLoop {
     ) -> Result<ComputedStep, ApiError> {
         let (controller, rules) = (Arc::clone(self.stepper.controller()), self.stepper.rules);
         let last = self.last_state.as_ref();
-        let (command, remarks) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
-        let command = command.clone();
+        let (_, remarks) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
+        let command = self.answers.take(&mut self.stepper.stepper);
         self.remember(sequence, measurement);
         let elapsed_us = start.elapsed().as_secs_f64() * 1e6;
         Ok(ComputedStep { controller, rules, sequence, command, remarks, elapsed_us })
@@ -185,12 +186,34 @@ impl ControlLoop {
     }
 }
 
+/// The commands of the last two answers. A loop keeps the last answer until it has the next one, so the command before it is
+/// mostly unused, and the next answer takes its memory.
+#[derive(Default)]
+struct RecentAnswers {
+    last: Arc<Command>,
+    before: Arc<Command>,
+}
+
+impl RecentAnswers {
+    /// Takes the command of the last step.
+    fn take(&mut self, stepper: &mut Stepper) -> Arc<Command> {
+        std::mem::swap(&mut self.last, &mut self.before);
+        if Arc::get_mut(&mut self.last).is_none() {
+            self.last = Arc::default();
+        }
+        if let Some(unused) = Arc::get_mut(&mut self.last) {
+            stepper.exchange_command(unused);
+        }
+        Arc::clone(&self.last)
+    }
+}
+
 /// A step whose answer is written only when it is read: that takes about as long as the step.
 pub struct ComputedStep {
     controller: Arc<Controller>,
     rules: StateRules,
     sequence: u64,
-    command: Command,
+    command: Arc<Command>,
     remarks: Remarks,
     elapsed_us: f64,
 }

@@ -183,6 +183,33 @@ mod tests {
     }
 
     #[test]
+    fn an_answer_that_is_kept_does_not_change() {
+        let controller = || LocalService::new(Robots::built_in()).controller(&example("controller")).unwrap();
+        let state: wire::State = serde_json::from_slice(&example("state")).unwrap();
+        let first = state.sequence;
+        let steps = |keep: usize| {
+            let (mut controller, mut kept) = (controller(), Vec::new());
+            for sequence in first..first + 20 {
+                let mut state = wire::State { sequence, ..state.clone() };
+                if let wire::JointVector::Ordered(position) = &mut state.joint_position {
+                    position[0] += 1e-3 * (sequence - first) as f64;
+                }
+                kept.push(controller.step(&state).unwrap());
+                if kept.len() > keep {
+                    kept.remove(0);
+                }
+            }
+            kept
+        };
+        let velocities = |steps: &[ComputedStep]| steps.iter().map(|s| s.joint_velocity().to_vec()).collect::<Vec<_>>();
+        let all = velocities(&steps(20));
+        assert!(all.windows(2).all(|pair| pair[0] != pair[1]), "{all:?}");
+        for keep in 1..5 {
+            assert_eq!(velocities(&steps(keep)), all[20 - keep..]);
+        }
+    }
+
+    #[test]
     fn errors_name_field_and_status_as_over_http() {
         let service = LocalService::new(Robots::built_in());
         let refused = |method, path, body: &str| problem(service.call(method, path, body.as_bytes()).unwrap_err());

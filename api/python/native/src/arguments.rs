@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -15,7 +15,7 @@ use crate::refused;
 /// Reads one number per joint: an array, or anything that NumPy converts to one, or a mapping by joint name.
 pub fn joint_vector(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<JointVector> {
     if let Ok(array) = value.cast_exact::<PyArray1<f64>>() {
-        return Ok(JointVector::Ordered(entries(&array.readonly())));
+        return Ok(JointVector::Ordered(entries(array)));
     }
     let Ok(mapping) = value.cast::<PyMapping>() else { return floats(value, pointer).map(JointVector::Ordered) };
     let named = mapping.items()?.iter().map(|item| item.extract::<(String, f64)>()).collect::<PyResult<_>>();
@@ -26,7 +26,7 @@ pub fn joint_vector(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<JointVe
 pub fn wrench(value: &Bound<'_, PyAny>) -> PyResult<Wrench> {
     let py = value.py();
     let six = match value.cast_exact::<PyArray1<f64>>() {
-        Ok(array) => entries(&array.readonly()),
+        Ok(array) => entries(array),
         Err(_) => match value.getattr_opt(intern!(py, "force"))? {
             Some(force) => {
                 let torque = value.getattr(intern!(py, "torque"))?;
@@ -54,12 +54,12 @@ fn floats(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<Vec<f64>> {
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
     let array = asarray.call1((value, intern!(py, "f8"))).map_err(|_| not_numbers(py, pointer))?;
     let array = array.cast::<PyArray1<f64>>().map_err(|_| not_numbers(py, pointer))?;
-    Ok(entries(&array.readonly()))
+    Ok(entries(array))
 }
 
-fn entries(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
-    debug_assert_eq!(array.ndim(), 1);
-    array.as_slice().map_or_else(|_| array.as_array().to_vec(), <[f64]>::to_vec)
+/// Copies the entries, without the table of borrowed arrays that a slice of NumPy's memory needs.
+fn entries(array: &Bound<'_, PyArray1<f64>>) -> Vec<f64> {
+    (0..array.len()).map(|i| array.get_owned(i).unwrap_or(f64::NAN)).collect()
 }
 
 fn not_numbers(py: Python<'_>, pointer: &str) -> PyErr {

@@ -57,6 +57,12 @@ pub struct Command {
 }
 
 impl Command {
+    /// Returns whether both have the same tasks with the same numbers of rows.
+    pub(super) fn has_size_of(&self, other: &Self) -> bool {
+        let rows = |target: &TaskTarget| target.velocity.len();
+        self.targets.iter().map(rows).eq(other.targets.iter().map(rows))
+    }
+
     /// Sets the targets of tasks with bounds, which the answer decides.
     fn report_bounds(&mut self, tasks: &[TaskConfig]) {
         for ((target, outcome), task) in self.targets.iter_mut().zip(&self.resolution.tasks).zip(tasks) {

@@ -47,6 +47,19 @@ impl Stepper {
     pub fn step(&mut self, memory: &mut Option<Memory>, measurement: &Measurement) -> Result<&Command, StepError> {
         self.controller.step(&mut self.workspace, memory, measurement)
     }
+
+    /// Exchanges the command of the last step with `other`, whose content the next step overwrites.
+    ///
+    /// A caller that keeps commands can so return those that it does not need any more: a clone would allocate. `other`
+    /// becomes a clone if it is not a command of this controller.
+    pub fn exchange_command(&mut self, other: &mut Command) {
+        let command = &mut self.workspace.command;
+        if other.has_size_of(command) {
+            std::mem::swap(command, other);
+        } else {
+            other.clone_from(command);
+        }
+    }
 }
 
 /// The values of one control period. They are allocated once and overwritten in each period. No result depends on their
