@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use revprio::service::{ApiError, ComputedStep, LocalController, LocalService};
 use revprio_api::wire;
 
+use crate::lock::without_lock;
 use crate::{arguments, refused};
 
 /// A controller in the process. Calls of several threads run one after the other.
@@ -92,7 +93,7 @@ impl Controller {
             wrench: wrench.map(arguments::wrench).transpose()?,
             targets: targets.map(|json| arguments::targets(py, json)).transpose()?.unwrap_or_default(),
         };
-        let answer = py.detach(|| self.lock().step(&state)).map_err(|error| refused(py, error))?;
+        let answer = without_lock(py, || self.lock().step(&state)).map_err(|error| refused(py, error))?;
         let fields = PyDict::new(py);
         fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, answer.joint_velocity()))?;
         fields.set_item(intern!(py, "sequence"), sequence)?;

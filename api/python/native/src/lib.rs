@@ -5,12 +5,14 @@
 //! | [`controller`] | one controller with its memory, stepped with NumPy arrays |
 //! | [`service`] | the other calls, with JSON bodies, and a server in the process |
 //! | [`arguments`] | Python objects to the bodies of the interface |
+//! | [`lock`] | short computations without the lock of the interpreter |
 //!
 //! The computation runs without the lock of the interpreter.
 #![cfg(feature = "python")]
 
 mod arguments;
 mod controller;
+mod lock;
 mod service;
 
 use pyo3::create_exception;
