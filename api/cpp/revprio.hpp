@@ -251,7 +251,8 @@ private:
 ///
 /// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
 /// brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits
-/// include positions, every joint then stops inside its range.
+/// include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
+/// `braking_deceleration` until they have the velocity of the answer.
 class Watchdog {
 public:
     /// `acceleration_limit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The
@@ -282,6 +283,7 @@ public:
                                         std::to_string(velocity_.size()) + " joints");
         const auto expires_at = measured_at + std::chrono::milliseconds(answer.at("valid_for_ms").get<long>());
         if (now > expires_at || measured_at < measured_at_) return false;
+        resumes_ = resumes_ || (is_commanded_ && commanded_at_ > expires_at_);
         velocity_ = std::move(velocity);
         measured_at_ = measured_at;
         expires_at_ = expires_at;
@@ -294,7 +296,29 @@ public:
     /// Returns the joint velocities to command at `now`: n, rad/s or m/s. The arm keeps a command until the next one. In a
     /// loop, use the time of the next command instead of the present time: then the arm is never faster than the ramp.
     /// `Loop` does so.
-    std::vector<double> command(Clock::time_point now) const {
+    std::vector<double> command(Clock::time_point now) {
+        std::vector<double> velocity = resumed(now);
+        resumes_ = resumes_ && velocity != ramp(now);
+        commanded_ = velocity;
+        commanded_at_ = now;
+        is_commanded_ = true;
+        return velocity;
+    }
+
+    /// Starts the ramp to rest at `now`, if it has not started yet.
+    void expire(Clock::time_point now) { expires_at_ = std::min(expires_at_, now); }
+
+    /// Returns whether the ramp is over and all joints are at rest at `now`.
+    bool is_at_rest(Clock::time_point now) const {
+        const std::vector<double> velocity = resumed(now);
+        return now >= expires_at_ && std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0; });
+    }
+
+private:
+    static double number_or(const Json& value, double other) { return value.is_number() ? value.get<double>() : other; }
+
+    /// Returns the velocities of the last answer; after it has expired, those of the ramp to rest.
+    std::vector<double> ramp(Clock::time_point now) const {
         if (now <= expires_at_) return velocity_;
         const double silence_s = Seconds(now - expires_at_).count();
         std::vector<double> velocity(velocity_.size());
@@ -305,23 +329,27 @@ public:
         return velocity;
     }
 
-    /// Starts the ramp to rest at `now`, if it has not started yet.
-    void expire(Clock::time_point now) { expires_at_ = std::min(expires_at_, now); }
-
-    /// Returns whether the ramp is over and all joints are at rest at `now`.
-    bool is_at_rest(Clock::time_point now) const {
-        const std::vector<double> velocity = command(now);
-        return now >= expires_at_ && std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0; });
+    /// Returns the ramp; after an interruption what is within reach from the last command.
+    std::vector<double> resumed(Clock::time_point now) const {
+        std::vector<double> velocity = ramp(now);
+        if (!resumes_) return velocity;
+        const double elapsed_s = std::max(Seconds(now - commanded_at_).count(), 0.0);
+        for (std::size_t joint = 0; joint < velocity.size(); ++joint) {
+            const double reach = std::isinf(deceleration_[joint]) ? HUGE_VAL : deceleration_[joint] * elapsed_s;
+            velocity[joint] = std::min(std::max(velocity[joint], commanded_[joint] - reach), commanded_[joint] + reach);
+        }
+        return velocity;
     }
-
-private:
-    static double number_or(const Json& value, double other) { return value.is_number() ? value.get<double>() : other; }
 
     std::vector<double> acceleration_;
     std::vector<double> deceleration_;
     std::vector<double> velocity_;
+    std::vector<double> commanded_;
     Clock::time_point measured_at_{};
     Clock::time_point expires_at_{};
+    Clock::time_point commanded_at_{};
+    bool is_commanded_ = false;
+    bool resumes_ = false; ///< Whether commands must return from the last command to the answers.
 };
 
 /// Statistics of a control loop.

@@ -130,8 +130,9 @@ void watchdog() {
     const auto is_close = [](const std::vector<double>& given, double first, double second) {
         return std::abs(given.at(0) - first) < 1e-9 && std::abs(given.at(1) - second) < 1e-9;
     };
+    check(is_close(revprio::Watchdog({2, 4}).command(at(0)), 0, 0) && revprio::Watchdog({2, 4}).is_at_rest(at(0)),
+          "nothing moves before the first answer");
     revprio::Watchdog dog({2, 4});
-    check(is_close(dog.command(at(0)), 0, 0) && dog.is_at_rest(at(0)), "nothing moves before the first answer");
     check(!dog.obey(answer, at(0), at(101)), "an expired answer is ignored");
     check(dog.obey(answer, at(0), at(1)) && !dog.obey(answer, at(-1), at(1)), "an answer to an older state is ignored");
     check(is_close(dog.command(at(100)), 0.4, -0.1), "an answer is held while it is valid");
@@ -139,8 +140,12 @@ void watchdog() {
     check(!dog.is_at_rest(at(290)) && dog.is_at_rest(at(301)), "the joints come to rest");
     Json braking = answer;
     braking["braking_deceleration"] = {8, nullptr};
-    check(dog.obey(braking, at(0), at(1)), "the same state may be answered again");
-    check(is_close(dog.command(at(110)), 0.32, -0.06), "the deceleration of the answer has precedence");
+    revprio::Watchdog told({2, 4});
+    check(told.obey(answer, at(0), at(1)) && told.obey(braking, at(0), at(1)), "the same state may be answered again");
+    check(is_close(told.command(at(110)), 0.32, -0.06), "the deceleration of the answer has precedence");
+    check(is_close(dog.command(at(200)), 0.2, 0) && dog.obey(answer, at(200), at(205)), "answers come again");
+    check(is_close(dog.command(at(210)), 0.22, -0.04), "then each joint accelerates at its own limit");
+    check(is_close(dog.command(at(300)), 0.4, -0.1), "until it has the velocity of the answer");
     const auto unlimited = revprio::Watchdog::of(Json::parse(R"({"joints": [{"acceleration_limit": null}, {}]})"));
     auto sudden = unlimited;
     sudden.obey(answer, at(0), at(1));

@@ -37,6 +37,41 @@ def test_a_newer_answer_ends_the_ramp_and_an_older_one_does_not() -> None:
     np.testing.assert_array_equal(watchdog.command(10.2), [1.0, 1.0])
 
 
+def test_after_a_ramp_the_joints_accelerate_to_the_new_answer() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    np.testing.assert_allclose(watchdog.command(10.2), [0.2, 0.0], atol=1e-9)
+    opposite = ANSWER.model_copy(update={"joint_velocity": np.array([0.3, -1.0])})
+    assert watchdog.obey(opposite, 10.2, 10.205)
+    np.testing.assert_allclose(watchdog.command(10.21), [0.22, -0.04], atol=1e-9)
+    np.testing.assert_allclose(watchdog.command(10.21), [0.22, -0.04], atol=1e-9)
+    np.testing.assert_allclose(watchdog.command(10.25), [0.3, -0.2], atol=1e-9)
+    np.testing.assert_allclose(watchdog.command(10.29), [0.3, -0.36], atol=1e-9)
+    assert watchdog.obey(opposite, 10.4, 10.4)
+    np.testing.assert_array_equal(watchdog.command(10.45), [0.3, -1.0])
+    # From now on every answer counts at once, as long as answers come.
+    assert watchdog.obey(ANSWER, 10.46, 10.46)
+    np.testing.assert_array_equal(watchdog.command(10.46), [0.4, -0.1])
+
+
+def test_an_arm_that_resumes_is_at_rest_only_when_its_commands_are_zero() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    watchdog.command(10.2)
+    watchdog.obey(ANSWER.model_copy(update={"joint_velocity": np.zeros(2)}), 10.2, 10.2)
+    watchdog.expire(10.2)
+    assert not watchdog.is_at_rest(10.25)
+    assert watchdog.is_at_rest(10.31)
+    assert not watchdog.command(10.31).any()
+
+
+def test_a_joint_without_deceleration_resumes_at_once() -> None:
+    watchdog = Watchdog([np.inf, 4.0])
+    watchdog.command(10.0)
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    np.testing.assert_array_equal(watchdog.command(10.0), [0.4, 0.0])
+
+
 def test_an_answer_that_arrives_expired_is_ignored() -> None:
     watchdog = Watchdog([2.0, 4.0])
     assert not watchdog.obey(ANSWER, 10.0, 10.11)

@@ -8,14 +8,19 @@ const ROUNDING_S = 1e-9;
  *
  * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint brakes
  * at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits include
- * positions, every joint then stops inside its range. All times are arguments, in milliseconds of any monotonic clock,
- * such as `performance.now()`.
+ * positions, every joint then stops inside its range. When answers come again, the joints accelerate with
+ * `braking_deceleration` until they have the velocity of the answer. All times are arguments, in milliseconds of any
+ * monotonic clock, such as `performance.now()`.
  */
 export class Watchdog {
   #velocity: readonly number[];
   #deceleration: readonly number[];
   #measuredAtMs = -Infinity;
   #expiresAtMs = -Infinity;
+  #commanded: readonly number[];
+  #commandedAtMs = -Infinity;
+  /** Whether commands must return from the last command to the answers. */
+  #resumes = false;
 
   /**
    * `accelerationLimit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The
@@ -26,6 +31,7 @@ export class Watchdog {
       throw new RangeError(`accelerationLimit: give one positive number per joint, not [${accelerationLimit}]`);
     }
     this.#velocity = accelerationLimit.map(() => 0);
+    this.#commanded = this.#velocity;
     this.#deceleration = accelerationLimit;
   }
 
@@ -48,6 +54,7 @@ export class Watchdog {
     }
     const expiresAtMs = measuredAtMs + answer.valid_for_ms;
     if (nowMs > expiresAtMs || measuredAtMs < this.#measuredAtMs) return false;
+    this.#resumes ||= this.#commandedAtMs - this.#expiresAtMs > ROUNDING_S * 1e3;
     this.#velocity = velocity;
     this.#measuredAtMs = measuredAtMs;
     this.#expiresAtMs = expiresAtMs;
@@ -61,10 +68,33 @@ export class Watchdog {
    * `drive` does so.
    */
   command(nowMs: number): number[] {
+    const velocity = this.#resumed(nowMs);
+    const ramp = this.#ramp(nowMs);
+    this.#resumes &&= velocity.some((entry, joint) => entry !== ramp[joint]);
+    this.#commanded = velocity;
+    this.#commandedAtMs = nowMs;
+    return velocity;
+  }
+
+  /** Returns the velocities of the last answer; after it has expired, those of the ramp to rest. */
+  #ramp(nowMs: number): number[] {
     const silenceS = (nowMs - this.#expiresAtMs) / 1e3;
     return this.#velocity.map((velocity, joint) => {
       const decrease = silenceS <= ROUNDING_S ? 0 : (this.#deceleration[joint] ?? 0) * silenceS;
       return Math.sign(velocity) * Math.max(Math.abs(velocity) - decrease, 0);
+    });
+  }
+
+  /** Returns the ramp; after an interruption what is within reach from the last command. */
+  #resumed(nowMs: number): number[] {
+    const ramp = this.#ramp(nowMs);
+    if (!this.#resumes) return ramp;
+    const elapsedS = Math.max(nowMs - this.#commandedAtMs, 0) / 1e3;
+    return ramp.map((velocity, joint) => {
+      const deceleration = this.#deceleration[joint] ?? Infinity;
+      const reach = deceleration === Infinity ? Infinity : deceleration * elapsedS;
+      const last = this.#commanded[joint] ?? 0;
+      return Math.min(Math.max(velocity, last - reach), last + reach);
     });
   }
 
@@ -75,6 +105,6 @@ export class Watchdog {
 
   /** Returns whether the ramp is over and all joints are at rest at `nowMs`. */
   isAtRest(nowMs: number): boolean {
-    return nowMs >= this.#expiresAtMs && this.command(nowMs).every((velocity) => velocity === 0);
+    return nowMs >= this.#expiresAtMs && this.#resumed(nowMs).every((velocity) => velocity === 0);
   }
 }

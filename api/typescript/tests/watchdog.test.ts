@@ -41,9 +41,27 @@ test("limits must be one positive number per joint", () => {
 
 test("the deceleration of the answer has precedence, and a joint without any stops at once", () => {
   const joints = [2, undefined].map((acceleration_limit) => ({ name: "j", kind: "revolute", unit: "rad", acceleration_limit }));
-  const watchdog = Watchdog.of({ name: "r", description: "", source: "urdf", joints } as Robot);
+  const robot = { name: "r", description: "", source: "urdf", joints } as Robot;
+  const watchdog = Watchdog.of(robot);
   watchdog.obey(ANSWER, 1000, 1000);
   assertClose(watchdog.command(1110), [0.38, 0]);
-  watchdog.obey({ ...ANSWER, braking_deceleration: [8, 4] }, 1000, 1000);
-  assertClose(watchdog.command(1110), [0.32, -0.06]);
+  const told = Watchdog.of(robot);
+  told.obey({ ...ANSWER, braking_deceleration: [8, 4] }, 1000, 1000);
+  assertClose(told.command(1110), [0.32, -0.06]);
+});
+
+test("after a ramp the joints accelerate to the new answer", () => {
+  const watchdog = new Watchdog([2, 4]);
+  watchdog.obey(ANSWER, 1000, 1000);
+  assertClose(watchdog.command(1200), [0.2, 0]);
+  assert.ok(watchdog.obey({ ...ANSWER, joint_velocity: [0.3, -1] }, 1200, 1205));
+  assertClose(watchdog.command(1210), [0.22, -0.04]);
+  assertClose(watchdog.command(1290), [0.3, -0.36]);
+  watchdog.expire(1290);
+  assert.ok(!watchdog.isAtRest(1300) && watchdog.isAtRest(2000));
+  assert.ok(watchdog.obey({ ...ANSWER, joint_velocity: [0.3, -1] }, 1600, 1600));
+  assertClose(watchdog.command(1650), [0.3, -1]);
+  // From now on every answer counts at once, as long as answers come.
+  assert.ok(watchdog.obey(ANSWER, 1660, 1660));
+  assertClose(watchdog.command(1660), [0.4, -0.1]);
 });

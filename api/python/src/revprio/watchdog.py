@@ -16,7 +16,8 @@ class Watchdog:
 
     An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
     brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's
-    limits include positions, every joint then stops inside its range. All times are arguments, in seconds of any
+    limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate
+    with `braking_deceleration` until they have the velocity of the answer. All times are arguments, in seconds of any
     monotonic clock, such as `time.monotonic()`.
     """
 
@@ -32,6 +33,9 @@ class Watchdog:
         self._deceleration = self._acceleration
         self._velocity = np.zeros_like(self._acceleration)
         self._measured_at_s = self._expires_at_s = -np.inf
+        # The last command and its time, and whether commands must return from it to the answers.
+        self._commanded, self._commanded_at_s = self._velocity, -np.inf
+        self._resumes = False
 
     @classmethod
     def of(cls, robot: Robot) -> Watchdog:
@@ -53,6 +57,7 @@ class Watchdog:
         expires_at_s = measured_at_s + answer.valid_for_ms / 1e3
         if now_s > expires_at_s or measured_at_s < self._measured_at_s:
             return False
+        self._resumes |= self._commanded_at_s - self._expires_at_s > ROUNDING_S
         self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
         self._deceleration = self._decelerations(answer)
         return True
@@ -67,11 +72,28 @@ class Watchdog:
         The arm keeps a command until the next one. In a loop, use the time of the next command instead of the present
         time: then the arm is never faster than the ramp. `drive` does so.
         """
+        velocity = self._resumed(now_s)
+        self._resumes = self._resumes and not np.array_equal(velocity, self._ramp(now_s))
+        self._commanded, self._commanded_at_s = velocity, now_s
+        return velocity
+
+    def _ramp(self, now_s: float) -> FloatArray:
+        """Returns the velocities of the last answer; after it has expired, those of the ramp to rest."""
         silence_s = max(now_s - self._expires_at_s, 0.0)
         if silence_s <= ROUNDING_S:
             return self._velocity
         speed = np.maximum(np.abs(self._velocity) - self._deceleration * silence_s, 0.0)
         return np.copysign(speed, self._velocity)
+
+    def _resumed(self, now_s: float) -> FloatArray:
+        """Returns the ramp; after an interruption what is within reach from the last command."""
+        velocity = self._ramp(now_s)
+        if not self._resumes:
+            return velocity
+        elapsed_s = max(now_s - self._commanded_at_s, 0.0)
+        reach = np.full_like(velocity, np.inf)
+        np.multiply(self._deceleration, elapsed_s, out=reach, where=np.isfinite(self._deceleration))
+        return np.clip(velocity, self._commanded - reach, self._commanded + reach)
 
     def expire(self, now_s: float) -> None:
         """Starts the ramp to rest at `now_s`, if it has not started yet."""
@@ -79,4 +101,4 @@ class Watchdog:
 
     def is_at_rest(self, now_s: float) -> bool:
         """Returns whether the ramp is over and all joints are at rest at `now_s`."""
-        return now_s >= self._expires_at_s and not self.command(now_s).any()
+        return now_s >= self._expires_at_s and not self._resumed(now_s).any()

@@ -230,7 +230,7 @@ impl Conversation<'_> {
             self.caller.discard_answer();
         }
         let held = match (arrived, self.held.take()) {
-            (Some(answer), _) => HeldCommand::new(answer, time_s, self.period_s),
+            (Some(answer), before) => HeldCommand::new(answer, before.as_ref(), time_s, self.period_s),
             (None, Some(before)) => before.hold(time_s, self.period_s),
             (None, None) => return Err(FieldError::new("/faults", "must leave an answer to the first state").into()),
         };

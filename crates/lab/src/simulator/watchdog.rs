@@ -23,37 +23,51 @@ pub struct HeldCommand {
     pub is_new: bool,
     /// Time of the measurement that it answers, s.
     measured_s: f64,
+    /// Whether the joint velocities return to those of the answers, after a ramp.
+    resumes: bool,
 }
 
 impl HeldCommand {
-    /// Returns an answer that arrived in the period at a time. It is valid from the measurement of its state; times in s.
-    pub fn new(answer: wire::StepAnswer, time_s: f64, period: f64) -> Self {
+    /// Returns an answer that arrived in the period at a time, after the command of the period before. It is valid from the
+    /// measurement of its state; times in s.
+    pub fn new(answer: wire::StepAnswer, before: Option<&Self>, time_s: f64, period: f64) -> Self {
         let (measured_s, velocity) = (answer.sequence as f64 * period, answer.joint_velocity.clone());
-        let mut held = Self { answer, velocity, is_new: true, measured_s };
-        held.brake(time_s + period);
+        let resumes = before.is_some_and(|before| before.resumes || before.late_s(time_s) > ROUNDING_S);
+        let mut held = Self { answer, velocity, is_new: true, measured_s, resumes };
+        held.command(before.map_or(&[], |before| &before.answer.joint_velocity), time_s, period);
         held
     }
 
     /// Continues with the period at a time (s) without a new answer.
     pub fn hold(mut self, time_s: f64, period: f64) -> Self {
-        self.brake(time_s + period);
+        let last = self.answer.joint_velocity.clone();
+        self.command(&last, time_s, period);
         Self { is_new: false, ..self }
     }
 
-    /// Sets the velocities to those of the ramp at the end of the period, because the arm keeps them until then. The
-    /// command is held while valid, then each joint brakes at the deceleration in the answer.
-    fn brake(&mut self, end_s: f64) {
-        let late_s = end_s - self.measured_s - self.answer.valid_for_ms as f64 / 1e3;
-        if late_s <= ROUNDING_S {
-            return;
+    /// Sets the velocities of a period: those of the answer while it is valid, then those of the ramp at the end of the
+    /// period, because the arm keeps them until then. After a ramp the acceleration from the velocities `last` is limited
+    /// to that of the ramp.
+    fn command(&mut self, last: &[f64], time_s: f64, period: f64) {
+        let late_s = self.late_s(time_s + period);
+        let mut is_reached = true;
+        for (joint, (commanded, full)) in self.answer.joint_velocity.iter_mut().zip(&self.velocity).enumerate() {
+            let deceleration = self.answer.braking_deceleration.get(joint).copied().flatten().unwrap_or(f64::INFINITY);
+            let decrease = if late_s > ROUNDING_S { deceleration * late_s } else { 0.0 };
+            let ramp = (full.abs() - decrease).max(0.0).copysign(*full);
+            let reach = deceleration * period;
+            *commanded = match last.get(joint) {
+                Some(last) if self.resumes => ramp.max(last - reach).min(last + reach),
+                _ => ramp,
+            };
+            is_reached &= *commanded == ramp;
         }
-        let decelerations = self.answer.braking_deceleration.iter().copied().chain(std::iter::repeat(None));
-        for ((speed, full), deceleration) in
-            self.answer.joint_velocity.iter_mut().zip(&self.velocity).zip(decelerations)
-        {
-            let slower = (full.abs() - deceleration.unwrap_or(f64::INFINITY) * late_s).max(0.0);
-            *speed = slower.copysign(*full);
-        }
+        self.resumes &= !is_reached;
+    }
+
+    /// Returns how long the answer has been invalid at a time, s.
+    fn late_s(&self, time_s: f64) -> f64 {
+        time_s - self.measured_s - self.answer.valid_for_ms as f64 / 1e3
     }
 }
 
@@ -82,6 +96,34 @@ pub fn pause(period: f64, mut goes_on: impl FnMut() -> ControlFlow<()>) -> Contr
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn answer(sequence: u64, velocity: [f64; 2]) -> wire::StepAnswer {
+        let example = include_str!("../../../../api/examples/answers/step.json");
+        let answer: wire::StepAnswer = serde_json::from_str(example).unwrap();
+        let (joint_velocity, braking_deceleration) = (velocity.to_vec(), vec![Some(2.0), None]);
+        wire::StepAnswer { sequence, joint_velocity, braking_deceleration, valid_for_ms: 100, ..answer }
+    }
+
+    fn assert_near(held: &HeldCommand, expected: [f64; 2]) {
+        let given = &held.answer.joint_velocity;
+        assert!(given.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{given:?} {expected:?}");
+    }
+
+    #[test]
+    fn a_command_is_held_then_the_joints_brake_and_later_return_to_the_answers() {
+        let mut held = HeldCommand::new(answer(0, [0.4, 0.3]), None, 0.0, 0.1);
+        assert_near(&held, [0.4, 0.3]);
+        held = held.hold(0.1, 0.1);
+        assert_near(&held, [0.2, 0.0]);
+        held = HeldCommand::new(answer(2, [1.0, 0.3]), Some(&held), 0.2, 0.1);
+        assert_near(&held, [0.4, 0.3]);
+        held = HeldCommand::new(answer(3, [-1.0, 0.3]), Some(&held), 0.3, 0.1);
+        assert_near(&held, [0.2, 0.3]);
+        held = HeldCommand::new(answer(4, [0.0, 0.3]), Some(&held), 0.4, 0.1);
+        assert_near(&held, [0.0, 0.3]);
+        // The joints have the velocities of the answer, so the next one counts at once.
+        assert_near(&HeldCommand::new(answer(5, [1.0, 0.3]), Some(&held), 0.5, 0.1), [1.0, 0.3]);
+    }
 
     #[test]
     fn pause_lasts_one_period_or_until_the_run_ends() {
