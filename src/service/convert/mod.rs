@@ -17,6 +17,7 @@ mod outcome;
 mod pose;
 mod profile;
 mod resolve;
+mod resolve_task;
 mod robot;
 mod simulation;
 mod stability;
@@ -36,11 +37,10 @@ pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{last_state, memory, memory_answer};
-pub use numbers::{MAX_MAGNITUDE, MIN_INERTIA};
+pub use numbers::{MAX_JOINTS, MAX_MAGNITUDE, MIN_INERTIA};
 pub use profile::MAX_POINTS;
-pub use resolve::{
-    MAX_JOINTS, MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem,
-};
+pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem};
+pub use resolve_task::MAX_ROWS;
 pub use robot::{overrides, robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{contact_loop, margin, margin_answer};

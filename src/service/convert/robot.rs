@@ -6,9 +6,8 @@ use revprio_robot::{
     UrdfOptions,
 };
 
-use super::numbers::check_numbers;
+use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
-use super::resolve::MAX_JOINTS;
 use super::terms;
 use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::RobotsError;

@@ -11,7 +11,7 @@ use revprio_robot::kinematics::half_range;
 use super::numbers::velocity_bounds;
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
-use super::resolve::{axis_selection, own_jacobian, scaled_bounds};
+use super::resolve_task::{axis_selection, own_jacobian, scaled_bounds};
 use super::targets::streaming;
 use crate::service::error::ApiError;
 
