@@ -112,7 +112,7 @@ impl<const N: usize> Search<N> {
     fn multiply_columns(&mut self) {
         let Self { table, columns, scales, stride, active, .. } = self;
         let count = active.len();
-        table.resize(count * *stride, 0.0);
+        refill(table, std::iter::repeat_n(0.0, count * *stride));
         for (i, entries) in table.chunks_exact_mut(*stride).enumerate() {
             for (block, entries) in entries.as_chunks_mut::<8>().0[..=i / 8].iter_mut().enumerate() {
                 let mut sums = [0.0; 8];
