@@ -108,13 +108,12 @@ impl<const N: usize> Search<N> {
         refill(&mut self.diagonal, diagonal);
     }
 
-    /// Writes G diag(1/weight) Gᵀ. It is symmetric, so blocks above the diagonal are copied.
+    /// Writes G diag(1/weight) Gᵀ, eight entries of a row at a time.
     fn multiply_columns(&mut self) {
         let Self { table, columns, scales, stride, active, .. } = self;
-        let count = active.len();
-        refill(table, std::iter::repeat_n(0.0, count * *stride));
+        table.resize(active.len() * *stride, 0.0);
         for (i, entries) in table.chunks_exact_mut(*stride).enumerate() {
-            for (block, entries) in entries.as_chunks_mut::<8>().0[..=i / 8].iter_mut().enumerate() {
+            for (block, entries) in entries.as_chunks_mut::<8>().0.iter_mut().enumerate() {
                 let mut sums = [0.0; 8];
                 for (column, scale) in columns.chunks_exact(*stride).zip(&*scales) {
                     let factor = scale * column[i];
@@ -123,11 +122,6 @@ impl<const N: usize> Search<N> {
                     }
                 }
                 *entries = sums;
-            }
-        }
-        for i in 0..count {
-            for j in (i / 8 + 1) * 8..count {
-                table[i * *stride + j] = table[j * *stride + i];
             }
         }
     }
