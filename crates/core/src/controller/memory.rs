@@ -4,7 +4,7 @@ use nalgebra::IsometryMatrix3;
 
 use super::{ControllerConfig, Progress};
 use crate::limits::DriveState;
-use crate::linalg::Vector;
+use crate::linalg::{Vector, all_finite};
 use crate::resolution::ActiveSet;
 use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
@@ -66,7 +66,7 @@ impl Memory {
     /// Checks that the memory fits the controller.
     pub(super) fn check(&self, config: &ControllerConfig) -> Result<(), MemoryError> {
         let n = config.robot.joint_count();
-        let finite = |v: &Vector| v.iter().all(|entry| entry.is_finite());
+        let finite = |v: &Vector| all_finite(v.as_slice());
         let fits =
             |(velocity, task): (&Vector, &super::TaskConfig)| velocity.len() == task.rows.len() && finite(velocity);
         if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits)

@@ -140,15 +140,19 @@ impl TaskConfig {
         }
     }
 
-    /// Returns the state for the law.
+    /// Returns the state for the law. A velocity law reads the time and streamed values alone.
     pub(super) fn state(&self, arm: &ArmState, streams: TaskStreams) -> TaskState {
+        let streamed = streams.values().cloned();
+        if self.law.follows_velocity() {
+            return TaskState { time_s: arm.time_s, streamed, ..TaskState::default() };
+        }
         let velocity = self.rows.velocity(arm);
         let state = match &self.rows {
             TaskRows::Tool(rows) => rows.state(velocity, arm, streams.position),
             TaskRows::Joints(rows) => rows.state(velocity, arm, streams.position),
             TaskRows::Raw(_) => RawRows::state(velocity, arm),
         };
-        TaskState { streamed: streams.values().cloned(), ..state }
+        TaskState { streamed, ..state }
     }
 
     /// Checks the gain of a position law: each period multiplies a displacement by 1 − K T, so K T must be below 2.

@@ -25,6 +25,9 @@ impl ControllerConfig {
 
     /// Returns velocities of task `k`, one per row, times their weights.
     pub(super) fn weighed(&self, k: usize, velocity: &[f64]) -> TaskVector {
+        if self.is_unweighted() {
+            return TaskVector::from_slice(velocity);
+        }
         TaskVector::from_fn(velocity.len(), |row| velocity[row] * self.weight(k, row))
     }
 

@@ -38,7 +38,7 @@ use smallvec::SmallVec;
 use crate::linalg::TaskVector;
 
 /// The measured state of one task: m entries each, along the axes of the task's frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskState {
     /// t, s.
     pub time_s: f64,

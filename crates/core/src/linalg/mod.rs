@@ -15,7 +15,7 @@ pub use small_svd::SmallSvd;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::{Svd, write_singular_values};
 pub use task_vector::TaskVector;
-pub use triangle::{Triangle, write_inverse};
+pub use triangle::{Triangle, smallest_from_inverse, write_inverse};
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;
@@ -40,12 +40,37 @@ pub fn all_finite(entries: &[f64]) -> bool {
     sums.iter().sum::<f64>() + sum == 0.0
 }
 
+/// Returns a·b of two lists of the same length.
+#[inline]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
 /// Returns a·x for one row a of a matrix.
 #[inline]
 pub fn row_times(matrix: &Matrix, row: usize, x: &[f64]) -> f64 {
     // Columns are contiguous.
     let columns = matrix.as_slice().chunks_exact(matrix.nrows());
     columns.zip(x).map(|(column, x)| column[row] * x).sum()
+}
+
+/// Writes A x, one entry per row of A.
+#[inline]
+pub fn write_product(matrix: &Matrix, x: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    for (column, x) in matrix.as_slice().chunks_exact(matrix.nrows()).zip(x) {
+        for (sum, entry) in product.iter_mut().zip(column) {
+            *sum += entry * x;
+        }
+    }
 }
 
 /// Puts `top` over `bottom`. Both have the same number of columns.

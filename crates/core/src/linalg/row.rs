@@ -68,6 +68,17 @@ impl<const N: usize> Row<N> {
         }
     }
 
+    /// Adds `factor` · `other`, which is zero from the entry `end` on.
+    #[inline]
+    pub fn add_scaled_before(&mut self, end: usize, factor: f64, other: &Self) {
+        let groups = if N > 8 { end.div_ceil(4) } else { N / 4 };
+        for (entries, others) in self.0.as_chunks_mut::<4>().0.iter_mut().zip(other.0.as_chunks::<4>().0).take(groups) {
+            for (entry, other) in entries.iter_mut().zip(others) {
+                *entry += factor * other;
+            }
+        }
+    }
+
     /// Returns the sum.
     #[inline]
     #[must_use]
@@ -97,14 +108,5 @@ impl<const N: usize> Row<N> {
             let raised = if self.0[i] < lower.0[i] { lower.0[i] } else { self.0[i] };
             if raised > upper.0[i] { upper.0[i] } else { raised }
         }))
-    }
-
-    /// Adds `factor` to the entry `place`. A single entry that is written and then read as a part of a vector would stall
-    /// the processor, so all entries are written.
-    #[inline]
-    pub fn add_at(&mut self, place: usize, factor: f64) {
-        for (i, entry) in self.0.iter_mut().enumerate() {
-            *entry += if i == place { factor } else { 0.0 };
-        }
     }
 }

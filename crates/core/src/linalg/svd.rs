@@ -2,7 +2,7 @@
 //!
 //! The decomposition of nalgebra is not used: it returns wrong vectors where singular values coincide.
 
-use super::{Matrix, Vector};
+use super::{Matrix, Vector, dot};
 
 /// Cosine of the angle between two rows that counts as rounding.
 const ORTHOGONAL: f64 = 1e-15;
@@ -135,8 +135,4 @@ fn rotate(x: &mut [f64], y: &mut [f64], columns: usize) -> bool {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
     }
     true
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -17,8 +17,10 @@ impl TaskVector {
     }
 
     /// Returns the vector with the entries `entry(0)`, `entry(1)`, …
-    pub fn from_fn(len: usize, entry: impl FnMut(usize) -> f64) -> Self {
-        Self((0..len).map(entry).collect())
+    pub fn from_fn(len: usize, mut entry: impl FnMut(usize) -> f64) -> Self {
+        let mut vector = Self::zeros(len);
+        vector.iter_mut().enumerate().for_each(|(i, place)| *place = entry(i));
+        vector
     }
 
     /// Copies a slice.

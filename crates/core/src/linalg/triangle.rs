@@ -45,25 +45,32 @@ impl Triangle {
         let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
         let mut inverse = Vec::with_capacity(n);
         let size = write_inverse(with_reciprocals, &mut inverse);
-        if !(size.is_normal() && n > 1) {
-            return 1.0 / size;
-        }
-        let unit = 1.0 / size;
-        let mut gram = vec![Row::<N>::ZERO; n];
-        for (i, row) in inverse.iter().enumerate() {
-            for (gram, entry) in gram.iter_mut().zip(&row.0[..=i]) {
-                gram.add_scaled(entry * unit * unit, row);
-            }
-        }
-        let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
-        for k in (1..n).rev() {
-            let (before, row) = gram.split_at_mut(k);
-            diagonal.0[k] = row[0].0[k];
-            off_square.0[k - 1] = reduce(before, &row[0], k);
-        }
-        diagonal.0[0] = gram[0].0[0];
-        1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
+        smallest_from_inverse(&inverse, size, &mut Vec::new())
     }
+}
+
+/// Returns σ_min of a triangle from its inverse and the norm of that, the results of [`write_inverse`]; `gram` is room.
+pub fn smallest_from_inverse<const N: usize>(inverse: &[Row<N>], size: f64, gram: &mut Vec<Row<N>>) -> f64 {
+    let n = inverse.len();
+    if !(size.is_normal() && n > 1) {
+        return 1.0 / size;
+    }
+    let unit = 1.0 / size;
+    gram.clear();
+    gram.resize(n, Row::<N>::ZERO);
+    for (i, row) in inverse.iter().enumerate() {
+        for (gram, entry) in gram.iter_mut().zip(&row.0[..=i]) {
+            gram.add_scaled(entry * unit * unit, row);
+        }
+    }
+    let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
+    for k in (1..n).rev() {
+        let (before, row) = gram.split_at_mut(k);
+        diagonal.0[k] = row[0].0[k];
+        off_square.0[k - 1] = reduce(before, &row[0], k);
+    }
+    diagonal.0[0] = gram[0].0[0];
+    1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
 }
 
 /// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.
@@ -75,8 +82,8 @@ pub fn write_inverse<'a, const N: usize>(
     let mut square = 0.0;
     for (i, (row, reciprocal)) in rows.enumerate() {
         let mut inverse_row = Row::ZERO;
-        for (above, entry) in inverse.iter().zip(&row.0) {
-            inverse_row.add_scaled(-reciprocal * entry, above);
+        for (j, (above, entry)) in inverse.iter().zip(&row.0).enumerate() {
+            inverse_row.add_scaled_before(j + 1, -reciprocal * entry, above);
         }
         inverse_row.0[i] = reciprocal;
         square += inverse_row.dot(&inverse_row);

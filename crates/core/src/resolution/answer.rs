@@ -8,7 +8,7 @@ use super::plan::{Origin, PlannedProblem};
 use super::plan_run::PlanRun;
 use super::problem::Problem;
 use super::singularity::{Singularities, Singularity, TaskSingularity};
-use crate::linalg::{Vector, all_finite, row_times};
+use crate::linalg::{Vector, all_finite, write_product};
 use crate::task::Task;
 
 /// Relative optimality residual up to which an answer counts as optimal.
@@ -183,7 +183,7 @@ impl Resolution {
             None if solution.working_set.is_empty() => Path::ClosedForm,
             None => Path::ActiveSet,
         };
-        self.report_velocity(problem, singularities, &solution.x);
+        self.report_velocity(problem, singularities, &solution.x, &[]);
         for (task, (scale, stated)) in self.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
             task.scale = scale.filter(|_| stated.scaled);
         }
@@ -207,7 +207,9 @@ impl Resolution {
 
     /// Sets the answer to the solution without limits, which meets every task.
     pub(super) fn report_unlimited(&mut self, problem: &Problem, singularities: &Singularities) {
-        self.report_velocity(problem, singularities, &singularities.unlimited.x);
+        let Solution { x, row_values, .. } = &singularities.unlimited;
+        let achieved = if singularities.has_only_equations { row_values.as_slice() } else { &[] };
+        self.report_velocity(problem, singularities, x, achieved);
         self.clear_bounds();
         self.report_pinned(problem);
         self.report_solver(Path::ClosedForm, &singularities.unlimited);
@@ -215,7 +217,7 @@ impl Resolution {
 
     /// Sets the answer to that of the printed formulas.
     pub(super) fn report_closed_form(&mut self, problem: &Problem, closed: &ClosedForm, singularities: &Singularities) {
-        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice());
+        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice(), &[]);
         self.clear_bounds();
         let residual = closed.kkt_residual;
         let status = if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified };
@@ -229,8 +231,8 @@ impl Resolution {
     }
 
     /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
-    /// status `failed`.
-    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64]) {
+    /// status `failed`. `achieved`: the values of the rows of all tasks at x; empty: they are computed.
+    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64], achieved: &[f64]) {
         let n = problem.tasks.joint_count();
         if self.joint_velocity.len() != n {
             self.joint_velocity = Vector::zeros(n);
@@ -245,8 +247,10 @@ impl Resolution {
         }
         let tasks = problem.tasks.tasks();
         self.tasks.resize_with(tasks.len(), TaskOutcome::default);
+        let mut achieved = if is_finite { achieved } else { &[] };
         for ((outcome, task), known) in self.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-            outcome.report(task, *known, self.joint_velocity.as_slice());
+            let own = achieved.split_off(..task.jacobian.nrows());
+            outcome.report(task, *known, self.joint_velocity.as_slice(), own);
             if !is_finite {
                 (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
             }
@@ -326,16 +330,19 @@ impl Resolution {
 }
 
 impl TaskOutcome {
-    /// Sets the outcome at q̇; a scaled task that no limit cuts has the scale 1.
-    fn report(&mut self, task: &Task, known: TaskSingularity, joint_velocity: &[f64]) {
+    /// Sets the outcome at q̇, whose product with the Jacobian may be known; a scaled task that no limit cuts has the scale 1.
+    fn report(&mut self, task: &Task, known: TaskSingularity, joint_velocity: &[f64], achieved: Option<&[f64]>) {
         let rows = task.jacobian.nrows();
         if self.achieved.len() != rows {
             self.achieved = Vector::zeros(rows);
         }
+        match achieved {
+            Some(achieved) => self.achieved.copy_from_slice(achieved),
+            None => write_product(&task.jacobian, joint_velocity, self.achieved.as_mut_slice()),
+        }
         let bounds = task.lower.as_slice().iter().zip(task.upper.as_slice());
         let mut square = 0.0;
-        for (row, (achieved, (lower, upper))) in self.achieved.as_mut_slice().iter_mut().zip(bounds).enumerate() {
-            *achieved = row_times(&task.jacobian, row, joint_velocity);
+        for (achieved, (lower, upper)) in self.achieved.as_slice().iter().zip(bounds) {
             let missing = (*achieved - upper).max(lower - *achieved).max(0.0);
             square += missing * missing;
         }

@@ -86,9 +86,12 @@ pub fn write_contradictions(
 
 /// Returns whether an inequality row misses its bounds by more than rounding.
 fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
+    if levels.is_equation(row) {
+        return false;
+    }
     let value = solution.row_values[row];
     let missing = (value - levels.row_upper[row]).max(levels.row_lower[row] - value);
-    if levels.is_equation(row) || missing <= 0.0 {
+    if missing <= 0.0 {
         return false;
     }
     let level = levels.level_ends.iter().take_while(|&&end| end <= row).count();

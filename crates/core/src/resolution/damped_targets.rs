@@ -37,10 +37,8 @@ impl DampedTargets {
         self.problem.clear(before);
         for k in tasks.clone().filter(|&k| problem.tasks.tasks()[k].is_equation()) {
             let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
-            for row in 0..task.jacobian.nrows() {
-                let target = targets[first + row];
-                self.problem.push_matrix_row(&task.jacobian, row, target, target);
-            }
+            let target = |row: usize| targets[first + row];
+            self.problem.push_matrix(&task.jacobian, target, target);
         }
         push_damping(&mut self.problem, factor, before);
         self.solve(engine);
@@ -91,10 +89,8 @@ impl DampedTargets {
         }
         levels.end_level();
         for task in problem.tasks.tasks()[k + 1..].iter().filter(|task| task.is_equation()) {
-            for row in 0..task.jacobian.nrows() {
-                let achieved = row_times(&task.jacobian, row, before);
-                levels.push_matrix_row(&task.jacobian, row, achieved, achieved);
-            }
+            let achieved = |row| row_times(&task.jacobian, row, before);
+            levels.push_matrix(&task.jacobian, achieved, achieved);
         }
         push_damping(levels, factor, before);
     }

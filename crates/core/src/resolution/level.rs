@@ -74,12 +74,20 @@ impl Hierarchy {
         self.row_upper.push(upper);
     }
 
-    /// Adds a row of a matrix with one column per unknown.
-    pub fn push_matrix_row(&mut self, matrix: &Matrix, row: usize, lower: f64, upper: f64) {
+    /// Adds the rows of a matrix, with one bound of each kind per row. Unknowns behind its columns get zeros.
+    pub fn push_matrix(&mut self, matrix: &Matrix, lower: impl Fn(usize) -> f64, upper: impl Fn(usize) -> f64) {
+        let (start, rows) = (self.rows.len(), matrix.nrows());
+        self.rows.resize(start + rows * self.unknowns, 0.0);
+        let (entries, unknowns) = (&mut self.rows[start..], self.unknowns);
         // Columns are contiguous.
-        self.rows.extend(matrix.as_slice().chunks_exact(matrix.nrows()).map(|column| column[row]));
-        self.row_lower.push(lower);
-        self.row_upper.push(upper);
+        for (mut place, column) in matrix.as_slice().chunks_exact(rows).enumerate() {
+            for entry in column {
+                entries[place] = *entry;
+                place += unknowns;
+            }
+        }
+        self.row_lower.extend((0..rows).map(lower));
+        self.row_upper.extend((0..rows).map(upper));
     }
 
     /// Ends a level. A level without rows is left out.

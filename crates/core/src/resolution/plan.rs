@@ -240,35 +240,27 @@ impl PlannedProblem {
 
     /// Adds the rows of a task.
     fn push_task(&mut self, problem: &Problem, k: usize, aim: &Aim) {
-        let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
-        for row in 0..task.jacobian.nrows() {
-            let is_equation = task.lower[row] == task.upper[row];
-            let target = aim.targets[first + row];
-            let (lower, upper) = if is_equation { (target, target) } else { (task.lower[row], task.upper[row]) };
-            self.push_task_row(task, k, row, lower, upper);
-        }
+        let task = &problem.tasks.tasks()[k];
+        let targets = &aim.targets[problem.tasks.first_row(k)..];
+        let bound = |row: usize, bound: f64| if task.lower[row] == task.upper[row] { targets[row] } else { bound };
+        self.push_task_rows(task, k, |row| bound(row, task.lower[row]), |row| bound(row, task.upper[row]));
     }
 
     /// Adds the rows of a lower task at what `before` achieves. An inequality row may move inside its bounds, and not further
     /// outside than it is.
     fn push_kept_task(&mut self, problem: &Problem, k: usize, before: &[f64]) {
         let task = &problem.tasks.tasks()[k];
-        for row in 0..task.jacobian.nrows() {
+        let bounds = |row: usize| {
             let achieved = row_times(&task.jacobian, row, before);
-            let (lower, upper) = if task.lower[row] == task.upper[row] {
-                (achieved, achieved)
-            } else {
-                (task.lower[row].min(achieved), task.upper[row].max(achieved))
-            };
-            self.push_task_row(task, k, row, lower, upper);
-        }
+            let (lower, upper) = (task.lower[row], task.upper[row]);
+            if lower == upper { (achieved, achieved) } else { (lower.min(achieved), upper.max(achieved)) }
+        };
+        self.push_task_rows(task, k, |row| bounds(row).0, |row| bounds(row).1);
     }
 
-    fn push_task_row(&mut self, task: &Task, k: usize, row: usize, lower: f64, upper: f64) {
-        self.levels.push_matrix_row(&task.jacobian, row, lower, upper);
-        // Scales of tasks are unknowns behind the joints.
-        self.levels.rows.resize(self.levels.row_count() * self.levels.unknowns, 0.0);
-        self.origins.push(Origin::Task { task: k, row });
+    fn push_task_rows(&mut self, task: &Task, k: usize, lower: impl Fn(usize) -> f64, upper: impl Fn(usize) -> f64) {
+        self.levels.push_matrix(&task.jacobian, lower, upper);
+        self.origins.extend((0..task.jacobian.nrows()).map(|row| Origin::Task { task: k, row }));
     }
 
     /// Adds the rows λ q̇ = λ q̇'.

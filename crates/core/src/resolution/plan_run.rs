@@ -56,7 +56,7 @@ impl PlanRun {
         let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
         // Independent equations: the stages below the highest one need not be solved.
         self.lower_tasks_are_met =
-            singularities.is_regular && tasks.iter().all(Task::is_equation) && engine.clarabel_counts().is_none();
+            singularities.is_regular && singularities.has_only_equations && engine.clarabel_counts().is_none();
         let skips_stages = self.lower_tasks_are_met;
         for step in problem.method.steps(tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);

@@ -64,17 +64,18 @@ impl Resolver {
 fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bool {
     let x = &singularities.unlimited.x;
     let within = |value: f64, lower: f64, upper: f64| lower <= value && value <= upper;
+    let meets = |task: &Task| {
+        (0..task.jacobian.nrows())
+            .all(|row| within(row_times(&task.jacobian, row, x), task.lower[row], task.upper[row]))
+    };
     let mut limits = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice()).zip(x);
-    let mut inequality_tasks = problem.tasks.tasks().iter().filter(|task| !task.is_equation());
     singularities.is_regular
-        && problem.method.meets_independent_tasks(problem.tasks.tasks().iter().all(Task::is_equation))
+        && problem.method.meets_independent_tasks(singularities.has_only_equations)
         && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
         && problem.inequalities.iter().all(|inequality| {
             let value = inequality.coefficients().as_slice().iter().zip(x).map(|(a, x)| a * x).sum();
             within(value, f64::NEG_INFINITY, inequality.bound())
         })
-        && inequality_tasks.all(|task| {
-            (0..task.jacobian.nrows())
-                .all(|row| within(row_times(&task.jacobian, row, x), task.lower[row], task.upper[row]))
-        })
+        && (singularities.has_only_equations
+            || problem.tasks.tasks().iter().filter(|task| !task.is_equation()).all(meets))
 }

@@ -5,7 +5,10 @@ use super::solver::HierarchicalSolver;
 use crate::linalg::{Damping, RANK_TOLERANCE, Triangle, write_singular_values};
 use crate::task::{Task, TaskStack};
 
-/// Fraction of ‖J‖ above which a smallest singular value makes all rows certainly independent.
+/// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
+const INDEPENDENT: f64 = 1e-6;
+
+/// Fraction of ‖J‖ from which on all methods that agree in exact arithmetic agree to nearly all digits.
 const WELL_CONDITIONED: f64 = 1e-3;
 
 /// How near the tasks are to singularities. Inequality tasks do not count.
@@ -66,6 +69,8 @@ pub struct Singularities {
     /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
     /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution of [`Self::unlimited`].
     pub is_regular: bool,
+    /// Whether no task has inequality rows.
+    pub has_only_equations: bool,
     /// All equations as a strict hierarchy without limits, and its solution.
     pub problem: Hierarchy,
     pub unlimited: Solution,
@@ -90,13 +95,15 @@ impl Singularities {
         }
         solver.of_width(self.problem.unknowns).solve_without_bounds(&self.problem, &mut self.unlimited);
         refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
-        let norm = self.problem.rows.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        self.has_only_equations = self.problem.level_ends.len() == list.len();
+        let norm = solver.last().norm();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
         let rank: usize = self.unlimited.level_ranks.iter().sum();
-        self.is_regular = rank == self.problem.row_count()
-            && rank > 0
-            && solver.last().exceeds(threshold.max(WELL_CONDITIONED * norm));
-        if self.is_regular {
+        let is_full = rank == self.problem.row_count() && rank > 0;
+        let independent = threshold.max(INDEPENDENT * norm);
+        let smallest = if is_full { solver.last().bound_smallest(independent) } else { f64::NAN };
+        self.is_regular = smallest >= threshold.max(WELL_CONDITIONED * norm);
+        if smallest >= independent {
             self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
             (self.all.algorithmic, self.all.known) = (false, None);
             solver.last().write_triangle(&mut self.all.triangle);
@@ -105,6 +112,9 @@ impl Singularities {
             }
         } else {
             self.examine_each(list, damping, solver);
+        }
+        if self.has_only_equations {
+            return;
         }
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
             self.write_sigma(task.jacobian.ncols(), std::iter::once(task));
@@ -166,9 +176,7 @@ impl Singularities {
 
 /// Adds the rows of a task to the level that ends next.
 pub fn push_task(problem: &mut Hierarchy, task: &Task) {
-    for i in 0..task.jacobian.nrows() {
-        problem.push_matrix_row(&task.jacobian, i, task.lower[i], task.upper[i]);
-    }
+    problem.push_matrix(&task.jacobian, |row| task.lower[row], |row| task.upper[row]);
 }
 
 fn rank_of(sigma: &[f64], norm: f64) -> usize {

@@ -5,7 +5,7 @@
 
 use super::level::refill;
 use super::problem::Problem;
-use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, row_times};
+use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, dot, row_times};
 use crate::task::Task;
 
 /// Error of a projected row along a direction of length one.
@@ -162,10 +162,6 @@ impl StrictTargets {
             chain.weakest = chain.weakest.min(self.svd.sigma(count - 1) / norm);
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn length(entries: &[f64]) -> f64 {

@@ -57,12 +57,22 @@ impl<const N: usize> Conditions<N> {
 
     /// Evaluates all conditions (section 5). `rounding` is the relative size below which a number is zero.
     pub fn evaluate(&mut self, trial: Trial<N>, rounding: f64) {
-        let Trial { problem, solved, .. } = trial;
-        let speed = solved.peak_speed;
+        self.check_point(trial, rounding);
+        self.check_levels(trial);
+    }
+
+    /// Evaluates the first condition: collects free unknowns and inactive rows outside their bounds.
+    pub fn check_point(&mut self, trial: Trial<N>, rounding: f64) {
         self.rounding = rounding;
         self.start(trial);
         self.check_bounds(trial);
         self.check_rows(trial);
+    }
+
+    /// Evaluates the rest after [`Self::check_point`]: the multipliers and the certificate.
+    pub fn check_levels(&mut self, trial: Trial<N>) {
+        let Trial { problem, solved, .. } = trial;
+        let speed = solved.peak_speed;
         for k in 0..problem.levels.len() {
             let (span, norm) = (solved.spans[k], problem.levels[k].norm);
             let mut farthest = 0.0;

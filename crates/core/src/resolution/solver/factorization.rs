@@ -299,7 +299,7 @@ impl<const N: usize> Factorization<N> {
     /// Takes the row p at `place` as the next coordinate and removes that coordinate from all later rows.
     ///
     /// With α = ∓‖p‖ and v = p − α e, H = I − g v vᵀ gives H p = α e. A row r gets the coordinate p·r/α, and v·r = p·r − α r_e,
-    /// so that the products p·r do not wait for the square root.
+    /// so that the products p·r do not wait for the square root. The rest of r has zero at e, elsewhere v is p.
     #[inline]
     fn reflect(&mut self, place: usize, square: f64) {
         let c = self.pivots.len();
@@ -312,13 +312,11 @@ impl<const N: usize> Factorization<N> {
         let entry = p.0[head] + 0.0;
         let alpha = -length.copysign(entry);
         let inverse = 1.0 / alpha;
-        let mut v = p;
-        v.add_at(head, -alpha);
         let gain = 1.0 / (length * (length + entry.abs()));
         let y = pivot.residual * inverse;
         for row in later {
             let (product, at_head) = (p.dot(&row.rest), row.rest.0[head]);
-            row.rest.add_scaled(gain * (alpha * at_head - product), &v);
+            row.rest.add_scaled(gain * (alpha * at_head - product), &p);
             row.rest.0[head] = 0.0;
             let coordinate = product * inverse;
             row.coordinates.0[c] = coordinate;
@@ -329,6 +327,8 @@ impl<const N: usize> Factorization<N> {
         pivot.inverse = inverse;
         pivot.residual = 0.0;
         self.y.0[c] = y;
+        let mut v = p;
+        v.0[head] -= alpha;
         self.reflections.push(Reflection { v, gain });
         self.pivots.push(place);
     }
@@ -388,16 +388,21 @@ fn reflect_back<const N: usize>(reflections: &[Reflection<N>], mut u: Row<N>) ->
 fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
     let mut longest = longest(rows);
     if rows[longest].square <= TRUSTED_SQUARE * rows[longest].summed_square {
-        for row in &mut *rows {
-            row.square = row.rest.dot(&row.rest);
-            row.summed_square = row.square;
-        }
+        sum_squares(rows);
         longest = self::longest(rows);
     }
     if longest > 0 {
         rows.swap(0, longest);
     }
     rows[0].square
+}
+
+#[cold]
+fn sum_squares<const N: usize>(rows: &mut [FactorRow<N>]) {
+    for row in rows {
+        row.square = row.rest.dot(&row.rest);
+        row.summed_square = row.square;
+    }
 }
 
 #[inline]

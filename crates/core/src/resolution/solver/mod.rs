@@ -47,8 +47,10 @@ pub struct ActiveSetSolver<const N: usize> {
     conditions: Conditions<N>,
     search: Search<N>,
     primal: PrimalPoint<N>,
-    /// Room for what is asked about the last factorisation: the inverse triangle, and singular values of a block.
+    /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values of
+    /// a block.
     inverse: Vec<Row<N>>,
+    gram: Vec<Row<N>>,
     block: Vec<f64>,
     sigma: Vec<f64>,
 }
@@ -109,13 +111,9 @@ impl<const N: usize> ActiveSetSolver<N> {
 
     /// Evaluates the optimality conditions after [`Self::solve_without_bounds`].
     pub fn certify(&mut self, solution: &mut Solution) {
-        self.evaluate_conditions(ROUNDING);
-        self.write(solution, 1);
-    }
-
-    fn evaluate_conditions(&mut self, rounding: f64) {
         let Self { problem, set, solved, conditions, .. } = self;
-        conditions.evaluate(Trial { problem, set, solved }, rounding);
+        conditions.evaluate(Trial { problem, set, solved }, ROUNDING);
+        self.write(solution, 1);
     }
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
@@ -140,13 +138,20 @@ impl<const N: usize> ActiveSetSolver<N> {
                 self.solved.solve(&self.problem, &self.set);
             }
             met_uncertain_rank |= self.solved.rank_uncertain;
-            self.evaluate_conditions(rounding);
+            let Self { problem, set, solved, conditions, .. } = &mut *self;
+            let trial = Trial { problem, set, solved };
+            conditions.check_point(trial, rounding);
+            // Nothing is active: the dual method proposes a set, and asks for broken bounds only.
+            let may_propose = phase == Phase::Guess && searches < SPACINGS.len() && set.is_empty();
+            if may_propose && !conditions.are_met() {
+                searches = self.propose(searches);
+                continue;
+            }
+            conditions.check_levels(trial);
             if self.conditions.are_met() || tried >= max_sets {
                 break;
             }
             match phase {
-                // Nothing is active: the dual method proposes a set.
-                Phase::Guess if searches < SPACINGS.len() && self.set.is_empty() => searches = self.propose(searches),
                 // The proposal was wrong: the weights were too close to each other, or too far apart.
                 Phase::Guess if searches == 1 => self.set.clear(self.problem.unknowns, self.problem.rows.len()),
                 // A guess from the call before: most are wrong in one place or two.

@@ -18,7 +18,7 @@ const MIN_WEIGHT: f64 = 1e-40;
 /// The tableau: constraints are the unknowns, then the inequality rows.
 #[derive(Debug, Default)]
 pub struct Search<const N: usize> {
-    /// Entries per row of `table`, a multiple of N.
+    /// Entries per row of `table`, a multiple of N and of 8.
     stride: usize,
     /// K, later swept: how values and multipliers fall with each multiplier.
     table: Vec<f64>,
@@ -31,8 +31,11 @@ pub struct Search<const N: usize> {
     upper: Vec<f64>,
     /// A copy of one row of the tableau.
     row: Vec<f64>,
-    /// The columns of G.
+    /// The columns of G over the unknowns.
     generator: Vec<Row<N>>,
+    /// The columns of G over all constraints, `stride` entries each, and 1/weight of each.
+    columns: Vec<f64>,
+    scales: Vec<f64>,
 }
 
 impl<const N: usize> Search<N> {
@@ -64,7 +67,7 @@ impl<const N: usize> Search<N> {
         let n = problem.unknowns;
         let rows = || problem.inequalities.iter().copied();
         let count = n + problem.inequalities.len();
-        self.stride = count.next_multiple_of(N);
+        self.stride = count.next_multiple_of(N.max(8));
         let bound = |j: usize, bound: f64, none: f64| if problem.is_pinned(j) { none } else { bound };
         let lower = (0..n).map(|j| bound(j, problem.lower.0[j], f64::NEG_INFINITY));
         refill(&mut self.lower, lower.chain(rows().map(|row| problem.row_lower[row])));
@@ -81,34 +84,46 @@ impl<const N: usize> Search<N> {
     /// The columns of G change one coordinate alone, or none: P = Q T⁻¹, and the last columns of Q. The slack of an inequality
     /// row adds 1/weight of its level to the diagonal.
     fn tabulate(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>, spacing: f64) {
-        self.write_generator(solved);
         let (n, stride) = (problem.unknowns, self.stride);
-        refill(&mut self.table, std::iter::repeat_n(0.0, self.active.len() * stride));
         let exponent = |k: usize| i32::try_from(problem.levels.len() - k).unwrap_or(i32::MAX);
         let inverse_weight = |k: usize| spacing.powi(exponent(k)) * problem.levels[k].square;
-        let mut level = 0;
-        for (c, column) in self.generator.iter().enumerate() {
-            while level < solved.spans.len() && c >= solved.spans[level].rank_end() {
-                level += 1;
-            }
-            let scale = if level < solved.spans.len() { inverse_weight(level) } else { 1.0 };
-            let rows = problem.inequalities.iter().map(|&row| problem.rows[row].dot(column));
-            self.row.clear();
-            self.row.extend_from_slice(&column.0[..n]);
-            self.row.extend(rows);
-            self.row.resize(stride, 0.0);
-            for (entries, &factor) in self.table.chunks_exact_mut(stride).zip(&self.row) {
-                if factor != 0.0 {
-                    add_scaled::<N>(entries, scale * factor, &self.row);
-                }
-            }
+        self.write_generator(solved);
+        self.columns.clear();
+        for column in &self.generator {
+            self.columns.extend_from_slice(&column.0[..n]);
+            self.columns.extend(problem.inequalities.iter().map(|&row| problem.rows[row].dot(column)));
+            self.columns.resize(self.columns.len().next_multiple_of(stride), 0.0);
         }
+        self.scales.clear();
+        for (k, span) in solved.spans.iter().enumerate() {
+            self.scales.resize(span.rank_end(), inverse_weight(k));
+        }
+        self.scales.resize(self.generator.len(), 1.0);
+        self.multiply_columns();
         for (place, &row) in problem.inequalities.iter().enumerate() {
             let level = problem.levels.iter().take_while(|level| level.end <= row).count();
             self.table[(n + place) * (stride + 1)] += inverse_weight(level);
         }
         let diagonal = (0..self.active.len()).map(|i| self.table[i * (stride + 1)]);
         refill(&mut self.diagonal, diagonal);
+    }
+
+    /// Writes G diag(1/weight) Gᵀ, eight entries of a row at a time.
+    fn multiply_columns(&mut self) {
+        let Self { table, columns, scales, stride, active, .. } = self;
+        table.resize(active.len() * *stride, 0.0);
+        for (i, entries) in table.chunks_exact_mut(*stride).enumerate() {
+            for (block, entries) in entries.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+                let mut sums = [0.0; 8];
+                for (column, scale) in columns.chunks_exact(*stride).zip(&*scales) {
+                    let factor = scale * column[i];
+                    for (sum, entry) in sums.iter_mut().zip(&column.as_chunks::<8>().0[block]) {
+                        *sum += factor * entry;
+                    }
+                }
+                *entries = sums;
+            }
+        }
     }
 
     /// Writes the columns of G.

@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Triangle, write_inverse, write_singular_values};
+use crate::linalg::{Triangle, smallest_from_inverse, write_inverse, write_singular_values};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -19,8 +19,11 @@ pub trait SizedSolver {
     /// Evaluates the optimality conditions after [`Self::solve_without_bounds`] and sets the rest of the solution.
     fn certify(&mut self, solution: &mut Solution);
 
-    /// Returns whether all singular values of the last triangle certainly exceed `threshold`: 1/‖L⁻¹‖_F ≤ σ_min.
-    fn exceeds(&mut self, threshold: f64) -> bool;
+    /// Returns the Frobenius norm of all rows of the last problem.
+    fn norm(&self) -> f64;
+
+    /// Returns a lower bound of σ_min of the last triangle, 1/‖L⁻¹‖_F, or σ_min itself if the bound is below `threshold`.
+    fn bound_smallest(&mut self, threshold: f64) -> f64;
 
     /// Copies the last triangle.
     fn write_triangle(&self, triangle: &mut Triangle);
@@ -51,9 +54,14 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.certify(solution);
     }
 
-    fn exceeds(&mut self, threshold: f64) -> bool {
+    fn norm(&self) -> f64 {
+        self.problem.levels.iter().map(|level| level.square).sum::<f64>().sqrt()
+    }
+
+    fn bound_smallest(&mut self, threshold: f64) -> f64 {
         let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
-        write_inverse(rows, &mut self.inverse) * threshold <= 1.0
+        let size = write_inverse(rows, &mut self.inverse);
+        if size * threshold <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
     }
 
     fn write_triangle(&self, triangle: &mut Triangle) {

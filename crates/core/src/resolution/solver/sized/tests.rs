@@ -21,7 +21,7 @@ fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
                 A.set_row(i, &(2.0 * A.row(i - 1)));
             }
         }
-        (0..count).for_each(|i| hierarchy.push_matrix_row(&A, i, 0.5, 0.5));
+        hierarchy.push_matrix(&A, |_| 0.5, |_| 0.5);
         hierarchy.end_level();
         matrices.push(A);
     }
@@ -64,8 +64,10 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
             assert!((triangle.smallest_singular_value() - sigma[sigma.len() - 1]).abs() < 1e-12);
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
-            let exceeds = [0.999, 1.001].map(|factor| solver.last().exceeds(factor * certain));
-            assert_eq!(exceeds, [true, false], "seed {seed}");
+            let found = [0.999, 1.001].map(|factor| solver.last().bound_smallest(factor * certain));
+            assert!((found[0] - certain).abs() < 1e-9 * certain, "seed {seed}");
+            assert!((found[1] - sigma[sigma.len() - 1]).abs() < 1e-12, "seed {seed}");
+            assert!((solver.last().norm() - all.norm()).abs() < 1e-12 * all.norm());
         }
     }
     assert!(full > 300 && deficient > 200, "{full} {deficient}");
