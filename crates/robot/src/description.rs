@@ -72,6 +72,7 @@ struct JointDescription {
     position_limit: Option<[f64; 2]>,
     velocity_limit: Option<f64>,
     acceleration_limit: Option<f64>,
+    jerk_limit: Option<f64>,
     published_range: Option<[f64; 2]>,
 }
 
@@ -83,6 +84,7 @@ impl JointDescription {
             upper,
             velocity: self.velocity_limit.unwrap_or(JointLimits::NONE.velocity),
             acceleration: self.acceleration_limit.unwrap_or(JointLimits::NONE.acceleration),
+            jerk: self.jerk_limit.unwrap_or(JointLimits::NONE.jerk),
         }
     }
 }

@@ -338,7 +338,7 @@ impl RobotState<'_> {
         let zeros = vec![0.0; robot.joint_count()];
         let position = self.configuration.map_or(zeros.as_slice(), Configuration::joint_position);
         let last = self.last.map_or(zeros.as_slice(), Vector::as_slice);
-        let motion = JointMotion { position, distance_to_rest: &[], last_command: last };
+        let motion = JointMotion { position, distance_to_rest: &[], last_command: last, last_acceleration: &[] };
         Ok(Limits::Robot(kind).at(robot, motion, self.period.unwrap_or(1.0)))
     }
 }
