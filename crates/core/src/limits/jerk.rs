@@ -44,6 +44,9 @@ use super::braking::{braking_deceleration, reaction_time};
 /// Halvings that find the end of the box, from a width of at most 2 J T² to rounding.
 const HALVINGS: usize = 45;
 
+/// Distance from a velocity, rad/s, that counts as rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The jerk limit of a joint, with what belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JerkLimit {
@@ -113,18 +116,40 @@ impl JerkLimit {
         last + (gap + 0.5 * further * (further + 1.0)) / (further + 1.0) * unit
     }
 
-    /// Narrows the interval from `lower` to `upper`, so that the joint reaches the velocity `requested` without passing it.
-    ///
-    /// The request is taken to go on as since the last period, at most at A; `last_requested`: the request of the last period.
-    pub(super) fn approach(
+    /// Returns the part of the interval from `lower` to `upper` around the velocity `requested` if the joint can have it, otherwise
+    /// the velocity of [`Self::approach`] alone.
+    pub(super) fn around(
         &self,
         (lower, upper): (f64, f64),
-        last: f64,
+        last: (f64, f64),
         requested: f64,
         last_requested: f64,
     ) -> (f64, f64) {
-        let largest = self.acceleration * self.period;
-        let change = (requested - last_requested).clamp(-largest, largest);
+        let (least, greatest) = self.approach((lower, upper), last, requested, last_requested);
+        let nearest = requested.clamp(least, greatest);
+        if (nearest - requested).abs() > ROUNDING {
+            return (nearest, nearest);
+        }
+        let width = (nearest - lower).min(upper - nearest);
+        (nearest - width, nearest + width)
+    }
+
+    /// Narrows the interval from `lower` to `upper`, so that the joint reaches the velocity `requested` without passing it.
+    ///
+    /// The request is taken to go on as since the last period. But its acceleration counts only between 0 and that of the
+    /// joint, give or take J T: noise of the request is not followed, and a joint that crosses the request levels off.
+    /// `last_requested`: the request of the last period.
+    fn approach(
+        &self,
+        (lower, upper): (f64, f64),
+        (last, acceleration): (f64, f64),
+        requested: f64,
+        last_requested: f64,
+    ) -> (f64, f64) {
+        let (least, greatest) = (acceleration.min(0.0), acceleration.max(0.0));
+        let change_in_reach = self.jerk * self.period;
+        let [least, greatest] = [least - change_in_reach, greatest + change_in_reach].map(|a| a * self.period);
+        let change = (requested - last_requested).clamp(least, greatest);
         let before = requested - change;
         if before >= last {
             (lower, upper.min(change + self.levelling_off(last, before)).max(lower))
@@ -234,7 +259,8 @@ mod tests {
                 let requested = |number: i32| 0.4 + ramp * period * f64::from(number.min(300));
                 let wanted = requested(number);
                 let reach = jerk_limit(period).reach(last, acceleration);
-                let (lower, upper) = jerk_limit(period).approach(reach, last, wanted, requested(number - 1));
+                let (lower, upper) =
+                    jerk_limit(period).approach(reach, (last, acceleration), wanted, requested(number - 1));
                 let command = wanted.clamp(lower, upper);
                 acceleration = jerk_limit(period).next_acceleration(acceleration, last, command);
                 (last, error) = (command, command - wanted);

@@ -186,10 +186,12 @@ impl LimitedBox {
         Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() }
     }
 
-    /// Narrows the box, so that joints with a jerk limit reach the velocities `requested` (n) without passing them.
+    /// Narrows the box, so that joints with a jerk limit reach the velocities `requested` (n) without passing them: a joint
+    /// that cannot have its velocity yet gets the nearest one from which it levels off there. Another joint may move on either
+    /// side of its velocity alike, because answers near singularities tend to the middle of the box.
     ///
     /// A joint that accelerates would otherwise pass the velocity that its task wants, by a²/2J, then come back as fast, and
-    /// so on. `last_requested`: the requests of the last period, n.
+    /// so on. `last_requested`: the requests of the last period, n. The motion has accelerations.
     pub fn approach(
         &mut self,
         robot: &RobotModel,
@@ -200,9 +202,9 @@ impl LimitedBox {
     ) {
         for (i, joint) in robot.joints().iter().enumerate() {
             if let Some(jerk) = JerkLimit::of(&joint.limits, period) {
-                let Self { velocity_box: VelocityBox { lower, upper }, .. } = self;
-                (lower[i], upper[i]) =
-                    jerk.approach((lower[i], upper[i]), motion.last_command[i], requested[i], last_requested[i]);
+                let VelocityBox { lower, upper } = &mut self.velocity_box;
+                let last = (motion.last_command[i], motion.last_acceleration[i]);
+                (lower[i], upper[i]) = jerk.around((lower[i], upper[i]), last, requested[i], last_requested[i]);
             }
         }
     }
@@ -276,13 +278,7 @@ impl Interval {
     }
 
     /// Restricts the interval of the other limits by a jerk limit, as far as they allow it; `acceleration`: a⁻.
-    fn keeping_jerk(
-        self,
-        jerk: &JerkLimit,
-        last: f64,
-        acceleration: f64,
-        (to_lower, to_upper): (f64, f64),
-    ) -> Self {
+    fn keeping_jerk(self, jerk: &JerkLimit, last: f64, acceleration: f64, (to_lower, to_upper): (f64, f64)) -> Self {
         let (least, greatest) = jerk.reach(last, acceleration);
         // A return from beyond a limit begins as fast as the jerk allows it.
         let highest = if to_upper < 0.0 { self.upper.max(least.min(0.0)) } else { self.upper };
@@ -335,7 +331,8 @@ mod tests {
 
     /// Returns the interval of a joint that follows its commands at once.
     fn at(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Interval {
-        let motion = JointMotion { position: &[q], distance_to_rest: &[], last_command: &[last], last_acceleration: &[] };
+        let motion =
+            JointMotion { position: &[q], distance_to_rest: &[], last_command: &[last], last_acceleration: &[] };
         Interval::from_limits(limits, kind, motion, 0, period)
     }
 

@@ -14,7 +14,7 @@ use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
-use super::arms::{Random, constant, gantry, position, task, tool_rows};
+use super::arms::{Random, constant, gantry, position, task, tool_rows, with_jerk};
 
 /// A drive: lag, s, and delay, periods.
 type Drive = (f64, usize);
@@ -217,6 +217,49 @@ fn steps_of_ur5e_end_without_overshoot_for_any_gain() {
 #[test]
 fn steps_of_sawyer_end_without_overshoot_for_any_gain() {
     assert_steps_end_without_overshoot("sawyer");
+}
+
+#[test]
+fn steps_of_arms_with_jerk_limits_end_without_overshoot() {
+    for (name, rise) in [("panda", 0.02), ("ur5e", 0.1), ("sawyer", 0.05)] {
+        for (i, step) in steps(name, 2).into_iter().enumerate() {
+            let step = ToolStep { robot: Arc::new(with_jerk(&step.robot, rise)), ..step };
+            for drive in DRIVES {
+                for (period, gain) in [1e-3, 1e-2].into_iter().flat_map(|period| [2.0, 10.0].map(|gain| (period, gain)))
+                {
+                    let controller = step.controller(step.tasks(gain, i % 2 == 0, &Braking::Joints), period);
+                    let found = step.run(controller, 2.5 + 10.0 / gain, drive);
+                    let context = format!("{name}, step {i}, {drive:?}, period {period} s, gain {gain}: {found:?}");
+                    println!("{context}");
+                    assert!(found.overshoot <= 0.01 * STEP && found.left <= 1e-3, "{context}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_profile_demands_at_most_a_sixth_of_the_jerk_limit() {
+    let limits = JointLimits { acceleration: 8.0, velocity: 2.0, jerk: 100.0, ..JointLimits::NONE };
+    for gain in [2.0, 5.0, 20.0, 50.0] {
+        let law = PositionLaw::new(vec![gain]).unwrap();
+        let kind = LimitKind::PositionVelocityAcceleration;
+        let mut stepper = with_limits(&gantry(limits), 1e-3, kind, posture(&[0], &[1.0], law));
+        let (mut arm, mut memory) = (DrivenArm::at_rest(&[0.0; 3], 0.0, 0), None);
+        let (mut speeds, mut largest) = (vec![0.0_f64], 0.0_f64);
+        for i in 0..6000 {
+            step_arm(&mut stepper, &mut memory, &mut arm, f64::from(i) * 1e-3);
+            speeds.push(arm.velocity[0]);
+        }
+        let fastest = speeds.iter().copied().fold(0.0, f64::max);
+        let start = speeds.iter().position(|speed| *speed == fastest).unwrap();
+        let on_profile = start + speeds[start..].iter().position(|speed| *speed < 0.6 * fastest).unwrap();
+        for window in speeds[on_profile..].windows(3) {
+            largest = largest.max((window[0] - 2.0 * window[1] + window[2]).abs() / 1e-6);
+        }
+        assert!(largest <= 1.05 * limits.jerk / 6.0 && largest > 1.0, "gain {gain}: {largest} m/s³");
+        assert!((arm.q[0] - 1.0).abs() < 1e-3, "gain {gain}: {:?}", arm.q);
+    }
 }
 
 #[test]

@@ -128,7 +128,8 @@ fn overrides_replace_and_complete_the_text() {
     let mended = limits(LimitOverride { velocity: Some(2.0), ..LimitOverride::default() }).unwrap();
     assert_eq!((mended.lower, mended.upper, mended.velocity), (-1.0, 1.0, 2.0));
     assert!(mended.acceleration.is_infinite());
-    let all = LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0), jerk: Some(90.0) };
+    let all =
+        LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0), jerk: Some(90.0) };
     let all = limits(all).unwrap();
     assert_eq!((all.lower, all.upper, all.velocity), (-0.5, 0.5, 3.0));
     assert_eq!((all.acceleration, all.jerk), (4.0, 90.0));
