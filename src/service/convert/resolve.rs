@@ -108,6 +108,7 @@ fn why_inputs(
     let state = robot.filter(|_| !are_others).map(|robot| LimitedState {
         position: configuration.filter(|_| kind.includes_position()).map(|at| at.joint_position().to_vec()),
         last_command: Some(robot).filter(|_| kind.includes_acceleration()).and_then(|robot| last(robot)),
+        keeps_jerk: false,
     });
     let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
         (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),

@@ -243,7 +243,7 @@ pub struct StepAnswer {
     #[schema(example = json!([{"task": "height", "members": [
         {"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]}]))]
     pub contradictions: Vec<Contradiction>,
-    /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
+    /// Names of joints whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
     /// Solver path, status and certificate.
     pub solver: SolverReport,

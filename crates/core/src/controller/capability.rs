@@ -281,3 +281,44 @@ fn joint_capability(config: &ControllerConfig, joint: usize) -> (f64, f64) {
         ),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The profile of a joint that brakes from 3 rad before its target.
+    #[test]
+    fn the_profile_demands_at_most_a_sixth_of_the_jerk_limit() {
+        let (period, deceleration, jerk) = (1e-4, 10.0, 100.0);
+        for (gain, reaction) in [2.0, 5.0, 20.0, 50.0, 500.0].into_iter().flat_map(|gain| [(gain, 0.0), (gain, 0.03)]) {
+            let capability = Capability {
+                speed: vec![f64::INFINITY],
+                deceleration: vec![deceleration],
+                jerk: vec![jerk],
+                reaction,
+                stacked: Vec::new(),
+                gram: Matrix::zeros(0, 0),
+                factors: None,
+                joint_velocity: Vector::zeros(0),
+            };
+            let available = capability.braking(0, gain);
+            let linear = linear_share(gain, reaction + capability.delay(0, available));
+            let speed = |distance: f64| {
+                let bare = gain * distance;
+                bare * factor(available / (gain * bare), linear, f64::INFINITY)
+            };
+            let (mut distance, mut speeds) = (3.0, Vec::new());
+            while distance > 1e-6 && speeds.len() < 400_000 {
+                // The midpoint rule: its error is far below the bound.
+                let middle = distance - 0.5 * period * speed(distance);
+                speeds.push(speed(distance));
+                distance -= period * speed(middle);
+            }
+            let largest = |differences: Vec<f64>| differences.into_iter().map(f64::abs).fold(0.0, f64::max);
+            let found = largest(speeds.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]) / period / period).collect());
+            let braking = largest(speeds.windows(2).map(|v| (v[1] - v[0]) / period).collect());
+            assert!(found <= 1.02 * jerk / 6.0 && braking <= BRAKING_SHARE * deceleration, "{gain}: {found} {braking}");
+            assert!(found > 0.01 * jerk, "{gain}: {found}");
+        }
+    }
+}
