@@ -176,6 +176,17 @@ mod tests {
     }
 
     #[test]
+    fn a_jerk_limit_is_optional_and_positive() {
+        let joint = |jerk: &str| {
+            let dh = "dh = { d = 0.0, a = 1.0, alpha = 0.0 }";
+            from_toml(&format!("name = 'r'\n[[joints]]\nname = 'a'\nkind = 'revolute'\n{dh}\n{jerk}"))
+        };
+        assert_eq!(joint("").unwrap().joints()[0].limits.jerk, f64::INFINITY);
+        assert_eq!(joint("jerk_limit = 90.0").unwrap().joints()[0].limits.jerk, 90.0);
+        assert!(joint("jerk_limit = -1.0").unwrap_err().to_string().contains("jerk limits must be positive"));
+    }
+
+    #[test]
     fn json_and_toml_describe_the_same_robot() {
         let toml = "name = 'one'\n[[joints]]\nname = 'a'\nkind = 'prismatic'\ndh = { d = 0.1, a = 0.2, alpha = 0.3 }";
         let json = r#"{"name":"one","joints":[{"name":"a","kind":"prismatic","dh":{"d":0.1,"a":0.2,"alpha":0.3}}]}"#;

@@ -92,6 +92,17 @@ fn acceleration_is_the_smaller_of_both_directions() {
 }
 
 #[test]
+fn jerk_is_read_and_must_be_positive() {
+    let limit = |more: &str| {
+        let rest = format!(r#"type="revolute"><limit lower="-1" upper="1" velocity="2" {more}/>"#);
+        one(&rest).map(|robot| robot.joints()[0].limits.jerk)
+    };
+    assert_eq!((limit("").unwrap(), limit(r#"jerk="90""#).unwrap()), (f64::INFINITY, 90.0));
+    let error = limit(r#"jerk="0""#).unwrap_err().to_string();
+    assert!(error.contains("the jerk limit 0 is not positive"), "{error}");
+}
+
+#[test]
 fn the_named_tip_selects_the_chain_and_branches_are_ignored() {
     let text = robot(
         "base arm hand camera finger",
