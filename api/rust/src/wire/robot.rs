@@ -54,6 +54,7 @@ pub struct StatedLimits {
     pub acceleration: Option<f64>,
     /// Maximum jerk, rad/s³ or m/s³.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 7500.0)]
     pub jerk: Option<f64>,
 }
 
@@ -162,6 +163,7 @@ pub struct RobotJoint {
     pub acceleration_limit: Option<f64>,
     /// Maximum jerk, rad/s³ or m/s³; omitted if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 7500.0)]
     pub jerk_limit: Option<f64>,
     /// Position range in a publication, if it differs; for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -87,6 +87,7 @@ pub struct Memory {
     pub drive: Option<DriveState>,
     /// What joints with a jerk limit remember; default: they have moved at the last command for long.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    #[schema(example = json!({"acceleration": [0.1], "requested": [0.5]}))]
     pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
@@ -110,8 +111,10 @@ pub struct Memory {
 #[serde(deny_unknown_fields)]
 pub struct JerkState {
     /// Acceleration of the last command, rad/s² or m/s²; 0 for joints without jerk limit.
+    #[schema(example = json!([0.1]))]
     pub acceleration: Vec<f64>,
     /// Joint velocity that the tasks wanted in the last period, rad/s or m/s.
+    #[schema(example = json!([0.5]))]
     pub requested: Vec<f64>,
 }
 
