@@ -87,7 +87,6 @@ pub struct Memory {
     pub drive: Option<DriveState>,
     /// What joints with a jerk limit remember; default: they have moved at the last command for long.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
-    #[schema(example = json!({"acceleration": [0.1], "requested": [0.5]}))]
     pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
