@@ -29,7 +29,7 @@ const ANGULAR: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
 const STEP: f64 = 0.3;
 
 /// Returns the number of periods in a duration, both in s.
-fn periods(duration: f64, period: f64) -> u32 {
+pub(super) fn periods(duration: f64, period: f64) -> u32 {
     (0..1_000_000_u32).find(|i| f64::from(*i) * period >= duration).unwrap()
 }
 

@@ -12,6 +12,7 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{Loop, Random, constant, position, task, with_jerk};
+use super::braking::periods;
 use super::drives::{COMMAND, Calm, LaggingArm, NOISE, OVERSHOOT, SWING, drives, posture, run};
 use super::hold::middle;
 use super::transition::random_config;
@@ -149,7 +150,7 @@ fn no_limit_is_exceeded_by_targets_that_jump_across_a_joint_limit() {
             let (mut random, mut memory, mut found) = (Random(number as u64), None, Use::default());
             let (mut commands, mut current) = (vec![vec![0.0; n]; 2], 0);
             for number in 0..2000 {
-                current = if random.below([7, 30, 80][number as usize / 700]) == 0 { 1 - current } else { current };
+                current = if random.below(if number < 700 { 7 } else { 40 }) == 0 { 1 - current } else { current };
                 let measured = arm.measure(f64::from(number) * period);
                 let command = steppers[current].step(&mut memory, &measured).unwrap();
                 commands.insert(0, command.resolution.joint_velocity.as_slice().to_vec());
@@ -216,7 +217,7 @@ fn joints_reach_a_posture_and_rest_there_for_any_gain() {
                 let config = ControllerConfig::new(Arc::clone(&robot), period, vec![posture]);
                 let mut stepper = Stepper::new(Controller::new(ControllerConfig { drive, ..config }).unwrap()).unwrap();
                 let (mut arm, mut memory) = (LaggingArm::at_rest(&start, drive, 0.0, 1), None);
-                for i in 0..(7.0 / period) as u32 {
+                for i in 0..periods(7.0, period) {
                     let command = stepper.step(&mut memory, &arm.measure(f64::from(i) * period)).unwrap();
                     arm.follow(command.resolution.joint_velocity.as_slice(), period);
                     let beyond = arm.q.iter().zip(&target).map(|(q, goal)| q - goal).fold(f64::MIN, f64::max);
