@@ -90,6 +90,35 @@ fn joints_without_acceleration_limit_obey_their_other_limits() {
 }
 
 #[test]
+fn a_stated_jerk_limit_is_shown_and_kept_with_the_memory_of_stateless_steps() {
+    let service = Service::start();
+    let mut body = registration("soft", CRANK);
+    body["limits"] = json!({"crank": {"jerk": 100.0}});
+    let soft = service.post("/v1/robots", &body.to_string()).accepted();
+    assert_eq!(
+        (&soft["joints"][0]["jerk_limit"], &soft["joints"][0]["acceleration_limit"]),
+        (&json!(100.0), &json!(4.0))
+    );
+    let mut running = controller("soft");
+    running["limits"] = json!("position_velocity_acceleration");
+    let mut memory = json!(null);
+    let mut commands = vec![0.0, 0.0];
+    for sequence in 1..20 {
+        let position = 0.001 * commands.iter().sum::<f64>();
+        let state = json!({"sequence": sequence, "time_s": 0.001 * f64::from(sequence), "joint_position": [position]});
+        let question = json!({"controller": running, "state": state, "memory": memory});
+        let answer = service.call("/v1/step", &question);
+        commands.push(numbers(&answer["joint_velocity"])[0]);
+        let [before, last, now] = commands[commands.len() - 3..] else { unreachable!("three commands") };
+        assert!((now - 2.0 * last + before).abs() <= 1e-4 + 1e-12, "{commands:?}");
+        memory = answer["memory"].clone();
+        let remembered = numbers(&memory["jerk"]["acceleration"])[0];
+        assert!((remembered - (now - last) / 0.001).abs() < 1e-9);
+    }
+    assert!((commands[2] - 1e-4).abs() < 1e-12 && commands[5] > 9e-4, "{commands:?}");
+}
+
+#[test]
 fn base_and_tip_select_the_chain() {
     let service = Service::start();
     let mut body = registration("short", CRANK);

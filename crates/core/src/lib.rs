@@ -52,7 +52,7 @@
 //! let push = task("push", &[Axis::X], vec![0.05])?; // m/s
 //! let hold = task("hold", &[Axis::Y, Axis::Z], vec![0.0, 0.0])?;
 //! let tasks = TaskStack::new(vec![push, hold])?; // highest priority first
-//! let at_rest = JointMotion { position: &posture, distance_to_rest: &[], last_command: &[0.0; 7] };
+//! let at_rest = JointMotion { position: &posture, distance_to_rest: &[], last_command: &[0.0; 7], last_acceleration: &[] };
 //! let limits = Limits::Robot(LimitKind::PositionVelocity).at(sawyer, at_rest, 0.001).velocity_box;
 //! let problem = Problem { limits, ..Problem::new(tasks) };
 //! let answer = resolve(&problem, &[])?;

@@ -63,7 +63,7 @@ proptest! {
         let (mut distance_to_rest, mut last_command) = (vec![0.0; 7], vec![0.0; 7]);
         (distance_to_rest[1], last_command[1]) = (to_rest, last * limits.velocity);
         let last = last_command[1];
-        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command };
+        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command, last_acceleration: &[] };
         let limited = robot_box(robot, LimitKind::PositionVelocityAcceleration, motion, PERIOD);
         let now = (position[1] - limits.lower, limits.upper - position[1]);
         let at_rest = (now.0 + to_rest.min(0.0), now.1 - to_rest.max(0.0));
@@ -94,7 +94,7 @@ proptest! {
         position[1] = limits.lower + place * (limits.upper - limits.lower);
         let (mut distance_to_rest, mut last_command, mut commands) = (vec![0.0; 7], vec![0.0; 7], vec![0.0; 7]);
         (distance_to_rest[1], last_command[1], commands[1]) = (to_rest, last * limits.velocity, command * limits.velocity);
-        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command };
+        let motion = JointMotion { position: &position, distance_to_rest: &distance_to_rest, last_command: &last_command, last_acceleration: &[] };
         let mut hold = Hold::default();
         hold.update(robot, LimitKind::PositionVelocity, motion, &[0.0; 7], &commands, PERIOD);
         let (v, towards) = (commands[1].abs(), commands[1].signum());

@@ -72,6 +72,7 @@ struct JointDescription {
     position_limit: Option<[f64; 2]>,
     velocity_limit: Option<f64>,
     acceleration_limit: Option<f64>,
+    jerk_limit: Option<f64>,
     published_range: Option<[f64; 2]>,
 }
 
@@ -83,6 +84,7 @@ impl JointDescription {
             upper,
             velocity: self.velocity_limit.unwrap_or(JointLimits::NONE.velocity),
             acceleration: self.acceleration_limit.unwrap_or(JointLimits::NONE.acceleration),
+            jerk: self.jerk_limit.unwrap_or(JointLimits::NONE.jerk),
         }
     }
 }
@@ -171,6 +173,17 @@ mod tests {
         assert!(error_text(&joint("a", "speed = 1.0")).contains("line 6"));
         let not_finite = "[[joints]]\nname = 'a'\nkind = 'revolute'\ndh = { d = nan, a = 0.0, alpha = 0.0 }";
         assert!(error_text(not_finite).contains("joint `a`: lengths and angles must be finite"));
+    }
+
+    #[test]
+    fn a_jerk_limit_is_optional_and_positive() {
+        let joint = |jerk: &str| {
+            let dh = "dh = { d = 0.0, a = 1.0, alpha = 0.0 }";
+            from_toml(&format!("name = 'r'\n[[joints]]\nname = 'a'\nkind = 'revolute'\n{dh}\n{jerk}"))
+        };
+        assert_eq!(joint("").unwrap().joints()[0].limits.jerk, f64::INFINITY);
+        assert_eq!(joint("jerk_limit = 90.0").unwrap().joints()[0].limits.jerk, 90.0);
+        assert!(joint("jerk_limit = -1.0").unwrap_err().to_string().contains("jerk limits must be positive"));
     }
 
     #[test]

@@ -7,9 +7,9 @@ use nalgebra::IsometryMatrix3;
 use super::{ChainSelection, DenavitHartenberg, JointKind};
 use crate::kinematics::Chain;
 
-/// Position, velocity and acceleration limits of one joint; infinite where there is none.
+/// Position, velocity, acceleration and jerk limits of one joint; infinite where there is none.
 ///
-/// Units: rad, rad/s, rad/s² for a revolute joint; m, m/s, m/s² for a prismatic one.
+/// Units: rad, rad/s, rad/s², rad/s³ for a revolute joint; m, m/s, m/s², m/s³ for a prismatic one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
     /// q_lo, the smallest position.
@@ -20,16 +20,23 @@ pub struct JointLimits {
     pub velocity: f64,
     /// A, the largest acceleration in either direction.
     pub acceleration: f64,
+    /// J, the largest change of the acceleration in a second, in either direction.
+    pub jerk: f64,
 }
 
 impl JointLimits {
     /// No limits.
-    pub const NONE: Self =
-        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, velocity: f64::INFINITY, acceleration: f64::INFINITY };
+    pub const NONE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        velocity: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        jerk: f64::INFINITY,
+    };
 
-    /// Returns whether the position range is not empty, and speed and acceleration are positive.
+    /// Returns whether the position range is not empty, and speed, acceleration and jerk are positive.
     fn is_valid(&self) -> bool {
-        self.lower <= self.upper && self.velocity > 0.0 && self.acceleration > 0.0
+        self.lower <= self.upper && self.velocity > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0
     }
 }
 
@@ -62,8 +69,10 @@ pub enum ModelError {
         /// The repeated name.
         name: String,
     },
-    /// The position range is empty, or a speed or acceleration is not positive.
-    #[error("joint `{joint}`: the position range must not be empty, velocity and acceleration limits must be positive")]
+    /// The position range is empty, or a speed, acceleration or jerk is not positive.
+    #[error(
+        "joint `{joint}`: the position range must not be empty, velocity, acceleration and jerk limits must be positive"
+    )]
     Limits {
         /// The joint.
         joint: String,

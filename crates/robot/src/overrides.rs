@@ -24,4 +24,6 @@ pub struct LimitOverride {
     pub velocity: Option<f64>,
     /// Largest acceleration, rad/s² or m/s².
     pub acceleration: Option<f64>,
+    /// Largest jerk, rad/s³ or m/s³.
+    pub jerk: Option<f64>,
 }

@@ -16,7 +16,12 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
     let frames = link_frames(robot, position).ok()?;
     let distance_to_rest: Vec<f64> =
         last_velocity.iter().map(|v| config.drive.time_to_rest(config.period_s) * v).collect();
-    let motion = JointMotion { position, distance_to_rest: &distance_to_rest, last_command: last_velocity };
+    let motion = JointMotion {
+        position,
+        distance_to_rest: &distance_to_rest,
+        last_command: last_velocity,
+        last_acceleration: &[],
+    };
     let allowed = config.limits.at(robot, motion, config.period_s).velocity_box;
     let tool = frames.last().map_or(*robot.tool(), |frame| frame * robot.tool());
     let joint = |(i, frame): (usize, &nalgebra::IsometryMatrix3<f64>)| {

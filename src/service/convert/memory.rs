@@ -2,7 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
-use revprio_core::controller::{Controller, ControllerConfig, Memory, Progress};
+use revprio_core::controller::{Controller, ControllerConfig, JerkState, Memory, Progress};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
@@ -40,6 +40,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
             .map(Vector::from_vec)?,
         drive: drive_state(memory, config)?,
+        jerk: memory.jerk.as_ref().map(|state| jerk_state(state, config)).transpose()?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
         target_streams: target_streams(&memory.target_streams, config)?,
         initial_position: initial_position(memory, config)?,
@@ -73,6 +74,16 @@ fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Drive
     Ok(DriveState {
         velocity: list(&state.velocity, "/drive/velocity")?,
         pending: state.pending.iter().enumerate().map(pending).collect::<Result<_, _>>()?,
+    })
+}
+
+fn jerk_state(state: &wire::JerkState, config: &ControllerConfig) -> Result<JerkState, ApiError> {
+    let list = |values: &Vec<f64>, pointer: &str| {
+        joint_list(values, config.robot.joint_count(), pointer).map(Vector::from_vec)
+    };
+    Ok(JerkState {
+        acceleration: list(&state.acceleration, "/jerk/acceleration")?,
+        requested: list(&state.requested, "/jerk/requested")?,
     })
 }
 
@@ -162,6 +173,10 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         drive: Some(wire::DriveState {
             velocity: memory.drive.velocity.as_slice().to_vec(),
             pending: memory.drive.pending.iter().map(|command| command.as_slice().to_vec()).collect(),
+        }),
+        jerk: memory.jerk.as_ref().map(|state| wire::JerkState {
+            acceleration: state.acceleration.as_slice().to_vec(),
+            requested: state.requested.as_slice().to_vec(),
         }),
         active_set: memory.active_set.iter().map(|set| set.iter().map(name).collect()).collect(),
         target_streams: target_streams_answer(&memory.target_streams, controller.config()),

@@ -102,6 +102,7 @@ fn why_inputs(
     let state = robot.filter(|_| !are_others).map(|robot| LimitedState {
         position: configuration.filter(|_| kind.includes_position()).map(|at| at.joint_position().to_vec()),
         last_command: Some(robot).filter(|_| kind.includes_acceleration()).and_then(|robot| last(robot)),
+        keeps_jerk: false,
     });
     let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
         (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
@@ -239,7 +240,7 @@ impl RobotState<'_> {
         let zeros = vec![0.0; robot.joint_count()];
         let position = self.configuration.map_or(zeros.as_slice(), Configuration::joint_position);
         let last = self.last.map_or(zeros.as_slice(), Vector::as_slice);
-        let motion = JointMotion { position, distance_to_rest: &[], last_command: last };
+        let motion = JointMotion { position, distance_to_rest: &[], last_command: last, last_acceleration: &[] };
         Ok(Limits::Robot(kind).at(robot, motion, self.period.unwrap_or(1.0)))
     }
 }

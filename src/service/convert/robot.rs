@@ -36,7 +36,8 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> 
 pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides, ApiError> {
     let limits = || request.limits.iter().flatten();
     for (joint, stated) in limits() {
-        let numbers = stated.position.into_iter().flatten().chain(stated.velocity).chain(stated.acceleration);
+        let numbers = stated.position.into_iter().flatten().chain(stated.velocity);
+        let numbers = numbers.chain(stated.acceleration).chain(stated.jerk);
         let numbers: Vec<f64> = numbers.collect();
         let at = |error: ApiError| error.inside(&format!("/limits/{}", escape_pointer(joint)));
         check_numbers(&numbers, "").map_err(at)?;
@@ -45,6 +46,7 @@ pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides, ApiErro
         position: stated.position,
         velocity: stated.velocity,
         acceleration: stated.acceleration,
+        jerk: stated.jerk,
     };
     let tool_offset = request.tool_offset.as_ref().map(pose).transpose();
     Ok(Overrides {
@@ -142,6 +144,7 @@ fn joint_answer(joint: &Joint) -> wire::RobotJoint {
         position_limit: (limits.lower.is_finite() && limits.upper.is_finite()).then_some([limits.lower, limits.upper]),
         velocity_limit: finite(limits.velocity),
         acceleration_limit: finite(limits.acceleration),
+        jerk_limit: finite(limits.jerk),
         published_range: joint.published_range,
         denavit_hartenberg: joint.denavit_hartenberg.map(|row| wire::DenavitHartenberg {
             d_m: row.d,

@@ -29,6 +29,8 @@ pub struct LimitedState {
     pub position: Option<Vec<f64>>,
     /// Joint velocity of the last command, n, and control period, s, if acceleration limits apply.
     pub last_command: Option<(Vec<f64>, f64)>,
+    /// Whether jerk limits apply.
+    pub keeps_jerk: bool,
 }
 
 /// The unit of a row of a task.
@@ -84,7 +86,7 @@ pub struct Explained<'a> {
     pub state: Option<&'a LimitedState>,
     /// Threshold of the damping, if there is damping.
     pub threshold: Option<f64>,
-    /// Joints whose acceleration limit is not kept.
+    /// Joints whose acceleration or jerk limit is not kept.
     pub conflicts: &'a [usize],
     /// Tasks, highest priority first.
     pub tasks: Vec<NamedTask<'a>>,
@@ -129,6 +131,7 @@ pub fn limited_state(
     Some(LimitedState {
         position: kind.includes_position().then(|| measurement.joint_position.clone()),
         last_command: kind.includes_acceleration().then(last),
+        keeps_jerk: config.keeps_jerk(),
     })
 }
 
@@ -149,9 +152,9 @@ impl Explained<'_> {
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
         let violated = resolution.violated_inequalities.iter().map(|violated| &violated.name);
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
-        let conflicts = self.conflicts.iter().map(|&joint| self.joints[joint]);
-        sentences.extend(conflicts.map(|joint| {
-            format!("the acceleration limit of joint `{joint}` contradicts its other limits and is not kept")
+        sentences.extend(self.conflicts.iter().map(|&index| {
+            let joint = self.joints[index];
+            format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))
         }));
         if losses.is_empty() {
             let all = if sentences.is_empty() {
@@ -184,7 +187,7 @@ impl Explained<'_> {
         let (joint, unit) = (self.joints[active.joint], self.unit(active.joint));
         let side = if active.side == Side::Upper { "upper" } else { "lower" };
         let speed = significant(active.value.abs(), 2);
-        let Some((robot, LimitedState { position, last_command })) = self.robot.zip(self.state) else {
+        let Some((robot, LimitedState { position, last_command, keeps_jerk })) = self.robot.zip(self.state) else {
             let value = significant(active.value, 2);
             return format!("joint `{joint}` is at its {side} velocity bound of {value} {unit}");
         };
@@ -207,7 +210,22 @@ impl Explained<'_> {
         {
             return format!("joint `{joint}` is at its acceleration limit");
         }
+        if *keeps_jerk && limits.jerk.is_finite() {
+            return format!(
+                "joint `{joint}` is at its jerk limit or brakes before its {side} limit, at {speed} {unit}"
+            );
+        }
         format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}")
+    }
+
+    /// Returns the name of the limit that a conflict gives up.
+    fn conflicting(&self, joint: usize) -> &'static str {
+        let has_jerk = |robot: &RobotModel| robot.joints()[joint].limits.jerk.is_finite();
+        if self.state.is_some_and(|state| state.keeps_jerk) && self.robot.is_some_and(has_jerk) {
+            "acceleration or jerk limit"
+        } else {
+            "acceleration limit"
+        }
     }
 
     /// Returns the singularities that tasks give way to.

@@ -85,6 +85,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         wire::JointDrive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
         wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
+        wire::JerkState { acceleration: Items(1, MAX_JOINTS), requested: Items(1, MAX_JOINTS) }
         wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {
             axes: UniqueItems(1, 6),
@@ -162,7 +163,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         Outage { start_s: Positive, duration_s: NotNegative }
         wire::RobotRegistration { name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
-        wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive }
+        wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive, jerk: Positive }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {
             step: Between(1.0, MAX_STEPS as f64),
@@ -213,6 +214,7 @@ fn answer_ranges() -> Vec<FieldRange> {
         wire::RobotJoint {
             velocity_limit: NotNegative,
             acceleration_limit: NotNegative,
+            jerk_limit: NotNegative,
             position_limit: Items(2, 2),
             published_range: Items(2, 2),
         }

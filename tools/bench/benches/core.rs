@@ -173,6 +173,7 @@ fn controller_step(bencher: Bencher, solver: Solver) {
 fn limits(bencher: Bencher) {
     let robot = sawyer();
     let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
-    let motion = JointMotion { position: &POSTURE, distance_to_rest: &[], last_command: &[0.1; 7] };
+    let motion =
+        JointMotion { position: &POSTURE, distance_to_rest: &[], last_command: &[0.1; 7], last_acceleration: &[] };
     bencher.bench_local(|| limits.at(black_box(&robot), black_box(motion), 1e-3).velocity_box.lower()[0]);
 }

@@ -56,6 +56,7 @@ __all__ = [
     "Inequality",
     "InitialPostureNullSpaceMotion",
     "Interactive",
+    "JerkState",
     "JointDrive",
     "JointKind",
     "JointLimitsNullSpaceMotion",
@@ -1785,6 +1786,21 @@ class Interactive(Body):
     default 1."""
 
 
+class JerkState(Body):
+    """What joints with a jerk limit remember.
+
+    Fields:
+
+    - acceleration: Acceleration of the last command, rad/s² or m/s²; 0 for joints without jerk limit.
+    - requested: Joint velocity that the tasks wanted in the last period, rad/s or m/s.
+    """
+
+    acceleration: Vector
+    """Acceleration of the last command, rad/s² or m/s²; 0 for joints without jerk limit."""
+    requested: Vector
+    """Joint velocity that the tasks wanted in the last period, rad/s or m/s."""
+
+
 JointKind = Literal["revolute", "prismatic"]
 """The kind of motion of a joint."""
 
@@ -2201,6 +2217,7 @@ class Memory(Body):
     - in_transition: Whether the controller replaces another one and still limits accelerations for that; default:
       no.
     - initial_joint_position: Joint position of the first state, rad or m; default: that of the next state.
+    - jerk: What joints with a jerk limit remember; default: they have moved at the last command for long.
     - joint_position: Joint position of the last state, rad or m; default: unknown.
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
@@ -2223,6 +2240,8 @@ class Memory(Body):
     """Whether the controller replaces another one and still limits accelerations for that; default: no."""
     initial_joint_position: Vector | None = None
     """Joint position of the first state, rad or m; default: that of the next state."""
+    jerk: JerkState | None = None
+    """What joints with a jerk limit remember; default: they have moved at the last command for long."""
     joint_position: Vector | None = None
     """Joint position of the last state, rad or m; default: unknown."""
     target_streams: list[TargetStream] | None = None
@@ -2357,9 +2376,10 @@ class RobotJoint(Answer):
 
     - kind: Kind of motion.
     - name: Name of the joint.
-    - unit: Unit of the position, `rad` or `m`; velocity and acceleration are per s and s².
+    - unit: Unit of the position, `rad` or `m`; velocity, acceleration and jerk are per s, s² and s³.
     - acceleration_limit: Maximum acceleration, rad/s² or m/s².
     - denavit_hartenberg: Standard Denavit-Hartenberg row, if the robot was described by one.
+    - jerk_limit: Maximum jerk, rad/s³ or m/s³; omitted if there is none.
     - position_limit: Minimum and maximum position, rad or m. Shape: 2.
     - published_range: Position range in a publication, if it differs; for information only. Shape: 2.
     - velocity_limit: Maximum speed, rad/s or m/s.
@@ -2370,11 +2390,13 @@ class RobotJoint(Answer):
     name: str
     """Name of the joint."""
     unit: str
-    """Unit of the position, `rad` or `m`; velocity and acceleration are per s and s²."""
+    """Unit of the position, `rad` or `m`; velocity, acceleration and jerk are per s, s² and s³."""
     acceleration_limit: float | None = None
     """Maximum acceleration, rad/s² or m/s²."""
     denavit_hartenberg: DenavitHartenberg | None = None
     """Standard Denavit-Hartenberg row, if the robot was described by one."""
+    jerk_limit: float | None = None
+    """Maximum jerk, rad/s³ or m/s³; omitted if there is none."""
     position_limit: FloatArray | None = None
     """Minimum and maximum position, rad or m. Shape: 2."""
     published_range: FloatArray | None = None
@@ -2456,12 +2478,15 @@ class StatedLimits(Body):
     Fields:
 
     - acceleration: Maximum acceleration, rad/s² or m/s².
+    - jerk: Maximum jerk, rad/s³ or m/s³.
     - position: Minimum and maximum position, rad or m. Shape: 2.
     - velocity: Maximum speed, rad/s or m/s.
     """
 
     acceleration: float | None = None
     """Maximum acceleration, rad/s² or m/s²."""
+    jerk: float | None = None
+    """Maximum jerk, rad/s³ or m/s³."""
     position: Vector | None = None
     """Minimum and maximum position, rad or m. Shape: 2."""
     velocity: float | None = None
@@ -2856,8 +2881,8 @@ class StepAnswer(Answer):
     - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
       limit.
     - joint_velocity: Joint velocity q̇, the command, in joint order, rad/s or m/s.
-    - limit_conflict: Names of joints whose acceleration limit contradicts position or velocity limits and is not
-      kept.
+    - limit_conflict: Names of joints whose acceleration or jerk limit contradicts position or velocity limits and
+      is not kept.
     - sequence: Sequence number of the state.
     - singularity: Distance of the tasks from singularities.
     - solver: Solver path, status and certificate.
@@ -2891,7 +2916,7 @@ class StepAnswer(Answer):
     joint_velocity: FloatArray
     """Joint velocity q̇, the command, in joint order, rad/s or m/s."""
     limit_conflict: list[str]
-    """Names of joints whose acceleration limit contradicts position or velocity limits and is not kept."""
+    """Names of joints whose acceleration or jerk limit contradicts position or velocity limits and is not kept."""
     sequence: int
     """Sequence number of the state."""
     singularity: Singularity

@@ -223,7 +223,7 @@ pub enum LimitKind {
     Velocity,
     /// Speed and position limits.
     PositionVelocity,
-    /// Speed, position and acceleration limits: the joint can always stop before its position limit.
+    /// Speed, position, acceleration and, in controllers, jerk limits: the joint can always stop before its position limit.
     PositionVelocityAcceleration,
 }
 

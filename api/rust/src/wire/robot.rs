@@ -52,6 +52,10 @@ pub struct StatedLimits {
     /// Maximum acceleration, rad/s² or m/s².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<f64>,
+    /// Maximum jerk, rad/s³ or m/s³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 7500.0)]
+    pub jerk: Option<f64>,
 }
 
 /// The format that described a robot.
@@ -149,7 +153,7 @@ pub struct RobotJoint {
     pub name: String,
     /// Kind of motion.
     pub kind: JointKind,
-    /// Unit of the position, `rad` or `m`; velocity and acceleration are per s and s².
+    /// Unit of the position, `rad` or `m`; velocity, acceleration and jerk are per s, s² and s³.
     pub unit: String,
     /// Minimum and maximum position, rad or m.
     pub position_limit: Option<[f64; 2]>,
@@ -157,6 +161,10 @@ pub struct RobotJoint {
     pub velocity_limit: Option<f64>,
     /// Maximum acceleration, rad/s² or m/s².
     pub acceleration_limit: Option<f64>,
+    /// Maximum jerk, rad/s³ or m/s³; omitted if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 7500.0)]
+    pub jerk_limit: Option<f64>,
     /// Position range in a publication, if it differs; for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_range: Option<[f64; 2]>,

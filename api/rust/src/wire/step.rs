@@ -85,6 +85,9 @@ pub struct Memory {
     /// The commands that the drive still has to follow; default: the last command for long.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub drive: Option<DriveState>,
+    /// What joints with a jerk limit remember; default: they have moved at the last command for long.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
     /// Streamed targets of the tasks; default: none.
@@ -100,6 +103,18 @@ pub struct Memory {
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub in_transition: bool,
+}
+
+/// What joints with a jerk limit remember.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JerkState {
+    /// Acceleration of the last command, rad/s² or m/s²; 0 for joints without jerk limit.
+    #[schema(example = json!([0.1]))]
+    pub acceleration: Vec<f64>,
+    /// Joint velocity that the tasks wanted in the last period, rad/s or m/s.
+    #[schema(example = json!([0.5]))]
+    pub requested: Vec<f64>,
 }
 
 /// How a task follows its requests over time.
@@ -230,7 +245,7 @@ pub struct StepAnswer {
     #[schema(example = json!([{"task": "height", "members": [
         {"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]}]))]
     pub contradictions: Vec<Contradiction>,
-    /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
+    /// Names of joints whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
     /// Solver path, status and certificate.
     pub solver: SolverReport,

@@ -9,7 +9,7 @@ use nalgebra::{Cholesky, Dyn};
 
 use super::{AntiWindup, ControllerConfig, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
-use crate::limits::{braking_deceleration, reaction_time};
+use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
 use crate::resolution::Solver;
 use crate::task::TaskStack;
@@ -38,7 +38,26 @@ use crate::task::TaskStack;
 /// most 0.8 a_j.
 ///
 /// The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
+///
+/// # Joints with a jerk limit
+///
+/// Let joint j have the jerk limit J_j. It brakes with a_j' = min(η a_j, 0.6 J_j/K) instead of η a_j, and the reaction time τ
+/// becomes θ = τ + max_j 3 a_j'/2J_j, because its acceleration must change first. The profile of
+/// [`PositionLaw`](crate::law::PositionLaw) then demands at most J_j/6:
+///
+/// - On the first part the jerk is at most K² s_0 = φ a' K. With φ = 1 − K θ this is at most a'/4θ ≤ J/6; with φ = 0.1 it is
+///   at most 0.06 J.
+/// - On the second part it is t a'³ s/(s + t a')³ with t = (1 − φ)/K, at most 4 a'/27 t. Both t = θ and t = 0.9/K give at
+///   most J/10.
+///
+/// A stiff gain and a small jerk limit thus brake early. A joint with J ≥ K η a_j/0.6 loses no deceleration.
 pub const BRAKING_SHARE: f64 = 0.4;
+
+/// a_j' K/J_j at most.
+const JERK_SHARE: f64 = 0.6;
+
+/// Part of the reaction time per time a_j'/J_j. Its product with [`JERK_SHARE`] is the largest K θ that the linear range bears.
+const DELAY_PER_CHANGE: f64 = 1.5;
 
 /// λ, singular value of the weighed rows of the tool below which the estimate of joint velocities gives way.
 ///
@@ -52,6 +71,8 @@ pub(super) struct Capability {
     speed: Vec<f64>,
     /// a_j, n, rad/s² or m/s²; infinite without a limit.
     deceleration: Vec<f64>,
+    /// J_j, n, rad/s³ or m/s³; infinite without a limit.
+    jerk: Vec<f64>,
     /// τ, the time for which an arm moves on before it brakes, s.
     reaction: f64,
     /// The tasks whose rows make up J, by index.
@@ -69,6 +90,7 @@ impl Capability {
     pub fn new(config: &ControllerConfig) -> Self {
         let n = config.robot.joint_count();
         let (speed, deceleration) = (0..n).map(|joint| joint_capability(config, joint)).unzip();
+        let jerk = (0..n).map(|joint| joint_jerk(config, joint)).collect();
         let is_pose =
             |task: &TaskConfig| task.rows.joint(&config.robot, 0).is_none() && matches!(task.law, Law::Position(_));
         let first_pose = config.tasks.iter().position(is_pose).unwrap_or(0);
@@ -79,7 +101,7 @@ impl Capability {
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
         let reaction = reaction_time(config.period_s);
-        Self { speed, deceleration, reaction, stacked, gram, factors: None, joint_velocity }
+        Self { speed, deceleration, jerk, reaction, stacked, gram, factors: None, joint_velocity }
     }
 
     /// Starts a period: the Jacobians have changed.
@@ -148,8 +170,9 @@ impl Capability {
             // A task of joints has a joint in each row.
             let Some((joint, rate)) = rows.joint(&config.robot, row) else { return 1.0 };
             let (gain, speed) = (law.gain()[row] * rate, feedback[row].abs());
-            let available = (BRAKING_SHARE * self.deceleration[joint]).min(max_acceleration(law, row));
-            let linear = linear_share(gain, self.reaction);
+            let braking = self.braking(joint, gain);
+            let available = braking.min(max_acceleration(law, row));
+            let linear = linear_share(gain, self.reaction + self.delay(joint, braking));
             factor(available / (gain * speed), linear, self.speed[joint] / speed)
         })
     }
@@ -166,21 +189,33 @@ impl Capability {
         let own = |row: usize| max_acceleration(law, row) / (law.gain()[row] * feedback[row].abs());
         let ratio = (0..feedback.len()).map(own).fold(f64::INFINITY, f64::min);
         let gain = law.gain().max();
-        let linear = linear_share(gain, self.reaction);
+        let joints = 0..self.speed.len();
+        let delay = joints.clone().map(|joint| self.delay(joint, self.braking(joint, gain))).fold(0.0, f64::max);
+        let linear = linear_share(gain, self.reaction + delay);
         // |w_j| ≤ |w| ≤ |v| / 2λ: near the target this settles it without the factors.
         let feedback = config.weighed(k, feedback);
         let bound = norm(&feedback) / (2.0 * REGULARISATION);
-        let smallest = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-        if gain * bound <= linear * BRAKING_SHARE * smallest(&self.deceleration) && bound <= smallest(&self.speed) {
+        let weakest = joints.clone().map(|joint| self.braking(joint, gain)).fold(f64::INFINITY, f64::min);
+        let slowest = self.speed.iter().copied().fold(f64::INFINITY, f64::min);
+        if gain * bound <= linear * weakest && bound <= slowest {
             return factor(ratio, linear, f64::INFINITY);
         }
         self.update_joint_velocity(k, tasks, &feedback);
-        let joints = self.joint_velocity.iter().zip(self.speed.iter().zip(&self.deceleration));
-        let (ratio, speed_ratio) = joints.fold((ratio, f64::INFINITY), |(ratio, speed_ratio), (w, (speed, a))| {
-            let w = w.abs();
-            (ratio.min(BRAKING_SHARE * a / (gain * w)), speed_ratio.min(speed / w))
+        let (ratio, speed_ratio) = joints.fold((ratio, f64::INFINITY), |(ratio, speed_ratio), joint| {
+            let w = self.joint_velocity[joint].abs();
+            (ratio.min(self.braking(joint, gain) / (gain * w)), speed_ratio.min(self.speed[joint] / w))
         });
         factor(ratio, linear, speed_ratio)
+    }
+
+    /// Returns a_j', the deceleration with which a law brakes a joint; `gain`: K, 1/s.
+    fn braking(&self, joint: usize, gain: f64) -> f64 {
+        (BRAKING_SHARE * self.deceleration[joint]).min(JERK_SHARE * self.jerk[joint] / gain)
+    }
+
+    /// Returns 3 a_j'/2J_j, the part of the reaction time in which the acceleration of a joint changes, s.
+    fn delay(&self, joint: usize, braking: f64) -> f64 {
+        if self.jerk[joint].is_finite() { DELAY_PER_CHANGE * braking / self.jerk[joint] } else { 0.0 }
     }
 
     /// Updates w of task `k`; `feedback`: v with the weights of the Jacobians.
@@ -227,6 +262,13 @@ fn max_acceleration(law: &PositionLaw, row: usize) -> f64 {
     }
 }
 
+/// Returns J of a joint, if the limits of the controller keep it and it says more than the acceleration limit.
+fn joint_jerk(config: &ControllerConfig, joint: usize) -> f64 {
+    let limits = &config.robot.joints()[joint].limits;
+    let is_kept = config.kept_limits().is_some_and(LimitKind::includes_acceleration);
+    if is_kept && JerkLimit::of(limits, config.period_s).is_some() { limits.jerk } else { f64::INFINITY }
+}
+
 /// Returns V and a of a joint as far as the limits of the controller know them.
 fn joint_capability(config: &ControllerConfig, joint: usize) -> (f64, f64) {
     let limits = &config.robot.joints()[joint].limits;
@@ -237,5 +279,46 @@ fn joint_capability(config: &ControllerConfig, joint: usize) -> (f64, f64) {
             if kind.includes_velocity() { limits.velocity } else { f64::INFINITY },
             if kind.includes_position() { braking_deceleration(limits) } else { f64::INFINITY },
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The profile of a joint that brakes from 3 rad before its target.
+    #[test]
+    fn the_profile_demands_at_most_a_sixth_of_the_jerk_limit() {
+        let (period, deceleration, jerk) = (1e-4, 10.0, 100.0);
+        for (gain, reaction) in [2.0, 5.0, 20.0, 50.0, 500.0].into_iter().flat_map(|gain| [(gain, 0.0), (gain, 0.03)]) {
+            let capability = Capability {
+                speed: vec![f64::INFINITY],
+                deceleration: vec![deceleration],
+                jerk: vec![jerk],
+                reaction,
+                stacked: Vec::new(),
+                gram: Matrix::zeros(0, 0),
+                factors: None,
+                joint_velocity: Vector::zeros(0),
+            };
+            let available = capability.braking(0, gain);
+            let linear = linear_share(gain, reaction + capability.delay(0, available));
+            let speed = |distance: f64| {
+                let bare = gain * distance;
+                bare * factor(available / (gain * bare), linear, f64::INFINITY)
+            };
+            let (mut distance, mut speeds) = (3.0, Vec::new());
+            while distance > 1e-6 && speeds.len() < 400_000 {
+                // The midpoint rule: its error is far below the bound.
+                let middle = distance - 0.5 * period * speed(distance);
+                speeds.push(speed(distance));
+                distance -= period * speed(middle);
+            }
+            let largest = |differences: Vec<f64>| differences.into_iter().map(f64::abs).fold(0.0, f64::max);
+            let found = largest(speeds.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]) / period / period).collect());
+            let braking = largest(speeds.windows(2).map(|v| (v[1] - v[0]) / period).collect());
+            assert!(found <= 1.02 * jerk / 6.0 && braking <= BRAKING_SHARE * deceleration, "{gain}: {found} {braking}");
+            assert!(found > 0.01 * jerk, "{gain}: {found}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::{ControllerConfig, Progress};
+use super::{ControllerConfig, JerkState, Progress};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::ActiveSet;
@@ -22,6 +22,8 @@ pub struct Memory {
     pub last_command: Vector,
     /// The commands that the drive still has to follow.
     pub drive: DriveState,
+    /// What joints with a jerk limit remember; `None`: they have moved at a constant velocity.
+    pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level.
     pub active_set: Vec<ActiveSet>,
     /// Streams of targets, in the order of tasks and quantities; empty if no target was streamed.
@@ -52,6 +54,9 @@ pub enum MemoryError {
     /// The state of the drive does not fit the robot or the drive.
     #[error("the memory's drive does not fit the controller; send back the memory of this controller's last answer")]
     Drive,
+    /// The state of the jerk limits does not fit the robot.
+    #[error("the memory's jerk state does not fit the robot; send back the memory of this controller's last answer")]
+    Jerk,
     /// The active set names a joint, an inequality or a row of a task that the controller does not have.
     #[error(
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
@@ -80,6 +85,10 @@ impl Memory {
         let mut drive = pending.iter().chain([velocity]);
         if pending.len() != config.drive.delay_periods || !drive.all(|v| v.len() == n && finite(v)) {
             return Err(MemoryError::Drive);
+        }
+        let mut jerk = self.jerk.iter().flat_map(|JerkState { acceleration, requested }| [acceleration, requested]);
+        if !jerk.all(|v| v.len() == n && finite(v)) {
+            return Err(MemoryError::Jerk);
         }
         if !self.initial_position.as_ref().is_none_or(|position| position.len() == n && finite(position)) {
             return Err(MemoryError::InitialPosition);

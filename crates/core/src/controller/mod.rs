@@ -38,6 +38,7 @@
 
 mod capability;
 mod config;
+mod jerk;
 mod joint_rows;
 mod memory;
 mod null_space;
@@ -59,6 +60,7 @@ mod weights;
 
 pub use capability::BRAKING_SHARE;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
+pub use jerk::JerkState;
 pub use joint_rows::{JointRows, JointTarget};
 pub use memory::{Memory, MemoryError};
 pub use null_space::{HOLDING_SPEED, NullSpaceError, NullSpaceMotion};

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::capability::Capability;
+use super::jerk::{Approach, JerkState};
 use super::null_space::{NullSpaceMotion, limit_holding, write_leaving};
 use super::progress::{Observation, Progress, StuckTask};
 use super::row_space::{RowSpace, in_null_space};
@@ -46,7 +47,7 @@ pub struct Command {
     pub resolution: Resolution,
     /// Targets of each task, highest priority first.
     pub targets: Vec<TaskTarget>,
-    /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
+    /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub limit_conflicts: Vec<usize>,
     /// Tasks that make no progress.
     pub stuck: Vec<StuckTask>,
@@ -141,6 +142,7 @@ impl Controller {
             configuration,
             capability,
             limited,
+            approach,
             problem,
             resolver,
             command,
@@ -181,7 +183,13 @@ impl Controller {
         for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
             *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
         }
-        let motion = JointMotion { position, distance_to_rest, last_command: previous.last_command.as_slice() };
+        let last_acceleration = match (&*approach, &previous.jerk) {
+            (None, _) => &[],
+            (Some(_), Some(jerk)) => jerk.acceleration.as_slice(),
+            (Some(_), None) => zero_velocity.as_slice(),
+        };
+        let last_command = previous.last_command.as_slice();
+        let motion = JointMotion { position, distance_to_rest, last_command, last_acceleration };
         config.limits.update(limited, &config.robot, motion, config.period_s);
         problem.limits.copy_from(&limited.velocity_box);
         if previous.in_transition {
@@ -191,7 +199,11 @@ impl Controller {
         problem
             .inequalities
             .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
-        resolver.resolve(problem, &previous.active_set, &mut command.resolution)?;
+        let resolution = &mut command.resolution;
+        match approach {
+            Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,
+            None => resolver.resolve(problem, &previous.active_set, resolution)?,
+        }
         config.remove_weights(&mut command.resolution.tasks, &command.targets);
         command.report_bounds(&config.tasks);
         command.limit_conflicts.clone_from(&limited.conflicts);
@@ -205,7 +217,7 @@ impl Controller {
             None => memory.as_mut(),
         };
         if let Some(memory) = memory {
-            self.update_memory(memory, command);
+            self.update_memory(memory, command, approach.as_ref());
             memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
             let observed = Observation {
                 config,
@@ -277,6 +289,7 @@ impl Controller {
             task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(arm).to_vector()).collect(),
             initial_pose: arm.initial_pose,
             drive: DriveState::moving(self.config.drive, &velocity),
+            jerk: self.config.keeps_jerk().then(|| JerkState::moving(&velocity)),
             last_command: velocity,
             active_set: Vec::new(),
             target_streams: Vec::new(),
@@ -363,7 +376,12 @@ impl Controller {
     /// Departs: the paper's laws do not know what was achieved. With [`AntiWindup::ExceptDamping`] damping alone does not
     /// reset the integrator, and the classical control keeps its published behaviour: on `force_tracking_singular`, its
     /// F_x RMSE is 1.4 N, and 2.4 N with a reset, which acts like a second damping.
-    fn update_memory(&self, memory: &mut Memory, Command { resolution, targets, .. }: &Command) {
+    fn update_memory(
+        &self,
+        memory: &mut Memory,
+        Command { resolution, targets, .. }: &Command,
+        approach: Option<&Approach>,
+    ) {
         let resets = self.config.anti_windup == AntiWindup::Always || is_held_back(resolution);
         for (k, velocity) in memory.task_velocities.iter_mut().enumerate() {
             let (requested, achieved) = (&targets[k].velocity, &resolution.tasks[k].achieved);
@@ -376,6 +394,10 @@ impl Controller {
         }
         memory.in_transition =
             memory.in_transition && self.config.is_in_transition(memory.last_command.as_slice(), resolution);
+        match approach {
+            Some(approach) => approach.update_memory(memory, &self.config, &resolution.joint_velocity),
+            None => memory.jerk = None,
+        }
         memory.last_command.copy_from(&resolution.joint_velocity);
         memory.drive.advance(self.config.drive, &resolution.joint_velocity, self.config.period_s);
         memory.active_set.clone_from(&resolution.active_set);

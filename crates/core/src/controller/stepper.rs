@@ -5,6 +5,7 @@ use std::sync::Arc;
 use revprio_robot::kinematics::Configuration;
 
 use super::capability::Capability;
+use super::jerk::Approach;
 use super::row_space::RowSpace;
 use super::target_streams::ActiveStream;
 use super::task_target::TaskTarget;
@@ -68,6 +69,8 @@ pub(super) struct Workspace {
     pub(super) configuration: Configuration,
     pub(super) capability: Capability,
     pub(super) limited: LimitedBox,
+    /// For joints with a jerk limit.
+    pub(super) approach: Option<Approach>,
     pub(super) problem: Problem,
     pub(super) resolver: Resolver,
     pub(super) command: Command,
@@ -86,7 +89,8 @@ impl Workspace {
     fn new(config: &ControllerConfig) -> Result<Self, StepError> {
         let n = config.robot.joint_count();
         let zeros = vec![0.0; n];
-        let at_rest = JointMotion { position: &zeros, distance_to_rest: &[], last_command: &zeros };
+        let at_rest =
+            JointMotion { position: &zeros, distance_to_rest: &[], last_command: &zeros, last_acceleration: &[] };
         let limited = config.limits.at(&config.robot, at_rest, config.period_s);
         let task = |task: &TaskConfig| {
             let (name, jacobian) = (task.name.clone(), Matrix::zeros(task.rows.len(), n));
@@ -112,6 +116,7 @@ impl Workspace {
             configuration,
             capability: Capability::new(config),
             limited,
+            approach: Approach::new(config),
             problem,
             resolver: Resolver::default(),
             command,

@@ -73,13 +73,15 @@ impl Controller {
             wrench: [0.0; 6],
             initial_pose: memory.initial_pose,
         };
+        let initial = self.initial_memory(&arm);
         Ok(Memory {
             drive: memory.drive.clone(),
+            jerk: if new.keeps_jerk() { memory.jerk.clone().or(initial.jerk) } else { None },
             initial_position: memory.initial_position.clone(),
             target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
             in_transition: !new.limits.include_accelerations(),
-            ..self.initial_memory(&arm)
+            ..initial
         })
     }
 

@@ -26,6 +26,8 @@ use crate::linalg::{TaskVector, Vector};
 ///
 /// f(ρ) = ρ (φ − 1 + √(1 + 2/ρ − 2φ)) for ρ φ < 1, otherwise 1.
 ///
+/// For joints with a jerk limit, τ is longer and a may be smaller, so that the profile keeps the jerk too.
+///
 /// The controller finds a: see [`BRAKING_SHARE`](crate::controller::BRAKING_SHARE).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionLaw {

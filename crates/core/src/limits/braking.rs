@@ -30,7 +30,8 @@ pub fn braking_deceleration(limits: &JointLimits) -> f64 {
 mod tests {
     use super::*;
 
-    const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0 };
+    const LIMITS: JointLimits =
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, jerk: f64::INFINITY };
 
     #[test]
     fn the_deceleration_is_the_acceleration_limit_or_stops_the_top_speed_in_a_quarter_of_a_second() {

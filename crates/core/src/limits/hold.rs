@@ -107,7 +107,8 @@ fn hold_time(limits: &JointLimits, distance: f64, v: f64, last: f64, period: f64
 mod tests {
     use super::*;
 
-    const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0 };
+    const LIMITS: JointLimits =
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, jerk: f64::INFINITY };
 
     /// Returns the hold of the first joint of an arm, 1 mm before its upper limit. The other joints rest in their middle.
     fn near_the_limit(kind: LimitKind, command: f64, measured: f64) -> Hold {
@@ -117,7 +118,12 @@ mod tests {
         joint_position[0] = robot.joints()[0].limits.upper - 1e-3;
         let mut velocities = vec![vec![0.0; robot.joint_count()]; 2];
         (velocities[0][0], velocities[1][0]) = (command, measured);
-        let motion = JointMotion { position: &joint_position, distance_to_rest: &[], last_command: &velocities[0] };
+        let motion = JointMotion {
+            position: &joint_position,
+            distance_to_rest: &[],
+            last_command: &velocities[0],
+            last_acceleration: &[],
+        };
         let mut hold = Hold::default();
         hold.update(robot, kind, motion, &velocities[1], &velocities[0], 0.001);
         hold

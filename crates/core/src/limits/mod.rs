@@ -26,6 +26,8 @@
 //! starts inside its limits and follows its commands, then position, velocity and acceleration limits hold at all
 //! times.
 //!
+//! A joint with a jerk limit may change its acceleration by at most J T in a period; see [`JerkLimit`] for its box.
+//!
 //! Behind a drive the same proof holds for p, which follows the commands exactly. A drive that is faster than stated moves
 //! p less regularly. If the braking term then demands more than full braking, full braking is allowed as long as the joint
 //! could still stop if it had no drive.
@@ -47,6 +49,7 @@ mod braking;
 mod drive;
 mod hold;
 mod inequality;
+mod jerk;
 mod velocity_box;
 
 pub use barrier::{APPROACH_RATE, Barrier, PlanePoint, VirtualPlane, VirtualPlaneError};
@@ -54,4 +57,5 @@ pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;
 pub use inequality::{Inequality, InequalityError};
+pub use jerk::JerkLimit;
 pub use velocity_box::{JointMotion, LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};

@@ -3,6 +3,7 @@
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::braking::{braking_deceleration, reaction_time};
+use super::jerk::JerkLimit;
 use crate::linalg::Vector;
 
 /// The limits of a robot that apply.
@@ -15,7 +16,8 @@ pub enum LimitKind {
     /// The speed limit and the position limits: the joint can still stop before a position limit. The change of the velocity
     /// from period to period has no limit.
     PositionVelocity,
-    /// All limits: the acceleration limit also bounds the change of the velocity from period to period.
+    /// All limits: the acceleration limit also bounds the change of the velocity from period to period, and the jerk limit
+    /// that of the acceleration.
     PositionVelocityAcceleration,
 }
 
@@ -134,12 +136,12 @@ impl VelocityBox {
     }
 }
 
-/// A box of allowed velocities, with the joints whose acceleration limit it does not keep.
+/// A box of allowed velocities, with the joints whose acceleration or jerk limit it does not keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedBox {
     /// The velocities allowed in this period.
     pub velocity_box: VelocityBox,
-    /// Joints (index from 0) whose acceleration limit contradicts position or velocity limits and is not kept.
+    /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub conflicts: Vec<usize>,
 }
 
@@ -153,6 +155,8 @@ pub struct JointMotion<'a> {
     pub distance_to_rest: &'a [f64],
     /// q̇⁻, the last command, n.
     pub last_command: &'a [f64],
+    /// a⁻, the acceleration of the last command, n; empty: jerk limits do not apply.
+    pub last_acceleration: &'a [f64],
 }
 
 impl JointMotion<'_> {
@@ -182,6 +186,29 @@ impl LimitedBox {
         Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() }
     }
 
+    /// Narrows the box, so that joints with a jerk limit reach the velocities `requested` (n) without passing them: a joint
+    /// that cannot have its velocity yet gets the nearest one from which it levels off there. Another joint may move on either
+    /// side of its velocity alike, because answers near singularities tend to the middle of the box.
+    ///
+    /// A joint that accelerates would otherwise pass the velocity that its task wants, by a²/2J, then come back as fast, and
+    /// so on. `last_requested`: the requests of the last period, n. The motion has accelerations.
+    pub fn approach(
+        &mut self,
+        robot: &RobotModel,
+        motion: JointMotion,
+        requested: &[f64],
+        last_requested: &[f64],
+        period: f64,
+    ) {
+        for (i, joint) in robot.joints().iter().enumerate() {
+            if let Some(jerk) = JerkLimit::of(&joint.limits, period) {
+                let VelocityBox { lower, upper } = &mut self.velocity_box;
+                let last = (motion.last_command[i], motion.last_acceleration[i]);
+                (lower[i], upper[i]) = jerk.around((lower[i], upper[i]), last, requested[i], last_requested[i]);
+            }
+        }
+    }
+
     /// Updates the box to the result of [`robot_box`], for a robot with the same number of joints.
     pub fn update(&mut self, robot: &RobotModel, kind: LimitKind, motion: JointMotion, period: f64) {
         self.conflicts.clear();
@@ -201,14 +228,20 @@ const CONFLICT_TOLERANCE: f64 = 1e-9;
 
 /// The allowed velocities of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Interval {
-    lower: f64,
-    upper: f64,
-    conflict: bool,
+pub(super) struct Interval {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) conflict: bool,
 }
 
 impl Interval {
-    fn from_limits(limits: &JointLimits, kind: LimitKind, motion: JointMotion, joint: usize, period: f64) -> Self {
+    pub(super) fn from_limits(
+        limits: &JointLimits,
+        kind: LimitKind,
+        motion: JointMotion,
+        joint: usize,
+        period: f64,
+    ) -> Self {
         let (velocity, last) = (limits.velocity, motion.last_command[joint]);
         let max_change = limits.acceleration * period;
         let (lower, upper) = match kind {
@@ -229,15 +262,34 @@ impl Interval {
                 // A drive that is faster than stated can ask for more than full braking, and then needs less.
                 lower = lower.min((last + max_change).max(at_once.0));
                 upper = upper.max((last - max_change).min(at_once.1));
-                return Self {
+                let interval = Self {
                     lower: (last - max_change).clamp(lower, upper),
                     upper: (last + max_change).clamp(lower, upper),
                     conflict: last - max_change > upper + CONFLICT_TOLERANCE
                         || last + max_change < lower - CONFLICT_TOLERANCE,
                 };
+                let jerk = motion.last_acceleration.get(joint).zip(JerkLimit::of(limits, period));
+                return jerk.map_or(interval, |(&acceleration, jerk)| {
+                    interval.keeping_jerk(&jerk, last, acceleration, motion.distances(joint, limits))
+                });
             }
         };
         Self { lower, upper, conflict: false }
+    }
+
+    /// Restricts the interval of the other limits by a jerk limit, as far as they allow it; `acceleration`: a⁻.
+    fn keeping_jerk(self, jerk: &JerkLimit, last: f64, acceleration: f64, (to_lower, to_upper): (f64, f64)) -> Self {
+        let (least, greatest) = jerk.reach(last, acceleration);
+        // A return from beyond a limit begins as fast as the jerk allows it.
+        let highest = if to_upper < 0.0 { self.upper.max(least.min(0.0)) } else { self.upper };
+        let lowest = if to_lower < 0.0 { self.lower.min(greatest.max(0.0)) } else { self.lower };
+        let upper = jerk.largest(last, acceleration, to_upper);
+        let lower = (-jerk.largest(-last, -acceleration, to_lower)).min(upper);
+        Self {
+            lower: lower.clamp(lowest, highest),
+            upper: upper.clamp(lowest, highest),
+            conflict: self.conflict || least > highest + CONFLICT_TOLERANCE || greatest < lowest - CONFLICT_TOLERANCE,
+        }
     }
 }
 
@@ -273,12 +325,14 @@ mod tests {
 
     use super::*;
 
-    const LIMITS: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0 };
+    const LIMITS: JointLimits =
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0, jerk: f64::INFINITY };
     const T: f64 = 0.01;
 
     /// Returns the interval of a joint that follows its commands at once.
     fn at(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> Interval {
-        let motion = JointMotion { position: &[q], distance_to_rest: &[], last_command: &[last] };
+        let motion =
+            JointMotion { position: &[q], distance_to_rest: &[], last_command: &[last], last_acceleration: &[] };
         Interval::from_limits(limits, kind, motion, 0, period)
     }
 
@@ -378,7 +432,8 @@ mod tests {
             period in 1e-4..0.1_f64,
         ) {
             let acceleration = acceleration.unwrap_or(f64::INFINITY);
-            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration };
+            let (lower, upper) = (-0.3 * range, 0.7 * range);
+            let limits = JointLimits { lower, upper, velocity, acceleration, ..JointLimits::NONE };
             for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
                 let Interval { lower, upper, .. } = at(&limits, kind, q, last, period);
                 prop_assert!(lower <= upper, "{kind:?}: {lower} {upper}");
@@ -396,7 +451,8 @@ mod tests {
             period in 1e-4..0.1_f64,
             choices in prop::collection::vec(0.0..=1.0_f64, 100),
         ) {
-            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration };
+            let (lower, upper) = (-0.3 * range, 0.7 * range);
+            let limits = JointLimits { lower, upper, velocity, acceleration, ..JointLimits::NONE };
             let (mut q, mut last) = (limits.lower + start * range, 0.0_f64);
             for choice in choices {
                 let allowed =

@@ -91,7 +91,8 @@ fn alternating_force() -> Law {
 
 #[test]
 fn a_joint_leaves_its_position_limit_in_the_period_in_which_the_force_changes_sign() {
-    let robot = gantry(JointLimits { lower: -0.05, upper: 0.05, velocity: 1.0, acceleration: 10.0 });
+    let robot =
+        gantry(JointLimits { lower: -0.05, upper: 0.05, velocity: 1.0, acceleration: 10.0, ..JointLimits::NONE });
     for kind in [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration] {
         let limited = ControllerConfig {
             limits: Limits::Robot(kind),

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, StepError, Stepper, TaskConfig, TaskRows,
-    ToolRows,
+    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError, Stepper,
+    TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
-use revprio_core::limits::{Drive, LimitKind};
+use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
@@ -20,6 +20,22 @@ pub const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 
 pub fn sawyer() -> Arc<RobotModel> {
     Arc::clone(&built_in()[0])
+}
+
+/// Returns the same robot with jerk limits; `rise`: the time in which the acceleration may rise from 0 to its limit, s.
+pub fn with_jerk(robot: &RobotModel, rise: f64) -> RobotModel {
+    let limited = |joint: &Joint| {
+        let jerk = braking_deceleration(&joint.limits) / rise;
+        Joint { limits: JointLimits { jerk, ..joint.limits }, ..joint.clone() }
+    };
+    let name = format!("{} with jerk limits", robot.name());
+    RobotModel::new(name, "", robot.joints().iter().map(limited).collect(), *robot.tool()).unwrap()
+}
+
+/// Returns rows of all joints with a constant target, n.
+pub fn joint_rows(target: &[f64]) -> TaskRows {
+    let target_position = JointTarget::Position(constant(target));
+    TaskRows::Joints(JointRows { joints: (0..target.len()).collect(), target: target_position })
 }
 
 /// Returns a robot of three prismatic joints along x, y, z. Its Jacobian is the identity at every posture.

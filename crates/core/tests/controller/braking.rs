@@ -14,7 +14,7 @@ use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
-use super::arms::{Random, constant, gantry, position, task, tool_rows};
+use super::arms::{Random, constant, gantry, position, task, tool_rows, with_jerk};
 
 /// A drive: lag, s, and delay, periods.
 type Drive = (f64, usize);
@@ -29,7 +29,7 @@ const ANGULAR: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
 const STEP: f64 = 0.3;
 
 /// Returns the number of periods in a duration, both in s.
-fn periods(duration: f64, period: f64) -> u32 {
+pub(super) fn periods(duration: f64, period: f64) -> u32 {
     (0..1_000_000_u32).find(|i| f64::from(*i) * period >= duration).unwrap()
 }
 
@@ -217,6 +217,25 @@ fn steps_of_ur5e_end_without_overshoot_for_any_gain() {
 #[test]
 fn steps_of_sawyer_end_without_overshoot_for_any_gain() {
     assert_steps_end_without_overshoot("sawyer");
+}
+
+#[test]
+fn steps_of_arms_with_jerk_limits_end_without_overshoot() {
+    for (name, rise) in [("panda", 0.02), ("ur5e", 0.1), ("sawyer", 0.05)] {
+        for (i, step) in steps(name, 2).into_iter().enumerate() {
+            let step = ToolStep { robot: Arc::new(with_jerk(&step.robot, rise)), ..step };
+            for drive in DRIVES {
+                for (period, gain) in [1e-3, 1e-2].into_iter().flat_map(|period| [2.0, 10.0].map(|gain| (period, gain)))
+                {
+                    let controller = step.controller(step.tasks(gain, i % 2 == 0, &Braking::Joints), period);
+                    let found = step.run(controller, 2.5 + 10.0 / gain, drive);
+                    let context = format!("{name}, step {i}, {drive:?}, period {period} s, gain {gain}: {found:?}");
+                    println!("{context}");
+                    assert!(found.overshoot <= 0.01 * STEP && found.left <= 1e-3, "{context}");
+                }
+            }
+        }
+    }
 }
 
 #[test]

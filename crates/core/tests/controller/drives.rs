@@ -15,12 +15,12 @@ use super::arms::{NOMINAL, Random, constant, controller, position, sawyer, task,
 use super::hold::middle;
 
 /// Bounds of the claim: distance outside, swing at rest (rad, plus 10 times the noise), command at rest (RMS, rad/s).
-const OVERSHOOT: f64 = 1e-3;
-const SWING: f64 = 1e-4;
-const COMMAND: f64 = 0.02;
+pub(super) const OVERSHOOT: f64 = 1e-3;
+pub(super) const SWING: f64 = 1e-4;
+pub(super) const COMMAND: f64 = 0.02;
 
 /// Largest error of a measured position, rad.
-const NOISE: f64 = 1e-4;
+pub(super) const NOISE: f64 = 1e-4;
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
@@ -60,20 +60,20 @@ impl LaggingArm {
 
 /// What a run into a limit shows.
 #[derive(Debug, Default)]
-struct Calm {
+pub(super) struct Calm {
     /// Largest distance outside, rad or m.
-    overshoot: f64,
+    pub(super) overshoot: f64,
     /// Largest minus smallest position at rest, rad or m.
-    swing: f64,
+    pub(super) swing: f64,
     /// RMS of the fastest joint's command at rest, rad/s.
-    command: f64,
-    conflicts: usize,
+    pub(super) command: f64,
+    pub(super) conflicts: usize,
     /// Distance beyond the limit or plane at the end, rad or m.
-    distance: f64,
+    pub(super) distance: f64,
 }
 
 impl Calm {
-    fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.overshoot = self.overshoot.max(other.overshoot);
         self.swing = self.swing.max(other.swing);
         self.command = self.command.max(other.command);
@@ -83,7 +83,7 @@ impl Calm {
 
 /// Runs a controller for 2.5 s; `beyond`: distance beyond the limit or plane at a posture, rad or m.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
-fn run(controller: &Controller, arm: &mut LaggingArm, beyond: impl Fn(&[f64]) -> f64) -> Calm {
+pub(super) fn run(controller: &Controller, arm: &mut LaggingArm, beyond: impl Fn(&[f64]) -> f64) -> Calm {
     let period = controller.config().period_s;
     let mut stepper = Stepper::new(controller.clone()).unwrap();
     let (mut memory, mut calm) = (None, Calm::default());
@@ -107,7 +107,7 @@ fn run(controller: &Controller, arm: &mut LaggingArm, beyond: impl Fn(&[f64]) ->
 }
 
 /// Returns a controller that drives one joint of a robot beyond its limit.
-fn posture(
+pub(super) fn posture(
     robot: &Arc<RobotModel>,
     joint: usize,
     target: f64,
@@ -128,7 +128,7 @@ fn posture(
 }
 
 /// Returns the drives of the stated range.
-fn drives() -> impl Iterator<Item = Drive> {
+pub(super) fn drives() -> impl Iterator<Item = Drive> {
     let lags = [0.0, 0.001, 0.005, 0.01, 0.02, 0.03];
     lags.into_iter().flat_map(|lag_s| (0..=2).map(move |delay_periods| Drive { lag_s, delay_periods }))
 }

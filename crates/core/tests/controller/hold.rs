@@ -9,7 +9,7 @@ use revprio_core::limits::{LimitKind, braking_deceleration, spare_time};
 use revprio_core::streaming::Streaming;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
-use super::arms::{Loop, Random, config, constant, controller, measurement, position, sawyer, step};
+use super::arms::{Loop, Random, config, constant, controller, measurement, position, sawyer, step, with_jerk};
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
@@ -19,14 +19,15 @@ const VALID: f64 = 0.1;
 /// Largest distance outside the range that counts as inside, rad or m.
 const TOLERANCE: f64 = 1e-6;
 
-/// Returns the robots that ship, and Sawyer without acceleration limits.
+/// Returns the robots that ship, Sawyer without acceleration limits, and Sawyer with jerk limits.
 fn robots() -> Vec<Arc<RobotModel>> {
     let unlimited =
         |joint: &Joint| Joint { limits: JointLimits { acceleration: f64::INFINITY, ..joint.limits }, ..joint.clone() };
     let sawyer = sawyer();
     let joints = sawyer.joints().iter().map(unlimited).collect();
     let without_acceleration = RobotModel::new("without acceleration", "", joints, *sawyer.tool()).unwrap();
-    built_in().iter().cloned().chain([Arc::new(without_acceleration)]).collect()
+    let with_jerk = with_jerk(&sawyer, 0.05);
+    built_in().iter().cloned().chain([without_acceleration, with_jerk].map(Arc::new)).collect()
 }
 
 fn outside(limits: &JointLimits, q: f64) -> f64 {

@@ -52,6 +52,7 @@ fn arm_with_random_limits(random: &mut Random) -> Arc<RobotModel> {
             upper: middle + half,
             velocity: joint.limits.velocity * factor(-2.0, 1.0),
             acceleration: joint.limits.acceleration * factor(-2.0, 1.0),
+            jerk: f64::INFINITY,
         };
     }
     Arc::new(RobotModel::new("random", "", joints, *sawyer.tool()).unwrap())
@@ -90,6 +91,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         task_velocities: controller.config().tasks.iter().map(moving).collect(),
         initial_pose: *configuration.tool_pose(),
         drive: DriveState::moving(Drive::IDEAL, &last_command),
+        jerk: None,
         last_command,
         active_set: Vec::new(),
         initial_position: None,
@@ -145,7 +147,7 @@ impl Findings {
 
 fn assert_box_not_empty(controller: &Controller, arm: &Loop, last: &[f64]) {
     let kind = LimitKind::PositionVelocityAcceleration;
-    let motion = JointMotion { position: &arm.q, distance_to_rest: &[], last_command: last };
+    let motion = JointMotion { position: &arm.q, distance_to_rest: &[], last_command: last, last_acceleration: &[] };
     let limited = robot_box(&controller.config().robot, kind, motion, controller.config().period_s);
     let (lower, upper) = (limited.velocity_box.lower(), limited.velocity_box.upper());
     assert!(lower.iter().zip(upper).all(|(lower, upper)| lower <= upper), "{limited:?}");

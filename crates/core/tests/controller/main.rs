@@ -8,6 +8,7 @@ mod braking;
 mod drives;
 mod frames;
 mod hold;
+mod jerk;
 mod laws;
 mod lengths;
 mod limits;

@@ -43,7 +43,7 @@ fn random_tasks(random: &mut Random) -> Vec<TaskConfig> {
     drawn.into_iter().map(|name| random_task(name, random)).collect()
 }
 
-fn random_config(robot: &Arc<RobotModel>, limits: &Limits, random: &mut Random) -> ControllerConfig {
+pub(super) fn random_config(robot: &Arc<RobotModel>, limits: &Limits, random: &mut Random) -> ControllerConfig {
     let methods = [Method::ReversePriority, Method::StrictReversePriority, Method::TaskPriority];
     let method = methods[random.below(3)];
     let drive = Drive { lag_s: 0.02, delay_periods: 1 };

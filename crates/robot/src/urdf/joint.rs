@@ -13,6 +13,7 @@ const MAX_NUMBER: f64 = 1e9;
 const POSITION: &str = "\"position\": [lower, upper]";
 const VELOCITY: &str = "\"velocity\": number";
 const ACCELERATION: &str = "\"acceleration\": number";
+const JERK: &str = "\"jerk\": number";
 
 /// The part of the chain that a joint makes.
 pub enum Segment {
@@ -107,12 +108,13 @@ impl Reader<'_> {
             return Err(self.limit("<limit> needs `lower` and `upper`, or the type must be `continuous`", POSITION));
         };
         let velocity = velocity.ok_or_else(|| self.limit("<limit> needs `velocity`", VELOCITY))?;
-        self.check(JointLimits { lower, upper, velocity, acceleration })
+        let jerk = limit("jerk", stated.jerk)?.unwrap_or(f64::INFINITY);
+        self.check(JointLimits { lower, upper, velocity, acceleration, jerk })
     }
 
     /// Refuses limits that no motion obeys.
     fn check(&self, limits: JointLimits) -> Result<JointLimits, UrdfError> {
-        let JointLimits { lower, upper, velocity, acceleration } = limits;
+        let JointLimits { lower, upper, velocity, acceleration, jerk } = limits;
         let not_positive = |name: &str, value: f64| format!("the {name} limit {value} is not positive");
         if !(lower <= upper) {
             let cause = format!("the position range from {lower} to {upper} is empty");
@@ -123,6 +125,9 @@ impl Reader<'_> {
         }
         if !(acceleration > 0.0) {
             return Err(self.limit(not_positive("acceleration", acceleration), ACCELERATION));
+        }
+        if !(jerk > 0.0) {
+            return Err(self.limit(not_positive("jerk", jerk), JERK));
         }
         Ok(limits)
     }

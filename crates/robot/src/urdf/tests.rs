@@ -92,6 +92,17 @@ fn acceleration_is_the_smaller_of_both_directions() {
 }
 
 #[test]
+fn jerk_is_read_and_must_be_positive() {
+    let limit = |more: &str| {
+        let rest = format!(r#"type="revolute"><limit lower="-1" upper="1" velocity="2" {more}/>"#);
+        one(&rest).map(|robot| robot.joints()[0].limits.jerk)
+    };
+    assert_eq!((limit("").unwrap(), limit(r#"jerk="90""#).unwrap()), (f64::INFINITY, 90.0));
+    let error = limit(r#"jerk="0""#).unwrap_err().to_string();
+    assert!(error.contains("the jerk limit 0 is not positive"), "{error}");
+}
+
+#[test]
 fn the_named_tip_selects_the_chain_and_branches_are_ignored() {
     let text = robot(
         "base arm hand camera finger",
@@ -128,9 +139,11 @@ fn overrides_replace_and_complete_the_text() {
     let mended = limits(LimitOverride { velocity: Some(2.0), ..LimitOverride::default() }).unwrap();
     assert_eq!((mended.lower, mended.upper, mended.velocity), (-1.0, 1.0, 2.0));
     assert!(mended.acceleration.is_infinite());
-    let all = LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0) };
+    let all =
+        LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0), jerk: Some(90.0) };
     let all = limits(all).unwrap();
-    assert_eq!((all.lower, all.upper, all.velocity, all.acceleration), (-0.5, 0.5, 3.0, 4.0));
+    assert_eq!((all.lower, all.upper, all.velocity), (-0.5, 0.5, 3.0));
+    assert_eq!((all.acceleration, all.jerk), (4.0, 90.0));
     for bad in [f64::NAN, 0.0, -1.0] {
         assert!(limits(LimitOverride { velocity: Some(bad), ..LimitOverride::default() }).is_err(), "{bad}");
     }

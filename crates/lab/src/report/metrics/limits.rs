@@ -127,6 +127,7 @@ mod tests {
             position_limit: Some([-1.0, 2.0]),
             velocity_limit: Some(0.5),
             acceleration_limit: Some(10.0),
+            jerk_limit: None,
             published_range: None,
             denavit_hartenberg: None,
         }
