@@ -7,6 +7,7 @@
 
 use nalgebra::{Cholesky, Dyn};
 
+use super::row_space::RowSpace;
 use super::{AntiWindup, ControllerConfig, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
 use crate::limits::{braking_deceleration, reaction_time};
@@ -154,6 +155,25 @@ impl Capability {
         })
     }
 
+    /// Returns f of a motion to a posture (v, n) of which the null space of the tasks is left; `gain`: K, 1/s;
+    /// `row_space`: of the tasks.
+    pub fn null_space_factor(&mut self, feedback: &Vector, gain: f64, row_space: &RowSpace) -> f64 {
+        self.joint_velocity.copy_from(feedback);
+        row_space.remove_from(&mut self.joint_velocity);
+        let (ratio, speed_ratio) = self.ratios(self.joint_velocity.as_slice(), gain);
+        factor(ratio, linear_share(gain, self.reaction), speed_ratio)
+    }
+
+    /// Returns the smallest ratio of the deceleration that a joint can give to the one that joint velocities (n) demand,
+    /// and that of speeds; `gain`: K, 1/s.
+    fn ratios(&self, velocity: &[f64], gain: f64) -> (f64, f64) {
+        let joints = velocity.iter().zip(self.speed.iter().zip(&self.deceleration));
+        joints.fold((f64::INFINITY, f64::INFINITY), |(ratio, speed_ratio), (w, (speed, a))| {
+            let w = w.abs();
+            (ratio.min(BRAKING_SHARE * a / (gain * w)), speed_ratio.min(speed / w))
+        })
+    }
+
     /// Returns f of task `k` of rows of the tool.
     fn tool_factor(
         &mut self,
@@ -175,12 +195,8 @@ impl Capability {
             return factor(ratio, linear, f64::INFINITY);
         }
         self.update_joint_velocity(k, tasks, &feedback);
-        let joints = self.joint_velocity.iter().zip(self.speed.iter().zip(&self.deceleration));
-        let (ratio, speed_ratio) = joints.fold((ratio, f64::INFINITY), |(ratio, speed_ratio), (w, (speed, a))| {
-            let w = w.abs();
-            (ratio.min(BRAKING_SHARE * a / (gain * w)), speed_ratio.min(speed / w))
-        });
-        factor(ratio, linear, speed_ratio)
+        let (joint_ratio, speed_ratio) = self.ratios(self.joint_velocity.as_slice(), gain);
+        factor(ratio.min(joint_ratio), linear, speed_ratio)
     }
 
     /// Updates w of task `k`; `feedback`: v with the weights of the Jacobians.

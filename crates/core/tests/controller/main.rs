@@ -17,4 +17,5 @@ mod positions;
 mod streaming;
 mod stuck;
 mod targets;
+mod tracking;
 mod transition;
