@@ -10,7 +10,7 @@ use nalgebra::{Cholesky, Dyn};
 use super::row_space::RowSpace;
 use super::{AntiWindup, ControllerConfig, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
-use crate::limits::{braking_deceleration, reaction_time};
+use crate::limits::{JointBraking, braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
 use crate::resolution::Solver;
 use crate::task::TaskStack;
@@ -81,6 +81,11 @@ impl Capability {
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
         let reaction = reaction_time(config.period_s);
         Self { speed, deceleration, reaction, stacked, gram, factors: None, joint_velocity }
+    }
+
+    /// Returns how the joints brake before planes.
+    pub fn joint_braking(&self) -> JointBraking<'_> {
+        JointBraking { deceleration: &self.deceleration, reaction_s: self.reaction }
     }
 
     /// Starts a period: the Jacobians have changed.

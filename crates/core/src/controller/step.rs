@@ -189,9 +189,10 @@ impl Controller {
             config.limit_transition(limited, &mut problem.limits, motion);
         }
         problem.inequalities.clear();
+        let (to_rest, braking) = (motion.distance_to_rest, capability.joint_braking());
         problem
             .inequalities
-            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
+            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, to_rest, Some(braking))));
         resolver.resolve(problem, &previous.active_set, &mut command.resolution)?;
         config.remove_weights(&mut command.resolution.tasks, &command.targets);
         command.report_bounds(&config.tasks);

@@ -49,7 +49,7 @@ mod hold;
 mod inequality;
 mod velocity_box;
 
-pub use barrier::{APPROACH_RATE, Barrier, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use barrier::{APPROACH_RATE, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;

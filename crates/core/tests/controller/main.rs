@@ -13,6 +13,7 @@ mod lengths;
 mod limits;
 mod memory;
 mod outstretched;
+mod planes;
 mod positions;
 mod streaming;
 mod stuck;
