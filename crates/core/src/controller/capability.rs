@@ -35,7 +35,7 @@ use crate::task::TaskStack;
 /// default damping begins.
 ///
 /// η = 0.4 is the share of one task. The rest is for what the estimate leaves out: the change of J
-/// along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
+/// along the way, drives that are slower than stated, and a second task that brakes at the same time. Two tasks together demand at
 /// most 0.8 a_j.
 ///
 /// The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.

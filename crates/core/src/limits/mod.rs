@@ -40,7 +40,7 @@
 //!
 //! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The solver treats it like a
 //! joint limit. If inequalities contradict the box or each other, the box holds, their violation is as small as
-//! possible, and the answer names them.
+//! possible, and the answer names them. How fast a point may approach a wall: see [`VirtualPlane`].
 
 mod barrier;
 mod braking;
