@@ -63,6 +63,8 @@ pub(super) struct Capability {
     factors: Option<Cholesky<f64, Dyn>>,
     /// w, n.
     joint_velocity: Vector,
+    /// The joint velocities that move tasks, if a null-space motion needs them.
+    row_space: RowSpace,
 }
 
 impl Capability {
@@ -80,7 +82,16 @@ impl Capability {
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
         let reaction = reaction_time(config.period_s);
-        Self { speed, deceleration, reaction, stacked, gram, factors: None, joint_velocity }
+        Self {
+            speed,
+            deceleration,
+            reaction,
+            stacked,
+            gram,
+            factors: None,
+            joint_velocity,
+            row_space: RowSpace::default(),
+        }
     }
 
     /// Returns how the joints brake before planes.
@@ -160,11 +171,17 @@ impl Capability {
         })
     }
 
-    /// Returns f of a motion to a posture (v, n) of which the null space of the tasks is left; `gain`: K, 1/s;
-    /// `row_space`: of the tasks.
-    pub fn null_space_factor(&mut self, feedback: &Vector, gain: f64, row_space: &RowSpace) -> f64 {
+    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them.
+    pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
+        self.row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+        &self.row_space
+    }
+
+    /// Returns f of a motion to a posture (v, n) of which the null space of the tasks is left; `gain`: K, 1/s. Needs
+    /// [`Self::row_space`] of this period.
+    pub fn null_space_factor(&mut self, feedback: &Vector, gain: f64) -> f64 {
         self.joint_velocity.copy_from(feedback);
-        row_space.remove_from(&mut self.joint_velocity);
+        self.row_space.remove_from(&mut self.joint_velocity);
         let (ratio, speed_ratio) = self.ratios(self.joint_velocity.as_slice(), gain);
         factor(ratio, linear_share(gain, self.reaction), speed_ratio)
     }

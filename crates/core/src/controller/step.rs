@@ -6,7 +6,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_i
 use super::capability::Capability;
 use super::null_space::{NullSpaceMotion, limit_holding, write_leaving};
 use super::progress::{Observation, Progress, StuckTask};
-use super::row_space::{RowSpace, in_null_space};
+use super::row_space::in_null_space;
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::{ArmState, MotionToRest};
@@ -142,7 +142,6 @@ impl Controller {
             zero_velocity,
             distance_to_rest,
             streams,
-            row_space,
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -173,7 +172,7 @@ impl Controller {
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
             let targets = &mut command.targets;
-            self.move_null_space(velocity, targets, capability, &problem.tasks, row_space, previous, &arm);
+            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
         }
         problem.tasks.overwrite(|k, _, lower, upper| {
             let velocity = &command.targets[k].velocity;
@@ -332,7 +331,6 @@ impl Controller {
         targets: &mut [TaskTarget],
         capability: &mut Capability,
         tasks: &TaskStack,
-        row_space: &mut RowSpace,
         previous: &Memory,
         arm: &ArmState,
     ) {
@@ -344,12 +342,12 @@ impl Controller {
             motion.write(&config.robot, position, initial, velocity);
             let Some(gain) = motion.braking_gain() else { return };
             velocity.iter_mut().zip(arm.to_rest.joints).for_each(|(speed, to_rest)| *speed -= gain * to_rest);
-            row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+            let row_space = capability.row_space(tasks);
             if let NullSpaceMotion::InitialPosture { .. } = motion {
                 row_space.remove_from(velocity);
                 limit_holding(velocity);
             }
-            *velocity *= capability.null_space_factor(velocity, gain, row_space);
+            *velocity *= capability.null_space_factor(velocity, gain);
             return;
         }
         write_leaving(&config.robot, position, velocity);
