@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use revprio_core::limits::{
-    Barrier, Drive, Hold, Inequality, JointMotion, LimitKind, PlanePoint, VirtualPlane, braking_deceleration,
-    reaction_time, robot_box,
+    Barrier, Drive, Hold, Inequality, JointBraking, JointMotion, LimitKind, PlanePoint, VirtualPlane,
+    braking_deceleration, reaction_time, robot_box,
 };
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::Configuration;
@@ -110,7 +110,7 @@ proptest! {
         }
     }
 
-    /// n·ṗ ≤ γ (d − n·p), where p is at rest if it still approaches.
+    /// n·ẋ ≤ min(γ D, s(D)), where D is the distance at rest if the point still approaches.
     #[test]
     fn a_wall_holds_back_its_point_at_rest(
         joints in prop::array::uniform7(-1.0..1.0_f64), to_rest in prop::array::uniform7(-0.1..0.1_f64), elbow in any::<bool>(),
@@ -125,7 +125,9 @@ proptest! {
             PlanePoint::Joint(joint) => configuration.joint_origin(joint).0,
         };
         let height = |configuration: &Configuration| 0.6 * at(configuration).x + 0.8 * at(configuration).z;
-        let inequality = wall.at(&configuration, &to_rest);
+        let deceleration = [4.0, 3.0, f64::INFINITY, 5.0, 6.0, 7.0, 8.0];
+        let braking = JointBraking { deceleration: &deceleration, reaction_s: 0.02 };
+        let inequality = wall.at(&configuration, &to_rest, Some(braking));
         let step = 1e-6;
         let gradient = Vector::from_iterator(7, (0..7).map(|joint| {
             let moved = |by: f64| {
@@ -137,8 +139,17 @@ proptest! {
         }));
         prop_assert!((inequality.coefficients() - &gradient).amax() < 1e-8);
         let approach: f64 = gradient.iter().zip(to_rest).map(|(slope, by)| slope * by).sum();
-        let bound = 8.0 * (0.7 - height(&configuration) - approach.max(0.0));
-        prop_assert!((inequality.bound() - bound).abs() < 1e-7, "{} {bound}", inequality.bound());
+        let distance = 0.7 - height(&configuration) - approach.max(0.0);
+        let bare = wall.at(&configuration, &to_rest, None).bound();
+        prop_assert!((bare - 8.0 * distance).abs() < 1e-7, "{bare} {distance}");
+        let (by_rate, distance) = (bare, bare / 8.0);
+        // Half of what the shortest change of the joint velocities gives.
+        let reach = gradient.iter().zip(deceleration).map(|(slope, a)| a / slope.abs()).fold(f64::INFINITY, f64::min);
+        let deceleration = 0.5 * gradient.norm_squared() * reach;
+        let speed = inequality.bound().abs();
+        let stop = speed * 0.02 + speed * speed / (2.0 * deceleration);
+        prop_assert!(speed <= by_rate.abs() + 1e-12 && inequality.bound() * distance >= 0.0);
+        prop_assert!((speed - by_rate.abs()).abs() < 1e-12 || (stop / distance.abs() - 1.0).abs() < 1e-6, "{speed}");
         prop_assert_eq!(inequality.name(), "wall");
     }
 }
@@ -148,7 +159,7 @@ fn a_joint_that_a_wall_cannot_be_reached_with_gives_an_inequality_that_always_ho
     let robot = sawyer();
     let configuration = Configuration::new(robot, &middle(robot)).unwrap();
     let wall = VirtualPlane::new("wall", [0.0, 0.0, 1.0], 0.0, PlanePoint::Joint(0), 8.0).unwrap();
-    let inequality = wall.at(&configuration, &[]);
+    let inequality = wall.at(&configuration, &[], None);
     assert_eq!((inequality.coefficients().amax(), inequality.bound()), (0.0, f64::INFINITY));
 }
 

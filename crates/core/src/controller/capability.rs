@@ -7,9 +7,10 @@
 
 use nalgebra::{Cholesky, Dyn};
 
+use super::row_space::RowSpace;
 use super::{AntiWindup, ControllerConfig, Limits, TaskConfig, TaskRows};
 use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
-use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
+use crate::limits::{JerkLimit, JointBraking, LimitKind, braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
 use crate::resolution::Solver;
 use crate::task::TaskStack;
@@ -34,7 +35,7 @@ use crate::task::TaskStack;
 /// default damping begins.
 ///
 /// η = 0.4 is the share of one task. The rest is for what the estimate leaves out: the change of J
-/// along the way, the lag of the drives, and a second task that brakes at the same time. Two tasks together demand at
+/// along the way, drives that are slower than stated, and a second task that brakes at the same time. Two tasks together demand at
 /// most 0.8 a_j.
 ///
 /// The factor also keeps |f w_j| ≤ V_j: no position law asks for more speed than the joints have.
@@ -83,6 +84,8 @@ pub(super) struct Capability {
     factors: Option<Cholesky<f64, Dyn>>,
     /// w, n.
     joint_velocity: Vector,
+    /// The joint velocities that move tasks, if a null-space motion needs them.
+    row_space: RowSpace,
 }
 
 impl Capability {
@@ -101,7 +104,22 @@ impl Capability {
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
         let reaction = reaction_time(config.period_s);
-        Self { speed, deceleration, jerk, reaction, stacked, gram, factors: None, joint_velocity }
+        Self {
+            speed,
+            deceleration,
+            jerk,
+            reaction,
+            stacked,
+            gram,
+            factors: None,
+            joint_velocity,
+            row_space: RowSpace::default(),
+        }
+    }
+
+    /// Returns how the joints brake before planes.
+    pub fn joint_braking(&self) -> JointBraking<'_> {
+        JointBraking { deceleration: &self.deceleration, reaction_s: self.reaction }
     }
 
     /// Starts a period: the Jacobians have changed.
@@ -177,6 +195,36 @@ impl Capability {
         })
     }
 
+    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them.
+    pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
+        self.row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+        &self.row_space
+    }
+
+    /// Returns f of a motion to a posture (v, n) of which the null space of the tasks is left; `gain`: K, 1/s. Needs
+    /// [`Self::row_space`] of this period.
+    pub fn null_space_factor(&mut self, feedback: &Vector, gain: f64) -> f64 {
+        self.joint_velocity.copy_from(feedback);
+        self.row_space.remove_from(&mut self.joint_velocity);
+        let (ratio, speed_ratio) = self.ratios(gain);
+        factor(ratio, self.linear_share(gain), speed_ratio)
+    }
+
+    /// Returns the smallest ratio of the deceleration that a joint can give to the one that w demands, and that of speeds;
+    /// `gain`: K, 1/s.
+    fn ratios(&self, gain: f64) -> (f64, f64) {
+        (0..self.speed.len()).fold((f64::INFINITY, f64::INFINITY), |(ratio, speed_ratio), joint| {
+            let w = self.joint_velocity[joint].abs();
+            (ratio.min(self.braking(joint, gain) / (gain * w)), speed_ratio.min(self.speed[joint] / w))
+        })
+    }
+
+    /// Returns φ of a motion of all joints; `gain`: K, 1/s.
+    fn linear_share(&self, gain: f64) -> f64 {
+        let delay = (0..self.speed.len()).map(|joint| self.delay(joint, self.braking(joint, gain))).fold(0.0, f64::max);
+        linear_share(gain, self.reaction + delay)
+    }
+
     /// Returns f of task `k` of rows of the tool.
     fn tool_factor(
         &mut self,
@@ -189,23 +237,18 @@ impl Capability {
         let own = |row: usize| max_acceleration(law, row) / (law.gain()[row] * feedback[row].abs());
         let ratio = (0..feedback.len()).map(own).fold(f64::INFINITY, f64::min);
         let gain = law.gain().max();
-        let joints = 0..self.speed.len();
-        let delay = joints.clone().map(|joint| self.delay(joint, self.braking(joint, gain))).fold(0.0, f64::max);
-        let linear = linear_share(gain, self.reaction + delay);
+        let linear = self.linear_share(gain);
         // |w_j| ≤ |w| ≤ |v| / 2λ: near the target this settles it without the factors.
         let feedback = config.weighed(k, feedback);
         let bound = norm(&feedback) / (2.0 * REGULARISATION);
-        let weakest = joints.clone().map(|joint| self.braking(joint, gain)).fold(f64::INFINITY, f64::min);
+        let weakest = (0..self.speed.len()).map(|joint| self.braking(joint, gain)).fold(f64::INFINITY, f64::min);
         let slowest = self.speed.iter().copied().fold(f64::INFINITY, f64::min);
         if gain * bound <= linear * weakest && bound <= slowest {
             return factor(ratio, linear, f64::INFINITY);
         }
         self.update_joint_velocity(k, tasks, &feedback);
-        let (ratio, speed_ratio) = joints.fold((ratio, f64::INFINITY), |(ratio, speed_ratio), joint| {
-            let w = self.joint_velocity[joint].abs();
-            (ratio.min(self.braking(joint, gain) / (gain * w)), speed_ratio.min(self.speed[joint] / w))
-        });
-        factor(ratio, linear, speed_ratio)
+        let (joint_ratio, speed_ratio) = self.ratios(gain);
+        factor(ratio.min(joint_ratio), linear, speed_ratio)
     }
 
     /// Returns a_j', the deceleration with which a law brakes a joint; `gain`: K, 1/s.
@@ -300,6 +343,7 @@ mod tests {
                 gram: Matrix::zeros(0, 0),
                 factors: None,
                 joint_velocity: Vector::zeros(0),
+                row_space: RowSpace::default(),
             };
             let available = capability.braking(0, gain);
             let linear = linear_share(gain, reaction + capability.delay(0, available));

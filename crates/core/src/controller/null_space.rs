@@ -18,15 +18,16 @@ pub enum NullSpaceMotion {
         /// k, rad²/s or m²/s.
         gain: f64,
     },
-    /// K (q_d − q), towards a posture.
+    /// f K (q_d − p), towards a posture; p is the position of rest behind the drive, and f ≤ 1 brakes what of the
+    /// motion is in the null space, as the laws `pose` and `posture` brake.
     Posture {
         /// q_d, n, rad or m.
         joint_position: Vec<f64>,
         /// K, 1/s.
         gain: f64,
     },
-    /// N K (q_0 − q), towards the posture of the first step in the null space of all tasks (projector N), with a norm of at
-    /// most [`HOLDING_SPEED`]: on repeated paths the arm returns to the same postures.
+    /// f N K (q_0 − p), towards the posture of the first step in the null space of all tasks (projector N), with a norm of
+    /// at most [`HOLDING_SPEED`]: on repeated paths the arm returns to the same postures. p and f are as for `Posture`.
     InitialPosture {
         /// K, 1/s.
         gain: f64,
@@ -95,8 +96,16 @@ impl NullSpaceMotion {
         velocity
     }
 
-    /// Overwrites `velocity` with ζ̇ at a posture (`joint_position`: q; `initial`: q_0), n each, rad/s or m/s. That of
-    /// [`Self::InitialPosture`] is neither projected nor limited.
+    /// Returns K of the motions that brake before a posture, 1/s.
+    pub(super) fn braking_gain(&self) -> Option<f64> {
+        match self {
+            Self::Posture { gain, .. } | Self::InitialPosture { gain } => Some(*gain),
+            Self::Constant(_) | Self::JointLimits { .. } => None,
+        }
+    }
+
+    /// Overwrites `velocity` with ζ̇ of an arm that stops at once in a posture (`joint_position`: q; `initial`: q_0), n
+    /// each, rad/s or m/s. It does not brake, and that of [`Self::InitialPosture`] is neither projected nor limited.
     pub(super) fn write(&self, robot: &RobotModel, joint_position: &[f64], initial: &[f64], velocity: &mut Vector) {
         match self {
             Self::Constant(constant) => velocity.copy_from(constant),

@@ -7,15 +7,16 @@ use super::capability::Capability;
 use super::jerk::{Approach, JerkState};
 use super::null_space::{NullSpaceMotion, limit_holding, write_leaving};
 use super::progress::{Observation, Progress, StuckTask};
-use super::row_space::{RowSpace, in_null_space};
+use super::row_space::in_null_space;
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TaskStreams};
-use super::task::ArmState;
+use super::task::{ArmState, MotionToRest};
 use super::task_target::TaskTarget;
 use super::{
     AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
     WrenchFrame,
 };
+use crate::law::Law;
 use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::Vector;
 use crate::resolution::{ProblemError, Resolution, Status};
@@ -149,7 +150,6 @@ impl Controller {
             zero_velocity,
             distance_to_rest,
             streams,
-            row_space,
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -158,7 +158,7 @@ impl Controller {
             (None, Some(memory)) => memory.last_command.as_slice(),
             (None, None) => zero_velocity,
         };
-        let arm = self.arm_state(memory.as_ref(), measurement, configuration, qdot);
+        let mut arm = self.arm_state(memory.as_ref(), measurement, configuration, qdot);
         let mut initial = None;
         let previous = match &*memory {
             Some(memory) => memory,
@@ -169,9 +169,18 @@ impl Controller {
             config.tasks[k].rows.write_jacobian(configuration, jacobian);
             config.weigh_jacobian(k, jacobian);
         })?;
+        for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
+            *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
+        }
+        arm.to_rest = MotionToRest {
+            joints: distance_to_rest,
+            twist: configuration.twist(distance_to_rest),
+            time: config.drive.time_to_rest(config.period_s),
+        };
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
-            self.move_null_space(velocity, &mut command.targets, &problem.tasks, row_space, previous, measurement);
+            let targets = &mut command.targets;
+            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
         }
         problem.tasks.overwrite(|k, _, lower, upper| {
             let velocity = &command.targets[k].velocity;
@@ -180,9 +189,6 @@ impl Controller {
             lower.copy_from_slice(&config.weighed(k, least.as_slice()));
             upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
         })?;
-        for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
-            *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
-        }
         let last_acceleration = match (&*approach, &previous.jerk) {
             (None, _) => &[],
             (Some(_), Some(jerk)) => jerk.acceleration.as_slice(),
@@ -196,9 +202,10 @@ impl Controller {
             config.limit_transition(limited, &mut problem.limits, motion);
         }
         problem.inequalities.clear();
+        let (to_rest, braking) = (motion.distance_to_rest, capability.joint_braking());
         problem
             .inequalities
-            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, motion.distance_to_rest)));
+            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, to_rest, Some(braking))));
         let resolution = &mut command.resolution;
         match approach {
             Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,
@@ -266,6 +273,7 @@ impl Controller {
             twist: configuration.twist(qdot),
             wrench: self.wrench(measurement, configuration),
             initial_pose: memory.map_or(*tool_pose, |memory| memory.initial_pose),
+            to_rest: MotionToRest::default(),
         }
     }
 
@@ -316,6 +324,10 @@ impl Controller {
         for (k, (target, (task, integrator))) in targets.iter_mut().zip(laws).enumerate() {
             let (streams, integrator) = (TaskStreams::of(streams, k), integrator.as_slice());
             let state = task.state(arm, streams);
+            let state = match task.law {
+                Law::Position(_) => task.at_rest(state, arm),
+                _ => state,
+            };
             let velocity = task.law.velocity(&state, integrator, period);
             let mut velocity = capability.bounded(k, config, tasks, &state, velocity);
             let mut force = task.law.target_force(arm.time_s);
@@ -336,24 +348,25 @@ impl Controller {
         &self,
         velocity: &mut Vector,
         targets: &mut [TaskTarget],
+        capability: &mut Capability,
         tasks: &TaskStack,
-        row_space: &mut RowSpace,
         previous: &Memory,
-        measurement: &Measurement,
+        arm: &ArmState,
     ) {
-        let (config, position) = (&self.config, measurement.joint_position.as_slice());
-        let leaves = |progress: &Progress| progress.is_leaving(measurement.time_s);
+        let (config, position) = (&self.config, arm.configuration.joint_position());
+        let leaves = |progress: &Progress| progress.is_leaving(arm.time_s);
         if !previous.progress.iter().any(leaves) {
+            let Some(motion) = &config.null_space else { return velocity.fill(0.0) };
             let initial = previous.initial_position.as_ref().map_or(position, Vector::as_slice);
-            match &config.null_space {
-                Some(motion) => motion.write(&config.robot, position, initial, velocity),
-                None => velocity.fill(0.0),
-            }
-            if let Some(NullSpaceMotion::InitialPosture { .. }) = config.null_space {
-                row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+            motion.write(&config.robot, position, initial, velocity);
+            let Some(gain) = motion.braking_gain() else { return };
+            velocity.iter_mut().zip(arm.to_rest.joints).for_each(|(speed, to_rest)| *speed -= gain * to_rest);
+            let row_space = capability.row_space(tasks);
+            if let NullSpaceMotion::InitialPosture { .. } = motion {
                 row_space.remove_from(velocity);
                 limit_holding(velocity);
             }
+            *velocity *= capability.null_space_factor(velocity, gain);
             return;
         }
         write_leaving(&config.robot, position, velocity);

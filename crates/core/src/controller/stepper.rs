@@ -6,7 +6,6 @@ use revprio_robot::kinematics::Configuration;
 
 use super::capability::Capability;
 use super::jerk::Approach;
-use super::row_space::RowSpace;
 use super::target_streams::ActiveStream;
 use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
@@ -80,8 +79,6 @@ pub(super) struct Workspace {
     pub(super) distance_to_rest: Vec<f64>,
     /// The streams of targets of this period.
     pub(super) streams: Vec<ActiveStream>,
-    /// The joint velocities that move tasks.
-    pub(super) row_space: RowSpace,
 }
 
 impl Workspace {
@@ -123,7 +120,6 @@ impl Workspace {
             distance_to_rest: zeros.clone(),
             zero_velocity: zeros,
             streams: Vec::new(),
-            row_space: RowSpace::default(),
         })
     }
 }

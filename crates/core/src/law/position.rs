@@ -8,6 +8,16 @@ use crate::linalg::{TaskVector, Vector};
 /// On rows of the tool it is closed-loop inverse kinematics; on joints it is q̇ = q̇_d + f K (q_d − q). Near the target
 /// f is 1, and the distance of each axis to its target decays as e^(−K t), exactly as (1 − K T)^i after i periods.
 ///
+/// # Behind a drive
+///
+/// A controller whose [`Drive`](crate::limits::Drive) has a lag L or a dead time D T evaluates the law where its limits hold,
+/// at the position of rest p: x is J (p − q) further than measured, and x_d is where the target will be, ẋ_d (L + D T)
+/// further. In p the arm has neither lag nor dead time, so the decay above is exact for any K with K T < 2, to first order
+/// in p − q. On a target at constant velocity p − q = (L + D T) q̇, so nothing is left behind.
+///
+/// Let M be the transfer function of the real drive and M̂ that of the stated one. The poles solve
+/// s + K (1 + M − M̂) = 0, as those of a joint near a limit, with the same claims about drives that are faster than stated.
+///
 /// # The braking profile
 ///
 /// The law ẋ = ẋ_d + K (x_d − x) alone demands the deceleration K |K (x_d − x)|. A distant target therefore demands more

@@ -41,13 +41,27 @@ impl Barrier {
     }
 
     /// Returns the inequality at a posture; `distance_to_rest`: p − q of each joint, n, as in
-    /// [`JointMotion`](super::JointMotion).
-    pub fn at(&self, configuration: &Configuration, distance_to_rest: &[f64]) -> Inequality {
+    /// [`JointMotion`](super::JointMotion); `braking`: how the joints brake, if it is known.
+    pub fn at(
+        &self,
+        configuration: &Configuration,
+        distance_to_rest: &[f64],
+        braking: Option<JointBraking>,
+    ) -> Inequality {
         match self {
             Self::Fixed(inequality) => inequality.clone(),
-            Self::Plane(plane) => plane.at(configuration, distance_to_rest),
+            Self::Plane(plane) => plane.at(configuration, distance_to_rest, braking),
         }
     }
+}
+
+/// How the joints brake before a plane.
+#[derive(Debug, Clone, Copy)]
+pub struct JointBraking<'a> {
+    /// a_j, n, rad/s² or m/s²; infinite for a joint without limit.
+    pub deceleration: &'a [f64],
+    /// τ, time for which the point may move on before it brakes, s.
+    pub reaction_s: f64,
 }
 
 /// Default approach rate γ, 1/s: an approach at 0.5 m/s slows down with at most 5 m/s².
@@ -63,10 +77,21 @@ pub enum PlanePoint {
     Joint(usize),
 }
 
-/// A virtual wall n·p ≤ d for a point p of the arm, kept by n·ṗ ≤ γ (d − n·p).
+/// Share of a_n that the approach to a plane uses. The rest is for what a_n leaves out: the Jacobian that changes on the
+/// way, and joints that cannot help because of their own limits.
+const BRAKING_SHARE: f64 = 0.5;
+
+/// A virtual wall n·x ≤ d for a point x of the arm, kept by n·ẋ ≤ min(γ D, s(D)).
 ///
-/// The distance to the wall decreases no faster than e^(−γ t). Behind the wall, the inequality demands a motion back.
-/// It is a linearisation at the present posture; the error is of second order in the displacement of one period.
+/// D = d − n·x is the distance to the wall. γ bounds the rate: the distance decreases no faster than e^(−γ t). s is the
+/// speed from which the joints can stop the point, s τ + s²/2a = D, with half of the deceleration
+///
+/// a_n = min_j a_j |g|²/|g_j|, g = Jᵀ n,
+///
+/// which the shortest change of the joint velocities along n gives, Δq̇ = −(Δs/|g|²) g. Where the limits of the controller
+/// do not say how the joints brake, the bound is γ D. Behind the wall, the inequality demands a motion back, with the
+/// mirrored bound. It is a linearisation at the present posture; the error is of second order in the displacement of one
+/// period and in p − q.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualPlane {
     name: String,
@@ -129,8 +154,13 @@ impl VirtualPlane {
     /// Returns the inequality at a posture. It always holds if no joint moves the point along the normal.
     ///
     /// `distance_to_rest`: p − q of each joint, n, or empty. The distance to the wall is that of the point at rest if the
-    /// point still approaches.
-    pub fn at(&self, configuration: &Configuration, distance_to_rest: &[f64]) -> Inequality {
+    /// point still approaches. `braking`: how the joints brake, if it is known.
+    pub fn at(
+        &self,
+        configuration: &Configuration,
+        distance_to_rest: &[f64],
+        braking: Option<JointBraking>,
+    ) -> Inequality {
         let (position, jacobian) = match self.point {
             PlanePoint::Tool => {
                 let jacobian = configuration.jacobian().fixed_rows::<3>(0).into_owned();
@@ -143,7 +173,25 @@ impl VirtualPlane {
             return Inequality::always_satisfied(self.name.clone(), along.len());
         }
         let approach: f64 = along.iter().zip(distance_to_rest).map(|(along, to_rest)| along * to_rest).sum();
-        let bound = self.rate * (self.offset - self.normal.dot(&position) - approach.max(0.0));
-        Inequality { name: self.name.clone(), coefficients: Vector::from_column_slice(along.as_slice()), bound }
+        let distance = self.offset - self.normal.dot(&position) - approach.max(0.0);
+        let coefficients = Vector::from_column_slice(along.as_slice());
+        let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
+        let by_rate = self.rate * distance;
+        let bound = by_rate.clamp(-speed, speed);
+        Inequality { name: self.name.clone(), coefficients, bound }
+    }
+}
+
+impl JointBraking<'_> {
+    /// Returns s(D) of [`VirtualPlane`], m/s, infinite if the deceleration is; `along`: g, n; `distance`: D ≥ 0, m.
+    fn stopping_speed(&self, along: &Vector, distance: f64) -> f64 {
+        let decelerations = self.deceleration.iter().zip(along).map(|(a, along)| a / along.abs());
+        let deceleration = BRAKING_SHARE * along.norm_squared() * decelerations.fold(f64::INFINITY, f64::min);
+        // Infinite and NaN: nothing is known.
+        if !deceleration.is_finite() {
+            return f64::INFINITY;
+        }
+        let time = self.reaction_s + (self.reaction_s * self.reaction_s + 2.0 * distance / deceleration).sqrt();
+        if distance > 0.0 { 2.0 * distance / time } else { 0.0 }
     }
 }

@@ -42,7 +42,7 @@
 //!
 //! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The solver treats it like a
 //! joint limit. If inequalities contradict the box or each other, the box holds, their violation is as small as
-//! possible, and the answer names them.
+//! possible, and the answer names them. How fast a point may approach a wall: see [`VirtualPlane`].
 
 mod barrier;
 mod braking;
@@ -52,7 +52,7 @@ mod inequality;
 mod jerk;
 mod velocity_box;
 
-pub use barrier::{APPROACH_RATE, Barrier, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use barrier::{APPROACH_RATE, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;

@@ -1,0 +1,122 @@
+//! Position laws behind a drive with lag and dead time: how closely they follow targets that move.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use revprio_core::controller::{
+    ControllerConfig, Measurement, Stepper, StreamedTarget, StreamedValue, TaskConfig, TaskRows, ToolRows,
+};
+use revprio_core::law::Profile;
+use revprio_core::limits::Drive;
+use revprio_robot::kinematics::{Axis, Configuration};
+use revprio_robot::{RobotModel, built_in};
+
+use super::arms::{controller, position, task, tool_rows};
+use super::drives::LaggingArm;
+
+const PERIOD: f64 = 0.01;
+const RADIUS: f64 = 0.1;
+const START: [f64; 7] = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+
+/// The drive of the arm and the one that the controller states.
+const DRIVES: [(&str, Drive, Drive); 3] = [
+    ("stated exactly", Drive { lag_s: 0.02, delay_periods: 1 }, Drive { lag_s: 0.02, delay_periods: 1 }),
+    ("stated by default", Drive { lag_s: 0.02, delay_periods: 1 }, Drive::CONSERVATIVE),
+    ("no lag, stated by default", Drive::IDEAL, Drive::CONSERVATIVE),
+];
+
+/// How the task gets the circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// The profile of the task, with its velocity.
+    Profile,
+    /// 45 targets per second.
+    Stream,
+}
+
+fn panda() -> Arc<RobotModel> {
+    Arc::clone(built_in().iter().find(|robot| robot.name() == "panda").unwrap())
+}
+
+/// Returns the displacement on the circle that starts at its lowest point with a period (s).
+fn circle(time_s: f64, lap: f64) -> Vector3<f64> {
+    let angle = TAU * time_s / lap;
+    RADIUS * Vector3::new(angle.sin(), 0.0, 1.0 - angle.cos())
+}
+
+/// Returns the tasks along x, and along y and z, that follow the circle.
+fn tasks(source: Source, gain: f64, lap: f64) -> Vec<TaskConfig> {
+    let along = |axes: &[Axis], offset: &[f64], amplitude: &[f64], phase: f64| {
+        let sine = Profile::sine(offset.to_vec(), amplitude.to_vec(), TAU / lap, phase).unwrap();
+        let displacement = (source == Source::Profile).then_some(sine);
+        let rows = TaskRows::Tool(ToolRows { target_displacement: displacement, ..tool_rows(axes) });
+        TaskConfig { rows, ..task(axes, position(axes.len(), gain)) }
+    };
+    vec![
+        along(&[Axis::X], &[0.0], &[RADIUS], 0.0),
+        along(&[Axis::Y, Axis::Z], &[0.0, RADIUS], &[0.0, RADIUS], -0.5 * PI),
+    ]
+}
+
+/// Returns the RMS of the distance to the circle's point after the first lap, m.
+fn tracking_error(source: Source, gain: f64, lap: f64, drive: Drive, stated: Drive) -> f64 {
+    let robot = panda();
+    let config = ControllerConfig::new(Arc::clone(&robot), PERIOD, tasks(source, gain, lap));
+    let mut stepper = Stepper::new(controller(ControllerConfig { drive: stated, ..config })).unwrap();
+    let mut arm = LaggingArm::at_rest(&START, drive, 0.0, 1);
+    let place = |q: &[f64]| Configuration::new(&robot, q).unwrap().tool_pose().translation.vector;
+    let start = place(&START);
+    let (mut memory, mut squares, mut count, mut sent) = (None, 0.0, 0.0, -1.0);
+    let mut time_s = 0.0;
+    while time_s < 2.0 * lap {
+        let due = (time_s * 45.0_f64).floor();
+        let is_due = source == Source::Stream && due > sent;
+        let target = |task| {
+            let position = Some(start + circle(due / 45.0, lap));
+            let value = StreamedValue::Pose { position, orientation: None };
+            StreamedTarget { task, time_s: due / 45.0, value, velocity: None }
+        };
+        let targets = if is_due { vec![target(0), target(1)] } else { Vec::new() };
+        sent = due;
+        let measurement = Measurement { targets, ..arm.measure(time_s) };
+        if time_s >= lap {
+            squares += (place(&arm.q) - start - circle(time_s, lap)).norm_squared();
+            count += 1.0;
+        }
+        let command = stepper.step(&mut memory, &measurement).unwrap();
+        arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+        time_s += PERIOD;
+    }
+    (squares / count).sqrt()
+}
+
+/// Without prediction, the law would be behind by (L + D T + T/2)/K times the acceleration of the target.
+#[test]
+fn the_prediction_leaves_the_tool_as_close_to_a_moving_target() {
+    for lap in [8.0, 3.0] {
+        let acceleration = RADIUS * (TAU / lap).powi(2);
+        for (name, drive, stated) in DRIVES {
+            for gain in [2.0, 5.0, 10.0, 20.0] {
+                let error = tracking_error(Source::Profile, gain, lap, drive, stated);
+                let behind = (drive.time_to_rest(PERIOD) + 0.5 * PERIOD) / gain;
+                let bound = acceleration * (behind + 0.5 * stated.time_to_rest(PERIOD).powi(2));
+                assert!(error <= bound, "lap of {lap} s, {name}, gain {gain}: {error} m, not {bound} m");
+            }
+        }
+    }
+}
+
+/// Prints the table of docs/guides/choose-gains.md.
+#[test]
+#[ignore = "asserts nothing; prints the table of docs/guides/choose-gains.md"]
+fn tracking_table() {
+    for lap in [8.0, 3.0] {
+        for source in [Source::Profile, Source::Stream] {
+            for (name, drive, stated) in DRIVES {
+                let errors = [2.0, 5.0, 10.0, 20.0].map(|gain| 1e3 * tracking_error(source, gain, lap, drive, stated));
+                println!("{source:?}, lap of {lap} s, {name}: {errors:.3?} mm");
+            }
+        }
+    }
+}
