@@ -182,13 +182,7 @@ impl Controller {
             let targets = &mut command.targets;
             self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
         }
-        problem.tasks.overwrite(|k, _, lower, upper| {
-            let velocity = &command.targets[k].velocity;
-            let (least, greatest) =
-                config.tasks[k].law.bounds().map_or((velocity, velocity), |b| (b.lower(), b.upper()));
-            lower.copy_from_slice(&config.weighed(k, least.as_slice()));
-            upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
-        })?;
+        self.write_bounds(&mut problem.tasks, &command.targets)?;
         let last_acceleration = match (&*approach, &previous.jerk) {
             (None, _) => &[],
             (Some(_), Some(jerk)) => jerk.acceleration.as_slice(),
@@ -239,6 +233,18 @@ impl Controller {
             update_streams(&mut memory.target_streams, streams);
         }
         Ok(command)
+    }
+
+    /// Overwrites the bounds of the rows of the tasks: their targets, or the bounds of a task with bounds.
+    fn write_bounds(&self, tasks: &mut TaskStack, targets: &[TaskTarget]) -> Result<(), TaskError> {
+        let config = &self.config;
+        tasks.overwrite(|k, _, lower, upper| {
+            let velocity = &targets[k].velocity;
+            let (least, greatest) =
+                config.tasks[k].law.bounds().map_or((velocity, velocity), |b| (b.lower(), b.upper()));
+            lower.copy_from_slice(&config.weighed(k, least.as_slice()));
+            upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
+        })
     }
 
     fn check(&self, measurement: &Measurement) -> Result<(), StepError> {
