@@ -69,7 +69,8 @@ impl Arm {
     /// Gives the arm the command of an answer to a state that was measured at `measured`.
     pub fn apply(&mut self, answer: &wire::StepAnswer, measured: Instant) {
         self.advance();
-        self.command.clone_from(&answer.joint_velocity);
+        // A state may contain numbers up to 1e9. Without limits a command can exceed it.
+        self.command = answer.joint_velocity.iter().map(|velocity| velocity.clamp(-1e9, 1e9)).collect();
         self.deceleration = answer.braking_deceleration.iter().map(|a| a.unwrap_or(f64::INFINITY)).collect();
         self.brakes_at = measured + std::time::Duration::from_millis(answer.valid_for_ms);
         // A command that is too old is the velocity of its ramp at once.
