@@ -69,7 +69,8 @@ impl Arm {
     /// Gives the arm the command of an answer to a state that was measured at `measured`.
     pub fn apply(&mut self, answer: &wire::StepAnswer, measured: Instant) {
         self.advance();
-        // A state may contain numbers up to 1e9. Without limits a command can exceed it.
+        // A state may contain numbers up to 1e9. After a wild wrench the solver `closed_form`, which ignores limits, can
+        // command more: it moves the joints far away, and a posture task demands them back.
         self.command = answer.joint_velocity.iter().map(|velocity| velocity.clamp(-1e9, 1e9)).collect();
         self.deceleration = answer.braking_deceleration.iter().map(|a| a.unwrap_or(f64::INFINITY)).collect();
         self.brakes_at = measured + std::time::Duration::from_millis(answer.valid_for_ms);

@@ -24,7 +24,8 @@ fn row(entries: &[f64], velocity: f64) -> Task {
     task(Matrix::from_row_slice(1, entries.len(), entries), Vector::from_element(1, velocity))
 }
 
-/// Draws random tasks until no matrix that Eq. (29) inverts is nearly singular.
+/// Draws random tasks until no matrix that Eq. (29) inverts is nearly singular. The smallest singular value is above a quarter
+/// of every random threshold of damping, so that no direction fades, which the printed equation does not know.
 fn well_conditioned(random: &mut Random) -> TaskStack {
     loop {
         let n = 2 + random.below(7);
@@ -35,7 +36,7 @@ fn well_conditioned(random: &mut Random) -> TaskStack {
         };
         let tasks = TaskStack::new((0..count).map(|_| any()).collect()).unwrap();
         let sigma = tasks.stacked_jacobian().singular_values();
-        if tasks.stacked_jacobian().nrows() <= n && sigma.min() > 0.1 {
+        if tasks.stacked_jacobian().nrows() <= n && sigma.min() > 0.13 {
             return tasks;
         }
     }
