@@ -176,7 +176,6 @@ impl Controller {
             joints: distance_to_rest,
             twist: configuration.twist(distance_to_rest),
             time: config.drive.time_to_rest(config.period_s),
-            period: config.period_s,
         };
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
@@ -331,8 +330,8 @@ impl Controller {
         for (k, (target, (task, integrator))) in targets.iter_mut().zip(laws).enumerate() {
             let (streams, integrator) = (TaskStreams::of(streams, k), integrator.as_slice());
             let state = task.state(arm, streams);
-            let state = match &task.law {
-                Law::Position(law) => task.at_rest(law.gain(), state, arm),
+            let state = match task.law {
+                Law::Position(_) => task.at_rest(state, arm),
                 _ => state,
             };
             let velocity = task.law.velocity(&state, integrator, period);
@@ -367,8 +366,7 @@ impl Controller {
             let initial = previous.initial_position.as_ref().map_or(position, Vector::as_slice);
             motion.write(&config.robot, position, initial, velocity);
             let Some(gain) = motion.braking_gain() else { return };
-            let counted = gain * arm.to_rest.share(gain);
-            velocity.iter_mut().zip(arm.to_rest.joints).for_each(|(speed, to_rest)| *speed -= counted * to_rest);
+            velocity.iter_mut().zip(arm.to_rest.joints).for_each(|(speed, to_rest)| *speed -= gain * to_rest);
             let row_space = capability.row_space(tasks);
             if let NullSpaceMotion::InitialPosture { .. } = motion {
                 row_space.remove_from(velocity);

@@ -8,7 +8,7 @@ use super::target_bounds::RowKind;
 use super::target_streams::TaskStreams;
 use super::{JointRows, JointTarget, RawRows, StreamedTarget, StreamedValue, ToolRows};
 use crate::law::{Law, Profile, TaskState};
-use crate::linalg::{Matrix, TaskVector, Vector};
+use crate::linalg::{Matrix, TaskVector};
 use crate::streaming::{Quantity, Reference, Streaming, StreamingError, TargetValue};
 
 /// One task with its law.
@@ -109,21 +109,6 @@ pub(super) struct MotionToRest<'a> {
     pub twist: [f64; 6],
     /// L + D T, s.
     pub time: f64,
-    /// T, s.
-    pub period: f64,
-}
-
-/// Largest K T for which a law counts on the whole motion to rest.
-const FULL_PREDICTION: f64 = 0.5;
-
-impl MotionToRest<'_> {
-    /// Returns the share of the motion that a law with the gain K (1/s) counts on: 1 up to K T = 1/2, then 1/(2 K T).
-    ///
-    /// Larger gains would make the law follow its own commands more than the arm: beyond K T = 1 they would grow without end
-    /// while a brake holds the arm, and beyond K T = 0.7 on some arms that are faster than stated.
-    pub fn share(&self, gain: f64) -> f64 {
-        (FULL_PREDICTION / (gain * self.period)).min(1.0)
-    }
 }
 
 impl TaskConfig {
@@ -183,16 +168,15 @@ impl TaskConfig {
     }
 
     /// Returns the state as a position law sees it: displaced as the arm will be at rest, from where the target will be
-    /// then. To first order in p − q. `gain`: K, m, 1/s.
-    pub(super) fn at_rest(&self, gain: &Vector, mut state: TaskState, arm: &ArmState) -> TaskState {
+    /// then. To first order in p − q.
+    pub(super) fn at_rest(&self, mut state: TaskState, arm: &ArmState) -> TaskState {
         let to_rest = &arm.to_rest;
         // Not even the sign of a zero changes without a drive.
         if to_rest.time > 0.0 {
             let motion = self.rows.moved(arm, to_rest.joints, &to_rest.twist);
             for (row, displacement) in state.displacement.iter_mut().enumerate() {
                 let rate = self.rows.joint(arm.robot, row).map_or(1.0, |(_, rate)| rate);
-                let moved = rate * motion[row] - state.target_velocity[row] * to_rest.time;
-                *displacement += to_rest.share(rate * gain[row]) * moved;
+                *displacement += rate * motion[row] - state.target_velocity[row] * to_rest.time;
             }
         }
         state

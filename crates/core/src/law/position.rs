@@ -13,8 +13,7 @@ use crate::linalg::{TaskVector, Vector};
 /// A controller whose [`Drive`](crate::limits::Drive) has a lag L or a dead time D T evaluates the law where its limits hold,
 /// at the position of rest p: x is J (p − q) further than measured, and x_d is where the target will be, ẋ_d (L + D T)
 /// further. In p the arm has neither lag nor dead time, so the decay above is exact for any K with K T < 2, to first order
-/// in p − q. On a target at constant velocity p − q = (L + D T) q̇, so nothing is left behind. From K T = 1/2 on, the law
-/// counts on the share 1/(2 K T) of p − q alone, so that it stays calm while a brake holds the arm.
+/// in p − q. On a target at constant velocity p − q = (L + D T) q̇, so nothing is left behind.
 ///
 /// Let M be the transfer function of the real drive and M̂ that of the stated one. The poles solve
 /// s + K (1 + M − M̂) = 0, as those of a joint near a limit, with the same claims about drives that are faster than stated.
