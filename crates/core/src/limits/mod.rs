@@ -57,7 +57,7 @@ mod inequality;
 mod jerk;
 mod velocity_box;
 
-pub use barrier::{APPROACH_RATE, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use barrier::{APPROACH_RATE, Ahead, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;
