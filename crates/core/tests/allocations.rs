@@ -14,7 +14,7 @@ use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Solver};
 use revprio_core::streaming::{Quantity, Streaming};
 use revprio_robot::kinematics::{Axis, AxisSelection};
-use revprio_robot::{RobotModel, built_in};
+use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 const NOMINAL: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 const PERIOD: f64 = 1e-3;
@@ -168,6 +168,24 @@ fn auto_with_active_limits_allocates_nothing() {
         assert!(tally.active_set > 200, "limits are rarely active: {tally:?}");
         assert_eq!((tally.allocations, tally.qp), (0, 0), "{method:?}: {tally:?}");
     }
+}
+
+/// Periods are solved once or twice.
+#[test]
+fn jerk_limits_allocate_nothing() {
+    let soft = |joint: &Joint| {
+        let limits = JointLimits { jerk: 0.2 * joint.limits.acceleration, ..joint.limits };
+        Joint { limits, ..joint.clone() }
+    };
+    let robot = sawyer();
+    let soft = RobotModel::new("soft", "", robot.joints().iter().map(soft).collect(), *robot.tool()).unwrap();
+    let config = config(Solver::Auto, Limits::Robot(LimitKind::PositionVelocityAcceleration));
+    let mut arm = Loop::new(ControllerConfig { robot: Arc::new(soft), ..config });
+    arm.run(2000);
+    let tally = arm.run(2000);
+    assert!(arm.memory.as_ref().is_some_and(|memory| memory.jerk.is_some()));
+    assert!(tally.active_set > 200, "limits are rarely active: {tally:?}");
+    assert_eq!((tally.allocations, tally.qp), (0, 0), "{tally:?}");
 }
 
 #[test]

@@ -179,7 +179,7 @@ fn inequalities(
     let reader = InequalityReader { robot, joints, period_s: request.period_s };
     let barriers = reader.read(&request.inequalities)?;
     let inequality = |barrier: &Barrier| match configuration {
-        Some(configuration) => Some(barrier.at(configuration, &[], None)),
+        Some(configuration) => Some(barrier.at(configuration, None, None)),
         None => barrier.constant().cloned(),
     };
     Ok(barriers.iter().filter_map(inequality).collect())

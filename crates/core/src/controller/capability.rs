@@ -65,6 +65,10 @@ const DELAY_PER_CHANGE: f64 = 1.5;
 /// Less than half of the default threshold of damping, so that the estimate is right wherever tasks are not damped.
 const REGULARISATION: f64 = 0.02;
 
+/// Part of the reaction time before a plane per time a_j/J_j, in which a joint reaches its deceleration: from full acceleration to
+/// full deceleration.
+const RISES_BEFORE_PLANE: f64 = 2.0;
+
 /// The speed and the deceleration of each joint that the limits of a controller permit.
 #[derive(Debug)]
 pub(super) struct Capability {
@@ -76,6 +80,8 @@ pub(super) struct Capability {
     jerk: Vec<f64>,
     /// τ, the time for which an arm moves on before it brakes, s.
     reaction: f64,
+    /// The same before a plane, s.
+    plane_reaction: f64,
     /// The tasks whose rows make up J, by index.
     stacked: Vec<usize>,
     /// JᵀJ + λ² I, n × n, or the storage of it.
@@ -92,8 +98,8 @@ impl Capability {
     /// Derives the capability from a checked configuration.
     pub fn new(config: &ControllerConfig) -> Self {
         let n = config.robot.joint_count();
-        let (speed, deceleration) = (0..n).map(|joint| joint_capability(config, joint)).unzip();
-        let jerk = (0..n).map(|joint| joint_jerk(config, joint)).collect();
+        let (speed, deceleration): (_, Vec<_>) = (0..n).map(|joint| joint_capability(config, joint)).unzip();
+        let jerk: Vec<_> = (0..n).map(|joint| joint_jerk(config, joint)).collect();
         let is_pose =
             |task: &TaskConfig| task.rows.joint(&config.robot, 0).is_none() && matches!(task.law, Law::Position(_));
         let first_pose = config.tasks.iter().position(is_pose).unwrap_or(0);
@@ -104,11 +110,13 @@ impl Capability {
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
         let reaction = reaction_time(config.period_s);
+        let plane_reaction = reaction + RISES_BEFORE_PLANE * longest_rise(&deceleration, &jerk);
         Self {
             speed,
             deceleration,
             jerk,
             reaction,
+            plane_reaction,
             stacked,
             gram,
             factors: None,
@@ -119,7 +127,7 @@ impl Capability {
 
     /// Returns how the joints brake before planes.
     pub fn joint_braking(&self) -> JointBraking<'_> {
-        JointBraking { deceleration: &self.deceleration, reaction_s: self.reaction }
+        JointBraking { deceleration: &self.deceleration, reaction_s: self.plane_reaction }
     }
 
     /// Starts a period: the Jacobians have changed.
@@ -312,6 +320,12 @@ fn joint_jerk(config: &ControllerConfig, joint: usize) -> f64 {
     if is_kept && JerkLimit::of(limits, config.period_s).is_some() { limits.jerk } else { f64::INFINITY }
 }
 
+/// Returns the largest a_j/J_j of joints with a jerk limit, s.
+fn longest_rise(deceleration: &[f64], jerk: &[f64]) -> f64 {
+    let rises = deceleration.iter().zip(jerk).map(|(a, jerk)| a / jerk);
+    rises.filter(|rise| rise.is_finite()).fold(0.0, f64::max)
+}
+
 /// Returns V and a of a joint as far as the limits of the controller know them.
 fn joint_capability(config: &ControllerConfig, joint: usize) -> (f64, f64) {
     let limits = &config.robot.joints()[joint].limits;
@@ -339,6 +353,7 @@ mod tests {
                 deceleration: vec![deceleration],
                 jerk: vec![jerk],
                 reaction,
+                plane_reaction: reaction,
                 stacked: Vec::new(),
                 gram: Matrix::zeros(0, 0),
                 factors: None,

@@ -5,11 +5,14 @@
 //! limits of acceleration and jerk, is the velocity that the tasks want. The box of the second one then lets each joint only
 //! arrive there with the acceleration of that velocity; see [`LimitedBox::approach`]. When the first solution already lies
 //! in this box, it is the answer, and nothing is solved again.
+//!
+//! Planes and other inequalities go before such an arrival: if the second solution violates one, the box of all limits is
+//! solved as it is.
 
 use revprio_robot::RobotModel;
 
 use super::{ControllerConfig, Memory};
-use crate::limits::{JerkLimit, JointMotion, LimitKind, LimitedBox};
+use crate::limits::{JerkLimit, JointMotion, LimitKind, LimitedBox, VelocityBox};
 use crate::linalg::Vector;
 use crate::resolution::{Problem, ProblemError, Resolution, Resolver};
 
@@ -51,6 +54,8 @@ impl ControllerConfig {
 pub(super) struct Approach {
     /// The limits without those of acceleration and jerk.
     wide: LimitedBox,
+    /// All limits.
+    all: VelocityBox,
     /// The velocity that the tasks want, n.
     requested: Vector,
 }
@@ -59,7 +64,11 @@ impl Approach {
     /// Returns the workspace of a controller; `None` if it keeps no jerk limit.
     pub fn new(config: &ControllerConfig) -> Option<Self> {
         let n = config.robot.joint_count();
-        config.keeps_jerk().then(|| Self { wide: LimitedBox::unbounded(n), requested: Vector::zeros(n) })
+        config.keeps_jerk().then(|| Self {
+            wide: LimitedBox::unbounded(n),
+            all: VelocityBox::unbounded(n),
+            requested: Vector::zeros(n),
+        })
     }
 
     /// Solves a period. `limited`: the box of all limits, which is narrowed.
@@ -72,6 +81,7 @@ impl Approach {
         previous: &Memory,
         resolution: &mut Resolution,
     ) -> Result<(), ProblemError> {
+        self.all.copy_from(&limited.velocity_box);
         self.wide.update(&config.robot, LimitKind::PositionVelocity, motion, config.period_s);
         problem.limits.copy_from(&self.wide.velocity_box);
         resolver.resolve(problem, &previous.active_set, resolution)?;
@@ -79,7 +89,12 @@ impl Approach {
         let last = previous.jerk.as_ref().map_or(&previous.last_command, |jerk| &jerk.requested);
         limited.approach(&config.robot, motion, self.requested.as_slice(), last.as_slice(), config.period_s);
         problem.limits.copy_from(&limited.velocity_box);
-        if !problem.limits.allows(self.requested.as_slice()) {
+        if problem.limits.allows(self.requested.as_slice()) {
+            return Ok(());
+        }
+        resolver.resolve(problem, &previous.active_set, resolution)?;
+        if !resolution.violated_inequalities.is_empty() {
+            problem.limits.copy_from(&self.all);
             resolver.resolve(problem, &previous.active_set, resolution)?;
         }
         Ok(())

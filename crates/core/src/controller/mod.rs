@@ -40,6 +40,7 @@ mod capability;
 mod config;
 mod jerk;
 mod joint_rows;
+mod look_ahead;
 mod memory;
 mod null_space;
 mod progress;

@@ -149,6 +149,7 @@ impl Controller {
             command,
             zero_velocity,
             distance_to_rest,
+            look_ahead,
             streams,
         } = workspace;
         let position = &measurement.joint_position;
@@ -195,11 +196,10 @@ impl Controller {
         if previous.in_transition {
             config.limit_transition(limited, &mut problem.limits, motion);
         }
+        let ahead = look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, motion)).transpose()?;
+        let braking = Some(capability.joint_braking());
         problem.inequalities.clear();
-        let (to_rest, braking) = (motion.distance_to_rest, capability.joint_braking());
-        problem
-            .inequalities
-            .extend(config.barriers.iter().map(|barrier| barrier.at(configuration, to_rest, Some(braking))));
+        problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration, ahead, braking)));
         let resolution = &mut command.resolution;
         match approach {
             Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,

@@ -6,6 +6,7 @@ use revprio_robot::kinematics::Configuration;
 
 use super::capability::Capability;
 use super::jerk::Approach;
+use super::look_ahead::LookAhead;
 use super::target_streams::ActiveStream;
 use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
@@ -77,6 +78,8 @@ pub(super) struct Workspace {
     pub(super) zero_velocity: Vec<f64>,
     /// p − q, n.
     pub(super) distance_to_rest: Vec<f64>,
+    /// For planes.
+    pub(super) look_ahead: Option<LookAhead>,
     /// The streams of targets of this period.
     pub(super) streams: Vec<ActiveStream>,
 }
@@ -110,7 +113,6 @@ impl Workspace {
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
         let configuration = Configuration::new(&config.robot, &zeros)?;
         Ok(Self {
-            configuration,
             capability: Capability::new(config),
             limited,
             approach: Approach::new(config),
@@ -119,6 +121,8 @@ impl Workspace {
             command,
             distance_to_rest: zeros.clone(),
             zero_velocity: zeros,
+            look_ahead: LookAhead::new(config, &configuration),
+            configuration,
             streams: Vec::new(),
         })
     }

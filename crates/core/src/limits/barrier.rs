@@ -1,6 +1,6 @@
 //! Barriers: inequalities that a controller must obey besides the joint limits, such as virtual walls.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3xX, Vector3};
 use revprio_robot::kinematics::Configuration;
 
 use super::Inequality;
@@ -40,19 +40,25 @@ impl Barrier {
         }
     }
 
-    /// Returns the inequality at a posture; `distance_to_rest`: p − q of each joint, n, as in
-    /// [`JointMotion`](super::JointMotion); `braking`: how the joints brake, if it is known.
-    pub fn at(
-        &self,
-        configuration: &Configuration,
-        distance_to_rest: &[f64],
-        braking: Option<JointBraking>,
-    ) -> Inequality {
+    /// Returns the inequality at a posture; `ahead`: where the next command moves the arm, if it is known; `braking`: how the
+    /// joints brake, if it is known.
+    pub fn at(&self, configuration: &Configuration, ahead: Option<Ahead>, braking: Option<JointBraking>) -> Inequality {
         match self {
             Self::Fixed(inequality) => inequality.clone(),
-            Self::Plane(plane) => plane.at(configuration, distance_to_rest, braking),
+            Self::Plane(plane) => plane.at(configuration, ahead, braking),
         }
     }
+}
+
+/// Where the next command moves the arm: from its position of rest p to p + T u, see [`DriveState`](super::DriveState).
+#[derive(Debug, Clone, Copy)]
+pub struct Ahead<'a> {
+    /// The arm at m = p + ½ T q̇⁻, half of the way if the last command continues.
+    pub configuration: &'a Configuration,
+    /// m − p, n, rad or m.
+    pub half_way: &'a [f64],
+    /// q̇⁻, the last command, n, rad/s or m/s.
+    pub last_command: &'a [f64],
 }
 
 /// How the joints brake before a plane.
@@ -90,8 +96,12 @@ const BRAKING_SHARE: f64 = 0.5;
 ///
 /// which the shortest change of the joint velocities along n gives, Δq̇ = −(Δs/|g|²) g. Where the limits of the controller
 /// do not say how the joints brake, the bound is γ D. Behind the wall, the inequality demands a motion back, with the
-/// mirrored bound. It is a linearisation at the present posture; the error is of second order in the displacement of one
-/// period and in p − q.
+/// mirrored bound.
+///
+/// Behind a drive, D is the smaller one of the distances at the present posture q and at the position of rest p. A command u
+/// moves p by T u, so n·x(p + T u) = n·x(p) + T g(m)·u up to terms of third order for u = q̇⁻, with m as in [`Ahead`]. The
+/// coefficients of the inequality are g(q) nevertheless, because the tasks have their Jacobians there, and tasks would drive
+/// the arm through the difference of g(m) and g(q). Instead, max(0, (g(m) − g(q))·q̇⁻) is subtracted from the bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualPlane {
     name: String,
@@ -153,32 +163,38 @@ impl VirtualPlane {
 
     /// Returns the inequality at a posture. It always holds if no joint moves the point along the normal.
     ///
-    /// `distance_to_rest`: p − q of each joint, n, or empty. The distance to the wall is that of the point at rest if the
-    /// point still approaches. `braking`: how the joints brake, if it is known.
-    pub fn at(
-        &self,
-        configuration: &Configuration,
-        distance_to_rest: &[f64],
-        braking: Option<JointBraking>,
-    ) -> Inequality {
-        let (position, jacobian) = match self.point {
+    /// `ahead`: where the next command moves the arm, if it is known; `braking`: how the joints brake, if it is known.
+    pub fn at(&self, configuration: &Configuration, ahead: Option<Ahead>, braking: Option<JointBraking>) -> Inequality {
+        let (position, jacobian) = self.point_at(configuration);
+        let along = jacobian.transpose() * self.normal;
+        if along.norm() <= RANK_TOLERANCE * jacobian.norm() {
+            return Inequality::always_satisfied(self.name.clone(), along.len());
+        }
+        let (mut distance, mut turning) = (self.offset - self.normal.dot(&position), 0.0);
+        if let Some(Ahead { configuration, half_way, last_command }) = ahead {
+            let (position, jacobian) = self.point_at(configuration);
+            let ahead = jacobian.transpose() * self.normal;
+            let dot = |by: &[f64]| ahead.iter().zip(by).map(|(ahead, by)| ahead * by).sum::<f64>();
+            distance = distance.min(self.offset - self.normal.dot(&position) + dot(half_way));
+            let now: f64 = along.iter().zip(last_command).map(|(along, by)| along * by).sum();
+            turning = (dot(last_command) - now).max(0.0);
+        }
+        let coefficients = Vector::from_column_slice(along.as_slice());
+        let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
+        let by_rate = self.rate * distance;
+        let bound = by_rate.clamp(-speed, speed) - turning;
+        Inequality { name: self.name.clone(), coefficients, bound }
+    }
+
+    /// Returns the point (m) and its Jacobian, 3 × n.
+    fn point_at(&self, configuration: &Configuration) -> (Vector3<f64>, Matrix3xX<f64>) {
+        match self.point {
             PlanePoint::Tool => {
                 let jacobian = configuration.jacobian().fixed_rows::<3>(0).into_owned();
                 (configuration.tool_pose().translation.vector, jacobian)
             }
             PlanePoint::Joint(joint) => configuration.joint_origin(joint),
-        };
-        let along = jacobian.transpose() * self.normal;
-        if along.norm() <= RANK_TOLERANCE * jacobian.norm() {
-            return Inequality::always_satisfied(self.name.clone(), along.len());
         }
-        let approach: f64 = along.iter().zip(distance_to_rest).map(|(along, to_rest)| along * to_rest).sum();
-        let distance = self.offset - self.normal.dot(&position) - approach.max(0.0);
-        let coefficients = Vector::from_column_slice(along.as_slice());
-        let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
-        let by_rate = self.rate * distance;
-        let bound = by_rate.clamp(-speed, speed);
-        Inequality { name: self.name.clone(), coefficients, bound }
     }
 }
 

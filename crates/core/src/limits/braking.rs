@@ -8,6 +8,9 @@ const MIN_SPARE_TIME: f64 = 0.01;
 /// Time in which a joint without acceleration limit brakes from its speed limit, s. The built-in arms need 0.1 s to 0.3 s.
 const DEFAULT_BRAKING_TIME: f64 = 0.25;
 
+/// Distance beyond a position limit that counts as noise of the measured position, rad or m: twice the largest error.
+pub(super) const NOISE_TOLERANCE: f64 = 5e-4;
+
 /// Returns S, the time for which a command near a limit can be held, s; `period`: T, s.
 pub fn spare_time(period: f64) -> f64 {
     period.max(MIN_SPARE_TIME)

@@ -32,6 +32,11 @@
 //! p less regularly. If the braking term then demands more than full braking, full braking is allowed as long as the joint
 //! could still stop if it had no drive.
 //!
+//! Noise of the measured position can demand more than full braking as well. If δ = 0.5 mrad (0.5 mm) more distance would
+//! allow it, full braking is allowed. Let the error be at most ε ≤ δ/2. Then v τ + v²/2A ≤ max(0, d + ε) after every command,
+//! for the true d: the box of the measured distance ensures it, and full braking keeps it, as above. As d + ε is at most
+//! the measured distance + 2 ε, full braking is always allowed, and no limits contradict each other.
+//!
 //! # Outside the limits
 //!
 //! A measured state may lie outside. Beyond a position limit the box demands a motion back, within V and A. If the
@@ -52,7 +57,7 @@ mod inequality;
 mod jerk;
 mod velocity_box;
 
-pub use barrier::{APPROACH_RATE, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use barrier::{APPROACH_RATE, Ahead, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;

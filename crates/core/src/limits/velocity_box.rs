@@ -2,7 +2,7 @@
 
 use revprio_robot::{JointLimits, RobotModel};
 
-use super::braking::{braking_deceleration, reaction_time};
+use super::braking::{NOISE_TOLERANCE, braking_deceleration, reaction_time};
 use super::jerk::JerkLimit;
 use crate::linalg::Vector;
 
@@ -242,8 +242,7 @@ impl Interval {
         joint: usize,
         period: f64,
     ) -> Self {
-        let (velocity, last) = (limits.velocity, motion.last_command[joint]);
-        let max_change = limits.acceleration * period;
+        let velocity = limits.velocity;
         let (lower, upper) = match kind {
             LimitKind::None => (f64::NEG_INFINITY, f64::INFINITY),
             LimitKind::Velocity => (-velocity, velocity),
@@ -252,37 +251,50 @@ impl Interval {
                 let (to_lower, to_upper) = motion.distances(joint, limits);
                 ordered(-stop(to_lower), stop(to_upper), to_upper)
             }
-            LimitKind::PositionVelocityAcceleration => {
-                let stop = |distance: f64, last: f64| max_speed_towards(limits, distance, last, period);
-                let bounds = |motion: JointMotion| {
-                    let (to_lower, to_upper) = motion.distances(joint, limits);
-                    ordered(-stop(to_lower, -last), stop(to_upper, last), to_upper)
-                };
-                let ((mut lower, mut upper), at_once) = (bounds(motion), bounds(motion.stopping_at_once()));
-                // A drive that is faster than stated can ask for more than full braking, and then needs less.
-                lower = lower.min((last + max_change).max(at_once.0));
-                upper = upper.max((last - max_change).min(at_once.1));
-                let interval = Self {
-                    lower: (last - max_change).clamp(lower, upper),
-                    upper: (last + max_change).clamp(lower, upper),
-                    conflict: last - max_change > upper + CONFLICT_TOLERANCE
-                        || last + max_change < lower - CONFLICT_TOLERANCE,
-                };
-                let jerk = motion.last_acceleration.get(joint).zip(JerkLimit::of(limits, period));
-                return jerk.map_or(interval, |(&acceleration, jerk)| {
-                    interval.keeping_jerk(&jerk, last, acceleration, motion.distances(joint, limits))
-                });
-            }
+            LimitKind::PositionVelocityAcceleration => return Self::with_acceleration(limits, motion, joint, period),
         };
         Self { lower, upper, conflict: false }
     }
 
+    /// Returns the interval of all limits.
+    fn with_acceleration(limits: &JointLimits, motion: JointMotion, joint: usize, period: f64) -> Self {
+        let last = motion.last_command[joint];
+        let max_change = limits.acceleration * period;
+        let (slowest, fastest) = (last - max_change, last + max_change);
+        let stop = |distance: f64, last: f64| max_speed_towards(limits, distance, last, period);
+        let (to_lower, to_upper) = motion.distances(joint, limits);
+        let bounds = |(to_lower, to_upper)| ordered(-stop(to_lower, -last), stop(to_upper, last), to_upper);
+        let at_once = bounds(motion.stopping_at_once().distances(joint, limits));
+        let forgiving = (-stop(to_lower + NOISE_TOLERANCE, -last), stop(to_upper + NOISE_TOLERANCE, last));
+        let (mut lower, mut upper) = bounds((to_lower, to_upper));
+        // A drive that is faster than stated can ask for more than full braking, and then needs less. So can noise.
+        lower = lower.min(if fastest >= forgiving.0 { fastest } else { fastest.max(at_once.0) });
+        upper = upper.max(if slowest <= forgiving.1 { slowest } else { slowest.min(at_once.1) });
+        let interval = Self {
+            lower: slowest.clamp(lower, upper),
+            upper: fastest.clamp(lower, upper),
+            conflict: slowest > upper + CONFLICT_TOLERANCE || fastest < lower - CONFLICT_TOLERANCE,
+        };
+        let jerk = motion.last_acceleration.get(joint).zip(JerkLimit::of(limits, period));
+        jerk.map_or(interval, |(&acceleration, jerk)| {
+            interval.keeping_jerk(&jerk, (last, acceleration), (to_lower, to_upper), forgiving)
+        })
+    }
+
     /// Restricts the interval of the other limits by a jerk limit, as far as they allow it; `acceleration`: a⁻.
-    fn keeping_jerk(self, jerk: &JerkLimit, last: f64, acceleration: f64, (to_lower, to_upper): (f64, f64)) -> Self {
+    ///
+    /// `forgiving`: the position limits, give or take noise. They give way to full braking with the jerk.
+    fn keeping_jerk(
+        self,
+        jerk: &JerkLimit,
+        (last, acceleration): (f64, f64),
+        (to_lower, to_upper): (f64, f64),
+        forgiving: (f64, f64),
+    ) -> Self {
         let (least, greatest) = jerk.reach(last, acceleration);
         // A return from beyond a limit begins as fast as the jerk allows it.
-        let highest = if to_upper < 0.0 { self.upper.max(least.min(0.0)) } else { self.upper };
-        let lowest = if to_lower < 0.0 { self.lower.min(greatest.max(0.0)) } else { self.lower };
+        let highest = if least <= forgiving.1.max(0.0) { self.upper.max(least) } else { self.upper };
+        let lowest = if greatest >= forgiving.0.min(0.0) { self.lower.min(greatest) } else { self.lower };
         let upper = jerk.largest(last, acceleration, to_upper);
         let lower = (-jerk.largest(-last, -acceleration, to_lower)).min(upper);
         Self {
@@ -372,6 +384,10 @@ mod tests {
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 2.0, 1.0), (0.0, 0.0, true));
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 2.5, 1.0), (0.0, 0.0, true));
         assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 0.0, 3.0), (1.5, 1.5, true));
+        // Noise may explain what a slower joint shows: it brakes fully.
+        let (_, upper, conflict) = interval(LimitKind::PositionVelocityAcceleration, 2.0001, 0.09);
+        assert!((upper - 0.01).abs() < 1e-12 && !conflict, "{upper}");
+        assert_eq!(interval(LimitKind::PositionVelocityAcceleration, 2.0001, 0.12), (0.0, 0.0, true));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{Random, constant, force, position, task};
+use super::drives::LaggingArm;
 
 const PERIOD: f64 = 0.005;
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
@@ -70,30 +71,46 @@ fn measurement(period: u32, q: &[f64], random: &mut Random) -> Measurement {
 /// What a run with changes shows: changes of velocity relative to A T.
 #[derive(Default)]
 struct Run {
-    /// Largest one in a transition.
+    /// Largest one in a transition, per period since the last command that arrived.
     largest: f64,
     /// Largest one of the first command after a change that does not continue as a transition.
     untreated: f64,
     /// Periods in transitions.
     periods: u32,
+    /// Answers in transitions that are lost.
+    lost: u32,
 }
 
-fn run(robot: &Arc<RobotModel>, limits: &Limits, seed: u64) -> Run {
+/// How the arm of a run differs from one that follows at once.
+#[derive(Debug, Clone, Copy)]
+struct Faults {
+    drive: Drive,
+    /// Largest error of a measured position, rad.
+    noise: f64,
+    /// Whether every third answer of a transition is lost: the arm keeps its last command.
+    loses: bool,
+}
+
+fn run(robot: &Arc<RobotModel>, limits: &Limits, faults: Faults, seed: u64) -> Run {
     let random = &mut Random(seed);
     let joints = robot.joints();
     let mut q: Vec<f64> = joints.iter().map(|joint| 0.5 * (joint.limits.lower + joint.limits.upper)).collect();
     for q in &mut q {
         *q += 0.3 * random.signed();
     }
+    let mut arm = LaggingArm::at_rest(&q, faults.drive, faults.noise, seed);
     let mut stepper = Stepper::new(Controller::new(random_config(robot, limits, random)).unwrap()).unwrap();
     let (mut memory, mut last, mut run) = (None::<Memory>, vec![0.0; joints.len()], Run::default());
+    // Periods since the last command that arrived.
+    let mut elapsed = 1.0;
     for period in 0..8 * INTERVAL {
-        let measured = measurement(period, &q, random);
+        let Measurement { joint_position, .. } = arm.measure(0.0);
+        let measured = measurement(period, &joint_position, random);
         if period % INTERVAL == 0
             && let Some(old) = &memory
         {
             let controller = Controller::new(random_config(robot, limits, random)).unwrap();
-            let changed = controller.continue_from(stepper.controller(), old, &q).unwrap();
+            let changed = controller.continue_from(stepper.controller(), old, &joint_position).unwrap();
             stepper = Stepper::new(controller).unwrap();
             let mut jumps = Some(Memory { in_transition: false, ..changed.clone() });
             let command = stepper.step(&mut jumps, &measured).unwrap();
@@ -104,12 +121,17 @@ fn run(robot: &Arc<RobotModel>, limits: &Limits, seed: u64) -> Run {
         let is_transition = period >= INTERVAL && memory.as_ref().is_some_and(|memory| memory.in_transition);
         let command = stepper.step(&mut memory, &measured).unwrap();
         let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+        if faults.loses && is_transition && period % 3 == 1 {
+            (elapsed, run.lost) = (elapsed + 1.0, run.lost + 1);
+            arm.follow(&last, PERIOD);
+            continue;
+        }
         if is_transition && command.limit_conflicts.is_empty() {
-            run.largest = run.largest.max(largest_change(robot, &last, &velocity));
+            run.largest = run.largest.max(largest_change(robot, &last, &velocity) / elapsed);
             run.periods += 1;
         }
-        q.iter_mut().zip(&velocity).for_each(|(q, v)| *q += PERIOD * v);
-        last = velocity;
+        arm.follow(&velocity, PERIOD);
+        (last, elapsed) = (velocity, 1.0);
     }
     run
 }
@@ -122,6 +144,13 @@ fn largest_change(robot: &RobotModel, last: &[f64], velocity: &[f64]) -> f64 {
 
 #[test]
 fn no_joint_exceeds_its_acceleration_while_tasks_change() {
+    let stated = Drive { lag_s: 0.02, delay_periods: 1 };
+    let faults = [
+        Faults { drive: Drive::IDEAL, noise: 0.0, loses: false },
+        Faults { drive: stated, noise: 1e-4, loses: false },
+        Faults { drive: Drive { lag_s: 0.005, delay_periods: 0 }, noise: 1e-4, loses: true },
+        Faults { drive: Drive { lag_s: 0.03, delay_periods: 2 }, noise: 1e-4, loses: true },
+    ];
     for (name, speed) in [("panda", 1.0), ("sawyer", 0.8), ("ur5e", 1.5)] {
         let robot = robot(name);
         let n = robot.joint_count();
@@ -132,15 +161,18 @@ fn no_joint_exceeds_its_acceleration_while_tasks_change() {
             Limits::Robot(LimitKind::PositionVelocity),
             Limits::Fixed(fixed),
         ] {
-            let (mut largest, mut untreated, mut periods) = (0.0_f64, 0.0_f64, 0);
-            for seed in 1..=12 {
-                let run = run(&robot, &limits, seed);
-                (largest, untreated) = (largest.max(run.largest), untreated.max(run.untreated));
-                periods += run.periods;
+            for faults in faults {
+                let (mut largest, mut untreated, mut periods, mut lost) = (0.0_f64, 0.0_f64, 0, 0);
+                for seed in 1..=12 {
+                    let run = run(&robot, &limits, faults, seed);
+                    (largest, untreated) = (largest.max(run.largest), untreated.max(run.untreated));
+                    (periods, lost) = (periods + run.periods, lost + run.lost);
+                }
+                let context = format!("{name} {limits:?} {faults:?}: {largest} {untreated} {periods} {lost}");
+                assert!(largest <= 1.0 + 1e-9, "{context}");
+                assert!(untreated > 2.0, "the tasks of this test do not jump: {context}");
+                assert!(periods > 100 && (lost > 50) == faults.loses, "{context}");
             }
-            assert!(largest <= 1.0 + 1e-9, "{name} {limits:?}: {largest}");
-            assert!(untreated > 2.0, "{name} {limits:?}: the tasks of this test do not jump");
-            assert!(periods > 100, "{name} {limits:?}: {periods} periods");
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct LimitUse {
     pub velocity_excess: f64,
     /// Largest excess of a commanded acceleration (rad/s² or m/s²).
     pub acceleration_excess: f64,
+    /// Largest excess of a commanded jerk (rad/s³ or m/s³) of a joint that states a jerk limit.
+    pub jerk_excess: f64,
     /// Largest `|q̇_i|` as a fraction of the velocity limit of the joint; 0 if no joint has one.
     pub speed_use: f64,
 }
@@ -30,14 +32,14 @@ impl LimitUse {
     pub fn of(recording: &Recording, joints: &[RobotJoint], limits: &Limits) -> Self {
         let bounds: Vec<Bounds> = joints.iter().enumerate().map(|(i, joint)| Bounds::of(joint, limits, i)).collect();
         let mut sum = Self::default();
-        let mut before: Option<&Sample> = None;
+        let mut before = [None; 2];
         for sample in &recording.samples {
             for (i, bounds) in bounds.iter().enumerate() {
                 sum.add(bounds, Joint::of(sample, before, i, recording.period_s));
             }
             let at_limit = sample.limits.iter().any(|limit| *limit != AtLimit::Free);
             sum.at_limits_s += if at_limit { recording.period_s } else { 0.0 };
-            before = Some(sample);
+            before = [Some(sample), before[0]];
         }
         sum
     }
@@ -45,7 +47,8 @@ impl LimitUse {
     /// Returns whether no limit was exceeded.
     #[must_use]
     pub fn kept(&self) -> bool {
-        [self.position_excess, self.velocity_excess, self.acceleration_excess].iter().all(|excess| *excess == 0.0)
+        let excesses = [self.position_excess, self.velocity_excess, self.acceleration_excess, self.jerk_excess];
+        excesses.iter().all(|excess| *excess == 0.0)
     }
 
     /// Adds one joint in one period.
@@ -59,6 +62,7 @@ impl LimitUse {
         update(&mut self.position_excess, joint.position, bounds.position);
         update(&mut self.velocity_excess, joint.velocity, bounds.velocity);
         update(&mut self.acceleration_excess, joint.acceleration, bounds.acceleration);
+        update(&mut self.jerk_excess, joint.jerk, bounds.jerk);
         let limit = if joint.velocity < 0.0 { -bounds.velocity.0 } else { bounds.velocity.1 };
         if limit.is_finite() && limit > 0.0 {
             self.speed_use = self.speed_use.max(joint.velocity.abs() / limit);
@@ -71,6 +75,7 @@ struct Bounds {
     position: (f64, f64),
     velocity: (f64, f64),
     acceleration: (f64, f64),
+    jerk: (f64, f64),
 }
 
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -82,7 +87,7 @@ impl Bounds {
             Limits::Robot(kind) => *kind,
             Limits::Box { lower, upper } => {
                 let velocity = lower.get(index).copied().zip(upper.get(index).copied()).unwrap_or(FREE);
-                return Self { position: FREE, velocity, acceleration: FREE };
+                return Self { position: FREE, velocity, acceleration: FREE, jerk: FREE };
             }
         };
         let position = joint.position_limit.filter(|_| kind.includes_position());
@@ -92,6 +97,7 @@ impl Bounds {
             position: position.map_or(FREE, |[low, high]| (low, high)),
             velocity: symmetric(velocity),
             acceleration: symmetric(acceleration),
+            jerk: symmetric(joint.jerk_limit.filter(|_| kind.includes_acceleration())),
         }
     }
 }
@@ -102,15 +108,21 @@ struct Joint {
     position: f64,
     velocity: f64,
     acceleration: f64,
+    jerk: f64,
 }
 
 impl Joint {
-    /// Computes the acceleration from the command before; a run starts at rest.
-    fn of(sample: &Sample, before: Option<&Sample>, i: usize, period_s: f64) -> Self {
+    /// Computes acceleration and jerk from the two commands before, the last one first; a run starts at rest.
+    fn of(sample: &Sample, before: [Option<&Sample>; 2], i: usize, period_s: f64) -> Self {
         let entry = |list: &[f64]| list.get(i).copied().unwrap_or(0.0);
         let velocity = entry(&sample.joint_velocity);
-        let last = before.map_or(0.0, |before| entry(&before.joint_velocity));
-        Self { position: entry(&sample.joint_position), velocity, acceleration: (velocity - last) / period_s }
+        let [last, earlier] = before.map(|before| before.map_or(0.0, |before| entry(&before.joint_velocity)));
+        Self {
+            position: entry(&sample.joint_position),
+            velocity,
+            acceleration: (velocity - last) / period_s,
+            jerk: (velocity - 2.0 * last + earlier) / (period_s * period_s),
+        }
     }
 }
 
@@ -127,7 +139,7 @@ mod tests {
             position_limit: Some([-1.0, 2.0]),
             velocity_limit: Some(0.5),
             acceleration_limit: Some(10.0),
-            jerk_limit: None,
+            jerk_limit: Some(150.0),
             published_range: None,
             denavit_hartenberg: None,
         }
@@ -161,6 +173,13 @@ mod tests {
         let trace = [(-1.25, -0.75), (2.5, 1.0)];
         let all = measured(&trace, &Limits::Robot(LimitKind::PositionVelocityAcceleration));
         assert!(near(all.position_excess, 0.5) && near(all.velocity_excess, 0.5) && near(all.acceleration_excess, 7.5));
+        // −0.75, then 1.0 rad/s, in 0.1 s each: −75, then 250 rad/s³.
+        assert!((all.jerk_excess - 100.0).abs() < 1e-9, "{all:?}");
+        let without = Joint { jerk: 1e3, ..Joint::of(&Sample::at_rest(), [None; 2], 0, 0.1) };
+        let mut none = LimitUse::default();
+        let free = RobotJoint { jerk_limit: None, ..joint() };
+        none.add(&Bounds::of(&free, &Limits::Robot(LimitKind::PositionVelocityAcceleration), 0), without);
+        assert!(none.kept(), "{none:?}");
         let velocity = measured(&trace, &Limits::Robot(LimitKind::Velocity));
         assert!(velocity.position_excess == 0.0 && near(velocity.velocity_excess, 0.5) && !velocity.kept());
         assert!(measured(&trace, &Limits::Robot(LimitKind::None)).kept());

@@ -245,8 +245,12 @@ fn residuals(row: &Row, of: fn(&Residual) -> f64) -> String {
 }
 
 fn limit_excess(limits: &LimitUse) -> String {
-    let excesses =
-        [(limits.position_excess, "rad"), (limits.velocity_excess, "rad/s"), (limits.acceleration_excess, "rad/s²")];
+    let excesses = [
+        (limits.position_excess, "rad"),
+        (limits.velocity_excess, "rad/s"),
+        (limits.acceleration_excess, "rad/s²"),
+        (limits.jerk_excess, "rad/s³"),
+    ];
     let excess = |(value, unit): &(f64, &str)| format!("{} {unit}", significant(*value, 3));
     let exceeded: Vec<_> = excesses.iter().filter(|(value, _)| *value > 0.0).map(excess).collect();
     if exceeded.is_empty() { MISSING.to_owned() } else { exceeded.join(", ") }
