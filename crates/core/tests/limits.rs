@@ -138,8 +138,8 @@ proptest! {
         let half_way: Vec<f64> = last_command.iter().map(|speed| 0.5 * PERIOD * speed).collect();
         let moved = |by: &[f64]| Configuration::new(robot, &q.iter().zip(by).map(|(q, by)| q + by).collect::<Vec<_>>()).unwrap();
         let to_middle: Vec<f64> = to_rest.iter().zip(&half_way).map(|(rest, half)| rest + half).collect();
-        let middle = moved(&to_middle);
-        let ahead = Ahead { configuration: &middle, half_way: &half_way, last_command: &last_command };
+        let (rest, middle) = (moved(&to_rest), moved(&to_middle));
+        let ahead = Ahead { rest: &rest, half_way: &middle, last_command: &last_command };
         let inequality = wall.at(&configuration, Some(ahead), Some(braking));
         let step = 1e-6;
         let gradient_at = |q: &[f64]| Vector::from_iterator(7, (0..7).map(|joint| {
@@ -150,13 +150,12 @@ proptest! {
             };
             (moved(step) - moved(-step)) / (2.0 * step)
         }));
-        let gradient = gradient_at(&q);
+        let gradient = gradient_at(rest.joint_position());
         prop_assert!((inequality.coefficients() - &gradient).amax() < 1e-8);
         let turning = (gradient_at(middle.joint_position()) - &gradient).dot(&Vector::from_row_slice(&last_command)).max(0.0);
-        let distance = 0.7 - height(&configuration).max(height(&moved(&to_rest)));
+        let distance = 0.7 - height(&configuration).max(height(&rest));
         let bare = wall.at(&configuration, Some(ahead), None).bound() + turning;
-        // The distance at rest is exact up to the square of half of the way.
-        prop_assert!((bare - 8.0 * distance).abs() < 1e-3, "{bare} {distance}");
+        prop_assert!((bare - 8.0 * distance).abs() < 1e-6, "{bare} {distance}");
         let now = wall.at(&configuration, None, None).bound();
         prop_assert!((now - 8.0 * (0.7 - height(&configuration))).abs() < 1e-12, "{now}");
         let (by_rate, distance) = (bare, bare / 8.0);

@@ -1,9 +1,40 @@
-//! The posture of the next period, at which planes hold.
+//! Postures that the arm will have: the position of rest behind the drive, and that of the next period.
 
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::ControllerConfig;
-use crate::limits::{Ahead, Barrier, JointMotion};
+use crate::limits::{Ahead, Barrier};
+
+/// The workspace of a controller whose drive has a lag or a dead time: the arm at its position of rest p.
+pub(super) struct ArmAtRest {
+    configuration: Configuration,
+    /// p, n.
+    position: Vec<f64>,
+}
+
+impl ArmAtRest {
+    /// Returns the workspace of a controller; `None` if its drive follows at once. `configuration`: of its robot, at any posture.
+    pub fn new(config: &ControllerConfig, configuration: &Configuration) -> Option<Self> {
+        let position = vec![0.0; config.robot.joint_count()];
+        let is_late = config.drive.time_to_rest(config.period_s) > 0.0;
+        is_late.then(|| Self { configuration: configuration.clone(), position })
+    }
+
+    /// Updates to a measured position (q, n) and the distance to rest from there (p − q, n).
+    pub fn update(
+        &mut self,
+        robot: &RobotModel,
+        position: &[f64],
+        distance_to_rest: &[f64],
+    ) -> Result<&Configuration, ConfigurationError> {
+        for (rest, (position, distance)) in self.position.iter_mut().zip(position.iter().zip(distance_to_rest)) {
+            *rest = position + distance;
+        }
+        self.configuration.update(robot, &self.position)?;
+        Ok(&self.configuration)
+    }
+}
 
 /// The workspace of a controller with planes: the arm at m = p + ½ T q̇⁻; see
 /// [`Ahead`].
@@ -11,29 +42,27 @@ pub(super) struct LookAhead {
     configuration: Configuration,
     /// m, n.
     position: Vec<f64>,
-    /// m − p, n.
-    half_way: Vec<f64>,
 }
 
 impl LookAhead {
     /// Returns the workspace of a controller; `None` if it has no plane. `configuration`: of its robot, at any posture.
     pub fn new(config: &ControllerConfig, configuration: &Configuration) -> Option<Self> {
-        let zeros = vec![0.0; config.robot.joint_count()];
+        let position = vec![0.0; config.robot.joint_count()];
         let has_planes = config.barriers.iter().any(|barrier| matches!(barrier, Barrier::Plane(_)));
-        has_planes.then(|| Self { configuration: configuration.clone(), position: zeros.clone(), half_way: zeros })
+        has_planes.then(|| Self { configuration: configuration.clone(), position })
     }
 
-    /// Updates to a motion.
+    /// Updates to the arm at p and the last command (q̇⁻, n).
     pub fn update<'a>(
         &'a mut self,
         config: &ControllerConfig,
-        motion: JointMotion<'a>,
+        rest: &'a Configuration,
+        last_command: &'a [f64],
     ) -> Result<Ahead<'a>, ConfigurationError> {
-        for (joint, position) in self.position.iter_mut().enumerate() {
-            self.half_way[joint] = 0.5 * config.period_s * motion.last_command[joint];
-            *position = motion.position[joint] + motion.distance_to_rest[joint] + self.half_way[joint];
+        for (half_way, (p, speed)) in self.position.iter_mut().zip(rest.joint_position().iter().zip(last_command)) {
+            *half_way = p + 0.5 * config.period_s * speed;
         }
         self.configuration.update(&config.robot, &self.position)?;
-        Ok(Ahead { configuration: &self.configuration, half_way: &self.half_way, last_command: motion.last_command })
+        Ok(Ahead { rest, half_way: &self.configuration, last_command })
     }
 }

@@ -27,7 +27,8 @@ pub enum NullSpaceMotion {
         gain: f64,
     },
     /// f N K (q_0 − p), towards the posture of the first step in the null space of all tasks (projector N), with a norm of
-    /// at most [`HOLDING_SPEED`]: on repeated paths the arm returns to the same postures. p and f are as for `Posture`.
+    /// at most [`HOLDING_SPEED`]: on repeated paths the arm returns to the same postures. p and f are as for `Posture`. The
+    /// motion fades out near singularities of the tasks, where N turns quickly with the posture.
     InitialPosture {
         /// K, 1/s.
         gain: f64,

@@ -12,12 +12,14 @@ pub(super) struct RowSpace {
     /// The vectors of the basis, then memory for more, n each.
     basis: Vec<Vector>,
     rank: usize,
+    /// Length of what is new in the row that depends most on the rows before it; infinite without rows. Zero rows do not count.
+    smallest: f64,
 }
 
 impl RowSpace {
     /// Computes the basis for tasks over the same joints, by Gram-Schmidt.
     pub fn update<'a>(&mut self, tasks: impl IntoIterator<Item = &'a Task>) {
-        self.rank = 0;
+        (self.rank, self.smallest) = (0, f64::INFINITY);
         for row in tasks.into_iter().flat_map(|task| task.jacobian.row_iter()) {
             if self.rank == self.basis.len() {
                 self.basis.push(Vector::zeros(row.len()));
@@ -28,11 +30,19 @@ impl RowSpace {
             let length = direction.norm();
             remove(known, direction);
             let new = direction.norm();
+            if length > 0.0 {
+                self.smallest = self.smallest.min(new);
+            }
             if new > DEPENDENT * length {
                 *direction /= new;
                 self.rank += 1;
             }
         }
+    }
+
+    /// Returns how independent the rows are: at least σ_min of the Jacobian, and small near its singularities.
+    pub fn smallest(&self) -> f64 {
+        self.smallest
     }
 
     /// Leaves of a joint velocity (n) the part in the null space of the tasks.

@@ -10,7 +10,7 @@ use super::progress::{Observation, Progress, StuckTask};
 use super::row_space::in_null_space;
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TaskStreams};
-use super::task::{ArmState, MotionToRest};
+use super::task::ArmState;
 use super::task_target::TaskTarget;
 use super::{
     AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
@@ -18,7 +18,7 @@ use super::{
 };
 use crate::law::Law;
 use crate::limits::{DriveState, Hold, JointMotion};
-use crate::linalg::Vector;
+use crate::linalg::{Damping, Vector};
 use crate::resolution::{ProblemError, Resolution, Status};
 use crate::streaming::{Quantity, TargetStream};
 use crate::task::{TaskError, TaskStack};
@@ -149,6 +149,7 @@ impl Controller {
             command,
             zero_velocity,
             distance_to_rest,
+            rest,
             look_ahead,
             streams,
         } = workspace;
@@ -166,18 +167,16 @@ impl Controller {
             None => initial.insert(self.initial_memory(&arm)),
         };
         target_streams::update(streams, previous, measurement, &arm, config);
-        problem.tasks.overwrite_jacobians(|k, jacobian| {
-            config.tasks[k].rows.write_jacobian(configuration, jacobian);
-            config.weigh_jacobian(k, jacobian);
-        })?;
         for (joint, distance) in distance_to_rest.iter_mut().enumerate() {
             *distance = previous.drive.distance_to_rest(config.drive, joint, config.period_s);
         }
-        arm.to_rest = MotionToRest {
-            joints: distance_to_rest,
-            twist: configuration.twist(distance_to_rest),
-            time: config.drive.time_to_rest(config.period_s),
-        };
+        if let Some(rest) = rest {
+            arm.rest = rest.update(&config.robot, position, distance_to_rest)?;
+        }
+        problem.tasks.overwrite_jacobians(|k, jacobian| {
+            config.tasks[k].rows.write_jacobian(arm.rest, jacobian);
+            config.weigh_jacobian(k, jacobian);
+        })?;
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
             let targets = &mut command.targets;
@@ -196,7 +195,8 @@ impl Controller {
         if previous.in_transition {
             config.limit_transition(limited, &mut problem.limits, motion);
         }
-        let ahead = look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, motion)).transpose()?;
+        let ahead =
+            look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, arm.rest, last_command)).transpose()?;
         let braking = Some(capability.joint_braking());
         problem.inequalities.clear();
         problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration, ahead, braking)));
@@ -279,7 +279,8 @@ impl Controller {
             twist: configuration.twist(qdot),
             wrench: self.wrench(measurement, configuration),
             initial_pose: memory.map_or(*tool_pose, |memory| memory.initial_pose),
-            to_rest: MotionToRest::default(),
+            rest: configuration,
+            time_to_rest: self.config.drive.time_to_rest(self.config.period_s),
         }
     }
 
@@ -329,10 +330,9 @@ impl Controller {
         let laws = config.tasks.iter().zip(&previous.task_velocities);
         for (k, (target, (task, integrator))) in targets.iter_mut().zip(laws).enumerate() {
             let (streams, integrator) = (TaskStreams::of(streams, k), integrator.as_slice());
-            let state = task.state(arm, streams);
             let state = match task.law {
-                Law::Position(_) => task.at_rest(state, arm),
-                _ => state,
+                Law::Position(_) => task.state_at_rest(arm, streams),
+                _ => task.state(arm, streams),
             };
             let velocity = task.law.velocity(&state, integrator, period);
             let mut velocity = capability.bounded(k, config, tasks, &state, velocity);
@@ -359,18 +359,20 @@ impl Controller {
         previous: &Memory,
         arm: &ArmState,
     ) {
-        let (config, position) = (&self.config, arm.configuration.joint_position());
+        let (config, position) = (&self.config, arm.rest.joint_position());
         let leaves = |progress: &Progress| progress.is_leaving(arm.time_s);
         if !previous.progress.iter().any(leaves) {
             let Some(motion) = &config.null_space else { return velocity.fill(0.0) };
-            let initial = previous.initial_position.as_ref().map_or(position, Vector::as_slice);
+            let initial =
+                previous.initial_position.as_ref().map_or(arm.configuration.joint_position(), Vector::as_slice);
             motion.write(&config.robot, position, initial, velocity);
             let Some(gain) = motion.braking_gain() else { return };
-            velocity.iter_mut().zip(arm.to_rest.joints).for_each(|(speed, to_rest)| *speed -= gain * to_rest);
             let row_space = capability.row_space(tasks);
             if let NullSpaceMotion::InitialPosture { .. } = motion {
                 row_space.remove_from(velocity);
                 limit_holding(velocity);
+                // Near a singularity the null space turns quickly with the posture, and the motion would follow it.
+                *velocity *= config.damping.unwrap_or(Damping::ARM).keeps(row_space.smallest());
             }
             *velocity *= capability.null_space_factor(velocity, gain);
             return;

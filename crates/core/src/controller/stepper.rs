@@ -6,7 +6,7 @@ use revprio_robot::kinematics::Configuration;
 
 use super::capability::Capability;
 use super::jerk::Approach;
-use super::look_ahead::LookAhead;
+use super::look_ahead::{ArmAtRest, LookAhead};
 use super::target_streams::ActiveStream;
 use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
@@ -78,6 +78,8 @@ pub(super) struct Workspace {
     pub(super) zero_velocity: Vec<f64>,
     /// p − q, n.
     pub(super) distance_to_rest: Vec<f64>,
+    /// For a drive with lag or dead time.
+    pub(super) rest: Option<ArmAtRest>,
     /// For planes.
     pub(super) look_ahead: Option<LookAhead>,
     /// The streams of targets of this period.
@@ -106,7 +108,7 @@ impl Workspace {
             inequalities: Vec::new(),
             method: config.method,
             solver: config.solver,
-            damping: config.damping,
+            damping: config.damping.map(|damping| damping.for_period(config.period_s)),
             null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
         };
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
@@ -121,6 +123,7 @@ impl Workspace {
             command,
             distance_to_rest: zeros.clone(),
             zero_velocity: zeros,
+            rest: ArmAtRest::new(config, &configuration),
             look_ahead: LookAhead::new(config, &configuration),
             configuration,
             streams: Vec::new(),

@@ -84,6 +84,7 @@ pub enum TaskConfigError {
 }
 
 /// The measured state of the arm in one period, as all tasks use it.
+#[derive(Clone, Copy)]
 pub(super) struct ArmState<'a> {
     /// t, s.
     pub time_s: f64,
@@ -97,18 +98,10 @@ pub(super) struct ArmState<'a> {
     pub wrench: [f64; 6],
     /// Tool pose at the first step.
     pub initial_pose: IsometryMatrix3<f64>,
-    pub to_rest: MotionToRest<'a>,
-}
-
-/// How the arm moves on if all later commands are zero: from q to the position of rest p behind its drive.
-#[derive(Default)]
-pub(super) struct MotionToRest<'a> {
-    /// p − q, n, rad or m; empty: the arm stops at once.
-    pub joints: &'a [f64],
-    /// J (p − q), base axes, at the tool point, m and rad.
-    pub twist: [f64; 6],
-    /// L + D T, s.
-    pub time: f64,
+    /// The arm at its position of rest p behind the drive: where it goes if all later commands are zero.
+    pub rest: &'a Configuration,
+    /// L + D T, the time for which the arm goes there at a constant velocity, s.
+    pub time_to_rest: f64,
 }
 
 impl TaskConfig {
@@ -167,16 +160,13 @@ impl TaskConfig {
         TaskState { streamed, ..state }
     }
 
-    /// Returns the state as a position law sees it: displaced as the arm will be at rest, from where the target will be
-    /// then. To first order in p − q.
-    pub(super) fn at_rest(&self, mut state: TaskState, arm: &ArmState) -> TaskState {
-        let to_rest = &arm.to_rest;
+    /// Returns the state as a position law sees it: of the arm at p, and of the target at the time when the arm is there.
+    pub(super) fn state_at_rest(&self, arm: &ArmState, streams: TaskStreams) -> TaskState {
+        let mut state = self.state(&ArmState { configuration: arm.rest, ..*arm }, streams);
         // Not even the sign of a zero changes without a drive.
-        if to_rest.time > 0.0 {
-            let motion = self.rows.moved(arm, to_rest.joints, &to_rest.twist);
-            for (row, displacement) in state.displacement.iter_mut().enumerate() {
-                let rate = self.rows.joint(arm.robot, row).map_or(1.0, |(_, rate)| rate);
-                *displacement += rate * motion[row] - state.target_velocity[row] * to_rest.time;
+        if arm.time_to_rest > 0.0 {
+            for (displacement, velocity) in state.displacement.iter_mut().zip(state.target_velocity.iter()) {
+                *displacement -= velocity * arm.time_to_rest;
             }
         }
         state
@@ -228,15 +218,10 @@ impl TaskRows {
 
     /// Returns J_k q̇, m, m/s and rad/s.
     pub(super) fn velocity(&self, arm: &ArmState) -> TaskVector {
-        self.moved(arm, arm.joint_velocity, &arm.twist)
-    }
-
-    /// Returns J_k times a motion of the joints (n), m; `twist`: the motion of the tool, base axes, at the tool point.
-    fn moved(&self, arm: &ArmState, joints: &[f64], twist: &[f64; 6]) -> TaskVector {
         match self {
-            Self::Tool(rows) => rows.select(&rows.frame.at(arm.configuration).twist(twist)),
-            Self::Joints(rows) => rows.select(joints),
-            Self::Raw(rows) => rows.velocity(joints),
+            Self::Tool(rows) => rows.select(&rows.frame.at(arm.configuration).twist(&arm.twist)),
+            Self::Joints(rows) => rows.select(arm.joint_velocity),
+            Self::Raw(rows) => rows.velocity(arm.joint_velocity),
         }
     }
 

@@ -10,7 +10,7 @@
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::memory::fits_task;
-use super::task::{ArmState, MotionToRest};
+use super::task::ArmState;
 use super::{Controller, ControllerConfig, Limits, Memory, MemoryError, Progress};
 use crate::limits::{JointMotion, LimitKind, LimitedBox, VelocityBox};
 use crate::resolution::{Resolution, Solver};
@@ -72,7 +72,8 @@ impl Controller {
             twist: configuration.twist(velocity),
             wrench: [0.0; 6],
             initial_pose: memory.initial_pose,
-            to_rest: MotionToRest::default(),
+            rest: &configuration,
+            time_to_rest: 0.0,
         };
         let initial = self.initial_memory(&arm);
         Ok(Memory {

@@ -53,10 +53,10 @@ impl Barrier {
 /// Where the next command moves the arm: from its position of rest p to p + T u, see [`DriveState`](super::DriveState).
 #[derive(Debug, Clone, Copy)]
 pub struct Ahead<'a> {
+    /// The arm at p, where the Jacobians of the tasks are taken.
+    pub rest: &'a Configuration,
     /// The arm at m = p + ½ T q̇⁻, half of the way if the last command continues.
-    pub configuration: &'a Configuration,
-    /// m − p, n, rad or m.
-    pub half_way: &'a [f64],
+    pub half_way: &'a Configuration,
     /// q̇⁻, the last command, n, rad/s or m/s.
     pub last_command: &'a [f64],
 }
@@ -100,8 +100,8 @@ const BRAKING_SHARE: f64 = 0.5;
 ///
 /// Behind a drive, D is the smaller one of the distances at the present posture q and at the position of rest p. A command u
 /// moves p by T u, so n·x(p + T u) = n·x(p) + T g(m)·u up to terms of third order for u = q̇⁻, with m as in [`Ahead`]. The
-/// coefficients of the inequality are g(q) nevertheless, because the tasks have their Jacobians there, and tasks would drive
-/// the arm through the difference of g(m) and g(q). Instead, max(0, (g(m) − g(q))·q̇⁻) is subtracted from the bound.
+/// coefficients of the inequality are g(p) nevertheless, because the tasks have their Jacobians there, and tasks would drive
+/// the arm through the difference of g(m) and g(p). Instead, max(0, (g(m) − g(p))·q̇⁻) is subtracted from the bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualPlane {
     name: String,
@@ -165,20 +165,18 @@ impl VirtualPlane {
     ///
     /// `ahead`: where the next command moves the arm, if it is known; `braking`: how the joints brake, if it is known.
     pub fn at(&self, configuration: &Configuration, ahead: Option<Ahead>, braking: Option<JointBraking>) -> Inequality {
-        let (position, jacobian) = self.point_at(configuration);
+        let distance_at = |point: &Vector3<f64>| self.offset - self.normal.dot(point);
+        let (present, jacobian) = self.point_at(configuration);
+        let (rest, jacobian) = ahead.map_or((present, jacobian), |ahead| self.point_at(ahead.rest));
         let along = jacobian.transpose() * self.normal;
         if along.norm() <= RANK_TOLERANCE * jacobian.norm() {
             return Inequality::always_satisfied(self.name.clone(), along.len());
         }
-        let (mut distance, mut turning) = (self.offset - self.normal.dot(&position), 0.0);
-        if let Some(Ahead { configuration, half_way, last_command }) = ahead {
-            let (position, jacobian) = self.point_at(configuration);
-            let ahead = jacobian.transpose() * self.normal;
-            let dot = |by: &[f64]| ahead.iter().zip(by).map(|(ahead, by)| ahead * by).sum::<f64>();
-            distance = distance.min(self.offset - self.normal.dot(&position) + dot(half_way));
-            let now: f64 = along.iter().zip(last_command).map(|(along, by)| along * by).sum();
-            turning = (dot(last_command) - now).max(0.0);
-        }
+        let distance = distance_at(&present).min(distance_at(&rest));
+        let turning = ahead.map_or(0.0, |Ahead { half_way, last_command, .. }| {
+            let turned = self.point_at(half_way).1.transpose() * self.normal - &along;
+            turned.iter().zip(last_command).map(|(turned, speed)| turned * speed).sum::<f64>().max(0.0)
+        });
         let coefficients = Vector::from_column_slice(along.as_slice());
         let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
         let by_rate = self.rate * distance;

@@ -3,6 +3,9 @@
 /// Fraction of δ below which a task gradually leaves the direction of a singular value to lower tasks.
 const FADING: f64 = 0.25;
 
+/// Longest control period for which [`FADING`] is wide enough, s.
+const FADING_PERIOD: f64 = 0.005;
+
 /// Damping that sets in near a singularity, as a function of the smallest singular value.
 ///
 /// λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
@@ -12,20 +15,28 @@ const FADING: f64 = 0.25;
 pub struct Damping {
     threshold: f64,
     max_factor: f64,
+    /// Fraction of δ below which directions fade.
+    fading: f64,
 }
 
 impl Damping {
     /// δ = 0.05, λ_max = 0.1: the values of the paper's singular scenarios.
-    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1 };
+    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1, fading: FADING };
     /// δ = λ_max = 0.15: the default of controllers, for arms with a reach of about 1 m. `docs/guides/choose-damping.md`
     /// has the measurements.
-    pub const ARM: Self = Self { threshold: 0.15, max_factor: 0.15 };
+    pub const ARM: Self = Self { threshold: 0.15, max_factor: 0.15, fading: FADING };
 
     /// Damping below the singular value `threshold` (δ > 0), at most `max_factor` (λ_max ≥ 0);
     /// `None` if either is out of range or not finite.
     pub fn new(threshold: f64, max_factor: f64) -> Option<Self> {
         let valid = threshold.is_finite() && threshold > 0.0 && max_factor.is_finite() && max_factor >= 0.0;
-        valid.then_some(Self { threshold, max_factor })
+        valid.then_some(Self { threshold, max_factor, fading: FADING })
+    }
+
+    /// Returns the damping for a loop with the period T (s): beyond 5 ms directions fade over a range that grows with T, up
+    /// to δ. Otherwise an arm that is held back at a singularity would leave and enter this range from period to period.
+    pub fn for_period(self, period: f64) -> Self {
+        Self { fading: FADING * (period / FADING_PERIOD).clamp(1.0, 1.0 / FADING), ..self }
     }
 
     /// δ, the singular value below which damping acts.
@@ -44,9 +55,10 @@ impl Damping {
         if ratio < 1.0 { self.max_factor * (1.0 - ratio * ratio).sqrt() } else { 0.0 }
     }
 
-    /// How much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from a quarter of δ on.
+    /// How much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from a quarter of δ on, or from
+    /// where [`Self::for_period`] says.
     pub fn keeps(&self, sigma: f64) -> f64 {
-        let ratio = (sigma / (FADING * self.threshold)).min(1.0);
+        let ratio = (sigma / (self.fading * self.threshold)).min(1.0);
         ratio * ratio * (3.0 - 2.0 * ratio)
     }
 }
