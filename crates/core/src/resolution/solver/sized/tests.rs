@@ -55,7 +55,7 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
         assert!(basis.ncols() == open && (basis.tr_mul(&basis) - Matrix::identity(open, open)).amax() < 1e-12);
         assert!((&basis * basis.transpose() - &N).amax() < 1e-11, "seed {seed}");
         if n - open == hierarchy.row_count() {
-            let all = Matrix::from_row_slice(n - open, n, &hierarchy.rows);
+            let all = Matrix::from_fn(n - open, n, |i, j| hierarchy.row(i)[j]);
             let sigma = Svd::new(&all).singular_values().to_vec();
             let product = sigma.iter().product::<f64>();
             assert!((solver.last().pivot_product() - product).abs() < 1e-11 * product);
