@@ -6,8 +6,8 @@
 
 use super::dependent_rows::DependentRows;
 use super::problem_rows::ProblemRows;
-use crate::linalg::{Row, write_singular_values};
-use crate::resolution::level::{Side, WorkingSet, refill};
+use crate::linalg::{Row, SingularValues};
+use crate::resolution::level::{Side, WorkingSet};
 
 /// Relative size below which a number is rounding.
 pub const ROUNDING: f64 = 1e-13;
@@ -106,9 +106,8 @@ pub struct Factorization<const N: usize> {
     /// The largest rank that singular values allow each level; empty until they have lowered one.
     max_rank: Vec<usize>,
     dependent: DependentRows<N>,
-    /// A level's rows over its own coordinates, and their singular values.
-    block: Vec<f64>,
-    sigma: Vec<f64>,
+    /// Of a level's pivots over its own coordinates.
+    singular: SingularValues,
 }
 
 impl<const N: usize> Factorization<N> {
@@ -275,12 +274,11 @@ impl<const N: usize> Factorization<N> {
         let span = self.spans[k];
         let pivots = &self.rows[span.start..span.pivots_end];
         let own = pivots.iter().flat_map(|row| &row.coordinates.0[span.first..span.rank_end()]);
-        refill(&mut self.block, own.copied());
-        write_singular_values(&mut self.block, span.rank(), &mut self.sigma);
-        let sigma = &self.sigma;
-        let is_uncertain = |sigma: f64| sigma > ROUNDING * norm && sigma < CERTAIN_RANK * norm;
-        self.rank_uncertain |= sigma.iter().any(|&sigma| is_uncertain(sigma)) || is_uncertain(refused.sqrt());
-        let rank = sigma.iter().filter(|&&sigma| sigma > tolerance).count();
+        self.singular.decompose(span.rank(), own.copied());
+        let (small, certain) = (ROUNDING * norm, CERTAIN_RANK * norm);
+        self.rank_uncertain |= self.singular.count_from(small) > self.singular.count_from(certain)
+            || (small < refused.sqrt() && refused.sqrt() < certain);
+        let rank = self.singular.count_from(tolerance);
         let is_confirmed = rank == span.rank();
         if !is_confirmed {
             self.max_rank.resize(self.spans.len(), usize::MAX);

@@ -22,7 +22,7 @@ use problem_rows::ProblemRows;
 use search::Search;
 
 use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
-use crate::linalg::{RANK_TOLERANCE, Row, all_finite};
+use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
 
 /// Ratios of the weights of adjacent levels while the search looks for a working set.
 const SPACINGS: [f64; 2] = [1e-6, 1e-4];
@@ -50,12 +50,10 @@ pub struct ActiveSetSolver<const N: usize> {
     conditions: Conditions<N>,
     search: Search<N>,
     primal: PrimalPoint<N>,
-    /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values of
-    /// a block.
+    /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values.
     inverse: Vec<Row<N>>,
     gram: Vec<Row<N>>,
-    block: Vec<f64>,
-    sigma: Vec<f64>,
+    singular: SingularValues,
 }
 
 /// How the next working set is found.

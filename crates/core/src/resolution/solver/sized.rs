@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Triangle, smallest_from_inverse, write_inverse, write_singular_values};
+use crate::linalg::{Triangle, smallest_from_inverse, write_inverse};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -83,9 +83,8 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         let entry = |row: usize, column: usize| self.solved.rows[span.start + row].coordinates.0[span.first + column];
         let (count, width) = (rows.min(rank), rows.max(rank));
         let at = |i: usize, j: usize| if rows <= rank { entry(i, j) } else { entry(j, i) };
-        refill(&mut self.block, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
-        write_singular_values(&mut self.block, width, &mut self.sigma);
-        self.sigma.last().copied().unwrap_or(0.0)
+        self.singular.decompose(width, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
+        self.singular.smallest()
     }
 
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
