@@ -100,8 +100,9 @@ impl Singularities {
         let rank: usize = self.unlimited.level_ranks.iter().sum();
         let is_full = rank == self.problem.row_count() && rank > 0;
         let independent = threshold.max(INDEPENDENT * norm);
-        let smallest = if is_full { solver.last().bound_smallest(independent) } else { f64::NAN };
-        self.is_regular = smallest >= threshold.max(WELL_CONDITIONED * norm);
+        let regular = threshold.max(WELL_CONDITIONED * norm);
+        let smallest = if is_full { solver.last().bound_smallest(regular, independent) } else { f64::NAN };
+        self.is_regular = smallest >= regular;
         if smallest >= independent {
             self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
             (self.all.algorithmic, self.all.known) = (false, None);

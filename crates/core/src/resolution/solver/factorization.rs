@@ -339,6 +339,18 @@ impl<const N: usize> Factorization<N> {
 }
 
 impl<const N: usize> FactorRow<N> {
+    /// Exchanges two rows that are no pivots yet. Part by part they stay in registers; as a whole they would be copied by calls.
+    #[inline]
+    fn exchange(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.coordinates, &mut other.coordinates);
+        std::mem::swap(&mut self.rest, &mut other.rest);
+        std::mem::swap(&mut self.index, &mut other.index);
+        std::mem::swap(&mut self.target, &mut other.target);
+        std::mem::swap(&mut self.residual, &mut other.residual);
+        std::mem::swap(&mut self.square, &mut other.square);
+        std::mem::swap(&mut self.summed_square, &mut other.summed_square);
+    }
+
     /// Applies the reflection of a pivot.
     #[inline]
     fn reflect(&self, u: &mut Row<N>) {
@@ -390,7 +402,8 @@ fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
         longest = self::longest(rows);
     }
     if longest > 0 {
-        rows.swap(0, longest);
+        let (before, from) = rows.split_at_mut(longest);
+        before[0].exchange(&mut from[0]);
     }
     rows[0].square
 }

@@ -22,8 +22,9 @@ pub trait SizedSolver {
     /// Returns the Frobenius norm of all rows of the last problem.
     fn norm(&self) -> f64;
 
-    /// Returns a lower bound of σ_min of the last triangle, 1/‖L⁻¹‖_F, or σ_min itself if the bound is below `threshold`.
-    fn bound_smallest(&mut self, threshold: f64) -> f64;
+    /// Returns a lower bound of σ_min of the last triangle of all rows: the one of its determinant if that is at least `sure`;
+    /// otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise σ_min itself.
+    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64;
 
     /// Copies the last triangle.
     fn write_triangle(&self, triangle: &mut Triangle);
@@ -58,10 +59,17 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.problem.levels.iter().map(|level| level.square).sum::<f64>().sqrt()
     }
 
-    fn bound_smallest(&mut self, threshold: f64) -> f64 {
+    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64 {
+        // The geometric mean of the squares of the other singular values is at most their mean, at most ‖L‖²/(n − 1).
+        let others = self.solved.rank().saturating_sub(1);
+        let power = i32::try_from(others).unwrap_or(i32::MAX);
+        let bound = self.pivot_product() * ((others as f64).sqrt() / self.norm()).powi(power);
+        if bound >= sure {
+            return bound;
+        }
         let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
         let size = write_inverse(rows, &mut self.inverse);
-        if size * threshold <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
+        if size * needed <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
     }
 
     fn write_triangle(&self, triangle: &mut Triangle) {
