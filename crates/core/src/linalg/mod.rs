@@ -3,6 +3,7 @@
 
 mod damping;
 mod row;
+mod singular_values;
 mod small_svd;
 mod spectrum;
 mod svd;
@@ -11,11 +12,12 @@ mod triangle;
 
 pub use damping::Damping;
 pub use row::Row;
+pub use singular_values::SingularValues;
 pub use small_svd::SmallSvd;
 pub use spectrum::{EigenvalueError, eigenvalues};
-pub use svd::{Svd, write_singular_values};
+pub use svd::Svd;
 pub use task_vector::TaskVector;
-pub use triangle::{Triangle, smallest_from_inverse, write_inverse};
+pub use triangle::{Triangle, smallest_eigenvalue, smallest_from_inverse, write_inverse};
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;

@@ -88,21 +88,6 @@ impl Svd {
     }
 }
 
-/// Writes the singular values of a matrix to `sigma`, largest first, one per row.
-///
-/// `rows`: the entries row by row, `columns` each, at least as many columns as rows; they are overwritten.
-pub fn write_singular_values(rows: &mut [f64], columns: usize, sigma: &mut Vec<f64>) {
-    let size = rows.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
-    let unit = if size.is_normal() { 1.0 / size } else { 1.0 };
-    for entry in rows.iter_mut() {
-        *entry *= unit;
-    }
-    orthogonalize(rows, columns, columns);
-    sigma.clear();
-    sigma.extend(rows.chunks_exact(columns.max(1)).map(|row| dot(row, row).sqrt() / unit));
-    sigma.sort_unstable_by(|a, b| b.total_cmp(a));
-}
-
 /// Rotates pairs of rows of `stride` entries until their first `columns` entries are orthogonal to each other.
 pub(super) fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) {
     let count = entries.len() / stride.max(1);

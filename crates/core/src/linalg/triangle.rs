@@ -1,4 +1,4 @@
-//! The smallest singular value of a well-conditioned lower triangle.
+//! The smallest singular value of a well-conditioned lower triangle, and the smallest eigenvalue of a symmetric matrix.
 
 use super::Row;
 
@@ -6,24 +6,26 @@ use super::Row;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Triangle {
     size: usize,
-    /// The rows up to the diagonal, one after the other.
+    /// Entries of a row in `entries`, at least `size`.
+    width: usize,
+    /// The rows one after the other, zero behind the diagonal.
     entries: Vec<f64>,
 }
 
 impl Triangle {
-    /// Overwrites the triangle with the first i + 1 entries of each row i.
+    /// Overwrites the triangle with these rows; row i has i + 1 entries that are not zero.
     pub fn set<'a, const N: usize>(&mut self, rows: impl Iterator<Item = &'a Row<N>>) {
-        self.size = 0;
+        (self.size, self.width) = (0, N);
         self.entries.clear();
         for row in rows {
             self.size += 1;
-            self.entries.extend_from_slice(&row.0[..self.size]);
+            self.entries.extend_from_slice(&row.0);
         }
     }
 
     /// Copies another triangle without giving up the memory of this one.
     pub fn copy_from(&mut self, other: &Self) {
-        self.size = other.size;
+        (self.size, self.width) = (other.size, other.width);
         self.entries.clone_from(&other.entries);
     }
 
@@ -40,8 +42,7 @@ impl Triangle {
 
     fn smallest_of_width<const N: usize>(&self) -> f64 {
         let n = self.size;
-        let starts = (0..n).scan(0, |start, i| Some(std::mem::replace(start, *start + i + 1)));
-        let rows: Vec<Row<N>> = starts.zip(1..).map(|(at, len)| Row::from_slice(&self.entries[at..at + len])).collect();
+        let rows: Vec<Row<N>> = self.entries.chunks_exact(self.width).map(|row| Row::from_slice(&row[..n])).collect();
         let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
         let mut inverse = Vec::with_capacity(n);
         let size = write_inverse(with_reciprocals, &mut inverse);
@@ -63,14 +64,39 @@ pub fn smallest_from_inverse<const N: usize>(inverse: &[Row<N>], size: f64, gram
             gram.add_scaled(entry * unit * unit, row);
         }
     }
-    let (mut diagonal, mut off_square) = (Row::<N>::ZERO, Row::<N>::ZERO);
-    for k in (1..n).rev() {
-        let (before, row) = gram.split_at_mut(k);
+    let (diagonal, off_square) = tridiagonal(gram);
+    1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
+}
+
+/// Returns the smallest eigenvalue of a positive semidefinite matrix M, exact to the rounding of its trace t. `matrix` holds the
+/// rows of M and is overwritten.
+///
+/// It is t (1 − x) for the largest eigenvalue x of I − M/t.
+pub fn smallest_eigenvalue<const N: usize>(matrix: &mut [Row<N>]) -> f64 {
+    let n = matrix.len();
+    let trace: f64 = matrix.iter().enumerate().map(|(i, row)| row.0[i]).sum();
+    if !(trace.is_normal() && n > 1) {
+        return trace;
+    }
+    for row in matrix.iter_mut() {
+        row.0.iter_mut().for_each(|entry| *entry /= trace);
+    }
+    let (mut diagonal, off_square) = tridiagonal(matrix);
+    diagonal.0.iter_mut().for_each(|entry| *entry = 1.0 - *entry);
+    let largest = largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]);
+    trace * (1.0 - largest).max(0.0)
+}
+
+/// Reduces a symmetric matrix to a tridiagonal one with the same eigenvalues; returns its diagonal and the squares beside it.
+fn tridiagonal<const N: usize>(matrix: &mut [Row<N>]) -> (Row<N>, Row<N>) {
+    let (mut diagonal, mut off_square) = (Row::ZERO, Row::ZERO);
+    for k in (1..matrix.len()).rev() {
+        let (before, row) = matrix.split_at_mut(k);
         diagonal.0[k] = row[0].0[k];
         off_square.0[k - 1] = reduce(before, &row[0], k);
     }
-    diagonal.0[0] = gram[0].0[0];
-    1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
+    diagonal.0[0] = matrix[0].0[0];
+    (diagonal, off_square)
 }
 
 /// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.
@@ -128,7 +154,7 @@ fn reduce_width<const N: usize, const W: usize>(matrix: &mut [Row<N>], row: &Row
 /// Maximum number of Laguerre steps. About four are needed.
 const MAX_STEPS: usize = 40;
 
-/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of trace 1, by Laguerre's iteration from
+/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of a size about 1, by Laguerre's iteration from
 /// above, which never passes the largest root.
 fn largest_eigenvalue(diagonal: &[f64], off_square: &[f64]) -> f64 {
     let n = diagonal.len() as f64;
@@ -178,4 +204,33 @@ fn upper_bound(diagonal: &[f64], off_square: &[f64]) -> f64 {
         before = off;
     }
     gershgorin.min(trace).min(squares.sqrt()) * (1.0 + 1e-15)
+}
+
+#[cfg(test)]
+#[allow(non_snake_case)]
+mod tests {
+    use super::*;
+    use crate::linalg::Matrix;
+
+    /// M = H diag(λ) H for a reflection H, with λ_min from 0 to about the trace, alone and twice.
+    #[test]
+    fn the_smallest_eigenvalue_is_exact_to_the_rounding_of_the_trace() {
+        for size in [1, 2, 3, 5, 8] {
+            for smallest in [0.0, 1e-12, 1e-6, 1e-3, 0.5, 1.0] {
+                for copies in 1..=size {
+                    let lambda = |i: usize| if i < copies { smallest } else { smallest + (i * i) as f64 };
+                    let v = Matrix::from_fn(size, 1, |i, _| 1.0 + (3 * i % 5) as f64);
+                    let H = Matrix::identity(size, size) - 2.0 / v.norm_squared() * &v * v.transpose();
+                    let M = &H * Matrix::from_fn(size, size, |i, j| if i == j { lambda(i) } else { 0.0 }) * &H;
+                    let mut rows: Vec<Row<8>> =
+                        (0..size).map(|i| Row::from_slice(&(0..size).map(|j| M[(i, j)]).collect::<Vec<_>>())).collect();
+                    let found = smallest_eigenvalue(&mut rows);
+                    assert!(
+                        (found - smallest).abs() <= 1e-13 * (1.0 + M.trace()),
+                        "{size} {smallest} {copies}: {found:e}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -28,6 +28,9 @@ impl Side {
 /// inequalities, then the rows of the tasks.
 pub type ActiveSet = SmallVec<[(usize, Side); 8]>;
 
+/// The numbers of entries that a row can have in memory; a row of n coefficients takes the first one that is at least n.
+pub const ROW_WIDTHS: [usize; 7] = [4, 8, 16, 24, 40, 72, 136];
+
 /// Levels of rows within a box, highest level first.
 ///
 /// Level k minimises the squared slack of its rows inside the box, without changing what higher levels achieved. A row
@@ -43,8 +46,10 @@ pub struct Hierarchy {
     pub upper: Vec<f64>,
     /// ζ, n.
     pub reference: Vec<f64>,
-    /// The rows of all levels one after the other, n entries each.
+    /// The rows of all levels one after the other, n entries each, followed by zeros up to the width.
     pub rows: Vec<f64>,
+    /// Entries of a row in `rows`: one of [`ROW_WIDTHS`].
+    pub width: usize,
     /// Lower bounds of the rows.
     pub row_lower: Vec<f64>,
     /// Upper bounds of the rows.
@@ -58,6 +63,7 @@ impl Hierarchy {
     pub fn clear(&mut self, reference: &[f64]) {
         let n = reference.len();
         self.unknowns = n;
+        self.width = row_width(n);
         refill(&mut self.lower, std::iter::repeat_n(f64::NEG_INFINITY, n));
         refill(&mut self.upper, std::iter::repeat_n(f64::INFINITY, n));
         refill(&mut self.reference, reference.iter().copied());
@@ -67,9 +73,21 @@ impl Hierarchy {
         self.level_ends.clear();
     }
 
-    /// Adds a row to the level that [`Self::end_level`] ends.
+    /// Adds an unknown with the reference 0 to a problem without rows; returns its index.
+    pub fn push_unknown(&mut self, lower: f64, upper: f64) -> usize {
+        self.unknowns += 1;
+        self.width = row_width(self.unknowns);
+        self.lower.push(lower);
+        self.upper.push(upper);
+        self.reference.push(0.0);
+        self.unknowns - 1
+    }
+
+    /// Adds a row to the level that [`Self::end_level`] ends. Missing coefficients are zero.
     pub fn push_row(&mut self, coefficients: impl IntoIterator<Item = f64>, lower: f64, upper: f64) {
+        let end = self.rows.len() + self.width;
         self.rows.extend(coefficients);
+        self.rows.resize(end, 0.0);
         self.row_lower.push(lower);
         self.row_upper.push(upper);
     }
@@ -77,13 +95,13 @@ impl Hierarchy {
     /// Adds the rows of a matrix, with one bound of each kind per row. Unknowns behind its columns get zeros.
     pub fn push_matrix(&mut self, matrix: &Matrix, lower: impl Fn(usize) -> f64, upper: impl Fn(usize) -> f64) {
         let (start, rows) = (self.rows.len(), matrix.nrows());
-        self.rows.resize(start + rows * self.unknowns, 0.0);
-        let (entries, unknowns) = (&mut self.rows[start..], self.unknowns);
+        self.rows.resize(start + rows * self.width, 0.0);
+        let (entries, width) = (&mut self.rows[start..], self.width);
         // Columns are contiguous.
         for (mut place, column) in matrix.as_slice().chunks_exact(rows).enumerate() {
             for entry in column {
                 entries[place] = *entry;
-                place += unknowns;
+                place += width;
             }
         }
         self.row_lower.extend((0..rows).map(lower));
@@ -138,13 +156,17 @@ impl Hierarchy {
 
     /// Returns the coefficients of a row, n.
     pub fn row(&self, row: usize) -> &[f64] {
-        &self.rows[row * self.unknowns..(row + 1) * self.unknowns]
+        &self.rows[row * self.width..][..self.unknowns]
     }
 
     /// Returns whether a row is an equation. A row whose target is not a number is one, so that the answer fails.
     pub fn is_equation(&self, row: usize) -> bool {
         !(self.row_lower[row] < self.row_upper[row])
     }
+}
+
+fn row_width(unknowns: usize) -> usize {
+    ROW_WIDTHS.into_iter().find(|width| unknowns <= *width).unwrap_or(unknowns)
 }
 
 /// The active bounds: those of unknowns, and those of inequality rows. Equations are always active and not listed.

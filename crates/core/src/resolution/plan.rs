@@ -190,11 +190,7 @@ impl PlannedProblem {
         self.levels.upper.copy_from_slice(problem.limits.upper().as_slice());
         for (scaling, unknown) in aim.scaling.iter().zip(&mut self.scale_unknowns) {
             if let Scaling::On { speed, .. } = scaling {
-                *unknown = Some(self.levels.unknowns);
-                self.levels.unknowns += 1;
-                self.levels.lower.push(0.0);
-                self.levels.upper.push(*speed);
-                self.levels.reference.push(0.0);
+                *unknown = Some(self.levels.push_unknown(0.0, *speed));
             }
         }
         for (index, inequality) in problem.inequalities.iter().enumerate() {
@@ -275,9 +271,7 @@ impl PlannedProblem {
 
     /// Adds a row with coefficients for the joints; those of other unknowns are zero.
     fn push_row(&mut self, origin: Origin, coefficients: impl IntoIterator<Item = f64>, lower: f64, upper: f64) {
-        let zeros = std::iter::repeat(0.0);
-        let total = self.levels.unknowns;
-        self.levels.push_row(coefficients.into_iter().chain(zeros).take(total), lower, upper);
+        self.levels.push_row(coefficients, lower, upper);
         self.origins.push(origin);
     }
 

@@ -2,13 +2,10 @@
 
 use super::level::{Hierarchy, Solution, refill};
 use super::plan::{Origin, PlannedProblem};
-use crate::linalg::{Matrix, write_singular_values};
+use crate::linalg::{Matrix, Row, smallest_eigenvalue};
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
 pub const HALF_WIDTH: f64 = 1.0;
-
-/// Matrices above this size get their eigenvalues from nalgebra, which allocates.
-const MAX_JACOBI_SIZE: usize = 32;
 
 /// The workspace of the numbers s_k.
 #[derive(Default)]
@@ -17,7 +14,8 @@ pub struct Regularity {
     row_room: Vec<f64>,
     gram: Vec<f64>,
     factor: Vec<f64>,
-    sigma: Vec<f64>,
+    narrow: Vec<Row<8>>,
+    wide: Vec<Row<40>>,
     /// Rows of tasks and inequalities, without damping rows.
     counted: Vec<usize>,
 }
@@ -63,12 +61,13 @@ impl Regularity {
         if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > levels.unknowns {
             return 0.0;
         }
-        gram.clear();
-        for &i in &counted[..rows] {
-            for &j in &counted[..rows] {
+        refill(gram, std::iter::repeat_n(0.0, rows * rows));
+        for (place, &i) in counted[..rows].iter().enumerate() {
+            for (other, &j) in counted[..=place].iter().enumerate() {
                 let product = levels.row(i).iter().zip(levels.row(j)).zip(room.iter());
                 let sum: f64 = product.map(|((a, b), c)| a * b * c * c).sum();
-                gram.push(sum + if i == j { row_room[i] * row_room[i] } else { 0.0 });
+                let sum = sum + if i == j { row_room[i] * row_room[i] } else { 0.0 };
+                (gram[place * rows + other], gram[other * rows + place]) = (sum, sum);
             }
         }
         self.regularity_of_gram(rows, threshold)
@@ -90,21 +89,27 @@ impl Regularity {
 
     /// Returns smoothstep(σ_min/threshold) of a matrix from its Gram matrix, of `size` rows.
     fn regularity_of_gram(&mut self, size: usize, threshold: f64) -> f64 {
-        let Self { gram, factor, sigma, .. } = self;
+        let Self { gram, factor, narrow, wide, .. } = self;
         factor.clone_from(gram);
         if exceeds(factor, size, threshold * threshold) {
             return 1.0;
         }
-        let smallest = if size > MAX_JACOBI_SIZE {
-            Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min()
-        } else {
-            write_singular_values(gram, size, sigma);
-            sigma.last().copied().unwrap_or(0.0)
+        let smallest = match size {
+            0..=8 => smallest_of(gram, size, narrow),
+            9..=40 => smallest_of(gram, size, wide),
+            // This allocates.
+            _ => Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min(),
         };
         let smallest = smallest.max(0.0).sqrt();
         let ratio = (smallest / threshold).min(1.0);
         ratio * ratio * (3.0 - 2.0 * ratio)
     }
+}
+
+/// Returns the smallest eigenvalue of a Gram matrix of up to N rows; `rows` is room.
+fn smallest_of<const N: usize>(gram: &[f64], size: usize, rows: &mut Vec<Row<N>>) -> f64 {
+    refill(rows, gram.chunks_exact(size).map(Row::from_slice));
+    smallest_eigenvalue(rows)
 }
 
 /// Returns the distance to the nearer bound, relative to half the width between the bounds, at most 1.

@@ -2,7 +2,7 @@
 
 use super::level::{Hierarchy, Solution, refill};
 use super::solver::HierarchicalSolver;
-use crate::linalg::{Damping, RANK_TOLERANCE, Triangle, write_singular_values};
+use crate::linalg::{Damping, RANK_TOLERANCE, SingularValues, Triangle};
 use crate::task::{Task, TaskStack};
 
 /// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
@@ -74,8 +74,7 @@ pub struct Singularities {
     /// All equations as a strict hierarchy without limits, and its solution.
     pub problem: Hierarchy,
     pub unlimited: Solution,
-    block: Vec<f64>,
-    sigma: Vec<f64>,
+    singular: SingularValues,
 }
 
 impl Singularities {
@@ -101,8 +100,9 @@ impl Singularities {
         let rank: usize = self.unlimited.level_ranks.iter().sum();
         let is_full = rank == self.problem.row_count() && rank > 0;
         let independent = threshold.max(INDEPENDENT * norm);
-        let smallest = if is_full { solver.last().bound_smallest(independent) } else { f64::NAN };
-        self.is_regular = smallest >= threshold.max(WELL_CONDITIONED * norm);
+        let regular = threshold.max(WELL_CONDITIONED * norm);
+        let smallest = if is_full { solver.last().bound_smallest(regular, independent) } else { f64::NAN };
+        self.is_regular = smallest >= regular;
         if smallest >= independent {
             self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
             (self.all.algorithmic, self.all.known) = (false, None);
@@ -117,8 +117,8 @@ impl Singularities {
             return;
         }
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
-            self.write_sigma(task.jacobian.ncols(), std::iter::once(task));
-            self.tasks[k].rank = rank_of(&self.sigma, task.jacobian.norm());
+            self.decompose(task.jacobian.ncols(), std::slice::from_ref(task));
+            self.tasks[k].rank = self.rank(task.jacobian.norm());
         }
     }
 
@@ -130,59 +130,58 @@ impl Singularities {
 
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
     fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>, solver: &mut HierarchicalSolver) {
-        let factor = |sigma: f64| damping.map_or(0.0, |damping| damping.factor(sigma));
+        // The smallest singular value is only computed where it matters.
+        let factor = |singular: &SingularValues| {
+            damping
+                .filter(|damping| !singular.is_above(damping.threshold()))
+                .map_or(0.0, |damping| damping.factor(singular.smallest()))
+        };
         let n = self.problem.unknowns;
         let mut level = self.problem.level_ends.len();
+        let lowest = tasks.iter().rposition(Task::is_equation);
         let (mut norm_square, mut rank_below) = (0.0, 0);
         self.all.algorithmic = false;
-        self.sigma.clear();
+        self.decompose(n, &[]);
         for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
             level -= 1;
             let norm = tasks[k].jacobian.norm();
-            self.write_sigma(n, std::iter::once(&tasks[k]));
-            let (rank, mu) = (rank_of(&self.sigma, norm), factor(smallest(&self.sigma)));
+            self.decompose(n, &tasks[k..=k]);
+            let (rank, mu) = (self.rank(norm), factor(&self.singular));
             norm_square += norm * norm;
-            self.write_sigma(n, tasks[k..].iter().filter(|task| task.is_equation()));
-            let rank_all = rank_of(&self.sigma, norm_square.sqrt());
+            // The lowest task is alone already.
+            if Some(k) != lowest {
+                self.decompose(n, &tasks[k..]);
+            }
+            let rank_all = self.rank(norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
-            let strict = damping.map_or(0.0, |_| factor(solver.last().smallest_of_level(level)));
-            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(smallest(&self.sigma)), strict };
+            let strict = damping.map_or(0.0, |damping| damping.factor(solver.last().smallest_of_level(level)));
+            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular), strict };
             rank_below = rank_all;
             self.all.algorithmic |= algorithmic;
         }
-        self.all.known = Some(smallest(&self.sigma));
-        let product = self.sigma.iter().product::<f64>().min(f64::MAX);
-        self.all.manipulability = if self.sigma.is_empty() { 0.0 } else { product };
+        self.all.known = Some(self.singular.smallest());
+        let product = self.singular.product().min(f64::MAX);
+        self.all.manipulability = if lowest.is_none() { 0.0 } else { product };
     }
 
-    /// Writes the min(m, n) singular values of the rows of these tasks.
-    fn write_sigma<'a>(&mut self, n: usize, tasks: impl Iterator<Item = &'a Task> + Clone) {
-        let m: usize = tasks.clone().map(|task| task.jacobian.nrows()).sum();
-        self.block.clear();
-        self.block.resize(m * n, 0.0);
-        let mut row = 0;
-        for task in tasks {
-            for i in 0..task.jacobian.nrows() {
-                for j in 0..n {
-                    let place = if m <= n { row * n + j } else { j * m + row };
-                    self.block[place] = task.jacobian[(i, j)];
-                }
-                row += 1;
-            }
+    /// Decomposes the rows of these tasks without inequality tasks, or of one task.
+    fn decompose(&mut self, n: usize, tasks: &[Task]) {
+        let own = |task: &&Task| tasks.len() == 1 || task.is_equation();
+        let rows = || tasks.iter().filter(own).flat_map(|task| (0..task.jacobian.nrows()).map(move |row| (task, row)));
+        let m = rows().count();
+        if m <= n {
+            self.singular.decompose(n, rows().flat_map(|(task, row)| (0..n).map(move |j| task.jacobian[(row, j)])));
+        } else {
+            self.singular.decompose(m, (0..n).flat_map(|j| rows().map(move |(task, row)| task.jacobian[(row, j)])));
         }
-        write_singular_values(&mut self.block, m.max(n), &mut self.sigma);
+    }
+
+    fn rank(&self, norm: f64) -> usize {
+        self.singular.count_from(RANK_TOLERANCE * norm)
     }
 }
 
 /// Adds the rows of a task to the level that ends next.
 pub fn push_task(problem: &mut Hierarchy, task: &Task) {
     problem.push_matrix(&task.jacobian, |row| task.lower[row], |row| task.upper[row]);
-}
-
-fn rank_of(sigma: &[f64], norm: f64) -> usize {
-    sigma.iter().take_while(|&&sigma| sigma > RANK_TOLERANCE * norm).count()
-}
-
-fn smallest(sigma: &[f64]) -> f64 {
-    sigma.last().copied().unwrap_or(0.0)
 }

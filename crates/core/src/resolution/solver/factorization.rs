@@ -6,8 +6,8 @@
 
 use super::dependent_rows::DependentRows;
 use super::problem_rows::ProblemRows;
-use crate::linalg::{Row, write_singular_values};
-use crate::resolution::level::{Side, WorkingSet, refill};
+use crate::linalg::{Row, SingularValues};
+use crate::resolution::level::{Side, WorkingSet};
 
 /// Relative size below which a number is rounding.
 pub const ROUNDING: f64 = 1e-13;
@@ -52,11 +52,11 @@ impl Span {
 }
 
 /// An active row: its part of the triangle, and what belongs to it in the problem.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct FactorRow<const N: usize> {
     /// The row over the coordinates, a row of L.
     pub coordinates: Row<N>,
-    /// What reflections have left of the row, over the unknowns.
+    /// What reflections have left of the row, over the unknowns; for a pivot v of its own reflection I − gain v vᵀ.
     rest: Row<N>,
     /// Its index in the problem.
     pub index: usize,
@@ -66,17 +66,11 @@ pub struct FactorRow<const N: usize> {
     pub residual: f64,
     /// 1 / pivot, for a pivot.
     pub inverse: f64,
+    gain: f64,
     /// ‖rest‖².
     square: f64,
     /// `square` when it was summed last.
     summed_square: f64,
-}
-
-/// I − gain v vᵀ.
-#[derive(Debug, Clone, Copy)]
-struct Reflection<const N: usize> {
-    v: Row<N>,
-    gain: f64,
 }
 
 /// The factorisation on a working set and its least-squares solution.
@@ -109,13 +103,11 @@ pub struct Factorization<const N: usize> {
     pub base_norm: f64,
     /// The largest speed on the way to the solution, ‖base‖ + ‖y‖: the size of the terms whose difference x is.
     pub peak_speed: f64,
-    reflections: Vec<Reflection<N>>,
-    /// The largest rank that singular values allow each level.
+    /// The largest rank that singular values allow each level; empty until they have lowered one.
     max_rank: Vec<usize>,
     dependent: DependentRows<N>,
-    /// A level's rows over its own coordinates, and their singular values.
-    block: Vec<f64>,
-    sigma: Vec<f64>,
+    /// Of a level's pivots over its own coordinates.
+    singular: SingularValues,
 }
 
 impl<const N: usize> Factorization<N> {
@@ -140,7 +132,7 @@ impl<const N: usize> Factorization<N> {
     /// Factorises the active rows over the free unknowns and solves (section 4).
     pub fn solve(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
         self.rank_uncertain = false;
-        refill(&mut self.max_rank, std::iter::repeat_n(usize::MAX, problem.levels.len()));
+        self.max_rank.clear();
         loop {
             self.start(problem, set);
             if self.factorize(problem) {
@@ -160,9 +152,7 @@ impl<const N: usize> Factorization<N> {
             return;
         }
         let mut zeta = problem.reference.times(&self.is_free);
-        for Reflection { v, gain } in &self.reflections {
-            zeta.add_scaled(-gain * v.dot(&zeta), v);
-        }
+        self.triangle().for_each(|row| row.reflect(&mut zeta));
         let rank = self.rank();
         for (c, &place) in self.free.iter().enumerate() {
             self.reference.0[c] = zeta.0[place];
@@ -175,13 +165,12 @@ impl<const N: usize> Factorization<N> {
     /// Writes the active rows over the free unknowns, and what held unknowns leave of their targets.
     fn start(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
         self.split_unknowns(problem, set);
-        self.rows.clear();
         self.spans.clear();
         self.pivots.clear();
-        self.reflections.clear();
         self.y = Row::ZERO;
+        let mut end = 0;
         for level in &problem.levels {
-            let start = self.rows.len();
+            let start = end;
             let mut target_square = 0.0;
             for index in level.start..level.end {
                 if !problem.is_active(set, index) {
@@ -189,28 +178,26 @@ impl<const N: usize> Factorization<N> {
                 }
                 let target = problem.target(set, index);
                 target_square += target * target;
-                let (mut rest, mut residual, mut square) = (problem.rows[index], target, problem.squares[index]);
-                if !self.held.is_empty() {
-                    residual -= rest.dot(&self.base);
-                    rest = rest.times(&self.is_free);
-                    square = rest.dot(&rest);
+                // Written in place: the rows are as many as in the call before.
+                if end == self.rows.len() {
+                    self.rows.push(FactorRow::default());
                 }
-                let coordinates = Row::ZERO;
-                let (inverse, summed_square) = (0.0, square);
-                self.rows.push(FactorRow {
-                    coordinates,
-                    rest,
-                    index,
-                    target,
-                    residual,
-                    inverse,
-                    square,
-                    summed_square,
-                });
+                let row = &mut self.rows[end];
+                end += 1;
+                row.coordinates = Row::ZERO;
+                (row.rest, row.square) = (problem.rows[index], problem.squares[index]);
+                (row.index, row.target, row.residual) = (index, target, target);
+                if !self.held.is_empty() {
+                    row.residual -= row.rest.dot(&self.base);
+                    row.rest = row.rest.times(&self.is_free);
+                    row.square = row.rest.dot(&row.rest);
+                }
+                row.summed_square = row.square;
             }
             let target = target_square.sqrt();
-            self.spans.push(Span { start, end: self.rows.len(), target, ..Span::default() });
+            self.spans.push(Span { start, end, target, ..Span::default() });
         }
+        self.rows.truncate(end);
     }
 
     /// Sorts the unknowns into free and held ones.
@@ -233,7 +220,7 @@ impl<const N: usize> Factorization<N> {
             self.base.0[j] = bound;
             self.is_free.0[j] = 0.0;
         }
-        self.base_norm = self.base.norm();
+        self.base_norm = if self.held.is_empty() { 0.0 } else { self.base.norm() };
         self.peak_speed = self.base_norm;
     }
 
@@ -247,7 +234,7 @@ impl<const N: usize> Factorization<N> {
             let square = problem.levels[k].square;
             let tolerance = self.rank_tolerance.max(REFLECTION_ERROR / weakest);
             let first = self.rank();
-            let places = (end - start).min(self.free.len() - first).min(self.max_rank[k]);
+            let places = (end - start).min(self.free.len() - first).min(self.max_rank(k));
             let (mut smallest, mut refused, mut place) = (square, 0.0, start);
             while place < start + places {
                 let length_square = bring_longest(&mut self.rows[place..end]);
@@ -277,59 +264,34 @@ impl<const N: usize> Factorization<N> {
         true
     }
 
+    fn max_rank(&self, k: usize) -> usize {
+        self.max_rank.get(k).copied().unwrap_or(usize::MAX)
+    }
+
     /// Compares a level's rank with its singular values: all of its pivots, or the number that `max_rank` then holds.
     #[cold]
     fn confirm_rank(&mut self, k: usize, tolerance: f64, norm: f64, refused: f64) -> bool {
         let span = self.spans[k];
         let pivots = &self.rows[span.start..span.pivots_end];
         let own = pivots.iter().flat_map(|row| &row.coordinates.0[span.first..span.rank_end()]);
-        refill(&mut self.block, own.copied());
-        write_singular_values(&mut self.block, span.rank(), &mut self.sigma);
-        let sigma = &self.sigma;
-        let is_uncertain = |sigma: f64| sigma > ROUNDING * norm && sigma < CERTAIN_RANK * norm;
-        self.rank_uncertain |= sigma.iter().any(|&sigma| is_uncertain(sigma)) || is_uncertain(refused.sqrt());
-        let rank = sigma.iter().filter(|&&sigma| sigma > tolerance).count();
+        self.singular.decompose(span.rank(), own.copied());
+        let (small, certain) = (ROUNDING * norm, CERTAIN_RANK * norm);
+        self.rank_uncertain |= self.singular.count_from(small) > self.singular.count_from(certain)
+            || (small < refused.sqrt() && refused.sqrt() < certain);
+        let rank = self.singular.count_from(tolerance);
         let is_confirmed = rank == span.rank();
         if !is_confirmed {
+            self.max_rank.resize(self.spans.len(), usize::MAX);
             self.max_rank[k] = rank;
         }
         is_confirmed
     }
 
-    /// Takes the row p at `place` as the next coordinate and removes that coordinate from all later rows.
-    ///
-    /// With α = ∓‖p‖ and v = p − α e, H = I − g v vᵀ gives H p = α e. A row r gets the coordinate p·r/α, and v·r = p·r − α r_e,
-    /// so that the products p·r do not wait for the square root. The rest of r has zero at e, elsewhere v is p.
-    #[inline]
+    /// Takes the row at `place` as the next coordinate and removes that coordinate from all later rows.
     fn reflect(&mut self, place: usize, square: f64) {
         let c = self.pivots.len();
-        let head = self.free[c];
         let (pivots, later) = self.rows.split_at_mut(place + 1);
-        let pivot = &mut pivots[place];
-        let p = pivot.rest;
-        let length = square.sqrt();
-        // −0 counts as 0: the sign of α decides the last bits.
-        let entry = p.0[head] + 0.0;
-        let alpha = -length.copysign(entry);
-        let inverse = 1.0 / alpha;
-        let gain = 1.0 / (length * (length + entry.abs()));
-        let y = pivot.residual * inverse;
-        for row in later {
-            let (product, at_head) = (p.dot(&row.rest), row.rest.0[head]);
-            row.rest.add_scaled(gain * (alpha * at_head - product), &p);
-            row.rest.0[head] = 0.0;
-            let coordinate = product * inverse;
-            row.coordinates.0[c] = coordinate;
-            row.residual -= coordinate * y;
-            row.square -= coordinate * coordinate;
-        }
-        pivot.coordinates.0[c] = alpha;
-        pivot.inverse = inverse;
-        pivot.residual = 0.0;
-        self.y.0[c] = y;
-        let mut v = p;
-        v.0[head] -= alpha;
-        self.reflections.push(Reflection { v, gain });
+        self.y.0[c] = remove_coordinate(&mut pivots[place], later, square, (c, self.free[c]));
         self.pivots.push(place);
     }
 
@@ -363,28 +325,76 @@ impl<const N: usize> Factorization<N> {
         for (c, &place) in self.free.iter().enumerate() {
             u.0[place] = coordinates.0[c];
         }
-        reflect_back(&self.reflections, u)
+        self.triangle().rev().for_each(|row| row.reflect(&mut u));
+        u
     }
 
     /// Returns a column of Q, the direction of one coordinate. Reflections after the c-th leave e_c unchanged.
     pub fn q_column(&self, c: usize) -> Row<N> {
         let mut unit = Row::ZERO;
         unit.0[self.free[c]] = 1.0;
-        reflect_back(&self.reflections[..self.rank().min(c + 1)], unit)
+        self.triangle().take(c + 1).rev().for_each(|row| row.reflect(&mut unit));
+        unit
     }
 }
 
-/// Applies reflections from the last to the first.
-#[inline]
-fn reflect_back<const N: usize>(reflections: &[Reflection<N>], mut u: Row<N>) -> Row<N> {
-    for Reflection { v, gain } in reflections.iter().rev() {
-        u.add_scaled(-gain * v.dot(&u), v);
+impl<const N: usize> FactorRow<N> {
+    /// Exchanges two rows that are no pivots yet. Part by part they stay in registers; as a whole they would be copied by calls.
+    #[inline]
+    fn exchange(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.coordinates, &mut other.coordinates);
+        std::mem::swap(&mut self.rest, &mut other.rest);
+        std::mem::swap(&mut self.index, &mut other.index);
+        std::mem::swap(&mut self.target, &mut other.target);
+        std::mem::swap(&mut self.residual, &mut other.residual);
+        std::mem::swap(&mut self.square, &mut other.square);
+        std::mem::swap(&mut self.summed_square, &mut other.summed_square);
     }
-    u
+
+    /// Applies the reflection of a pivot.
+    #[inline]
+    fn reflect(&self, u: &mut Row<N>) {
+        u.add_scaled(-self.gain * self.rest.dot(u), &self.rest);
+    }
+}
+
+/// Takes the row p of `pivot` as the coordinate c, with the entry e at the place `head`, and removes it from the `later` rows;
+/// returns y_c.
+///
+/// With α = ∓‖p‖ and v = p − α e, H = I − g v vᵀ gives H p = α e. A row r gets the coordinate p·r/α, and v·r = p·r − α r_e,
+/// so that the products p·r do not wait for the square root. The rest of r has zero at e, elsewhere v is p.
+// Not inlined: the compiler then knows that the pivot is none of the later rows.
+#[inline(never)]
+fn remove_coordinate<const N: usize>(
+    pivot: &mut FactorRow<N>,
+    later: &mut [FactorRow<N>],
+    square: f64,
+    (c, head): (usize, usize),
+) -> f64 {
+    let p = pivot.rest;
+    let length = square.sqrt();
+    // −0 counts as 0: the sign of α decides the last bits.
+    let entry = p.0[head] + 0.0;
+    let alpha = -length.copysign(entry);
+    let inverse = 1.0 / alpha;
+    let gain = 1.0 / (length * (length + entry.abs()));
+    let y = pivot.residual * inverse;
+    for row in later {
+        let (product, at_head) = (p.dot(&row.rest), row.rest.0[head]);
+        row.rest.add_scaled(gain * (alpha * at_head - product), &p);
+        row.rest.0[head] = 0.0;
+        let coordinate = product * inverse;
+        row.coordinates.0[c] = coordinate;
+        row.residual -= coordinate * y;
+        row.square -= coordinate * coordinate;
+    }
+    pivot.coordinates.0[c] = alpha;
+    pivot.rest.0[head] -= alpha;
+    (pivot.inverse, pivot.gain, pivot.residual) = (inverse, gain, 0.0);
+    y
 }
 
 /// Moves the longest of these rows to the front; returns its squared length.
-#[inline]
 fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
     let mut longest = longest(rows);
     if rows[longest].square <= TRUSTED_SQUARE * rows[longest].summed_square {
@@ -392,7 +402,8 @@ fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
         longest = self::longest(rows);
     }
     if longest > 0 {
-        rows.swap(0, longest);
+        let (before, from) = rows.split_at_mut(longest);
+        before[0].exchange(&mut from[0]);
     }
     rows[0].square
 }

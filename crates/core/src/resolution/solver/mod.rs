@@ -22,7 +22,7 @@ use problem_rows::ProblemRows;
 use search::Search;
 
 use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
-use crate::linalg::{RANK_TOLERANCE, Row, all_finite};
+use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
 
 /// Ratios of the weights of adjacent levels while the search looks for a working set.
 const SPACINGS: [f64; 2] = [1e-6, 1e-4];
@@ -35,8 +35,11 @@ const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
 /// no certain answer.
 const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 
-/// From this trial on, the primal method corrects a guess; before, everything that is wrong changes at once.
-const FIRST_PRIMAL_TRIAL: u32 = 3;
+/// Trials near a guess, where everything that is wrong changes at once, before the search starts from the empty set.
+const GUESSED_TRIALS: u32 = 3;
+
+/// Bounds that are wrong in a proposal that the primal method corrects; with more, the search tries other weights.
+const NEARLY_RIGHT: usize = 3;
 
 /// The solver for problems of up to N unknowns; it keeps its memory from call to call.
 #[derive(Debug, Default)]
@@ -47,12 +50,10 @@ pub struct ActiveSetSolver<const N: usize> {
     conditions: Conditions<N>,
     search: Search<N>,
     primal: PrimalPoint<N>,
-    /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values of
-    /// a block.
+    /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values.
     inverse: Vec<Row<N>>,
     gram: Vec<Row<N>>,
-    block: Vec<f64>,
-    sigma: Vec<f64>,
+    singular: SingularValues,
 }
 
 /// How the next working set is found.
@@ -152,10 +153,14 @@ impl<const N: usize> ActiveSetSolver<N> {
                 break;
             }
             match phase {
-                // The proposal was wrong: the weights were too close to each other, or too far apart.
-                Phase::Guess if searches == 1 => self.set.clear(self.problem.unknowns, self.problem.rows.len()),
                 // A guess from the call before: most are wrong in one place or two.
-                Phase::Guess if searches == 0 && tried < FIRST_PRIMAL_TRIAL => self.correct_all(),
+                Phase::Guess if searches == 0 && tried < GUESSED_TRIALS => self.correct_all(),
+                // The guess is of no use, or the weights of the first proposal were too far apart: the search starts again.
+                Phase::Guess
+                    if searches < SPACINGS.len() && !self.set.is_empty() && !self.is_nearly_right(searches) =>
+                {
+                    self.set.clear(self.problem.unknowns, self.problem.rows.len());
+                }
                 Phase::LeastIndex => self.correct_least(),
                 _ => {
                     if phase == Phase::Guess {
@@ -206,6 +211,11 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
         search.propose(problem, solved, SPACINGS[used + 1], set);
         used + 2
+    }
+
+    /// Returns whether the set is a proposal that a few steps of the primal method correct.
+    fn is_nearly_right(&self, searches: usize) -> bool {
+        searches > 0 && self.conditions.wrong.len() + self.conditions.wrong_rows.len() <= NEARLY_RIGHT
     }
 
     /// Changes everything that is wrong.

@@ -36,8 +36,9 @@ pub struct ProblemRows<const N: usize> {
 }
 
 impl<const N: usize> ProblemRows<N> {
-    /// Copies a problem of up to N unknowns; returns whether it differs from the problem before in its bounds at most.
+    /// Copies a problem whose rows have the width N; returns whether it differs from the problem before in its bounds at most.
     pub fn load(&mut self, problem: &Hierarchy) -> bool {
+        debug_assert_eq!(problem.width, N);
         self.lower = Row::from_slice(&problem.lower);
         self.upper = Row::from_slice(&problem.upper);
         if self.has_rows_of(problem) {
@@ -45,7 +46,7 @@ impl<const N: usize> ProblemRows<N> {
         }
         self.unknowns = problem.unknowns;
         self.reference = Row::from_slice(&problem.reference);
-        refill(&mut self.rows, problem.rows.chunks_exact(problem.unknowns).map(Row::from_slice));
+        refill(&mut self.rows, problem.rows.as_chunks().0.iter().map(|row| Row(*row)));
         self.row_lower.clone_from(&problem.row_lower);
         self.row_upper.clone_from(&problem.row_upper);
         refill(&mut self.squares, self.rows.iter().map(|row| row.dot(row)));
@@ -69,7 +70,7 @@ impl<const N: usize> ProblemRows<N> {
             && self.row_upper == problem.row_upper
             && self.levels.iter().map(|level| level.end).eq(problem.level_ends.iter().copied())
             && self.reference.0[..n] == problem.reference
-            && self.rows.iter().zip(problem.rows.chunks_exact(n)).all(|(row, entries)| row.0[..n] == *entries)
+            && self.rows.iter().zip(problem.rows.as_chunks().0).all(|(row, entries)| row.0 == *entries)
     }
 
     /// Returns the bound that an active row is held at; equations have one.

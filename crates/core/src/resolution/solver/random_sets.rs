@@ -43,6 +43,7 @@ impl RandomSet {
         let mut number = numbers(seed + 1_000_000);
         let mut hierarchy = Hierarchy::default();
         hierarchy.clear(&(0..n).map(|_| number()).collect::<Vec<_>>());
+        hierarchy.width = WIDTH;
         let mut set = WorkingSet::default();
         set.clear(n, 0);
         for (j, active) in set.unknowns.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Triangle, smallest_from_inverse, write_inverse, write_singular_values};
+use crate::linalg::{Triangle, smallest_from_inverse, write_inverse};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -22,8 +22,9 @@ pub trait SizedSolver {
     /// Returns the Frobenius norm of all rows of the last problem.
     fn norm(&self) -> f64;
 
-    /// Returns a lower bound of σ_min of the last triangle, 1/‖L⁻¹‖_F, or σ_min itself if the bound is below `threshold`.
-    fn bound_smallest(&mut self, threshold: f64) -> f64;
+    /// Returns a lower bound of σ_min of the last triangle of all rows: the one of its determinant if that is at least `sure`;
+    /// otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise σ_min itself.
+    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64;
 
     /// Copies the last triangle.
     fn write_triangle(&self, triangle: &mut Triangle);
@@ -58,10 +59,17 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.problem.levels.iter().map(|level| level.square).sum::<f64>().sqrt()
     }
 
-    fn bound_smallest(&mut self, threshold: f64) -> f64 {
+    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64 {
+        // The geometric mean of the squares of the other singular values is at most their mean, at most ‖L‖²/(n − 1).
+        let others = self.solved.rank().saturating_sub(1);
+        let power = i32::try_from(others).unwrap_or(i32::MAX);
+        let bound = self.pivot_product() * ((others as f64).sqrt() / self.norm()).powi(power);
+        if bound >= sure {
+            return bound;
+        }
         let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
         let size = write_inverse(rows, &mut self.inverse);
-        if size * threshold <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
+        if size * needed <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
     }
 
     fn write_triangle(&self, triangle: &mut Triangle) {
@@ -83,9 +91,8 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         let entry = |row: usize, column: usize| self.solved.rows[span.start + row].coordinates.0[span.first + column];
         let (count, width) = (rows.min(rank), rows.max(rank));
         let at = |i: usize, j: usize| if rows <= rank { entry(i, j) } else { entry(j, i) };
-        refill(&mut self.block, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
-        write_singular_values(&mut self.block, width, &mut self.sigma);
-        self.sigma.last().copied().unwrap_or(0.0)
+        self.singular.decompose(width, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
+        self.singular.smallest()
     }
 
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {

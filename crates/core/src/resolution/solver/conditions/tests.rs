@@ -269,6 +269,7 @@ fn the_conditions_are_those_of_the_documentation() {
 fn of_rows(rows: &[([f64; 2], f64)], upper: f64) -> RandomSet {
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&[0.0; 2]);
+    hierarchy.width = WIDTH;
     for (row, target) in rows {
         hierarchy.push_row(row.iter().copied(), *target, *target);
     }

@@ -75,6 +75,7 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
 fn solved(levels: &[&[([f64; 3], f64)]], unit: f64) -> Factorization<WIDTH> {
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&[0.0; 3]);
+    hierarchy.width = WIDTH;
     for rows in levels {
         rows.iter().for_each(|(row, b)| hierarchy.push_row(row.iter().map(|a| unit * a), unit * b, unit * b));
         hierarchy.end_level();

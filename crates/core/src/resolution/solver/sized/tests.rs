@@ -55,7 +55,7 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
         assert!(basis.ncols() == open && (basis.tr_mul(&basis) - Matrix::identity(open, open)).amax() < 1e-12);
         assert!((&basis * basis.transpose() - &N).amax() < 1e-11, "seed {seed}");
         if n - open == hierarchy.row_count() {
-            let all = Matrix::from_row_slice(n - open, n, &hierarchy.rows);
+            let all = Matrix::from_fn(n - open, n, |i, j| hierarchy.row(i)[j]);
             let sigma = Svd::new(&all).singular_values().to_vec();
             let product = sigma.iter().product::<f64>();
             assert!((solver.last().pivot_product() - product).abs() < 1e-11 * product);
@@ -64,9 +64,13 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
             assert!((triangle.smallest_singular_value() - sigma[sigma.len() - 1]).abs() < 1e-12);
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
-            let found = [0.999, 1.001].map(|factor| solver.last().bound_smallest(factor * certain));
+            let found = [0.999, 1.001].map(|factor| solver.last().bound_smallest(f64::INFINITY, factor * certain));
             assert!((found[0] - certain).abs() < 1e-9 * certain, "seed {seed}");
             assert!((found[1] - sigma[sigma.len() - 1]).abs() < 1e-12, "seed {seed}");
+            let others = sigma.len() as f64 - 1.0;
+            let quick = product * (others / all.norm_squared()).powf(0.5 * others);
+            assert!((solver.last().bound_smallest(0.999 * quick, certain) - quick).abs() < 1e-9 * quick, "seed {seed}");
+            assert!(quick <= found[1] * (1.0 + 1e-12), "seed {seed}");
             assert!((solver.last().norm() - all.norm()).abs() < 1e-12 * all.norm());
         }
     }

@@ -1,0 +1,160 @@
+//! Singular values without their vectors.
+
+use super::dot;
+
+/// The singular values of a matrix, in memory that is used again.
+///
+/// Reflections from both sides turn the matrix into a bidiagonal one. Its singular values σ are the eigenvalues ±σ of a
+/// tridiagonal matrix whose entries beside the diagonal are those of the bidiagonal one in turns, and a Sturm sequence counts
+/// them below a bound. All results are exact to the rounding of ‖A‖.
+#[derive(Debug, Default)]
+pub struct SingularValues {
+    count: usize,
+    /// The largest entry of the matrix, by which the rest is divided.
+    unit: f64,
+    entries: Vec<f64>,
+    sum: Vec<f64>,
+    /// d_1², e_1², d_2², e_2², …, for the entries d on the diagonal of the bidiagonal matrix and e below it.
+    squares: Vec<f64>,
+}
+
+impl SingularValues {
+    /// Decomposes the matrix of these entries, row by row; it has at least as many columns as rows.
+    pub fn decompose(&mut self, columns: usize, entries: impl Iterator<Item = f64>) {
+        self.entries.clear();
+        self.entries.extend(entries);
+        let size = self.entries.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        self.unit = if size.is_normal() { size } else { 1.0 };
+        self.entries.iter_mut().for_each(|entry| *entry /= self.unit);
+        self.count = self.entries.len() / columns.max(1);
+        self.squares.clear();
+        for i in 0..self.count {
+            let (above, below) = self.entries.split_at_mut((i + 1) * columns);
+            let diagonal = reflect_row(&mut above[i * columns + i..], below, columns);
+            self.squares.push(diagonal * diagonal);
+            if !below.is_empty() {
+                let beside = reflect_column(&mut below[i..], columns, &mut self.sum);
+                self.squares.push(beside * beside);
+            }
+        }
+    }
+
+    /// Returns how many singular values are at least `bound`, and not zero.
+    pub fn count_from(&self, bound: f64) -> usize {
+        let x = (bound / self.unit).max(f64::MIN_POSITIVE);
+        let mut q = -x;
+        let mut negative = 1;
+        for square in &self.squares {
+            // A pivot of zero is a small positive one.
+            q = -x - square / if q == 0.0 { f64::MIN_POSITIVE } else { q };
+            negative += usize::from(q < 0.0);
+        }
+        // All −σ are below.
+        (2 * self.count).saturating_sub(negative).min(self.count)
+    }
+
+    /// Returns whether all singular values are at least `bound`.
+    pub fn is_above(&self, bound: f64) -> bool {
+        self.count > 0 && self.count_from(bound) == self.count
+    }
+
+    /// Returns the smallest singular value; 0 for a matrix without rows.
+    pub fn smallest(&self) -> f64 {
+        let rounding = 0.1 * f64::EPSILON * self.squares.iter().sum::<f64>().sqrt();
+        // No singular value of a triangle is below all of its diagonal.
+        let least = self.squares.iter().step_by(2).fold(f64::INFINITY, |least, square| least.min(*square)).sqrt();
+        let (mut low, mut high) = (0.0, if self.count == 0 { 0.0 } else { least });
+        while high - low > rounding.max(f64::EPSILON * high) {
+            let middle = f64::midpoint(low, high);
+            if self.count_from(middle * self.unit) < self.count {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high * self.unit
+    }
+
+    /// Returns the product; 1 for a matrix without rows.
+    pub fn product(&self) -> f64 {
+        self.squares.iter().step_by(2).map(|square| square.sqrt() * self.unit).product()
+    }
+}
+
+/// Reflects a row onto its first entry, which is returned, and the rows below, of `stride` entries each, alike.
+fn reflect_row(row: &mut [f64], below: &mut [f64], stride: usize) -> f64 {
+    let length = dot(row, row).sqrt();
+    let first = -length.copysign(row[0]);
+    row[0] -= first;
+    let gain = 1.0 / (length * row[0].abs());
+    if gain.is_finite() {
+        for other in below.chunks_exact_mut(stride) {
+            let other = &mut other[stride - row.len()..];
+            add_scaled(other, -gain * dot(row, other), row);
+        }
+    }
+    first
+}
+
+/// Reflects the column of the first entries of rows, `stride` apart, onto its first entry, which is returned, and the columns
+/// behind it alike.
+fn reflect_column(rows: &mut [f64], stride: usize, sum: &mut Vec<f64>) -> f64 {
+    let width = stride - (rows.len().next_multiple_of(stride) - rows.len());
+    let length = rows.iter().step_by(stride).map(|entry| entry * entry).sum::<f64>().sqrt();
+    let first = -length.copysign(rows[0]);
+    rows[0] -= first;
+    let gain = 1.0 / (length * rows[0].abs());
+    if gain.is_finite() {
+        sum.clear();
+        sum.resize(width - 1, 0.0);
+        for row in rows.chunks(stride) {
+            add_scaled(sum, row[0], &row[1..width]);
+        }
+        for row in rows.chunks_mut(stride) {
+            let factor = -gain * row[0];
+            add_scaled(&mut row[1..width], factor, sum);
+        }
+    }
+    first
+}
+
+fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
+    entries.iter_mut().zip(other).for_each(|(entry, other)| *entry += factor * other);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{Matrix, Svd};
+
+    /// Random and singular matrices of many sizes; the values are those of one-sided rotations.
+    #[test]
+    fn counts_the_smallest_value_and_the_product_are_those_of_the_decomposition() {
+        let mut singular = SingularValues::default();
+        for (m, n) in [(1, 1), (1, 5), (2, 2), (3, 7), (6, 7), (9, 9), (12, 35), (32, 35)] {
+            for dependent in [false, true] {
+                for unit in [1e-200, 1.0, 1e150] {
+                    let entry =
+                        |i: usize, j: usize| ((7 * i * i + 3 * i * j + 5 * j) % 11) as f64 - 5.3 + (i + 2 * j) as f64;
+                    let row = |i: usize| if dependent && i + 1 == m { 0 } else { i };
+                    let matrix = Matrix::from_fn(m, n, |i, j| unit * (entry(row(i), j) * (1.0 + row(i) as f64)).sin());
+                    singular.decompose(n, (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).map(|at| matrix[at]));
+                    let expected = Svd::new(&matrix);
+                    let (sigma, norm) = (expected.singular_values(), matrix.amax() * (m * n) as f64);
+                    assert!((singular.smallest() - expected.smallest()).abs() <= 1e-15 * norm, "{m} {n} {unit:e}");
+                    for (place, sigma) in sigma.iter().enumerate().filter(|(_, sigma)| **sigma > 1e-12 * norm) {
+                        let around = [0.999, 1.001].map(|factor| singular.count_from(factor * sigma));
+                        assert!(around[0] > place && around[1] <= place, "{m} {n} {unit:e}: {around:?} {place}");
+                    }
+                    let product: f64 = sigma.iter().map(|sigma| sigma / unit).product();
+                    let found = singular.product() / unit.powi(i32::try_from(m).unwrap());
+                    assert!(unit != 1.0 || dependent || (found - product).abs() <= 1e-9 * product);
+                }
+            }
+        }
+        singular.decompose(4, std::iter::empty());
+        assert_eq!((singular.count_from(1.0), singular.smallest(), singular.product()), (0, 0.0, 1.0));
+        singular.decompose(2, [0.0; 4].into_iter());
+        assert_eq!((singular.count_from(0.0), singular.smallest(), singular.product()), (0, 0.0, 0.0));
+    }
+}
