@@ -74,7 +74,7 @@ const LIVE_FRAME: &str = include_str!("../../../api/examples/answers/live_frame.
 
 /// Adds the examples to their operations. Adds to each field its first value in an example.
 pub fn complete(document: &mut Value) {
-    // No robot of the examples has a jerk limit. The derive has no example for a field that is an object or null.
+    // No step of the examples has jerk limits that bind. The derive has no example for a field that is an object or null.
     let memory = &mut document["components"]["schemas"]["Memory"]["properties"];
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);
     for Example { path, method, name, request, answer } in EXAMPLES {
