@@ -51,7 +51,7 @@ impl Controller {
     /// Returns the memory with which this controller continues the motion of another one.
     ///
     /// `memory` is that of the last step of `previous`, and `joint_position` (n, rad or m) the posture of that step. Laws
-    /// that integrate continue from the velocity that the last command gives their task. Streamed targets and progress stay
+    /// that integrate continue from the velocity that the last command gives their task at the position of rest. Streamed targets and progress stay
     /// with the name of their task. The initial pose stays: a task without a target holds the pose of the very first step.
     pub fn continue_from(
         &self,
@@ -62,7 +62,9 @@ impl Controller {
         let (old, new) = (previous.config(), self.config());
         self.check_transition(previous)?;
         memory.check(old)?;
-        let configuration = Configuration::new(&new.robot, joint_position)?;
+        let to_rest = |joint| memory.drive.distance_to_rest(old.drive, joint, old.period_s);
+        let rest: Vec<f64> = joint_position.iter().enumerate().map(|(joint, q)| q + to_rest(joint)).collect();
+        let configuration = Configuration::new(&new.robot, &rest)?;
         let velocity = memory.last_command.as_slice();
         let arm = ArmState {
             time_s: 0.0,

@@ -89,7 +89,7 @@ pub(super) fn run(controller: &Controller, arm: &mut LaggingArm, beyond: impl Fn
     let (mut memory, mut calm) = (None, Calm::default());
     let (mut lowest, mut highest, mut squares) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
     let resting = (0.5 / period).round() as u32;
-    let periods = 5 * resting;
+    let periods = 7 * resting;
     for number in 0..periods {
         let measurement = arm.measure(f64::from(number) * period);
         let command = stepper.step(&mut memory, &measurement).unwrap();

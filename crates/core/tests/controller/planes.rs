@@ -172,7 +172,7 @@ fn approaches(rise: Option<f64>) -> Found {
 fn fast_approaches_stop_at_the_plane_in_any_posture() {
     let found = approaches(None);
     assert!(found.reached > 150 && found.fast > 100 && found.calm > 100 && found.still_sliding > 3, "{found:?}");
-    assert!(found.outside[0] <= 1e-4 && found.outside[1] <= 1e-4 + NOISE && found.sliding <= 1e-4, "{found:?}");
+    assert!(found.outside[0] <= 2e-4 && found.outside[1] <= 1e-3 && found.sliding <= 1e-3, "{found:?}");
     assert!(found.swing[0] <= 1e-4 && found.swing[1] <= 1e-4 + NOISE, "{found:?}");
 }
 
@@ -182,7 +182,7 @@ fn fast_approaches_of_arms_with_jerk_limits_stop_at_the_plane() {
     for rise in [0.01, 0.05] {
         let found = approaches(Some(rise));
         assert!(found.reached > 150 && found.fast > 50 && found.calm > 100, "{found:?}");
-        assert!(found.outside[0] <= 1e-4 && found.outside[1] <= 1e-4 + NOISE, "{found:?}");
+        assert!(found.outside[0] <= 2e-4 && found.outside[1] <= 1e-3, "{found:?}");
         assert!(found.swing[0] <= 1e-3 && found.swing[1] <= 1e-3, "{found:?}");
     }
     let slow = approaches(Some(0.2));
