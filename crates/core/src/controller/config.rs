@@ -86,6 +86,9 @@ impl Limits {
     }
 }
 
+/// Part of the lag and the dead time that may differ from what is stated.
+const MISSTATED: f64 = 0.2;
+
 /// The configuration of a controller: everything that is constant over its periods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerConfig {
@@ -123,6 +126,13 @@ pub struct ControllerConfig {
 }
 
 impl ControllerConfig {
+    /// Returns the damping of this loop, whose reaction time is the period and a part of what the drive adds: the loop acts on
+    /// the position of rest, but no drive is exactly as stated.
+    pub(super) fn fading_damping(&self) -> Option<Damping> {
+        let reaction = self.period_s + MISSTATED * self.drive.time_to_rest(self.period_s);
+        self.damping.map(|damping| damping.for_reaction(reaction))
+    }
+
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
     /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and

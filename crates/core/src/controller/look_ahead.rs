@@ -4,7 +4,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::ControllerConfig;
-use crate::limits::{Ahead, Barrier};
+use crate::limits::Ahead;
 
 /// The workspace of a controller whose drive has a lag or a dead time: the arm at its position of rest p.
 pub(super) struct ArmAtRest {
@@ -48,7 +48,7 @@ impl LookAhead {
     /// Returns the workspace of a controller; `None` if it has no plane. `configuration`: of its robot, at any posture.
     pub fn new(config: &ControllerConfig, configuration: &Configuration) -> Option<Self> {
         let position = vec![0.0; config.robot.joint_count()];
-        let has_planes = config.barriers.iter().any(|barrier| matches!(barrier, Barrier::Plane(_)));
+        let has_planes = config.barriers.iter().any(|barrier| barrier.constant().is_none());
         has_planes.then(|| Self { configuration: configuration.clone(), position })
     }
 

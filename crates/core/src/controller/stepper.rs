@@ -108,7 +108,7 @@ impl Workspace {
             inequalities: Vec::new(),
             method: config.method,
             solver: config.solver,
-            damping: config.damping.map(|damping| damping.for_period(config.period_s)),
+            damping: config.fading_damping(),
             null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
         };
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };

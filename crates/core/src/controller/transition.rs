@@ -51,8 +51,9 @@ impl Controller {
     /// Returns the memory with which this controller continues the motion of another one.
     ///
     /// `memory` is that of the last step of `previous`, and `joint_position` (n, rad or m) the posture of that step. Laws
-    /// that integrate continue from the velocity that the last command gives their task at the position of rest. Streamed targets and progress stay
-    /// with the name of their task. The initial pose stays: a task without a target holds the pose of the very first step.
+    /// that integrate continue from the velocity that the last command gives their task at the position of rest. Streamed
+    /// targets and progress stay with the name of their task. The initial pose stays: a task without a target holds the pose
+    /// of the very first step.
     pub fn continue_from(
         &self,
         previous: &Self,

@@ -3,8 +3,8 @@
 /// Fraction of δ below which a task gradually leaves the direction of a singular value to lower tasks.
 const FADING: f64 = 0.25;
 
-/// Longest control period for which [`FADING`] is wide enough, s.
-const FADING_PERIOD: f64 = 0.005;
+/// Longest reaction time of a control loop for which [`FADING`] is wide enough, s.
+const FADING_REACTION: f64 = 0.005;
 
 /// Damping that sets in near a singularity, as a function of the smallest singular value.
 ///
@@ -33,10 +33,12 @@ impl Damping {
         valid.then_some(Self { threshold, max_factor, fading: FADING })
     }
 
-    /// Returns the damping for a loop with the period T (s): beyond 5 ms directions fade over a range that grows with T, up
-    /// to δ. Otherwise an arm that is held back at a singularity would leave and enter this range from period to period.
-    pub fn for_period(self, period: f64) -> Self {
-        Self { fading: FADING * (period / FADING_PERIOD).clamp(1.0, 1.0 / FADING), ..self }
+    /// Returns the damping of a loop that reacts after this time (s): beyond 5 ms directions fade over a range that grows with
+    /// it, up to δ. In a narrower one the velocity of an arm that is held back at a singularity would change faster with the
+    /// posture than the loop can follow, so that the arm would move back and forth.
+    #[must_use]
+    pub fn for_reaction(self, reaction: f64) -> Self {
+        Self { fading: FADING * (reaction / FADING_REACTION).clamp(1.0, 1.0 / FADING), ..self }
     }
 
     /// δ, the singular value below which damping acts.
@@ -56,7 +58,7 @@ impl Damping {
     }
 
     /// How much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from a quarter of δ on, or from
-    /// where [`Self::for_period`] says.
+    /// where [`Self::for_reaction`] says.
     pub fn keeps(&self, sigma: f64) -> f64 {
         let ratio = (sigma / (self.fading * self.threshold)).min(1.0);
         ratio * ratio * (3.0 - 2.0 * ratio)
