@@ -70,10 +70,12 @@ fn describe(answer: &StabilityAnswer) -> String {
     let largest = answer.largest_lag_s.map(|lag| format!("{:.4} ms", 1e3 * lag));
     let lag = or_none(largest, if answer.stable_at_any_lag { "any" } else { "none" });
     format!(
-        "{}, spectral radius {:.6}\nlargest lag           {lag}\nlargest delay         {}\nsmallest damping B_d  {}\n",
+        "{}, spectral radius {:.6}\nlargest lag           {lag}\nlargest delay         {}\nsmallest damping B_d  {}\n\
+         largest damping B_d   {}\n",
         if answer.stable { "stable" } else { "unstable" },
         answer.spectral_radius,
         or_none(answer.largest_delay_periods.map(|periods| format!("{periods} period(s)")), "none"),
         or_none(answer.smallest_damping.map(|damping| format!("above {damping:.4}")), "no value is stable"),
+        or_none(answer.largest_damping.map(|damping| format!("below {damping:.4}")), "none"),
     )
 }

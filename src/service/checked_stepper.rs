@@ -91,7 +91,7 @@ pub struct PreparedController {
     pub request: wire::Controller,
     /// The controller with its workspace.
     pub stepper: CheckedStepper,
-    /// Warnings about unstable contacts and gains that are too high.
+    /// Warnings about unstable loops and gains that are too high.
     pub warnings: Vec<String>,
 }
 

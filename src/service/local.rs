@@ -116,7 +116,7 @@ impl LocalController {
         self.control.controller().config().robot.joints().iter().map(|joint| joint.name.as_str())
     }
 
-    /// Warnings about unstable contacts with the `environment` of the controller.
+    /// Warnings about the controller, such as unstable loops.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

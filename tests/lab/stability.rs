@@ -102,6 +102,17 @@ fn computed_maximum_lag_equals_the_simulated_one() {
 }
 
 #[test]
+fn no_scenario_has_a_law_that_is_unstable_in_free_space() {
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
+    let client = Client::new(&server.url());
+    for name in Scenario::names().split(", ") {
+        let scenario = Scenario::built_in(name).unwrap().unwrap();
+        let warnings = client.create_controller(&scenario.controller).unwrap().warnings;
+        assert!(warnings.iter().all(|warning| !warning.contains("free space")), "{name}: {warnings:?}");
+    }
+}
+
+#[test]
 fn controller_with_a_warning_is_unstable_and_the_recommended_damping_is_stable() {
     let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
     let client = Client::new(&server.url());

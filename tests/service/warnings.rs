@@ -1,4 +1,4 @@
-//! Warnings about control loops that are unstable in the stated environment.
+//! Warnings about control loops that are unstable in the stated environment or in free space.
 
 use serde_json::{Value, json};
 
@@ -74,6 +74,110 @@ fn the_environment_is_shown_and_does_not_change_commands() {
     let before = answer(&stateless);
     stateless["controller"]["environment"] = controller["environment"].clone();
     assert_eq!(answer(&stateless), before);
+}
+
+/// Returns a controller with one law on all linear axes, and a drive, if it is stated.
+fn in_free_space(law: &Value, period_s: f64, drive: Option<Value>) -> Value {
+    let tasks = json!([{"name": "yield", "axes": ["x", "y", "z"], "law": law}]);
+    let mut controller = json!({"robot": "panda", "period_s": period_s, "tasks": tasks});
+    if let Some(drive) = drive {
+        controller["drive"] = drive;
+    }
+    controller
+}
+
+fn force(inertia: f64, damping: f64) -> Value {
+    json!({"kind": "force", "inertia": inertia, "damping": damping, "target_force": {"kind": "constant", "value": 0.0}})
+}
+
+fn impedance(inertia: f64, damping: f64, stiffness: f64) -> Value {
+    json!({"kind": "impedance", "inertia": inertia, "damping": damping, "stiffness": stiffness})
+}
+
+fn ideal() -> Option<Value> {
+    Some(json!({"lag_s": 0.0, "delay_periods": 0}))
+}
+
+#[test]
+fn laws_that_are_unstable_in_free_space_are_named() {
+    let service = Service::start();
+    let cases = [
+        // Measured: up to 53.5 M_d, commanded: up to 200 M_d.
+        (
+            in_free_space(&force(15.0, 1000.0), 0.01, None),
+            ["stable if not; damping above 0 and up to 80", "larger inertia"],
+        ),
+        (in_free_space(&force(15.0, 4000.0), 0.01, None), ["spectral radius 1.666667 if not", "up to 80"]),
+        (
+            in_free_space(&force(15.0, 0.0), 0.01, None),
+            ["spectral radius 1.000000 if not", "damping above 0 and up to 80"],
+        ),
+        (
+            in_free_space(&impedance(5.0, 632.0, 20_000.0), 0.001, None),
+            ["spectral radius 1.003495 if states contain `joint_velocity`, stable if not", "a smaller stiffness"],
+        ),
+        (
+            in_free_space(&impedance(1.0, 2000.0, 1e6), 0.001, ideal()),
+            ["spectral radius 1.618034 if not", "damping above 0 and up to 1"],
+        ),
+    ];
+    for (controller, parts) in cases {
+        let found = warnings(&service, &controller);
+        assert_eq!(found.len(), 1, "{controller}: {found:?}");
+        for part in ["task `yield`, axis x: ", "in free space"].iter().chain(&parts) {
+            assert!(found[0].contains(part), "`{part}` is not in {}", found[0]);
+        }
+    }
+}
+
+#[test]
+fn laws_that_are_stable_in_free_space_have_no_warning() {
+    let service = Service::start();
+    for (law, period_s, drive) in [
+        (force(15.0, 1000.0), 0.001, None),
+        (force(15.0, 1000.0), 0.01, ideal()),
+        (force(15.0, 790.0), 0.01, None),
+        (impedance(5.0, 632.0, 20_000.0), 0.001, ideal()),
+        (impedance(10.0, 200.0, 500.0), 0.001, None),
+    ] {
+        assert_eq!(warnings(&service, &in_free_space(&law, period_s, drive)), [""; 0], "{law}");
+    }
+}
+
+#[test]
+fn the_recommended_damping_is_stable_and_a_larger_one_is_not() {
+    let service = Service::start();
+    for law in [force(15.0, 1e4), impedance(10.0, 0.0, 200.0)] {
+        let with = |damping: f64| {
+            let mut law = law.clone();
+            law["damping"] = json!(damping);
+            warnings(&service, &in_free_space(&law, 0.01, None))
+        };
+        let warning = warnings(&service, &in_free_space(&law, 0.01, None)).remove(0);
+        let (_, range) = warning.split_once("damping above ").unwrap();
+        let (low, rest) = range.split_once(" and up to ").unwrap();
+        let (low, high): (f64, f64) = (low.parse().unwrap(), rest.split(' ').next().unwrap().parse().unwrap());
+        assert_eq!(with(high), [""; 0]);
+        assert_eq!(with(1.002 * high).len(), 1);
+        if low > 0.0 {
+            assert_eq!(with(low), [""; 0]);
+            assert_eq!(with(0.998 * low).len(), 1);
+        }
+    }
+}
+
+#[test]
+fn a_contact_with_too_much_damping_is_told_the_largest_one() {
+    let service = Service::start();
+    let mut controller = at_the_wall(0.005);
+    controller["drive"] = ideal().unwrap();
+    for task in controller["tasks"].as_array_mut().unwrap() {
+        if task["law"]["damping"].is_number() || task["law"]["damping"].is_array() {
+            task["law"]["damping"] = json!(5e6);
+        }
+    }
+    let found = warnings(&service, &controller);
+    assert!(found[0].contains("damping of at most "), "{found:?}");
 }
 
 /// Returns the example controller with a pose law in place of its second law.

@@ -1,14 +1,16 @@
 """Short forms, presets, error texts and help."""
 
 import inspect
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 import revprio
-from revprio import AddressError, AsyncClient, Client, InvalidError, ResolveTask, models
+from revprio import AddressError, AsyncClient, Client, EnvironmentAxis, InvalidError, ResolveTask, models
+from revprio.states import StateNumbering
 
 Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
 
@@ -94,6 +96,86 @@ def test_the_gains_of_a_push_keep_a_factor_of_two_of_the_stability_margin(lag_s:
     assert margin.stable
     assert damping >= 2 * (margin.smallest_damping or 0) * (1 - 1e-6)
     assert 15 / damping <= 0.1 + 1e-12
+
+
+def pushes() -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+    """Returns arguments of `push`, and those of them that `stability` takes."""
+    for period_s, lag_s, delay_periods, velocity_measured in itertools.product(
+        (0.001, 0.005, 0.02), (0.0, 0.01, 0.03), (0, 2, 3), (True, False)
+    ):
+        loop = {
+            "period_s": period_s,
+            "lag_s": lag_s,
+            "delay_periods": delay_periods,
+            "velocity_measured": velocity_measured,
+        }
+        for environment_stiffness, newtons in itertools.product((1e2, 1e3, 1e4, 1e5), (5, 100)):
+            yield {**loop, "environment_stiffness": environment_stiffness, "newtons": newtons}, loop
+
+
+def test_every_push_is_stable_in_its_contact_in_softer_ones_and_in_free_space() -> None:
+    pushed, refused = 0, set()
+    for arguments, loop in pushes():
+        try:
+            law = revprio.push("z", hold=None, **arguments)[0].law  # type: ignore[arg-type]
+        except InvalidError as error:
+            refused.add(error.pointer)
+            continue
+        pushed += 1
+        damping = float(np.asarray(law.damping))  # type: ignore[union-attr]
+        assert arguments["newtons"] / damping <= 0.1 + 1e-12
+        for share in (0.0, 0.001, 0.03, 0.3, 1.0):
+            environment = EnvironmentAxis(stiffness=share * arguments["environment_stiffness"])
+            margin = revprio.stability(inertia=15, damping=damping, environment=environment, **loop)  # type: ignore[arg-type]
+            assert margin.stable, (arguments, damping, share, margin)
+    assert pushed > 150
+    assert refused == {"/environment_stiffness", "/approach_speed"}
+
+
+def test_a_push_between_two_close_ends_is_in_their_middle() -> None:
+    loop = {"period_s": 0.02, "lag_s": 0.01, "velocity_measured": False}
+    damping = revprio.push("z", 15, environment_stiffness=5e4, **loop)[0].law.damping  # type: ignore[arg-type, union-attr]
+    environment = EnvironmentAxis(stiffness=5e4)
+    margin = revprio.stability(inertia=15, damping=float(np.asarray(damping)), environment=environment, **loop)  # type: ignore[arg-type]
+    low, high = margin.smallest_damping or 0, margin.largest_damping or 0
+    assert 1 < high / low < 4
+    assert float(np.asarray(damping)) == pytest.approx(np.sqrt(low * high))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pointer"),
+    [
+        ({"newtons": 100, "approach_speed": 0.001, "period_s": 0.02}, "/approach_speed"),
+        ({"newtons": 15, "approach_speed": 0}, "/approach_speed"),
+        ({"newtons": float("nan")}, "/newtons"),
+        ({"newtons": 0, "lag_s": 0}, "/newtons"),
+        ({"newtons": 15, "inertia": 0.01, "lag_s": 0.1, "delay_periods": 5}, "/environment_stiffness"),
+    ],
+)
+def test_a_push_that_no_damping_permits_is_refused(arguments: dict[str, float], pointer: str) -> None:
+    with pytest.raises(InvalidError) as refusal:
+        revprio.push("z", **arguments)  # type: ignore[arg-type]
+    assert refusal.value.pointer == pointer
+
+
+@pytest.mark.parametrize("wrong", ["a", [1.0, 2.0], 1j])
+def test_a_wrong_time_is_refused(wrong: object) -> None:
+    arm = revprio.Controller(robot="sawyer_dh", period_s=0.001, tasks=revprio.push("x", 15))
+    with pytest.raises(InvalidError, match="time_s"):
+        arm.step(Q, time_s=wrong)  # type: ignore[arg-type]
+    with pytest.raises(InvalidError, match="time_s"):
+        StateNumbering(0.001).state(Q, None, None, wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["joint_position", "joint_velocity", "wrench"])
+def test_complex_numbers_are_refused(name: str) -> None:
+    wrong = {"joint_position": Q, "joint_velocity": Q, "wrench": np.zeros(6)}
+    wrong[name] = wrong[name] + 1j
+    arm = revprio.Controller(robot="sawyer_dh", period_s=0.001, tasks=revprio.push("x", 15))
+    with pytest.raises(InvalidError, match=name):
+        arm.step(**wrong)  # type: ignore[arg-type]
+    with pytest.raises(InvalidError):
+        StateNumbering(0.001).state(wrong["joint_position"], wrong["joint_velocity"], wrong["wrench"], None)
 
 
 def test_a_push_controls_an_arm_against_a_wall() -> None:

@@ -97,8 +97,9 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
 
 /// Describes an unstable loop and the changes that make it stable.
 fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, StabilityError> {
-    let Margin { spectral_radius, largest_lag_s, largest_delay_periods, smallest_damping } = contact.margin()?;
-    let unit = if matches!(axis, Axis::X | Axis::Y | Axis::Z) { "N·s/m" } else { "N·m·s/rad" };
+    let Margin { spectral_radius, largest_lag_s, largest_delay_periods, smallest_damping, largest_damping } =
+        contact.margin()?;
+    let unit = damping_unit(axis);
     let lag = match largest_lag_s {
         Some(lag) => format!("largest admissible lag {} ms", four_digits(0.999 * 1e3 * lag)),
         None => "no lag is short enough".to_owned(),
@@ -108,16 +109,24 @@ fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, StabilityError> {
         Some(periods) => format!("; largest admissible delay {periods} periods"),
         None => "; no delay is short enough".to_owned(),
     };
-    let damping = match smallest_damping {
-        Some(damping) => format!("damping of at least {} {unit} makes it stable", four_digits(1.001 * damping)),
-        None => "no damping makes it stable".to_owned(),
+    let damping = match (smallest_damping, largest_damping) {
+        (Some(_), Some(damping)) if contact.damping > damping => {
+            format!("damping of at most {} {unit} makes it stable", four_digits(0.999 * damping))
+        }
+        (Some(damping), _) => format!("damping of at least {} {unit} makes it stable", four_digits(1.001 * damping)),
+        (None, _) => "no damping makes it stable".to_owned(),
     };
     Ok(format!(
         "with this environment the loop is unstable: spectral radius {spectral_radius:.6}; {lag}{delay}; {damping}"
     ))
 }
 
+/// Returns the unit of a damping on an axis.
+pub fn damping_unit(axis: Axis) -> &'static str {
+    if matches!(axis, Axis::X | Axis::Y | Axis::Z) { "N·s/m" } else { "N·m·s/rad" }
+}
+
 /// Rounds to four significant digits. A number 0.1 % inside a margin stays inside.
-fn four_digits(value: f64) -> f64 {
+pub fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

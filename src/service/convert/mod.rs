@@ -8,6 +8,7 @@ mod arm;
 mod control;
 mod controller;
 mod environment;
+mod free_space;
 mod inequalities;
 mod kinematics;
 mod memory;

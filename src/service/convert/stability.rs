@@ -43,5 +43,6 @@ pub fn margin_answer(margin: &Margin) -> wire::StabilityAnswer {
         stable_at_any_lag: margin.largest_lag_s.is_some_and(f64::is_infinite),
         largest_delay_periods: margin.largest_delay_periods,
         smallest_damping: margin.smallest_damping,
+        largest_damping: margin.largest_damping,
     }
 }

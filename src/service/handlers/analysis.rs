@@ -10,7 +10,7 @@ use crate::service::error::ApiError;
 
 /// Computes the stability margins of one axis in contact.
 ///
-/// Maximum lag, maximum delay and minimum damping.
+/// Maximum lag, maximum delay, minimum and maximum damping.
 #[utoipa::path(
     post,
     path = "/v1/stability",

@@ -205,6 +205,7 @@ fn answer_ranges() -> Vec<FieldRange> {
             spectral_radius: NotNegative,
             largest_lag_s: NotNegative,
             smallest_damping: NotNegative,
+            largest_damping: NotNegative,
         }
         wire::KinematicsAnswer {
             jacobian: Rows([6, 6], [1, MAX_JOINTS]),

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyComplex, PyMapping};
 use revprio::service::ApiError;
 use revprio_api::wire::{JointVector, StreamedTarget, Wrench};
 
@@ -20,6 +20,13 @@ pub fn joint_vector(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<JointVe
     let Ok(mapping) = value.cast::<PyMapping>() else { return floats(value, pointer).map(JointVector::Ordered) };
     let named = mapping.items()?.iter().map(|item| item.extract::<(String, f64)>()).collect::<PyResult<_>>();
     named.map(JointVector::Named).map_err(|_| not_numbers(value.py(), pointer))
+}
+
+/// Reads a time, s.
+pub fn time(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    // NumPy would drop the imaginary part of a complex number.
+    let real = if value.is_instance_of::<PyComplex>() { None } else { value.extract().ok() };
+    real.ok_or_else(|| refused(value.py(), ApiError::invalid("/time_s", "give a number of seconds")))
 }
 
 /// Reads a wrench: a `Wrench`, or six numbers, force then torque.
@@ -52,7 +59,12 @@ fn floats(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<Vec<f64>> {
     static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
-    let array = asarray.call1((value, intern!(py, "f8"))).map_err(|_| not_numbers(py, pointer))?;
+    let array = asarray.call1((value,)).map_err(|_| not_numbers(py, pointer))?;
+    // NumPy would drop the imaginary parts.
+    if array.getattr(intern!(py, "dtype"))?.getattr(intern!(py, "kind"))?.eq("c")? {
+        return Err(not_numbers(py, pointer));
+    }
+    let array = asarray.call1((array, intern!(py, "f8"))).map_err(|_| not_numbers(py, pointer))?;
     let array = array.cast::<PyArray1<f64>>().map_err(|_| not_numbers(py, pointer))?;
     Ok(entries(array))
 }
@@ -63,5 +75,5 @@ fn entries(array: &Bound<'_, PyArray1<f64>>) -> Vec<f64> {
 }
 
 fn not_numbers(py: Python<'_>, pointer: &str) -> PyErr {
-    refused(py, ApiError::invalid(pointer, "give a list or an array of numbers"))
+    refused(py, ApiError::invalid(pointer, "give a list or an array of real numbers"))
 }

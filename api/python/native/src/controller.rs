@@ -66,7 +66,7 @@ impl Controller {
         self.lock().joints().map(str::to_owned).collect()
     }
 
-    /// Warnings about unstable contacts.
+    /// Warnings about the controller, such as unstable loops.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.lock().warnings().to_vec()
@@ -77,7 +77,7 @@ impl Controller {
     fn step<'py>(
         &self,
         sequence: u64,
-        time_s: f64,
+        time_s: &Bound<'py, PyAny>,
         joint_position: &Bound<'py, PyAny>,
         joint_velocity: Option<&Bound<'py, PyAny>>,
         wrench: Option<&Bound<'py, PyAny>>,
@@ -87,7 +87,7 @@ impl Controller {
         let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
         let state = wire::State {
             sequence,
-            time_s,
+            time_s: arguments::time(time_s)?,
             joint_position: arguments::joint_vector(joint_position, "/joint_position")?,
             joint_velocity: joint_velocity.map(velocity).transpose()?,
             wrench: wrench.map(arguments::wrench).transpose()?,

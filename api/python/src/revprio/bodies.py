@@ -18,10 +18,14 @@ T = TypeVar("T")
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     """Converts numbers to an array; `None` becomes nan."""
     try:
-        return np.asarray(value, dtype=np.float64)
+        array = np.asarray(value)
+        # NumPy would drop the imaginary parts.
+        if array.dtype.kind != "c":
+            return np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError):
-        message = "give a number, a list or an array of numbers, with rows of equal length"
-        raise ValueError(message) from None
+        pass
+    message = "give a number, a list or an array of real numbers, with rows of equal length"
+    raise ValueError(message)
 
 
 def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401

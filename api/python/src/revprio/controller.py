@@ -62,7 +62,7 @@ class Controller:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings about contacts that are unstable with the controller's `environment`."""
+        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
         return self._native.warnings
 
     def step(
@@ -193,7 +193,7 @@ class Session(RemoteController):
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings about contacts that are unstable with the controller's `environment`."""
+        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
         return self.created.warnings
 
     @property

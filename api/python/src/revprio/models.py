@@ -1658,8 +1658,9 @@ class CreatedController(Answer):
     - id: Identifier of the session, part of its address.
     - idle_timeout_s: Time without a new state after which the session ends, s; `GET` requests do not extend it.
     - joints: Names of the joints, in the order of all vectors of joints.
-    - warnings: Warnings: axes whose loop with the given environment is unstable, and what would make them stable;
-      tasks whose gain is above the ratio of the acceleration and speed limits of a joint.
+    - warnings: Warnings: axes whose loop with the given environment is unstable, and tasks whose law is unstable
+      without contact, behind the drive of the controller, with what would make them stable; tasks whose gain is
+      above the ratio of the acceleration and speed limits of a joint.
     """
 
     id: str
@@ -1669,8 +1670,9 @@ class CreatedController(Answer):
     joints: list[str]
     """Names of the joints, in the order of all vectors of joints."""
     warnings: list[str] = Field(default_factory=list)
-    """Warnings: axes whose loop with the given environment is unstable, and what would make them stable; tasks whose
-    gain is above the ratio of the acceleration and speed limits of a joint."""
+    """Warnings: axes whose loop with the given environment is unstable, and tasks whose law is unstable without
+    contact, behind the drive of the controller, with what would make them stable; tasks whose gain is above the ratio
+    of the acceleration and speed limits of a joint."""
 
 
 class DenavitHartenberg(Answer):
@@ -2743,6 +2745,8 @@ class StabilityAnswer(Answer):
     - spectral_radius: Spectral radius of the loop from period to period; stable below 1.
     - stable: Whether the loop is stable.
     - stable_at_any_lag: Whether the loop is stable at any lag.
+    - largest_damping: Damping B_d above `smallest_damping` at which the loop becomes unstable again; `null` if
+      there is none.
     - largest_delay_periods: Maximum delay at which the loop is stable, control periods, at most 64; `null` if there
       is none.
     - largest_lag_s: Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
@@ -2755,6 +2759,8 @@ class StabilityAnswer(Answer):
     """Whether the loop is stable."""
     stable_at_any_lag: bool
     """Whether the loop is stable at any lag."""
+    largest_damping: float | None = None
+    """Damping B_d above `smallest_damping` at which the loop becomes unstable again; `null` if there is none."""
     largest_delay_periods: int | None = None
     """Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none."""
     largest_lag_s: float | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Literal, get_args
 
@@ -20,12 +21,16 @@ from revprio.models import (
     Pose,
     PoseLaw,
     Problem,
+    StabilityAnswer,
 )
 
 AXES: tuple[Axis, ...] = get_args(Axis)
 
 SAFETY_FACTOR = 2.0
-"""Factor between the damping of a force law and the smallest stable one. docs/guides/choose-gains.md explains it."""
+"""Factor between the damping of a force law and the ends of its stable interval; see docs/guides/choose-gains.md."""
+
+NEGLIGIBLE = 1e-6
+"""Fraction of the largest stable damping below which a tool in free space hardly ever comes to rest."""
 
 POSE_GAIN = 2.0
 """Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it."""
@@ -55,21 +60,30 @@ def push(  # noqa: PLR0913
     `inertia`: inertia of the force law, kg.
     `approach_speed`: maximum speed in free space, m/s.
 
-    The damping is twice the smallest damping at which the contact is stable, and so large that the tool approaches at
-    `approach_speed` at most. Raises an `InvalidError` if no damping makes the contact stable.
+    The damping is stable in this contact and in free space, and so large that the tool approaches at `approach_speed`
+    at most. It keeps a factor of two from both ends of the stable interval; if the interval is narrower than a
+    factor of four, it is the geometric mean of the ends. Raises an `InvalidError` if no damping is stable, or if only
+    an unstable one keeps `approach_speed`.
     """
-    margin = LOCAL.stability(
-        inertia=inertia,
-        damping=0.0,
-        environment=EnvironmentAxis(stiffness=environment_stiffness),
-        period_s=period_s,
-        lag_s=lag_s,
-        delay_periods=delay_periods,
-        velocity_measured=velocity_measured,
-    )
-    if margin.smallest_damping is None:
+    force = abs(_finite("/newtons", newtons))
+    if _finite("/approach_speed", approach_speed) <= 0:
+        raise _invalid("/approach_speed", "give a speed above 0 m/s")
+
+    def margin(damping: float, stiffness: float) -> StabilityAnswer:
+        return LOCAL.stability(
+            inertia=inertia,
+            damping=damping,
+            environment=EnvironmentAxis(stiffness=stiffness),
+            period_s=period_s,
+            lag_s=lag_s,
+            delay_periods=delay_periods,
+            velocity_measured=velocity_measured,
+        )
+
+    contact, free = margin(0.0, environment_stiffness), margin(0.0, 0.0)
+    damping = _damping(contact, free, force / approach_speed)
+    if not all(margin(damping, stiffness).stable for stiffness in (environment_stiffness, 0.0)):
         raise _unstable()
-    damping = max(SAFETY_FACTOR * margin.smallest_damping, abs(newtons) / approach_speed)
     law = ForceLaw(inertia=inertia, damping=damping, target_force=ConstantProfile(value=newtons))
     held = [other for other in AXES if other != axis] if hold == "rest" else list(hold or [])
     tasks = [ControllerTask(name="push", axes=axis, law=law)]
@@ -77,6 +91,26 @@ def push(  # noqa: PLR0913
         gain = pose_gain(lag_s + delay_periods * period_s)
         tasks.append(ControllerTask(name="hold", axes=held, law=PoseLaw(gain=gain)))
     return tasks
+
+
+def _damping(contact: StabilityAnswer, free: StabilityAnswer, least: float) -> float:
+    """Returns the damping of a push that both loops permit. `least`: for the approach speed, N·s/m."""
+    low, high = contact.smallest_damping, min(_largest(contact), _largest(free))
+    if low is None or free.smallest_damping is None or low >= high:
+        raise _unstable()
+    middle = math.sqrt(low * high)
+    most = max(high / SAFETY_FACTOR, middle)
+    if least > most:
+        detail = f"this approach speed needs a damping of {least:.4g} N·s/m, and the loop permits {most:.4g} N·s/m"
+        raise _invalid("/approach_speed", f"{detail}; increase `approach_speed` or `inertia`, or reduce lag or delay")
+    damping = max(min(SAFETY_FACTOR * low, middle), least)
+    if damping < NEGLIGIBLE * high:
+        raise _invalid("/newtons", "this force is too small to choose a damping; write a `ForceLaw` with your own")
+    return damping
+
+
+def _largest(margin: StabilityAnswer) -> float:
+    return math.inf if margin.largest_damping is None else margin.largest_damping
 
 
 def follow(
@@ -123,6 +157,12 @@ def _quaternion(rotation: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> 
     )
     x, y, z, w = np.linalg.eigh(k)[1][:, -1]
     return Orientation(w=w, x=x, y=y, z=z)
+
+
+def _finite(pointer: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise _invalid(pointer, "give a finite number")
+    return value
 
 
 def _unstable() -> InvalidError:

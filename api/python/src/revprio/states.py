@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from revprio.bodies import ArrayLike, JointVector
-from revprio.models import State, StreamedTarget, Wrench
+from revprio.errors import InvalidError
+from revprio.models import Problem, State, StreamedTarget, Wrench
 
 
 class StateNumbering:
@@ -47,8 +48,12 @@ def as_wrench(wrench: Wrench | ArrayLike) -> Wrench:
     """Converts six numbers (force x, y, z in N, then torque x, y, z in N·m) to a `Wrench`."""
     if isinstance(wrench, Wrench):
         return wrench
-    six = np.asarray(wrench, dtype=np.float64)
+    try:
+        six = np.asarray(wrench)
+    except ValueError:  # rows of different length
+        six = np.empty(0)
     if six.shape != (6,):
-        message = f"wrench: expected 6 numbers (force, then torque), got an array of shape {six.shape}"
-        raise ValueError(message)
+        detail = "give six numbers: force x, y, z in N, then torque x, y, z in N·m"
+        problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=detail)
+        raise InvalidError(problem.model_copy(update={"pointer": "/wrench"}))
     return Wrench(force=six[:3], torque=six[3:])

@@ -188,7 +188,8 @@ pub struct CreatedController {
     pub joints: Vec<String>,
     /// Time without a new state after which the session ends, s; `GET` requests do not extend it.
     pub idle_timeout_s: u64,
-    /// Warnings: axes whose loop with the given environment is unstable, and what would make them stable; tasks whose gain
+    /// Warnings: axes whose loop with the given environment is unstable, and tasks whose law is unstable without contact,
+    /// behind the drive of the controller, with what would make them stable; tasks whose gain
     /// is above the ratio of the acceleration and speed limits of a joint.
     #[serde(default)]
     pub warnings: Vec<String>,

@@ -99,4 +99,6 @@ pub struct StabilityAnswer {
     pub largest_delay_periods: Option<usize>,
     /// Minimum damping B_d at which the loop is stable; `null` if there is none.
     pub smallest_damping: Option<f64>,
+    /// Damping B_d above `smallest_damping` at which the loop becomes unstable again; `null` if there is none.
+    pub largest_damping: Option<f64>,
 }

@@ -67,7 +67,7 @@ pub use memory::{Memory, MemoryError};
 pub use null_space::{HOLDING_SPEED, NullSpaceError, NullSpaceMotion};
 pub use progress::{LEAVING_TIME, MAX_ATTEMPTS, Obstacle, Progress, StuckTask};
 pub use raw_rows::RawRows;
-pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError};
+pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use steep_gain::SteepGain;
 pub use step::{Command, Controller, Measurement, StepError};
 pub use stepper::Stepper;

@@ -1,4 +1,4 @@
-//! Stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
+//! Stability margins of one axis in contact or in free space: maximum lag, maximum delay, minimum and maximum damping.
 //!
 //! One axis of a force, impedance or hybrid law touches an environment M_e Ẍ + B_e Ẋ + K_e X. The inner velocity loop
 //! of the arm has a first-order lag τ and a delay of d whole periods. Together they are a linear map from period to
@@ -15,6 +15,9 @@
 //! For T → 0 and no delay, the characteristic polynomials are M_d τ s³ + M_d s² + B_d s + K_e (measured velocity) and
 //! M_d τ s³ + (M_d + B_d τ) s² + B_d s + K_e (commanded velocity). They give the maximum lags B_d/K_e and
 //! M_d B_d/(M_d K_e − B_d²).
+//!
+//! Free space is the environment M_e = B_e = K_e = 0. The loop then still contains the drive, so too large a B_d or K_d makes
+//! it unstable.
 
 use nalgebra::Complex;
 
@@ -32,7 +35,7 @@ const MAX_BISECTIONS: usize = 100;
 /// Steps by 1.25 from 10⁻³ to 10⁹ periods: 124.
 const MAX_LAG_STEPS: usize = 200;
 
-/// Steps by 1.1 from 10⁻⁹ of the largest damping to the largest: 218.
+/// Steps by 1.1 from 10⁻⁹ of the largest examined damping to the largest: 218.
 const MAX_DAMPING_STEPS: usize = 300;
 
 /// One axis of a law in contact. Linear axes: kg, N·s/m, N/m; angular axes: kg·m², N·m·s/rad, N·m/rad.
@@ -71,6 +74,17 @@ pub struct Margin {
     pub largest_delay_periods: Option<usize>,
     /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,
+    /// B_d above the minimum at which the loop becomes unstable again; `None` if there is no minimum, or no such B_d.
+    pub largest_damping: Option<f64>,
+}
+
+/// The interval of B_d in which a loop is stable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StableDamping {
+    /// Minimum B_d.
+    pub smallest: f64,
+    /// B_d above the minimum at which the loop becomes unstable again; `None` if there is none.
+    pub largest: Option<f64>,
 }
 
 /// The reason why margins are missing.
@@ -92,7 +106,7 @@ impl Margin {
 }
 
 impl ContactLoop {
-    /// Computes the spectral radius and the margins. It computes the eigenvalues of the loop at most 650 times.
+    /// Computes the spectral radius and the margins. It computes the eigenvalues of the loop at most 700 times.
     pub fn margin(&self) -> Result<Margin, StabilityError> {
         self.margin_unless(&|| false)
     }
@@ -100,14 +114,32 @@ impl ContactLoop {
     /// Computes the spectral radius and the margins, and ends early with an error once `stop` returns true.
     pub fn margin_unless(&self, stop: &dyn Fn() -> bool) -> Result<Margin, StabilityError> {
         let is_stable = |axis: Self| if stop() { Err(StabilityError::Stopped) } else { Ok(axis.is_stable()?) };
-        // A damping above M_d/T reverses the velocity in each period. No loop is stable far above that.
-        let max_damping = 10.0 * self.inertia / self.period_s;
+        let dampings = stable_dampings(self.max_damping(), |damping| is_stable(Self { damping, ..*self }))?;
         Ok(Margin {
-            spectral_radius: 1.0 + self.growth()?,
+            spectral_radius: self.spectral_radius()?,
             largest_lag_s: largest_lag(self.period_s, |lag_s| is_stable(Self { lag_s, ..*self }))?,
             largest_delay_periods: largest_delay(|delay_periods| is_stable(Self { delay_periods, ..*self }))?,
-            smallest_damping: smallest_damping(max_damping, |damping| is_stable(Self { damping, ..*self }))?,
+            smallest_damping: dampings.map(|dampings| dampings.smallest),
+            largest_damping: dampings.and_then(|dampings| dampings.largest),
         })
+    }
+
+    /// Computes the interval of B_d in which the loop is stable; `None` if no B_d is. The loop's own B_d does not matter.
+    pub fn stable_dampings(&self) -> Result<Option<StableDamping>, StabilityError> {
+        stable_dampings(self.max_damping(), |damping| Ok(Self { damping, ..*self }.is_stable()?))
+    }
+
+    /// Returns a B_d above which no loop is stable.
+    ///
+    /// In free space and without delay, B_d = 2 (1 + e)/(1 − e) M_d/T is the limit if the velocity is measured, with
+    /// e = exp(−T/τ), and 2 M_d/T otherwise. (1 + e)/(1 − e) is at most 1 + 2τ/T.
+    fn max_damping(&self) -> f64 {
+        10.0 * self.inertia / self.period_s * (1.0 + 2.0 * self.lag_s / self.period_s)
+    }
+
+    /// Returns the largest |eigenvalue| of the map from period to period.
+    pub fn spectral_radius(&self) -> Result<f64, EigenvalueError> {
+        Ok(1.0 + self.growth()?)
     }
 
     /// Returns whether the loop is stable. It is much faster than [`Self::margin`].
@@ -201,27 +233,28 @@ fn largest_delay(with_delay: impl Fn(usize) -> Result<bool, StabilityError>) -> 
     Ok(Some(stable))
 }
 
-/// Returns the minimum damping from a test of one damping. The number of tests is bounded whatever the test returns.
-fn smallest_damping(
+/// Returns the stable dampings from a test of one damping. The number of tests is bounded whatever the test returns.
+fn stable_dampings(
     maximum: f64,
     with_damping: impl Fn(f64) -> Result<bool, StabilityError>,
-) -> Result<Option<f64>, StabilityError> {
-    if with_damping(0.0)? {
-        return Ok(Some(0.0));
-    }
-    let mut unstable = 0.0;
-    let mut damping = 1e-9 * maximum;
+) -> Result<Option<StableDamping>, StabilityError> {
+    let mut smallest = with_damping(0.0)?.then_some(0.0);
+    let (mut last, mut damping) = (0.0, 1e-9 * maximum);
     for _ in 0..MAX_DAMPING_STEPS {
         if damping >= maximum {
             break;
         }
-        if with_damping(damping)? {
-            return bisect(damping, unstable, with_damping).map(Some);
+        match (smallest, with_damping(damping)?) {
+            (None, true) => smallest = Some(bisect(damping, last, &with_damping)?),
+            (Some(smallest), false) => {
+                let largest = Some(bisect(last, damping, &with_damping)?);
+                return Ok(Some(StableDamping { smallest, largest }));
+            }
+            (None, false) | (Some(_), true) => {}
         }
-        unstable = damping;
-        damping *= 1.1;
+        (last, damping) = (damping, 1.1 * damping);
     }
-    Ok(None)
+    Ok(smallest.map(|smallest| StableDamping { smallest, largest: None }))
 }
 
 /// Returns |1 + δ| − 1 for an eigenvalue δ of (map − identity), without cancellation.
@@ -297,6 +330,9 @@ mod tests {
         assert!(radius(lagging) > 1.0);
         assert!(radius(ContactLoop { damping: 1.001 * damping, ..lagging }) < 1.0);
         assert!(radius(ContactLoop { damping: 0.999 * damping, ..lagging }) > 1.0);
+        let damping = lagging.margin().unwrap().largest_damping.unwrap();
+        assert!(radius(ContactLoop { damping: 0.999 * damping, ..lagging }) < 1.0);
+        assert!(radius(ContactLoop { damping: 1.001 * damping, ..lagging }) > 1.0);
         let delay_periods = margin.largest_delay_periods.unwrap();
         assert!(radius(ContactLoop { delay_periods, ..WALL }) < 1.0);
         assert!(radius(ContactLoop { delay_periods: delay_periods + 1, ..WALL }) > 1.0);
@@ -314,7 +350,8 @@ mod tests {
         // The period is longer than that of the contact: no damping helps.
         let slow = ContactLoop { period_s: 1.0, ..WALL };
         let margin = slow.margin().unwrap();
-        assert_eq!((margin.largest_lag_s, margin.largest_delay_periods, margin.smallest_damping), (None, None, None));
+        assert_eq!((margin.largest_lag_s, margin.largest_delay_periods), (None, None));
+        assert_eq!((margin.smallest_damping, margin.largest_damping), (None, None));
         assert!(!margin.is_stable());
     }
 
@@ -342,7 +379,7 @@ mod tests {
                 let limits = [
                     (largest_lag(size, |_| test()).is_ok(), MAX_LAG_STEPS + MAX_BISECTIONS + 1),
                     (largest_delay(|_| test()).is_ok(), 2 * MAX_DELAY_PERIODS),
-                    (smallest_damping(size, |_| test()).is_ok(), MAX_DAMPING_STEPS + MAX_BISECTIONS + 1),
+                    (stable_dampings(size, |_| test()).is_ok(), MAX_DAMPING_STEPS + 2 * MAX_BISECTIONS + 1),
                     (bisect(size, 0.0, |_| test()).is_ok(), MAX_BISECTIONS),
                     // The boundary is at zero, where a relative accuracy is never reached.
                     (bisect(0.0, size, |_| Ok(false)).is_ok(), MAX_BISECTIONS),

@@ -23,12 +23,34 @@ pub fn eigenvalues(a: &Matrix) -> Result<Vec<Complex<f64>>, EigenvalueError> {
     let mut balanced = a.clone();
     balance(&mut balanced);
     let schur = Schur::try_new(balanced, f64::EPSILON, SWEEPS_PER_EIGENVALUE * a.nrows()).ok_or(EigenvalueError)?;
-    let values: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    let values = eigenvalues_of_blocks(&schur.unpack().1);
     if values.iter().all(|value| value.re.is_finite() && value.im.is_finite()) {
         Ok(values)
     } else {
         Err(EigenvalueError)
     }
+}
+
+/// Returns the eigenvalues of a block triangular matrix with blocks of one or two rows.
+///
+/// nalgebra's own function returns NaN for a block whose two eigenvalues are equal up to rounding.
+fn eigenvalues_of_blocks(blocks: &Matrix) -> Vec<Complex<f64>> {
+    let (size, mut values, mut i) = (blocks.nrows(), Vec::with_capacity(blocks.nrows()), 0);
+    while i < size {
+        let first = blocks[(i, i)];
+        if i + 1 == size || blocks[(i + 1, i)] == 0.0 {
+            values.push(Complex::from(first));
+            i += 1;
+            continue;
+        }
+        let last = blocks[(i + 1, i + 1)];
+        let (middle, half) = (0.5 * (first + last), 0.5 * (first - last));
+        let square = half * half + blocks[(i, i + 1)] * blocks[(i + 1, i)];
+        let root = Complex::from(square).sqrt();
+        values.extend([middle + root, middle - root]);
+        i += 2;
+    }
+    values
 }
 
 /// Scales rows and columns by powers of two, so that both have about the same norm. The eigenvalues stay the same.
@@ -72,6 +94,16 @@ mod tests {
         let mut values = eigenvalues(&Matrix::from_row_slice(2, 2, &[2.0, 1e30, 1e-30, 2.0])).unwrap();
         values.sort_by(|a, b| a.re.total_cmp(&b.re));
         assert!((values[0].re - 1.0).abs() < 1e-14 && (values[1].re - 3.0).abs() < 1e-14, "{values:?}");
+    }
+
+    #[test]
+    fn blocks_with_equal_and_with_real_eigenvalues_have_eigenvalues() {
+        for (entry, expected) in [(0.0, [1.0, 1.0]), (-1e-18, [1.0, 1.0]), (1e-18, [1.0, 1.0]), (0.25, [0.5, 1.5])] {
+            let blocks = Matrix::from_row_slice(2, 2, &[1.0, 1.0, entry, 1.0]);
+            let mut real: Vec<f64> = eigenvalues_of_blocks(&blocks).iter().map(|value| value.re).collect();
+            real.sort_by(f64::total_cmp);
+            assert!(real.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-8), "{real:?}");
+        }
     }
 
     #[test]

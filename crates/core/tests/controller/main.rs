@@ -7,6 +7,7 @@ mod bounds;
 mod braking;
 mod drives;
 mod frames;
+mod free_space;
 mod hold;
 mod jerk;
 mod laws;
