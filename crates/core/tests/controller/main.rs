@@ -9,6 +9,7 @@ mod drives;
 mod frames;
 mod hold;
 mod jerk;
+mod late_states;
 mod laws;
 mod lengths;
 mod limits;
