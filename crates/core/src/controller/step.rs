@@ -13,8 +13,8 @@ use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::{ArmState, MotionToRest};
 use super::task_target::TaskTarget;
 use super::{
-    AnsweredState, AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
-    WrenchFrame,
+    AnsweredState, AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError,
+    TaskConfig, WrenchFrame,
 };
 use crate::law::Law;
 use crate::limits::{DriveState, Hold, JointMotion};
@@ -181,8 +181,13 @@ impl Controller {
         };
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
         if let Some(velocity) = &mut problem.null_space_velocity {
-            let targets = &mut command.targets;
-            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
+            if target_streams::have_dropped_out(streams) {
+                // An operator who lost the link expects an arm that rests.
+                velocity.fill(0.0);
+            } else {
+                let targets = &mut command.targets;
+                self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
+            }
         }
         self.write_bounds(&mut problem.tasks, &command.targets)?;
         let last_acceleration = match (&*approach, &previous.jerk) {
@@ -320,7 +325,8 @@ impl Controller {
     /// Keeps the state that the command answers.
     fn remember_state(&self, memory: &mut Memory, measurement: &Measurement, hold: &Hold) {
         let Measurement { time_s, joint_position, .. } = measurement;
-        let empty = || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
+        let empty =
+            || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
         let answered = memory.answered.get_or_insert_with(empty);
         answered.time_s = *time_s;
         answered.joint_position.copy_from_slice(joint_position);

@@ -13,6 +13,7 @@ mod late_states;
 mod laws;
 mod lengths;
 mod limits;
+mod lost_link;
 mod memory;
 mod outstretched;
 mod planes;
