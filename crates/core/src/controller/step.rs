@@ -19,7 +19,7 @@ use super::{
 use crate::law::Law;
 use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::Vector;
-use crate::resolution::{ProblemError, Resolution, Status};
+use crate::resolution::{Problem, ProblemError, Resolution, Status};
 use crate::streaming::{Quantity, TargetStream};
 use crate::task::{TaskError, TaskStack};
 
@@ -180,15 +180,7 @@ impl Controller {
             time: config.drive.time_to_rest(config.period_s),
         };
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
-        if let Some(velocity) = &mut problem.null_space_velocity {
-            if target_streams::have_dropped_out(streams) {
-                // An operator who lost the link expects an arm that rests.
-                velocity.fill(0.0);
-            } else {
-                let targets = &mut command.targets;
-                self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
-            }
-        }
+        self.update_null_space(problem, &mut command.targets, capability, streams, previous, &arm);
         self.write_bounds(&mut problem.tasks, &command.targets)?;
         let last_acceleration = match (&*approach, &previous.jerk) {
             (None, _) => &[],
@@ -366,6 +358,25 @@ impl Controller {
             target.force.clear();
             target.force.extend(force);
             target.streamed = streams.report(arm.time_s);
+        }
+    }
+
+    /// Sets the null-space velocity, if the problem has one. It is zero while a streamed target is missing: an operator who
+    /// lost the link expects an arm that rests.
+    fn update_null_space(
+        &self,
+        problem: &mut Problem,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        streams: &[ActiveStream],
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
+        let Some(velocity) = &mut problem.null_space_velocity else { return };
+        if target_streams::have_dropped_out(streams) {
+            velocity.fill(0.0);
+        } else {
+            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, arm);
         }
     }
 

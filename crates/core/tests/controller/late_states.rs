@@ -42,6 +42,7 @@ struct Lateness {
 
 impl Lateness {
     /// Returns how many periods pass until the next state.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
     fn periods(self, period: f64, random: &mut Random) -> u64 {
         let is_late = (random.below(100) as u64) < self.percent;
         let late = if is_late { 1 + random.below(self.most) } else { 0 };
@@ -144,6 +145,7 @@ struct Findings {
 
 impl Run {
     /// Runs a robot for 4 s.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
     fn on(self, robot: &Arc<RobotModel>, seed: u64) -> Findings {
         let Self { period, drive, stated, lateness, .. } = self;
         let mut random = Random(seed);

@@ -38,6 +38,7 @@ fn inner_motion(config: &ControllerConfig, q: &[f64], command: &Command) -> f64 
 }
 
 /// Streams a motion with a drop-out to an arm that starts away from the posture that its null-space motion wants.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
 fn run(config: &ControllerConfig) -> Findings {
     let (period, robot) = (config.period_s, &config.robot);
     let mut stepper = Stepper::new(controller(config.clone())).unwrap();
