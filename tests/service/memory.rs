@@ -10,16 +10,19 @@ use crate::harness::{Service, example, numbers, without};
 
 const PERIODS: u64 = 200;
 
-/// Runs a closed loop of an ideal arm under a varying wrench, with `step` as the service.
+/// Runs a closed loop of an ideal arm under a varying wrench, with `step` as the service. Some states come late.
 fn closed_loop(mut step: impl FnMut(Value) -> Value) -> Vec<String> {
     let mut position = numbers(&example("state.json")["joint_position"]);
+    let mut passed = 0.0;
     let period = |sequence: u64| {
-        let time_s = sequence as f64 * 0.001;
+        let time_s = passed * 0.001;
         let wrench = json!({"force": [40.0 * (50.0 * time_s).sin(), 7.0, -3.0 * time_s], "torque": [0.1, 0.0, -0.7]});
         let state = json!({"sequence": sequence, "time_s": time_s, "joint_position": position, "wrench": wrench});
         let answer = without(step(state), &["elapsed_us"]);
         let velocity = numbers(&answer["joint_velocity"]);
-        position.iter_mut().zip(velocity).for_each(|(q, qdot)| *q += 0.001 * qdot);
+        let periods = if sequence % 20 == 19 { 3.0 } else { 1.0 };
+        passed += periods;
+        position.iter_mut().zip(velocity).for_each(|(q, qdot)| *q += 0.001 * periods * qdot);
         answer.to_string()
     };
     (0..PERIODS).map(period).collect()
@@ -134,4 +137,40 @@ fn a_modified_memory_is_refused_or_harmless() {
         let velocity = numbers(&send(pointer, value).accepted()["joint_velocity"]);
         assert!(velocity.iter().all(|v| v.abs() < 5.0), "{velocity:?}");
     }
+}
+
+/// A memory that says for how long the command was held: afterwards the arm rests.
+#[test]
+fn a_memory_may_say_how_long_its_command_was_valid() {
+    let service = Service::start();
+    let mut controller = example("controller.json");
+    controller["limits"] = json!("position_velocity_acceleration");
+    let state = |sequence: u64, time_s: f64, position: &[f64]| {
+        let wrench = json!({"force": [0, 0, 0], "torque": [0, 0, 0]});
+        json!({"sequence": sequence, "time_s": time_s, "joint_position": position, "wrench": wrench})
+    };
+    let mut position = numbers(&example("state.json")["joint_position"]);
+    let mut memory = Value::Null;
+    for sequence in 0..30 {
+        let state = state(sequence, sequence as f64 * 0.001, &position);
+        let answer = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+        memory = answer["memory"].clone();
+        let velocity = numbers(&answer["joint_velocity"]);
+        position.iter_mut().zip(velocity).for_each(|(q, qdot)| *q += 0.001 * qdot);
+        assert_eq!(memory["valid_for_ms"], answer["valid_for_ms"]);
+    }
+    let last = numbers(&memory["last_command"]);
+    let fastest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    // The arm went on for the 100 ms for which its command was valid.
+    let held: Vec<f64> = position.iter().zip(&last).map(|(q, v)| q + 0.1 * v).collect();
+    let after = |memory: &Value| {
+        let body = json!({"controller": controller, "state": state(31, 5.0, &held), "memory": memory});
+        numbers(&service.call("/v1/step", &body)["memory"]["drive"]["velocity"])
+    };
+    let unknown = without(memory.clone(), &["valid_for_ms"]);
+    let (known, unknown) = (after(&memory), after(&unknown));
+    assert!(fastest(&known) < 0.2 * fastest(&unknown), "{known:?} {unknown:?} after {last:?}");
+    memory["valid_for_ms"] = json!(10_001);
+    let body = json!({"controller": controller, "state": state(31, 5.0, &held), "memory": memory});
+    service.post("/v1/step", &body.to_string()).assert_refused(422, Some("/memory/valid_for_ms"));
 }

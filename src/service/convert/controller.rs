@@ -51,6 +51,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
             wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
         },
         drive,
+        valid_for_ms: request.valid_for_ms,
         barriers: InequalityReader {
             robot: Some(&robot),
             joints: robot.joint_count(),

@@ -2,13 +2,13 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
-use revprio_core::controller::{Controller, ControllerConfig, JerkState, Memory, Progress};
+use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
 
 use super::numbers::{check_numbers, joint_list, number, numbers};
-use super::state_rules::LastState;
+use super::state_rules::{LastState, MAX_VALID_FOR_MS};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
@@ -40,6 +40,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
             .map(Vector::from_vec)?,
         drive: drive_state(memory, config)?,
+        answered: answered_state(memory, config)?,
         jerk: memory.jerk.as_ref().map(|state| jerk_state(state, config)).transpose()?,
         active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
         target_streams: target_streams(&memory.target_streams, config)?,
@@ -75,6 +76,22 @@ fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Drive
         velocity: list(&state.velocity, "/drive/velocity")?,
         pending: state.pending.iter().enumerate().map(pending).collect::<Result<_, _>>()?,
     })
+}
+
+fn answered_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<AnsweredState>, ApiError> {
+    let wire::Memory { time_s: Some(time_s), joint_position: Some(position), valid_for_ms: Some(valid_for_ms), .. } =
+        memory
+    else {
+        return Ok(None);
+    };
+    if *valid_for_ms > MAX_VALID_FOR_MS {
+        return Err(ApiError::invalid("/valid_for_ms", format!("give at most {MAX_VALID_FOR_MS} ms")));
+    }
+    Ok(Some(AnsweredState {
+        time_s: number(*time_s, "/time_s")?,
+        joint_position: joint_list(position, config.robot.joint_count(), "/joint_position").map(Vector::from_vec)?,
+        valid_for_ms: *valid_for_ms,
+    }))
 }
 
 fn jerk_state(state: &wire::JerkState, config: &ControllerConfig) -> Result<JerkState, ApiError> {
@@ -164,6 +181,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         sequence: last.sequence,
         time_s: Some(last.time_s),
         joint_position: Some(last.joint_position),
+        valid_for_ms: memory.answered.as_ref().map(|answered| answered.valid_for_ms),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {
             position: [position.x, position.y, position.z],

@@ -87,9 +87,8 @@ pub fn transition_error(error: &TransitionError) -> ApiError {
 }
 
 /// Returns how long a command may be held, whole ms.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is from 0 to the maximum")]
 pub fn valid_for_ms(hold: &Hold, rules: &StateRules) -> u64 {
-    (hold.time_s * 1e3).min(rules.valid_for_ms as f64) as u64
+    hold.valid_for_ms(rules.valid_for_ms)
 }
 
 /// Returns the body of the answer, without memory, warnings and `why`.

@@ -138,6 +138,7 @@ fn request_ranges() -> Vec<FieldRange> {
         wire::Memory {
             task_velocities: Items(0, MAX_TASKS),
             joint_position: Items(1, MAX_JOINTS),
+            valid_for_ms: Between(0.0, MAX_VALID_FOR_MS as f64),
             last_command: Items(1, MAX_JOINTS),
             active_set: Items(0, MAX_TASKS),
             target_streams: Items(0, 2 * MAX_TASKS),

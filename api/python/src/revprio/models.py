@@ -2224,6 +2224,8 @@ class Memory(Body):
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
+    - valid_for_ms: Validity of the last answer, ms: how long the arm may have held its command. Default: unknown,
+      then the next state counts as one period later, whatever its time.
     """
 
     active_set: list[list[ActiveLimitName]]
@@ -2252,6 +2254,9 @@ class Memory(Body):
     """How each task follows its requests; default: all follow."""
     time_s: float | None = None
     """Time of the last state, s; default: unknown, then the next state is not compared with it."""
+    valid_for_ms: int | None = None
+    """Validity of the last answer, ms: how long the arm may have held its command. Default: unknown, then the next
+    state counts as one period later, whatever its time."""
 
 
 class Sensor(Body):

@@ -75,6 +75,11 @@ pub struct Memory {
     /// Joint position of the last state, rad or m; default: unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<Vec<f64>>,
+    /// Validity of the last answer, ms: how long the arm may have held its command. Default: unknown, then the next state
+    /// counts as one period later, whatever its time.
+    #[schema(example = 100)]
+    #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
+    pub valid_for_ms: Option<u64>,
     /// Integrator velocity of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
     /// Tool pose at the first step, base frame, m.

@@ -59,6 +59,9 @@ pub enum Limits {
     Fixed(VelocityBox),
 }
 
+/// Default of [`ControllerConfig::valid_for_ms`].
+const DEFAULT_VALID_FOR_MS: u64 = 100;
+
 impl Limits {
     /// Returns whether the speed limits of the robot are among them.
     pub fn include_speeds(&self) -> bool {
@@ -109,6 +112,8 @@ pub struct ControllerConfig {
     pub limits: Limits,
     /// The drive of the joints. Limits of position and planes hold behind it.
     pub drive: Drive,
+    /// Longest time from a state on for which its command may be held, ms.
+    pub valid_for_ms: u64,
     /// Inequalities besides the limits.
     pub barriers: Vec<Barrier>,
     /// Which body exerts the measured wrench on which.
@@ -149,6 +154,7 @@ impl ControllerConfig {
             characteristic_length_m: 1.0,
             limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
             drive: Drive::CONSERVATIVE,
+            valid_for_ms: DEFAULT_VALID_FOR_MS,
             barriers: Vec::new(),
             wrench_convention: WrenchConvention::default(),
             wrench_frame: WrenchFrame::default(),

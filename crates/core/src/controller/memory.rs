@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::{ControllerConfig, JerkState, Progress};
+use super::{AnsweredState, ControllerConfig, JerkState, Progress};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::ActiveSet;
@@ -22,6 +22,8 @@ pub struct Memory {
     pub last_command: Vector,
     /// The commands that the drive still has to follow.
     pub drive: DriveState,
+    /// The state that the last command answers; `None`: unknown, then the next state counts as one period later.
+    pub answered: Option<AnsweredState>,
     /// What joints with a jerk limit remember; `None`: they have moved at a constant velocity.
     pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level.
@@ -54,6 +56,9 @@ pub enum MemoryError {
     /// The state of the drive does not fit the robot or the drive.
     #[error("the memory's drive does not fit the controller; send back the memory of this controller's last answer")]
     Drive,
+    /// The last state does not fit the robot.
+    #[error("the memory's last state does not fit the robot; send back the memory of this controller's last answer")]
+    AnsweredState,
     /// The state of the jerk limits does not fit the robot.
     #[error("the memory's jerk state does not fit the robot; send back the memory of this controller's last answer")]
     Jerk,
@@ -85,6 +90,12 @@ impl Memory {
         let mut drive = pending.iter().chain([velocity]);
         if pending.len() != config.drive.delay_periods || !drive.all(|v| v.len() == n && finite(v)) {
             return Err(MemoryError::Drive);
+        }
+        let fits = |state: &AnsweredState| {
+            state.time_s.is_finite() && state.joint_position.len() == n && finite(&state.joint_position)
+        };
+        if !self.answered.as_ref().is_none_or(fits) {
+            return Err(MemoryError::AnsweredState);
         }
         let mut jerk = self.jerk.iter().flat_map(|JerkState { acceleration, requested }| [acceleration, requested]);
         if !jerk.all(|v| v.len() == n && finite(v)) {

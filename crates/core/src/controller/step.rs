@@ -13,13 +13,13 @@ use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::ArmState;
 use super::task_target::TaskTarget;
 use super::{
-    AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, TaskConfig,
-    WrenchFrame,
+    AnsweredState, AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError,
+    TaskConfig, WrenchFrame,
 };
 use crate::law::Law;
 use crate::limits::{DriveState, Hold, JointMotion};
 use crate::linalg::{Damping, Vector};
-use crate::resolution::{ProblemError, Resolution, Status};
+use crate::resolution::{Problem, ProblemError, Resolution, Status};
 use crate::streaming::{Quantity, TargetStream};
 use crate::task::{TaskError, TaskStack};
 
@@ -139,6 +139,8 @@ impl Controller {
             memory.check(&self.config)?;
         }
         let config = &self.config;
+        let late = memory.as_ref().and_then(|memory| memory.after_missed_periods(config, measurement));
+        let known = late.as_ref().or(memory.as_ref());
         let Workspace {
             configuration,
             capability,
@@ -155,14 +157,14 @@ impl Controller {
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
-        let qdot = match (&measurement.joint_velocity, &*memory) {
+        let qdot = match (&measurement.joint_velocity, known) {
             (Some(measured), _) => measured,
             (None, Some(memory)) => memory.last_command.as_slice(),
             (None, None) => zero_velocity,
         };
-        let mut arm = self.arm_state(memory.as_ref(), measurement, configuration, qdot);
+        let mut arm = self.arm_state(known, measurement, configuration, qdot);
         let mut initial = None;
-        let previous = match &*memory {
+        let previous = match known {
             Some(memory) => memory,
             None => initial.insert(self.initial_memory(&arm)),
         };
@@ -178,10 +180,7 @@ impl Controller {
             config.weigh_jacobian(k, jacobian);
         })?;
         self.evaluate_laws(&mut command.targets, capability, &problem.tasks, streams, previous, &arm);
-        if let Some(velocity) = &mut problem.null_space_velocity {
-            let targets = &mut command.targets;
-            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, &arm);
-        }
+        self.update_null_space(problem, &mut command.targets, capability, streams, previous, &arm);
         self.write_bounds(&mut problem.tasks, &command.targets)?;
         let last_acceleration = match (&*approach, &previous.jerk) {
             (None, _) => &[],
@@ -213,13 +212,14 @@ impl Controller {
             let velocity = command.resolution.joint_velocity.as_slice();
             command.hold.update(&config.robot, kind, motion, qdot, velocity, config.period_s);
         }
-        let memory = match initial {
-            Some(initial) => Some(memory.insert(initial)),
+        let memory = match late.or(initial) {
+            Some(new) => Some(memory.insert(new)),
             None => memory.as_mut(),
         };
         if let Some(memory) = memory {
             self.update_memory(memory, command, approach.as_ref());
             memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
+            self.remember_state(memory, measurement, &command.hold);
             let observed = Observation {
                 config,
                 tasks: &problem.tasks,
@@ -304,6 +304,7 @@ impl Controller {
             task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(arm).to_vector()).collect(),
             initial_pose: arm.initial_pose,
             drive: DriveState::moving(self.config.drive, &velocity),
+            answered: None,
             jerk: self.config.keeps_jerk().then(|| JerkState::moving(&velocity)),
             last_command: velocity,
             active_set: Vec::new(),
@@ -312,6 +313,17 @@ impl Controller {
             progress: Vec::new(),
             in_transition: false,
         }
+    }
+
+    /// Keeps the state that the command answers.
+    fn remember_state(&self, memory: &mut Memory, measurement: &Measurement, hold: &Hold) {
+        let Measurement { time_s, joint_position, .. } = measurement;
+        let empty =
+            || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
+        let answered = memory.answered.get_or_insert_with(empty);
+        answered.time_s = *time_s;
+        answered.joint_position.copy_from_slice(joint_position);
+        answered.valid_for_ms = hold.valid_for_ms(self.config.valid_for_ms);
     }
 
     /// Computes the target of each task by its law, bounded by what the joints can give. `tasks`: with the Jacobians of
@@ -346,6 +358,25 @@ impl Controller {
             target.force.clear();
             target.force.extend(force);
             target.streamed = streams.report(arm.time_s);
+        }
+    }
+
+    /// Sets the null-space velocity, if the problem has one. It is zero while a streamed target is missing: an operator who
+    /// lost the link expects an arm that rests.
+    fn update_null_space(
+        &self,
+        problem: &mut Problem,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        streams: &[ActiveStream],
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
+        let Some(velocity) = &mut problem.null_space_velocity else { return };
+        if target_streams::have_dropped_out(streams) {
+            velocity.fill(0.0);
+        } else {
+            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, arm);
         }
     }
 

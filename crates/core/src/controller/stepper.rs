@@ -17,8 +17,8 @@ use crate::task::{Task, TaskStack};
 
 /// A controller with the workspace that its steps overwrite.
 ///
-/// After the first few periods a step allocates nothing. Exceptions: levels that Clarabel solves, tasks that are scaled
-/// to the limits, contradictions, names of active inequalities, stuck tasks, and vectors of more than 12 entries (joints,
+/// After the first few periods a step allocates nothing. Exceptions: states that come late, levels that Clarabel solves, tasks
+/// that are scaled to the limits, contradictions, names of active inequalities, stuck tasks, and vectors of more than 12 entries (joints,
 /// rows of all tasks together, limits).
 pub struct Stepper {
     controller: Arc<Controller>,

@@ -66,6 +66,11 @@ pub(super) fn update(
     }
 }
 
+/// Returns whether no target came to a stream for so long that it brakes or rests.
+pub(super) fn have_dropped_out(streams: &[ActiveStream]) -> bool {
+    streams.iter().any(|active| active.stream.state == TargetState::Braking)
+}
+
 /// Adds a checked target to its stream, which it starts if there is none.
 fn accept(
     streams: &mut Vec<ActiveStream>,

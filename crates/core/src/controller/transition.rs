@@ -81,6 +81,7 @@ impl Controller {
         let initial = self.initial_memory(&arm);
         Ok(Memory {
             drive: memory.drive.clone(),
+            answered: memory.answered.clone(),
             jerk: if new.keeps_jerk() { memory.jerk.clone().or(initial.jerk) } else { None },
             initial_position: memory.initial_position.clone(),
             target_streams: kept_streams(memory, old, new),

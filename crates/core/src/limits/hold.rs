@@ -56,6 +56,12 @@ impl Default for Hold {
 }
 
 impl Hold {
+    /// Returns how long the command may be held, at most `longest`, whole ms.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is from 0 to the maximum")]
+    pub fn valid_for_ms(&self, longest: u64) -> u64 {
+        (self.time_s * 1e3).min(longest as f64) as u64
+    }
+
     /// Updates the hold time of a command. Limits without positions do not bound it.
     ///
     /// - `measured`: measured velocity, n.

@@ -91,6 +91,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         task_velocities: controller.config().tasks.iter().map(moving).collect(),
         initial_pose: *configuration.tool_pose(),
         drive: DriveState::moving(Drive::IDEAL, &last_command),
+        answered: None,
         jerk: None,
         last_command,
         active_set: Vec::new(),

@@ -15,6 +15,7 @@ use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{Random, constant, controller, position, task, tool_rows};
+use super::braking::periods;
 use super::drives::LaggingArm;
 
 const HOME: [f64; 7] = [0.0, -PI / 4.0, 0.0, -0.75 * PI, 0.0, PI / 2.0, PI / 4.0];
@@ -122,7 +123,7 @@ fn unrest(
     let mut stepper = Stepper::new(controller(config)).unwrap();
     let (mut memory, mut arm) = (None, LaggingArm::at_rest(start, drive, 0.0, 1));
     let (mut way, mut from) = (vec![0.0; start.len()], Vec::new());
-    for number in 0..(16.0 / period).round() as u32 {
+    for number in 0..periods(16.0, period) {
         let time_s = f64::from(number) * period;
         let command = stepper.step(&mut memory, &arm.measure(time_s)).unwrap().resolution.joint_velocity.clone();
         let before = arm.q.clone();

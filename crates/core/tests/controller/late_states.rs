@@ -1,0 +1,296 @@
+//! States that come late: the arm holds its command and brakes, as its watchdog says, and the controller knows it.
+
+use std::sync::Arc;
+
+use revprio_core::controller::{
+    AnsweredState, Command, Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, StepError, Stepper,
+    TaskConfig,
+};
+use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
+use revprio_core::linalg::Vector;
+use revprio_robot::kinematics::Axis;
+use revprio_robot::{Joint, RobotModel, built_in};
+
+use super::arms::{
+    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, position, sawyer, step, task, with_jerk,
+};
+use super::drives::{LaggingArm, OVERSHOOT};
+use super::hold::middle;
+
+/// Largest distance outside the range that counts as inside, rad or m.
+const TOLERANCE: f64 = 1e-6;
+
+/// The drives of the runs.
+const DRIVES: [Drive; 5] = [
+    Drive::IDEAL,
+    Drive { lag_s: 0.0, delay_periods: 2 },
+    Drive { lag_s: 0.02, delay_periods: 1 },
+    Drive::CONSERVATIVE,
+    Drive { lag_s: 0.06, delay_periods: 3 },
+];
+
+/// Which states of a run come late.
+#[derive(Debug, Clone, Copy)]
+struct Lateness {
+    /// Percentage of states that are late.
+    percent: u64,
+    /// Most extra periods.
+    most: usize,
+    /// Whether the program of the arm dies now and then, for up to 1 s.
+    kills: bool,
+}
+
+impl Lateness {
+    /// Returns how many periods pass until the next state.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
+    fn periods(self, period: f64, random: &mut Random) -> u64 {
+        let is_late = (random.below(100) as u64) < self.percent;
+        let late = if is_late { 1 + random.below(self.most) } else { 0 };
+        let dies = self.kills && random.below((0.5 / period) as usize) == 0;
+        let killed = if dies { random.below((1.0 / period) as usize) } else { 0 };
+        (1 + late + killed) as u64
+    }
+}
+
+/// A client of a controller: it sends the commands of an arm, and those of its watchdog.
+struct Client {
+    arm: LaggingArm,
+    sent: Vec<f64>,
+    /// Whether the commands return to the answers, after a ramp.
+    resumes: bool,
+}
+
+impl Client {
+    /// Sends a command for some periods, as docs/limits.md says.
+    fn hold(
+        &mut self,
+        robot: &RobotModel,
+        command: &Command,
+        periods: u64,
+        period: f64,
+        mut each: impl FnMut(&[f64], &[f64]),
+    ) {
+        let valid = command.hold.valid_for_ms(100) as f64 / 1e3;
+        for k in 1..=periods {
+            // Commands are valid for longer than a period, except where their drive contradicts.
+            let late = if k == 1 { 0.0 } else { k as f64 * period - valid };
+            self.resumes |= late > 1e-9;
+            let mut arrived = true;
+            for (joint, (sent, answer)) in
+                robot.joints().iter().zip(self.sent.iter_mut().zip(command.resolution.joint_velocity.iter()))
+            {
+                let deceleration = braking_deceleration(&joint.limits);
+                let ramp = (answer.abs() - (deceleration * late.max(0.0)).min(f64::MAX)).max(0.0).copysign(*answer);
+                let reach = if self.resumes { deceleration * period } else { f64::INFINITY };
+                *sent = ramp.max(*sent - reach).min(*sent + reach);
+                arrived &= *sent == ramp;
+            }
+            self.resumes &= !arrived;
+            self.arm.follow(&self.sent, period);
+            each(&self.arm.q, &self.sent);
+        }
+    }
+}
+
+/// Returns controllers that drive all joints beyond random ends of their ranges.
+fn controllers(robot: &Arc<RobotModel>, drive: Drive, period: f64, random: &mut Random) -> Vec<Stepper> {
+    let beyond = |joint: &Joint, upper: bool| {
+        let (lower, upper_end) = (joint.limits.lower.max(-3.0), joint.limits.upper.min(3.0));
+        if upper { upper_end + 1.0 } else { lower - 1.0 }
+    };
+    (0..12)
+        .map(|_| {
+            let target: Vec<f64> = robot.joints().iter().map(|joint| beyond(joint, random.below(2) == 0)).collect();
+            let gain = [2.0, 10.0, 50.0][random.below(if period < 0.01 { 3 } else { 2 })];
+            let posture = TaskConfig { rows: joint_rows(&target), ..task(&[Axis::X], position(target.len(), gain)) };
+            let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+            let config = config(robot, vec![posture]);
+            Stepper::new(controller(ControllerConfig { limits, drive, period_s: period, ..config })).unwrap()
+        })
+        .collect()
+}
+
+/// A run of an arm.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    period: f64,
+    /// The drive of the arm.
+    drive: Drive,
+    /// The drive that the controller knows.
+    stated: Drive,
+    lateness: Lateness,
+    clock: Clock,
+    /// Whether the memory knows when the last state was measured.
+    knows_times: bool,
+}
+
+/// The clock of the states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Clock {
+    Exact,
+    /// One state in 200 jumps by up to 1000 s, in both directions.
+    Jumps,
+    /// Each time is wrong by up to 0.6 periods.
+    Jitters,
+}
+
+/// What a run shows.
+#[derive(Debug, Clone, Copy)]
+struct Findings {
+    /// Largest distance outside the range, rad.
+    outside: f64,
+    /// Largest change of a command from period to period, in multiples of A T.
+    change: f64,
+}
+
+impl Run {
+    /// Runs a robot for 4 s.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
+    fn on(self, robot: &Arc<RobotModel>, seed: u64) -> Findings {
+        let Self { period, drive, stated, lateness, .. } = self;
+        let mut random = Random(seed);
+        let mut steppers = controllers(robot, stated, period, &mut random);
+        let arm = LaggingArm::at_rest(&middle(robot), drive, 0.0, seed);
+        let mut client = Client { arm, sent: vec![0.0; robot.joint_count()], resumes: false };
+        let (mut memory, mut passed, mut offset) = (None::<Memory>, 0_u64, 0.0);
+        let mut found = Findings { outside: f64::NEG_INFINITY, change: 0.0 };
+        while (passed as f64) * period < 4.0 {
+            let elapsed = passed as f64 * period;
+            let current = (elapsed / 0.4) as usize % steppers.len();
+            match self.clock {
+                Clock::Jumps if random.below(200) == 0 => offset = 1e3 * random.signed(),
+                Clock::Jitters => offset = 0.6 * period * random.signed(),
+                _ => {}
+            }
+            if let Some(memory) = memory.as_mut().filter(|_| !self.knows_times) {
+                memory.answered = None;
+            }
+            let command = steppers[current].step(&mut memory, &client.arm.measure(elapsed + offset)).unwrap();
+            let periods = lateness.periods(period, &mut random);
+            let mut last = client.sent.clone();
+            client.hold(robot, command, periods, period, |q, sent| {
+                for (i, joint) in robot.joints().iter().enumerate() {
+                    let limits = &joint.limits;
+                    found.outside = found.outside.max((q[i] - limits.upper).max(limits.lower - q[i]));
+                    let change = (sent[i] - last[i]).abs() / (braking_deceleration(limits) * period);
+                    found.change = found.change.max(change);
+                }
+                last.copy_from_slice(sent);
+            });
+            passed += periods;
+        }
+        found
+    }
+
+    /// Returns the worst findings of all built-in robots.
+    fn worst(self, seed: u64) -> Findings {
+        let runs = built_in().iter().map(|robot| self.on(robot, seed));
+        let worst =
+            |a: Findings, b: Findings| Findings { outside: a.outside.max(b.outside), change: a.change.max(b.change) };
+        runs.reduce(worst).unwrap()
+    }
+}
+
+const NEVER: Lateness = Lateness { percent: 0, most: 1, kills: false };
+
+#[test]
+fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
+    let (mut seed, mut outside) = (0, [f64::NEG_INFINITY; 2]);
+    for period in [0.001, 0.004, 0.01] {
+        for (percent, most, kills) in [(0, 1, true), (3, 1, false), (10, 1, true), (30, 3, true)] {
+            let lateness = Lateness { percent, most, kills };
+            for drive in DRIVES {
+                seed += 1;
+                for (knows_times, outside) in [true, false].into_iter().zip(&mut outside) {
+                    let run = Run { period, drive, stated: drive, lateness, clock: Clock::Exact, knows_times };
+                    *outside = outside.max(run.worst(seed).outside);
+                }
+            }
+        }
+    }
+    println!("outside {:.1e} rad, {:.1e} rad if the memory does not know the times", outside[0], outside[1]);
+    assert!(outside[0] < TOLERANCE, "{outside:?}");
+    assert!(outside[1] > 0.01, "the runs do not show what late states do: {outside:?}");
+}
+
+/// The change of a command is that of the acceleration limit, so the arm does not notice where the clock jumps. A time that
+/// is wrong by more than half a period counts as a late state.
+#[test]
+fn a_clock_that_jumps_or_jitters_leads_no_joint_far_out_of_its_range() {
+    let clocks = [(Clock::Jumps, TOLERANCE), (Clock::Jitters, OVERSHOOT)];
+    for ((clock, tolerance), seed) in clocks.into_iter().flat_map(|clock| [(clock, 1), (clock, 2)]) {
+        for period in [0.001, 0.01] {
+            for drive in [Drive::IDEAL, Drive::CONSERVATIVE] {
+                let run = Run { period, drive, stated: Drive::CONSERVATIVE, lateness: NEVER, clock, knows_times: true };
+                let Findings { outside, change } = run.worst(seed);
+                println!("T {period} s, {drive:?}, {clock:?}: {outside:.1e} rad outside");
+                assert!(outside < tolerance && change < 1.0 + 1e-6, "{run:?}: {outside:e} rad, {change} A T");
+            }
+        }
+    }
+}
+
+#[test]
+fn late_states_of_a_faster_drive_than_stated_lead_no_joint_out_of_its_range() {
+    let lateness = Lateness { percent: 10, most: 3, kills: true };
+    for (drive, period) in DRIVES[..3].iter().flat_map(|&drive| [(drive, 0.001), (drive, 0.01)]) {
+        let run = Run { period, drive, stated: Drive::CONSERVATIVE, lateness, clock: Clock::Exact, knows_times: true };
+        let Findings { outside, .. } = run.worst(3);
+        assert!(outside < TOLERANCE, "{run:?}: {outside:e} rad");
+    }
+}
+
+/// Returns a controller of Sawyer with jerk limits that moves away, and its memory while it accelerates.
+fn accelerating() -> (Controller, Memory, Vec<f64>, f64) {
+    let robot = Arc::new(with_jerk(&sawyer(), 0.05));
+    let config = ControllerConfig {
+        limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
+        ..config(&robot, vec![TaskConfig { rows: joint_rows(&[0.0; 7]), ..task(&[Axis::X], position(7, 5.0)) }])
+    };
+    let (controller, mut arm) = (controller(config), Loop::at_rest(&NOMINAL));
+    (0..10).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
+    let before = arm.memory.as_ref().unwrap().answered.clone().unwrap();
+    (controller, arm.memory.unwrap(), arm.q, before.time_s)
+}
+
+/// Returns the memory of a state that comes n periods after the last one, and the command before.
+fn after(periods: f64) -> (Memory, Memory) {
+    let (controller, before, mut q, time_s) = accelerating();
+    let held = (periods - 1.0).min(100.0) * PERIOD;
+    q.iter_mut().zip(before.last_command.iter()).for_each(|(q, v)| *q += v * held);
+    let mut memory = Some(before.clone());
+    step(&controller, &mut memory, &Measurement { time_s: time_s + periods * PERIOD, ..measurement(&q) }).unwrap();
+    (before, memory.unwrap())
+}
+
+#[test]
+fn a_command_that_was_held_has_no_acceleration_and_one_that_ran_out_is_zero() {
+    let robot = sawyer();
+    for (periods, expects_zero) in [(3.0, false), (2000.0, true), (1e12, true)] {
+        let (before, memory) = after(periods);
+        let jerk = |memory: &Memory| memory.jerk.clone().unwrap().acceleration;
+        assert!(jerk(&before).amax() > 10.0 * PERIOD, "it accelerates: {}", jerk(&before));
+        let rested = if expects_zero { Vector::zeros(7) } else { before.last_command.clone() };
+        for (joint, (command, rested)) in robot.joints().iter().zip(memory.last_command.iter().zip(rested.iter())) {
+            // From the acceleration 0, the jerk limit lets the command change by J T².
+            let reach = braking_deceleration(&joint.limits) / 0.05 * PERIOD * PERIOD;
+            assert!((command - rested).abs() <= reach * (1.0 + 1e-9), "{periods}: {command} after {rested}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_last_state_is_refused() {
+    let (controller, memory, q, time_s) = accelerating();
+    let answered = memory.answered.clone().unwrap();
+    let longer = answered.joint_position.push(0.0);
+    for damaged in [
+        AnsweredState { time_s: f64::NAN, ..answered.clone() },
+        AnsweredState { joint_position: longer, ..answered.clone() },
+        AnsweredState { joint_position: &answered.joint_position * f64::NAN, ..answered },
+    ] {
+        let mut memory = Some(Memory { answered: Some(damaged), ..memory.clone() });
+        let refused = step(&controller, &mut memory, &Measurement { time_s, ..measurement(&q) });
+        assert_eq!(refused.unwrap_err(), StepError::Memory(MemoryError::AnsweredState));
+    }
+}
