@@ -13,9 +13,9 @@ const PERIODS: u64 = 200;
 /// Runs a closed loop of an ideal arm under a varying wrench, with `step` as the service. Some states come late.
 fn closed_loop(mut step: impl FnMut(Value) -> Value) -> Vec<String> {
     let mut position = numbers(&example("state.json")["joint_position"]);
-    let mut passed = 0.0;
+    let mut passed = 0.0_f64;
     let period = |sequence: u64| {
-        let time_s = passed * 0.001;
+        let time_s: f64 = passed * 0.001;
         let wrench = json!({"force": [40.0 * (50.0 * time_s).sin(), 7.0, -3.0 * time_s], "torque": [0.1, 0.0, -0.7]});
         let state = json!({"sequence": sequence, "time_s": time_s, "joint_position": position, "wrench": wrench});
         let answer = without(step(state), &["elapsed_us"]);

@@ -4,9 +4,14 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::ControllerConfig;
+use crate::law::Law;
 use crate::limits::Ahead;
 
-/// The workspace of a controller whose drive has a lag or a dead time: the arm at its position of rest p.
+/// The workspace of a controller that acts at the position of rest p.
+///
+/// Where a command depends on the posture, it must be the posture that the arm will have. That of a stretched arm changes so
+/// steeply with the posture that lag and dead time would make the arm swing. Laws that follow no position, without planes
+/// and null-space motions, act on the measured posture: their equations then are those of the literature.
 pub(super) struct ArmAtRest {
     configuration: Configuration,
     /// p, n.
@@ -14,11 +19,14 @@ pub(super) struct ArmAtRest {
 }
 
 impl ArmAtRest {
-    /// Returns the workspace of a controller; `None` if its drive follows at once. `configuration`: of its robot, at any posture.
+    /// Returns the workspace of a controller; `None` if its drive follows at once, or if nothing follows positions.
+    /// `configuration`: of its robot, at any posture.
     pub fn new(config: &ControllerConfig, configuration: &Configuration) -> Option<Self> {
         let position = vec![0.0; config.robot.joint_count()];
         let is_late = config.drive.time_to_rest(config.period_s) > 0.0;
-        is_late.then(|| Self { configuration: configuration.clone(), position })
+        let follows = config.tasks.iter().any(|task| matches!(task.law, Law::Position(_)));
+        (is_late && (follows || config.null_space.is_some() || has_planes(config)))
+            .then(|| Self { configuration: configuration.clone(), position })
     }
 
     /// Updates to a measured position (q, n) and the distance to rest from there (p − q, n).
@@ -48,8 +56,7 @@ impl LookAhead {
     /// Returns the workspace of a controller; `None` if it has no plane. `configuration`: of its robot, at any posture.
     pub fn new(config: &ControllerConfig, configuration: &Configuration) -> Option<Self> {
         let position = vec![0.0; config.robot.joint_count()];
-        let has_planes = config.barriers.iter().any(|barrier| barrier.constant().is_none());
-        has_planes.then(|| Self { configuration: configuration.clone(), position })
+        has_planes(config).then(|| Self { configuration: configuration.clone(), position })
     }
 
     /// Updates to the arm at p and the last command (q̇⁻, n).
@@ -65,4 +72,8 @@ impl LookAhead {
         self.configuration.update(&config.robot, &self.position)?;
         Ok(Ahead { rest, half_way: &self.configuration, last_command })
     }
+}
+
+fn has_planes(config: &ControllerConfig) -> bool {
+    config.barriers.iter().any(|barrier| barrier.constant().is_none())
 }

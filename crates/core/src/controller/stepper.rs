@@ -78,7 +78,7 @@ pub(super) struct Workspace {
     pub(super) zero_velocity: Vec<f64>,
     /// p − q, n.
     pub(super) distance_to_rest: Vec<f64>,
-    /// For a drive with lag or dead time.
+    /// For positions behind a drive.
     pub(super) rest: Option<ArmAtRest>,
     /// For planes.
     pub(super) look_ahead: Option<LookAhead>,
