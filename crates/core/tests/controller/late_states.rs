@@ -20,6 +20,9 @@ use super::hold::middle;
 /// Largest distance outside the range that counts as inside, rad or m.
 const TOLERANCE: f64 = 1e-6;
 
+/// δ of docs/limits.md: the distance outside the range that limits permit where noise could explain it, rad or m.
+const NOISE_MARGIN: f64 = 5e-4;
+
 /// The drives of the runs.
 const DRIVES: [Drive; 5] = [
     Drive::IDEAL,
@@ -209,7 +212,7 @@ fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
         }
     }
     println!("outside {:.1e} rad, {:.1e} rad if the memory does not know the times", outside[0], outside[1]);
-    assert!(outside[0] < TOLERANCE, "{outside:?}");
+    assert!(outside[0] < NOISE_MARGIN, "{outside:?}");
     assert!(outside[1] > 0.01, "the runs do not show what late states do: {outside:?}");
 }
 

@@ -224,9 +224,9 @@ fn laws_that_integrate_continue_from_the_achieved_velocity() {
     let memory = memory.unwrap();
     let continued = new.continue_from(stepper.controller(), &memory, &q).unwrap();
     assert!(memory.task_velocities[0][0] > 1e-3);
-    // The position of rest has moved by one period since.
+    // The controller without positions took the Jacobian at q, the new one takes it at the position of rest.
     let (continued_velocity, velocity) = (continued.task_velocities[1][0], memory.task_velocities[0][0]);
-    assert!((continued_velocity / velocity - 1.0).abs() < 1e-3, "{continued_velocity} {velocity}");
+    assert!((continued_velocity / velocity - 1.0).abs() < 0.02, "{continued_velocity} {velocity}");
     assert_eq!(continued.last_command, memory.last_command);
     assert!(!continued.in_transition, "the default limits contain accelerations");
 }
