@@ -27,10 +27,10 @@ pub async fn audit(client: &mut Client) {
         call(Call::Show { session }).await;
     }
     let metrics = call(Call::Other { method: "GET", path: "/metrics", host: "localhost", status: 200 }).await;
-    let checked = client.world.oracle().check_list(&list, instance.number);
-    checked.unwrap_or_else(|violation| panic!("{violation}"));
     // A session may end of idleness meanwhile.
     let rest: wire::SessionList = call(Call::List).await.read().unwrap();
+    let checked = client.world.oracle().check_list(&list, instance.number);
+    checked.unwrap_or_else(|violation| panic!("{violation}"));
     check_metrics(&metrics, rest.controllers.len()..=list.controllers.len());
     drop(link);
     end(client).await;
