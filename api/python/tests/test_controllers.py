@@ -157,6 +157,6 @@ def test_a_stream_of_an_ended_session_is_refused(client: Client, config: Control
 
 def test_a_wrench_is_six_numbers_or_a_wrench_object(client: Client, config: ControllerConfig) -> None:
     with Session(client, config) as session:
-        with pytest.raises(ValueError, match="6 numbers"):
+        with pytest.raises(ValueError, match="six numbers"):
             session.step(Q, wrench=[1, 2, 3])
         assert session.step(Q, wrench=Wrench(force=[0, 0, 0], torque=[0, 0, 0])).sequence == 0
