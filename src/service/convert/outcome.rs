@@ -159,11 +159,8 @@ impl Outcome<'_> {
     /// Measures of the distance to singularities.
     pub fn singularity(&self) -> wire::Singularity {
         let singularity = &self.resolution.singularity;
-        wire::Singularity {
-            smallest_singular_value: singularity.smallest_singular_value(),
-            manipulability: singularity.manipulability,
-            algorithmic: singularity.algorithmic,
-        }
+        let (smallest_singular_value, manipulability) = singularity.values();
+        wire::Singularity { smallest_singular_value, manipulability, algorithmic: singularity.algorithmic }
     }
 }
 

@@ -93,6 +93,13 @@ impl<const N: usize> Row<N> {
         Self(array::from_fn(|i| self.0[i] - other.0[i]))
     }
 
+    /// Returns `factor` times the row.
+    #[inline]
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self(array::from_fn(|i| self.0[i] * factor))
+    }
+
     /// Returns the products of the entries.
     #[inline]
     #[must_use]

@@ -1,38 +1,26 @@
 //! The smallest singular value of a well-conditioned lower triangle, and the smallest eigenvalue of a symmetric matrix.
 
-use super::Row;
+use super::{Matrix, Row};
 
 /// A regular lower triangle L.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Triangle {
-    size: usize,
-    /// Entries of a row in `entries`, at least `size`.
-    width: usize,
-    /// The rows one after the other, zero behind the diagonal.
-    entries: Vec<f64>,
-}
+#[derive(Debug)]
+pub struct Triangle(Matrix);
 
 impl Triangle {
-    /// Overwrites the triangle with these rows; row i has i + 1 entries that are not zero.
-    pub fn set<'a, const N: usize>(&mut self, rows: impl Iterator<Item = &'a Row<N>>) {
-        (self.size, self.width) = (0, N);
-        self.entries.clear();
-        for row in rows {
-            self.size += 1;
-            self.entries.extend_from_slice(&row.0);
-        }
+    /// Returns the triangle L of a matrix A = L Qᵀ with independent rows.
+    pub fn of_rows(matrix: &Matrix) -> Self {
+        Self(matrix.transpose().qr().unpack_r())
     }
 
-    /// Copies another triangle without giving up the memory of this one.
-    pub fn copy_from(&mut self, other: &Self) {
-        (self.size, self.width) = (other.size, other.width);
-        self.entries.clone_from(&other.entries);
+    /// Returns |det L|, the product of the singular values.
+    pub fn product(&self) -> f64 {
+        self.0.diagonal().iter().map(|entry| entry.abs()).product()
     }
 
     /// Returns σ_min = 1/‖L⁻¹‖₂, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits of small values only, so it is
     /// exact to rounding. A triangle without rows has none, 0.
     pub fn smallest_singular_value(&self) -> f64 {
-        match self.size {
+        match self.0.nrows() {
             0 => 0.0,
             1..=8 => self.smallest_of_width::<8>(),
             9..=40 => self.smallest_of_width::<40>(),
@@ -41,8 +29,9 @@ impl Triangle {
     }
 
     fn smallest_of_width<const N: usize>(&self) -> f64 {
-        let n = self.size;
-        let rows: Vec<Row<N>> = self.entries.chunks_exact(self.width).map(|row| Row::from_slice(&row[..n])).collect();
+        let n = self.0.nrows();
+        // A row of L is a column of Lᵀ.
+        let rows: Vec<Row<N>> = self.0.as_slice().chunks_exact(n).map(Row::from_slice).collect();
         let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
         let mut inverse = Vec::with_capacity(n);
         let size = write_inverse(with_reciprocals, &mut inverse);

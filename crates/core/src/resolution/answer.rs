@@ -8,6 +8,7 @@ use super::plan::{Origin, PlannedProblem};
 use super::plan_run::PlanRun;
 use super::problem::Problem;
 use super::singularity::{Singularities, Singularity, TaskSingularity};
+use super::solver::SizedSolver;
 use crate::linalg::{Vector, all_finite, write_product};
 use crate::task::Task;
 
@@ -183,7 +184,7 @@ impl Resolution {
             None if solution.working_set.is_empty() => Path::ClosedForm,
             None => Path::ActiveSet,
         };
-        self.report_velocity(problem, singularities, &solution.x, &[]);
+        self.report_velocity(problem, singularities, &solution.x);
         for (task, (scale, stated)) in self.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
             task.scale = scale.filter(|_| stated.scaled);
         }
@@ -195,7 +196,7 @@ impl Resolution {
         }
         self.report_bounds(problem, planned, solution);
         std::mem::swap(&mut self.contradictions, contradictions);
-        self.solver.rank_uncertain |= singularities.unlimited.rank_uncertain;
+        self.solver.rank_uncertain |= singularities.rank_uncertain;
         if let Some(counts) = counts {
             (self.solver.iterations, self.solver.failures) = (counts.iterations, counts.failures);
         }
@@ -205,53 +206,62 @@ impl Resolution {
         planned.write_active_set(problem, &solution.working_set, &mut self.active_set[0]);
     }
 
-    /// Sets the answer to the solution without limits, which meets every task.
-    pub(super) fn report_unlimited(&mut self, problem: &Problem, singularities: &Singularities) {
-        let Solution { x, row_values, .. } = &singularities.unlimited;
-        let achieved = if singularities.has_only_equations { row_values.as_slice() } else { &[] };
-        self.report_velocity(problem, singularities, x, achieved);
+    /// Sets the answer to the solution without limits, which is finite and meets every task and limit.
+    pub(super) fn report_unlimited(
+        &mut self,
+        problem: &Problem,
+        singularities: &Singularities,
+        solver: &dyn SizedSolver,
+        residual: f64,
+    ) {
+        self.set_velocity(solver.x());
+        self.singularity.copy_from(&singularities.all);
+        let achieved = if singularities.has_only_equations { solver.row_values() } else { &[] };
+        self.report_tasks(problem, singularities, achieved);
+        self.violated_limits.clear();
+        self.violated_inequalities.clear();
         self.clear_bounds();
         self.report_pinned(problem);
-        self.report_solver(Path::ClosedForm, &singularities.unlimited);
+        self.solver = SolverReport {
+            status: status(residual),
+            kkt_residual: Some(residual).filter(|residual| residual.is_finite()),
+            rank_uncertain: singularities.rank_uncertain,
+            working_sets: 1,
+            ..SolverReport::default()
+        };
     }
 
     /// Sets the answer to that of the printed formulas.
     pub(super) fn report_closed_form(&mut self, problem: &Problem, closed: &ClosedForm, singularities: &Singularities) {
-        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice(), &[]);
+        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice());
         self.clear_bounds();
         let residual = closed.kkt_residual;
-        let status = if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified };
-        let rank_uncertain = singularities.unlimited.rank_uncertain;
+        let rank_uncertain = singularities.rank_uncertain;
         let kkt_residual = Some(residual).filter(|residual| residual.is_finite());
         self.solver = if self.solver.status == Status::Failed {
             SolverReport::default()
         } else {
-            SolverReport { status, kkt_residual, rank_uncertain, ..SolverReport::default() }
+            SolverReport { status: status(residual), kkt_residual, rank_uncertain, ..SolverReport::default() }
         };
     }
 
     /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
-    /// status `failed`. `achieved`: the values of the rows of all tasks at x; empty: they are computed.
-    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64], achieved: &[f64]) {
-        let n = problem.tasks.joint_count();
-        if self.joint_velocity.len() != n {
-            self.joint_velocity = Vector::zeros(n);
-        }
-        self.joint_velocity.copy_from_slice(&x[..n]);
-        self.singularity.copy_from(&singularities.all);
-        let is_finite = all_finite(&x[..n]);
-        self.solver.status = if is_finite { Status::NotCertified } else { Status::Failed };
-        if !is_finite {
-            self.joint_velocity = problem.limits.clamp(&Vector::zeros(n));
+    /// status `failed`.
+    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64]) {
+        let x = &x[..problem.tasks.joint_count()];
+        let is_finite = all_finite(x);
+        if is_finite {
+            self.set_velocity(x);
+            self.singularity.copy_from(&singularities.all);
+            self.solver.status = Status::NotCertified;
+        } else {
+            self.joint_velocity = problem.limits.clamp(&Vector::zeros(x.len()));
             self.singularity.copy_from(&Singularity::default());
+            self.solver.status = Status::Failed;
         }
-        let tasks = problem.tasks.tasks();
-        self.tasks.resize_with(tasks.len(), TaskOutcome::default);
-        let mut achieved = if is_finite { achieved } else { &[] };
-        for ((outcome, task), known) in self.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-            let own = achieved.split_off(..task.jacobian.nrows());
-            outcome.report(task, *known, self.joint_velocity.as_slice(), own);
-            if !is_finite {
+        self.report_tasks(problem, singularities, &[]);
+        if !is_finite {
+            for outcome in &mut self.tasks {
                 (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
             }
         }
@@ -264,6 +274,23 @@ impl Resolution {
             value: inequality.value(&self.joint_velocity),
         };
         refill(&mut self.violated_inequalities, broken.map(violation));
+    }
+
+    fn set_velocity(&mut self, x: &[f64]) {
+        if self.joint_velocity.len() != x.len() {
+            self.joint_velocity = Vector::zeros(x.len());
+        }
+        self.joint_velocity.copy_from_slice(x);
+    }
+
+    /// Sets the outcomes of the tasks at the velocity. `achieved`: the values of the rows of all tasks; empty: they are computed.
+    fn report_tasks(&mut self, problem: &Problem, singularities: &Singularities, mut achieved: &[f64]) {
+        let tasks = problem.tasks.tasks();
+        self.tasks.resize_with(tasks.len(), TaskOutcome::default);
+        for ((outcome, task), known) in self.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
+            let own = achieved.split_off(..task.jacobian.nrows());
+            outcome.report(task, *known, self.joint_velocity.as_slice(), own);
+        }
     }
 
     fn clear_bounds(&mut self) {
@@ -317,10 +344,9 @@ impl Resolution {
             self.solver = SolverReport { path, ..SolverReport::default() };
             return;
         }
-        let certified = solution.is_optimal && solution.kkt_residual <= CERTIFIED;
         self.solver = SolverReport {
             path,
-            status: if certified { Status::Optimal } else { Status::NotCertified },
+            status: if solution.is_optimal { status(solution.kkt_residual) } else { Status::NotCertified },
             kkt_residual: Some(solution.kkt_residual).filter(|residual| residual.is_finite()),
             rank_uncertain: solution.rank_uncertain,
             working_sets: solution.working_sets,
@@ -352,6 +378,11 @@ impl TaskOutcome {
         self.scale = task.scaled.then_some(1.0);
         self.active_rows.clear();
     }
+}
+
+/// Returns how sure an answer is that meets its optimality conditions up to this residual.
+fn status(residual: f64) -> Status {
+    if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified }
 }
 
 /// Returns the limits that a velocity breaks.

@@ -46,7 +46,6 @@ pub struct ClarabelLevels<S = Clarabel> {
     answer: QpAnswer,
     /// The rows that solved levels keep, with fixed unknowns as pinned ones.
     kept: Hierarchy,
-    kept_solution: Solution,
     set: WorkingSet,
     x: Vec<f64>,
     /// Z, column by column.
@@ -76,7 +75,7 @@ impl<S: QpSolver> ClarabelLevels<S> {
         self.start(problem);
         for level in 0..=problem.level_ends.len() {
             let kept = exact.of_width(problem.unknowns);
-            kept.solve_without_bounds(&self.kept, &mut self.kept_solution);
+            kept.solve_pinned(&self.kept);
             kept.write_null_space(&mut self.null_space);
             if self.null_space.is_empty() {
                 break;

@@ -69,6 +69,9 @@ pub fn write_contradictions(
     solver: &mut HierarchicalSolver,
     contradictions: &mut Vec<Contradiction>,
 ) {
+    if planned.levels.row_lower == planned.levels.row_upper {
+        return;
+    }
     for level in 0..planned.levels.level_ends.len() {
         let rows = planned.levels.level_start(level)..planned.levels.level_ends[level];
         let broken = rows.clone().find(|&row| is_broken(&planned.levels, solution, row));

@@ -94,6 +94,19 @@ impl Hierarchy {
 
     /// Adds the rows of a matrix, with one bound of each kind per row. Unknowns behind its columns get zeros.
     pub fn push_matrix(&mut self, matrix: &Matrix, lower: impl Fn(usize) -> f64, upper: impl Fn(usize) -> f64) {
+        self.push_coefficients(matrix);
+        self.row_lower.extend((0..matrix.nrows()).map(lower));
+        self.row_upper.extend((0..matrix.nrows()).map(upper));
+    }
+
+    /// Adds the rows of A x = b, with one target for each row of A.
+    pub fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
+        self.push_coefficients(matrix);
+        self.row_lower.extend_from_slice(targets);
+        self.row_upper.extend_from_slice(targets);
+    }
+
+    fn push_coefficients(&mut self, matrix: &Matrix) {
         let (start, rows) = (self.rows.len(), matrix.nrows());
         self.rows.resize(start + rows * self.width, 0.0);
         let (entries, width) = (&mut self.rows[start..], self.width);
@@ -104,8 +117,6 @@ impl Hierarchy {
                 place += width;
             }
         }
-        self.row_lower.extend((0..rows).map(lower));
-        self.row_upper.extend((0..rows).map(upper));
     }
 
     /// Ends a level. A level without rows is left out.

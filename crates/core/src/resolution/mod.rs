@@ -42,6 +42,7 @@ mod closed_form;
 mod contradiction;
 mod damped_targets;
 mod engine;
+mod equation_rows;
 mod level;
 mod plan;
 mod plan_run;

@@ -237,7 +237,12 @@ impl PlannedProblem {
     /// Adds the rows of a task.
     fn push_task(&mut self, problem: &Problem, k: usize, aim: &Aim) {
         let task = &problem.tasks.tasks()[k];
-        let targets = &aim.targets[problem.tasks.first_row(k)..];
+        let targets = &aim.targets[problem.tasks.first_row(k)..][..task.jacobian.nrows()];
+        if task.is_equation() {
+            self.levels.push_equations(&task.jacobian, targets);
+            self.push_origins(task, k);
+            return;
+        }
         let bound = |row: usize, bound: f64| if task.lower[row] == task.upper[row] { targets[row] } else { bound };
         self.push_task_rows(task, k, |row| bound(row, task.lower[row]), |row| bound(row, task.upper[row]));
     }
@@ -256,6 +261,10 @@ impl PlannedProblem {
 
     fn push_task_rows(&mut self, task: &Task, k: usize, lower: impl Fn(usize) -> f64, upper: impl Fn(usize) -> f64) {
         self.levels.push_matrix(&task.jacobian, lower, upper);
+        self.push_origins(task, k);
+    }
+
+    fn push_origins(&mut self, task: &Task, k: usize) {
         self.origins.extend((0..task.jacobian.nrows()).map(|row| Origin::Task { task: k, row }));
     }
 
@@ -309,9 +318,8 @@ impl PlannedProblem {
         active.clear();
         active.extend(set.unknowns[..n].iter().enumerate().filter_map(|(joint, side)| Some((joint, (*side)?))));
         for (&origin, side) in self.origins.iter().zip(&set.rows) {
-            if let (Some(place), Some(side)) = (Self::place(problem, origin), *side) {
-                active.push((place, side));
-            }
+            let Some(side) = *side else { continue };
+            active.extend(Self::place(problem, origin).map(|place| (place, side)));
         }
     }
 }

@@ -48,11 +48,7 @@ impl PlanRun {
         engine: &mut Engine,
     ) {
         let tasks = problem.tasks.tasks();
-        refill(&mut self.before, zeta.iter().copied());
-        refill(&mut self.targets, tasks.iter().flat_map(|task| task.lower.iter().copied()));
-        refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
-        refill(&mut self.scales, tasks.iter().map(|_| None));
-        self.contradictions.clear();
+        self.start(problem, zeta);
         let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
         // Independent equations: the stages below the highest one need not be solved.
         self.lower_tasks_are_met =
@@ -65,14 +61,7 @@ impl PlanRun {
             self.write(problem, step, damping);
             self.planned.write_guess(problem, guess, &mut self.guess);
             engine.solve(&self.planned.levels, Some(&self.guess), &mut self.solution);
-            if step.is_last() {
-                self.finish(problem, step, damping, engine);
-            }
-            // A scaled task keeps its direction exactly.
-            let keeps_direction = self.scales.iter().any(Option::is_some);
-            if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
-                self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
-            }
+            self.finish(problem, step, damping, engine);
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
             is_optimal &= self.solution.is_optimal;
             working_sets += self.solution.working_sets;
@@ -84,13 +73,29 @@ impl PlanRun {
         (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
     }
 
-    /// Scales tasks and explains contradictions.
+    /// Forgets the run before.
+    fn start(&mut self, problem: &Problem, zeta: &[f64]) {
+        let tasks = problem.tasks.tasks();
+        refill(&mut self.before, zeta.iter().copied());
+        self.targets.clear();
+        tasks.iter().for_each(|task| self.targets.extend_from_slice(task.lower.as_slice()));
+        refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
+        refill(&mut self.scales, tasks.iter().map(|_| None));
+        self.contradictions.clear();
+    }
+
+    /// Scales tasks and explains contradictions after the last problem; makes damped answers continuous.
     fn finish(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
-        if problem.tasks.tasks().iter().any(|task| task.scaled) {
+        if step.is_last() && problem.tasks.tasks().iter().any(|task| task.scaled) {
             self.scale(problem, step, damping, engine);
         }
-        if self.solution.is_optimal {
+        if step.is_last() && self.solution.is_optimal {
             write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
+        }
+        // A scaled task keeps its direction exactly.
+        let keeps_direction = self.scales.iter().any(Option::is_some);
+        if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
+            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
     }
 

@@ -43,14 +43,29 @@ impl Resolver {
             Some(velocity) => zeta.extend_from_slice(velocity.as_slice()),
             None => zeta.resize(problem.tasks.joint_count(), 0.0),
         }
-        singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact());
+        let has_guess = problem.solver == Solver::Auto && guess.iter().any(|set| !set.is_empty());
+        engine.choose(problem.solver);
+        if has_guess && singularities.remain_regular(&problem.tasks, problem.damping) {
+            run.solve(problem, guess, zeta, singularities, engine);
+            if !run.solution.working_set.is_empty() {
+                answer.report(problem, singularities, run, engine);
+                return Ok(());
+            }
+        }
+        singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact(), has_guess);
+        if problem.solver == Solver::Auto {
+            let solver = engine.exact().last();
+            if is_met_without_limits(problem, singularities, solver.x()) {
+                let (is_optimal, residual) = solver.certify();
+                if is_optimal {
+                    answer.report_unlimited(problem, singularities, solver, residual);
+                    return Ok(());
+                }
+            }
+        }
         match problem.solver {
             Solver::ClosedForm => answer.report_closed_form(problem, &closed_form(problem), singularities),
-            Solver::Auto if is_met_without_limits(problem, singularities) && singularities.certify(engine.exact()) => {
-                answer.report_unlimited(problem, singularities);
-            }
             Solver::Auto | Solver::Qp => {
-                engine.choose(problem.solver);
                 let guess = if problem.solver == Solver::Auto { guess } else { &[] };
                 run.solve(problem, guess, zeta, singularities, engine);
                 answer.report(problem, singularities, run, engine);
@@ -61,8 +76,7 @@ impl Resolver {
 }
 
 /// Returns whether the solution without limits solves the problem: all tasks are independent and met, inside all bounds.
-fn is_met_without_limits(problem: &Problem, singularities: &Singularities) -> bool {
-    let x = &singularities.unlimited.x;
+fn is_met_without_limits(problem: &Problem, singularities: &Singularities, x: &[f64]) -> bool {
     let within = |value: f64, lower: f64, upper: f64| lower <= value && value <= upper;
     let meets = |task: &Task| {
         (0..task.jacobian.nrows())

@@ -1,7 +1,8 @@
 //! How near the tasks are to singularities, and how much damping that asks for.
 
-use super::level::{Hierarchy, Solution, refill};
-use super::solver::HierarchicalSolver;
+use super::equation_rows::EquationRows;
+use super::level::refill;
+use super::solver::{HierarchicalSolver, SizedSolver};
 use crate::linalg::{Damping, RANK_TOLERANCE, SingularValues, Triangle};
 use crate::task::{Task, TaskStack};
 
@@ -11,36 +12,59 @@ const INDEPENDENT: f64 = 1e-6;
 /// Fraction of ‖J‖ from which on all methods that agree in exact arithmetic agree to nearly all digits.
 const WELL_CONDITIONED: f64 = 1e-3;
 
+/// Relative rounding of bounds of singular values.
+const MARGIN: f64 = 1e-9;
+
+/// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
+/// digits, for rows of this Frobenius norm.
+fn regular_from(damping: Option<Damping>, norm: f64) -> f64 {
+    damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm)
+}
+
 /// How near the tasks are to singularities. Inequality tasks do not count.
+///
+/// No decision of the resolution needs the values where they are far from zero, so they are computed on demand.
 #[derive(Debug, Clone, Default)]
 pub struct Singularity {
-    /// Product of the singular values of all rows together.
-    pub manipulability: f64,
     /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
     pub algorithmic: bool,
-    /// σ_min where it is known; otherwise `triangle` has the singular values.
-    known: Option<f64>,
-    triangle: Triangle,
+    /// σ_min and the product of the singular values where they are known; otherwise they are those of `rows`.
+    known: Option<(f64, f64)>,
+    /// The rows of all equations, which are independent then.
+    rows: EquationRows,
 }
 
 impl Singularity {
-    /// Computes σ_min of all rows together; 0 without rows. No decision of the resolution needs the value where it is far from
-    /// zero, so it is computed on demand.
+    /// Computes σ_min of all rows together; 0 without rows.
     pub fn smallest_singular_value(&self) -> f64 {
-        self.known.unwrap_or_else(|| self.triangle.smallest_singular_value())
+        self.values().0
+    }
+
+    /// Computes the product of the singular values of all rows together; 0 without rows.
+    pub fn manipulability(&self) -> f64 {
+        self.values().1
+    }
+
+    /// Computes [`Self::smallest_singular_value`] and [`Self::manipulability`].
+    pub fn values(&self) -> (f64, f64) {
+        self.known.unwrap_or_else(|| {
+            let triangle = Triangle::of_rows(&self.rows.matrix());
+            (triangle.smallest_singular_value(), triangle.product().min(f64::MAX))
+        })
     }
 
     /// Copies without giving up memory.
     pub(super) fn copy_from(&mut self, other: &Self) {
-        (self.manipulability, self.algorithmic, self.known) = (other.manipulability, other.algorithmic, other.known);
-        self.triangle.copy_from(&other.triangle);
+        (self.algorithmic, self.known) = (other.algorithmic, other.known);
+        if self.known.is_none() {
+            self.rows.copy_from(&other.rows);
+        }
     }
 }
 
 impl PartialEq for Singularity {
     fn eq(&self, other: &Self) -> bool {
-        let values = |it: &Self| (it.manipulability, it.algorithmic, it.smallest_singular_value());
-        values(self) == values(other)
+        (self.algorithmic, self.values()) == (other.algorithmic, other.values())
     }
 }
 
@@ -59,6 +83,13 @@ pub struct TaskSingularity {
     pub strict: f64,
 }
 
+impl TaskSingularity {
+    /// Returns that of a task whose rows are independent of each other and of all others.
+    fn independent(task: &Task) -> Self {
+        Self { rank: task.jacobian.nrows(), ..Self::default() }
+    }
+}
+
 /// The singularities of all tasks at one posture.
 #[derive(Debug, Default)]
 pub struct Singularities {
@@ -67,50 +98,77 @@ pub struct Singularities {
     /// Of all tasks together.
     pub all: Singularity,
     /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
-    /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution of [`Self::unlimited`].
+    /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution without limits.
     pub is_regular: bool,
     /// Whether no task has inequality rows.
     pub has_only_equations: bool,
-    /// All equations as a strict hierarchy without limits, and its solution.
-    pub problem: Hierarchy,
-    pub unlimited: Solution,
+    /// Whether rounding may have decided a rank.
+    pub rank_uncertain: bool,
     singular: SingularValues,
+    /// Rows of an earlier period whose smallest singular value is at least `reference_bound`.
+    reference: EquationRows,
+    reference_bound: f64,
 }
 
 impl Singularities {
-    /// Solves the equations without limits and examines their singular values.
+    /// Returns whether all equations are certainly far from singular because those of an earlier period were: no singular value
+    /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows, but no solution.
+    ///
+    /// 1/‖A⁺‖_F changes by no more than that either, and [`Self::examine`] compares it with the same number.
+    pub fn remain_regular(&mut self, tasks: &TaskStack, damping: Option<Damping>) -> bool {
+        let list = tasks.tasks();
+        let Some((distance, norm)) = self.reference.compare(list) else { return false };
+        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + MARGIN)) {
+            return false;
+        }
+        refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
+        (self.is_regular, self.has_only_equations, self.rank_uncertain) = (true, true, false);
+        (self.all.algorithmic, self.all.known) = (false, None);
+        self.all.rows.set(list);
+        true
+    }
+
+    /// Solves the equations without limits as a strict hierarchy with `solver`, and examines their singular values. `keep`: for [`Self::remain_regular`] in later
+    /// periods, at the price of a close bound.
     pub fn examine(
         &mut self,
         tasks: &TaskStack,
         zeta: &[f64],
         damping: Option<Damping>,
         solver: &mut HierarchicalSolver,
+        keep: bool,
     ) {
         let list = tasks.tasks();
-        self.problem.clear(zeta);
-        for task in list.iter().filter(|task| task.is_equation()) {
-            push_task(&mut self.problem, task);
-            self.problem.end_level();
-        }
-        solver.of_width(self.problem.unknowns).solve_without_bounds(&self.problem, &mut self.unlimited);
-        refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
-        self.has_only_equations = self.problem.level_ends.len() == list.len();
-        let norm = solver.last().norm();
-        let threshold = damping.map_or(0.0, |damping| damping.threshold());
-        let rank: usize = self.unlimited.level_ranks.iter().sum();
-        let is_full = rank == self.problem.row_count() && rank > 0;
-        let independent = threshold.max(INDEPENDENT * norm);
-        let regular = threshold.max(WELL_CONDITIONED * norm);
-        let smallest = if is_full { solver.last().bound_smallest(regular, independent) } else { f64::NAN };
-        self.is_regular = smallest >= regular;
-        if smallest >= independent {
-            self.all.manipulability = solver.last().pivot_product().min(f64::MAX);
-            (self.all.algorithmic, self.all.known) = (false, None);
-            solver.last().write_triangle(&mut self.all.triangle);
-            for (known, task) in self.tasks.iter_mut().zip(list) {
-                known.rank = task.jacobian.nrows();
+        let solver = solver.of_width(zeta.len());
+        solver.start_equations(zeta);
+        self.has_only_equations = true;
+        for task in list {
+            if task.is_equation() {
+                solver.push_equations(&task.jacobian, task.lower.as_slice());
+            } else {
+                self.has_only_equations = false;
             }
+        }
+        solver.solve_equations();
+        self.rank_uncertain = solver.rank_uncertain();
+        let norm = solver.norm();
+        let threshold = damping.map_or(0.0, |damping| damping.threshold());
+        let independent = threshold.max(INDEPENDENT * norm);
+        let regular = regular_from(damping, norm);
+        let sure = if keep { f64::INFINITY } else { regular };
+        let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };
+        self.is_regular = smallest >= regular;
+        self.reference.clear();
+        if keep && self.is_regular && self.has_only_equations {
+            self.reference.set(list);
+            self.reference_bound = smallest;
+        }
+        if smallest >= independent {
+            (self.all.algorithmic, self.all.known) = (false, None);
+            self.all.rows.set(list);
+            refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         } else {
+            refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
             self.examine_each(list, damping, solver);
         }
         if self.has_only_equations {
@@ -122,22 +180,16 @@ impl Singularities {
         }
     }
 
-    /// Evaluates the optimality conditions of [`Self::unlimited`] right after [`Self::examine`]; returns whether they hold.
-    pub fn certify(&mut self, solver: &mut HierarchicalSolver) -> bool {
-        solver.last().certify(&mut self.unlimited);
-        self.unlimited.is_optimal
-    }
-
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
-    fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>, solver: &mut HierarchicalSolver) {
+    fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>, solver: &mut dyn SizedSolver) {
         // The smallest singular value is only computed where it matters.
         let factor = |singular: &SingularValues| {
             damping
                 .filter(|damping| !singular.is_above(damping.threshold()))
                 .map_or(0.0, |damping| damping.factor(singular.smallest()))
         };
-        let n = self.problem.unknowns;
-        let mut level = self.problem.level_ends.len();
+        let n = tasks[0].jacobian.ncols();
+        let mut level = tasks.iter().filter(|task| task.is_equation()).count();
         let lowest = tasks.iter().rposition(Task::is_equation);
         let (mut norm_square, mut rank_below) = (0.0, 0);
         self.all.algorithmic = false;
@@ -154,14 +206,13 @@ impl Singularities {
             }
             let rank_all = self.rank(norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
-            let strict = damping.map_or(0.0, |damping| damping.factor(solver.last().smallest_of_level(level)));
+            let strict = damping.map_or(0.0, |damping| damping.factor(solver.smallest_of_level(level)));
             self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular), strict };
             rank_below = rank_all;
             self.all.algorithmic |= algorithmic;
         }
-        self.all.known = Some(self.singular.smallest());
-        let product = self.singular.product().min(f64::MAX);
-        self.all.manipulability = if lowest.is_none() { 0.0 } else { product };
+        let product = if lowest.is_none() { 0.0 } else { self.singular.product().min(f64::MAX) };
+        self.all.known = Some((self.singular.smallest(), product));
     }
 
     /// Decomposes the rows of these tasks without inequality tasks, or of one task.
@@ -179,9 +230,4 @@ impl Singularities {
     fn rank(&self, norm: f64) -> usize {
         self.singular.count_from(RANK_TOLERANCE * norm)
     }
-}
-
-/// Adds the rows of a task to the level that ends next.
-pub fn push_task(problem: &mut Hierarchy, task: &Task) {
-    problem.push_matrix(&task.jacobian, |row| task.lower[row], |row| task.upper[row]);
 }

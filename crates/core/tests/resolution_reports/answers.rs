@@ -16,7 +16,7 @@ fn an_answer_reports_what_it_does() {
     let tasks = [row(1.0, 0.0, 1.0), row(0.0, 2.0, 1.0)];
     let free = resolve(&problem(&tasks), &[]).unwrap();
     assert_eq!((free.solver.path, free.solver.working_sets), (Path::ClosedForm, 1));
-    assert_eq!((free.tasks[0].rank, free.tasks[1].rank, free.singularity.manipulability), (1, 1, 2.0));
+    assert_eq!((free.tasks[0].rank, free.tasks[1].rank, free.singularity.manipulability()), (1, 1, 2.0));
     assert!(free.active_limits.is_empty() && free.violated_limits.is_empty());
     let narrow = limits([-3.0, -3.0, 0.5, -3.0, -3.0], [0.75, 3.0, 0.5, 3.0, 3.0]);
     let limited = resolve(&Problem { limits: narrow.clone(), ..problem(&tasks) }, &[]).unwrap();
@@ -46,7 +46,7 @@ fn an_answer_reports_what_it_does() {
     let bounds = Vector::from_row_slice(&[1.0]);
     let inequality = Task::between("bounds", tasks[0].0.clone(), -1.0 * &bounds, bounds);
     let open = resolve(&Problem::new(TaskStack::new(vec![inequality]).unwrap()), &[]).unwrap();
-    assert_eq!((open.singularity.manipulability, open.singularity.smallest_singular_value()), (0.0, 0.0));
+    assert_eq!((open.singularity.manipulability(), open.singularity.smallest_singular_value()), (0.0, 0.0));
 }
 
 /// Each bound has the multiplier of the first level that it holds back: what the task misses there, or the distance from the

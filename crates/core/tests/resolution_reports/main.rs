@@ -110,7 +110,7 @@ proptest! {
         prop_assert_eq!((answer.singularity.algorithmic, answer.tasks[tasks.len()].rank), (any, rank(&inequality.0)));
         let product: f64 = sigma(&lower).iter().product();
         let smallest = sigma(&lower)[lower.nrows().min(N) - 1];
-        prop_assert!((answer.singularity.manipulability - product).abs() < 1e-10 * lower.norm().powi(5).max(1.0));
+        prop_assert!((answer.singularity.manipulability() - product).abs() < 1e-10 * lower.norm().powi(5).max(1.0));
         prop_assert!((answer.singularity.smallest_singular_value() - smallest).abs() < 1e-12 * lower.norm());
     }
 

@@ -80,7 +80,13 @@ impl PlacedFrame<'_> {
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
         let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
         for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
-            let twist = if self.is_at_tool_along_base() { *column } else { self.twist(column) };
+            let converted;
+            let twist = if self.is_at_tool_along_base() {
+                column
+            } else {
+                converted = self.twist(column);
+                &converted
+            };
             entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
         }
     }

@@ -103,7 +103,7 @@ impl<const N: usize> Conditions<N> {
         self.multipliers = Row::ZERO;
         let m = problem.rows.len();
         refill(&mut self.row_multipliers, std::iter::repeat_n(0.0, m));
-        refill(&mut self.values, problem.rows.iter().map(|row| row.dot(&solved.x)));
+        refill(&mut self.values, problem.rows.iter().map(|row| row.coefficients.dot(&solved.x)));
         // A pinned unknown stays, whatever its multiplier is.
         let loose = solved.held.iter().filter(|&&j| !problem.is_pinned(j)).count();
         self.undecided = loose + problem.inequalities.iter().filter(|&&row| set.rows[row].is_some()).count();
@@ -129,8 +129,8 @@ impl<const N: usize> Conditions<N> {
     /// Collects inactive rows outside their bounds.
     fn check_rows(&mut self, Trial { problem, set, solved }: Trial<N>) {
         for &row in problem.inequalities.iter().filter(|&&row| set.rows[row].is_none()) {
-            let (value, norm) = (self.values[row], problem.squares[row].sqrt());
-            let missing = (value - problem.row_upper[row]).max(problem.row_lower[row] - value);
+            let (value, norm) = (self.values[row], problem.rows[row].square.sqrt());
+            let missing = (value - problem.rows[row].upper).max(problem.rows[row].lower - value);
             self.note_residual(missing, norm * solved.peak_speed);
             if missing > self.rounding * solved.peak_speed * norm {
                 self.wrong_rows.push(row);
@@ -170,7 +170,7 @@ impl<const N: usize> Conditions<N> {
         let mut active_rows = problem.inequalities.iter().filter(|&&row| set.rows[row].is_some());
         let is_doubtful = solved.held.iter().any(|&j| !self.decided[j] && doubtful(h.0[j].abs()))
             || active_rows
-                .any(|&row| !self.row_decided[row] && doubtful(self.w[row].abs() * problem.squares[row].sqrt()));
+                .any(|&row| !self.row_decided[row] && doubtful(self.w[row].abs() * problem.rows[row].square.sqrt()));
         if dependent == 0 || !is_doubtful {
             self.sizes = Row([coarse; N]);
             self.row_sizes.fill(coarse);
@@ -181,7 +181,7 @@ impl<const N: usize> Conditions<N> {
             let e = self.multipliers_of(problem, solved, k, Some(d)).h;
             self.sizes.add_scaled(size, &Row(e.0.map(f64::abs)));
             for (row, row_size) in self.row_sizes.iter_mut().enumerate() {
-                *row_size += size * self.w[row].abs() * problem.squares[row].sqrt();
+                *row_size += size * self.w[row].abs() * problem.rows[row].square.sqrt();
             }
         }
         std::mem::swap(&mut self.w, &mut self.kept_w);
@@ -236,7 +236,7 @@ impl<const N: usize> Conditions<N> {
             amount += sum * problem.levels[level].norm;
         }
         for row in &solved.rows[..end] {
-            h.add_scaled(w[row.index], &problem.rows[row.index]);
+            h.add_scaled(w[row.index], &problem.rows[row.index].coefficients);
         }
         LevelMultipliers { h, length, amount, norm }
     }
@@ -268,7 +268,7 @@ impl<const N: usize> Conditions<N> {
         for &row in &problem.inequalities {
             let (Some(side), false) = (set.rows[row], self.row_decided[row]) else { continue };
             let multiplier = -self.w[row];
-            let force = multiplier.abs() * problem.squares[row].sqrt();
+            let force = multiplier.abs() * problem.rows[row].square.sqrt();
             let points_inwards = side.sign() * multiplier < 0.0;
             if points_inwards {
                 self.note_residual(force, self.row_sizes[row]);

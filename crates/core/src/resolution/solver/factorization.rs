@@ -7,7 +7,7 @@
 use super::dependent_rows::DependentRows;
 use super::problem_rows::ProblemRows;
 use crate::linalg::{Row, SingularValues};
-use crate::resolution::level::{Side, WorkingSet};
+use crate::resolution::level::{Side, WorkingSet, refill};
 
 /// Relative size below which a number is rounding.
 pub const ROUNDING: f64 = 1e-13;
@@ -71,6 +71,13 @@ pub struct FactorRow<const N: usize> {
     square: f64,
     /// `square` when it was summed last.
     summed_square: f64,
+}
+
+/// Squared lengths of the pivots of a level.
+struct Pivots {
+    smallest: f64,
+    /// That of a row that was too short; 0 without one.
+    refused: f64,
 }
 
 /// The factorisation on a working set and its least-squares solution.
@@ -168,24 +175,23 @@ impl<const N: usize> Factorization<N> {
         self.spans.clear();
         self.pivots.clear();
         self.y = Row::ZERO;
-        let mut end = 0;
+        let has_inequalities = !problem.inequalities.is_empty();
+        // Written in place: the rows are as many as in the call before.
+        self.rows.resize_with(problem.rows.len(), FactorRow::default);
+        let (mut free_rows, mut end) = (self.rows.iter_mut(), 0);
         for level in &problem.levels {
             let start = end;
             let mut target_square = 0.0;
-            for index in level.start..level.end {
-                if !problem.is_active(set, index) {
+            for (index, of_problem) in problem.rows.iter().enumerate().take(level.end).skip(level.start) {
+                if has_inequalities && !problem.is_active(set, index) {
                     continue;
                 }
-                let target = problem.target(set, index);
+                let Some(row) = free_rows.next() else { break };
+                let target = if has_inequalities { problem.target(set, index) } else { of_problem.lower };
                 target_square += target * target;
-                // Written in place: the rows are as many as in the call before.
-                if end == self.rows.len() {
-                    self.rows.push(FactorRow::default());
-                }
-                let row = &mut self.rows[end];
                 end += 1;
                 row.coordinates = Row::ZERO;
-                (row.rest, row.square) = (problem.rows[index], problem.squares[index]);
+                (row.rest, row.square) = (of_problem.coefficients, of_problem.square);
                 (row.index, row.target, row.residual) = (index, target, target);
                 if !self.held.is_empty() {
                     row.residual -= row.rest.dot(&self.base);
@@ -202,6 +208,10 @@ impl<const N: usize> Factorization<N> {
 
     /// Sorts the unknowns into free and held ones.
     fn split_unknowns(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
+        if !problem.has_pinned && set.unknowns.iter().all(Option::is_none) {
+            self.free_all(problem.unknowns);
+            return;
+        }
         self.free.clear();
         self.held.clear();
         self.base = Row::ZERO;
@@ -220,8 +230,16 @@ impl<const N: usize> Factorization<N> {
             self.base.0[j] = bound;
             self.is_free.0[j] = 0.0;
         }
-        self.base_norm = if self.held.is_empty() { 0.0 } else { self.base.norm() };
+        self.base_norm = self.base.norm();
         self.peak_speed = self.base_norm;
+    }
+
+    /// Makes all unknowns free.
+    fn free_all(&mut self, unknowns: usize) {
+        refill(&mut self.free, 0..unknowns);
+        self.held.clear();
+        (self.base, self.is_free) = (Row::ZERO, Row([1.0; N]));
+        (self.base_norm, self.peak_speed) = (0.0, 0.0);
     }
 
     /// Factorises and solves level by level; `false` where singular values allow a level less than its pivots, so that the
@@ -229,25 +247,10 @@ impl<const N: usize> Factorization<N> {
     fn factorize(&mut self, problem: &ProblemRows<N>) -> bool {
         // The smallest pivot of the levels above, relative to its level: what depends on it carries that much more error.
         let mut weakest = 1.0_f64;
-        for k in 0..self.spans.len() {
-            let Span { start, end, .. } = self.spans[k];
-            let square = problem.levels[k].square;
+        for (k, level) in problem.levels.iter().enumerate() {
+            let square = level.square;
             let tolerance = self.rank_tolerance.max(REFLECTION_ERROR / weakest);
-            let first = self.rank();
-            let places = (end - start).min(self.free.len() - first).min(self.max_rank(k));
-            let (mut smallest, mut refused, mut place) = (square, 0.0, start);
-            while place < start + places {
-                let length_square = bring_longest(&mut self.rows[place..end]);
-                if !(length_square > tolerance * tolerance * square) {
-                    refused = length_square;
-                    break;
-                }
-                self.reflect(place, length_square);
-                smallest = if length_square < smallest { length_square } else { smallest };
-                place += 1;
-            }
-            let span = &mut self.spans[k];
-            (span.first, span.pivots_end) = (first, place);
+            let Pivots { smallest, refused } = self.take_pivots(k, tolerance * tolerance * square);
             let suspicious = SUSPICIOUS_PIVOT * SUSPICIOUS_PIVOT * square;
             if (smallest < suspicious || refused > ROUNDING * ROUNDING * square)
                 && !self.confirm_rank(k, tolerance * square.sqrt(), square.sqrt(), refused)
@@ -257,11 +260,35 @@ impl<const N: usize> Factorization<N> {
             if smallest < suspicious {
                 weakest = weakest.min((smallest / square).sqrt());
             }
-            if place < end {
+            if self.spans[k].pivots_end < self.spans[k].end {
                 self.solve_dependent_rows(problem, k);
             }
         }
         true
+    }
+
+    /// Takes rows of a level as coordinates, the longest first, while their squared length exceeds `least`.
+    fn take_pivots(&mut self, k: usize, least: f64) -> Pivots {
+        let most = self.max_rank(k);
+        let Self { spans, rows, free, pivots, y, .. } = self;
+        let (span, first) = (&mut spans[k], pivots.len());
+        let mut taken = Pivots { smallest: f64::INFINITY, refused: 0.0 };
+        let mut place = span.start;
+        for c in first..free.len().min(first + most.min(span.end - span.start)) {
+            let (head, open) = (free[c], &mut rows[place..]);
+            let square = bring_longest(&mut open[..span.end - place]);
+            if !(square > least) {
+                taken.refused = square;
+                break;
+            }
+            let Some((pivot, later)) = open.split_first_mut() else { break };
+            y.0[c] = remove_coordinate(pivot, later, square, (c, head));
+            taken.smallest = if square < taken.smallest { square } else { taken.smallest };
+            place += 1;
+        }
+        pivots.extend(span.start..place);
+        (span.first, span.pivots_end) = (first, place);
+        taken
     }
 
     fn max_rank(&self, k: usize) -> usize {
@@ -285,14 +312,6 @@ impl<const N: usize> Factorization<N> {
             self.max_rank[k] = rank;
         }
         is_confirmed
-    }
-
-    /// Takes the row at `place` as the next coordinate and removes that coordinate from all later rows.
-    fn reflect(&mut self, place: usize, square: f64) {
-        let c = self.pivots.len();
-        let (pivots, later) = self.rows.split_at_mut(place + 1);
-        self.y.0[c] = remove_coordinate(&mut pivots[place], later, square, (c, self.free[c]));
-        self.pivots.push(place);
     }
 
     /// Solves least squares of a level whose last rows depend on its pivots and on higher levels.

@@ -13,7 +13,7 @@ mod random_sets;
 mod search;
 mod sized;
 
-pub use sized::{HierarchicalSolver, MAX_UNKNOWNS};
+pub use sized::{HierarchicalSolver, MAX_UNKNOWNS, SizedSolver};
 
 use conditions::{Conditions, Trial};
 use factorization::{Factorization, ROUNDING, Span};
@@ -100,21 +100,18 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.working_sets = tried;
     }
 
-    /// Solves a problem of equations without bounds; sets x, the ranks and whether they are uncertain.
-    pub fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        self.problem.load(problem);
+    /// Factorises the rows of the problem without active bounds.
+    fn solve_without_bounds(&mut self) {
         self.solved.rank_tolerance = RANK_TOLERANCE;
         self.start_from(None);
         self.solved.solve(&self.problem, &self.set);
-        refill(&mut solution.x, self.solved.x.0[..problem.unknowns].iter().copied());
-        self.write_ranks(solution);
     }
 
-    /// Evaluates the optimality conditions after [`Self::solve_without_bounds`].
-    pub fn certify(&mut self, solution: &mut Solution) {
+    /// Evaluates the optimality conditions on the last working set; returns whether they hold, and the largest relative residual.
+    fn certify(&mut self) -> (bool, f64) {
         let Self { problem, set, solved, conditions, .. } = self;
         conditions.evaluate(Trial { problem, set, solved }, ROUNDING);
-        self.write(solution, 1);
+        (conditions.are_met() && all_finite(&solved.x.0), conditions.residual)
     }
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
@@ -198,7 +195,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             set.unknowns[j] = side.filter(known);
         }
         for &row in problem.inequalities.iter().filter(|&&row| row < guess.rows.len()) {
-            let known = |side: &Side| exists(*side, problem.row_lower[row], problem.row_upper[row]);
+            let known = |side: &Side| exists(*side, problem.rows[row].lower, problem.rows[row].upper);
             set.rows[row] = guess.rows[row].filter(known);
         }
     }
@@ -243,7 +240,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     }
 
     fn correct_row(&mut self, row: usize) {
-        let is_above = self.conditions.values[row] > self.problem.row_upper[row];
+        let is_above = self.conditions.values[row] > self.problem.rows[row].upper;
         self.set.rows[row] = corrected(self.set.rows[row], is_above);
     }
 
@@ -261,10 +258,6 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.is_optimal = conditions.are_met() && all_finite(&x.0);
         solution.kkt_residual = conditions.residual;
         solution.working_sets = tried;
-        self.write_ranks(solution);
-    }
-
-    fn write_ranks(&self, solution: &mut Solution) {
         refill(&mut solution.level_ranks, self.solved.spans.iter().map(Span::rank));
         solution.rank_uncertain = self.solved.rank_uncertain;
     }

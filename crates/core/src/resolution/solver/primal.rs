@@ -82,10 +82,10 @@ fn restrict_to<const N: usize>(
         set.unknowns[j] = side;
     }
     for &row in &problem.inequalities {
-        let value = problem.rows[row].dot(start);
-        let side = if value > problem.row_upper[row] {
+        let value = problem.rows[row].coefficients.dot(start);
+        let side = if value > problem.rows[row].upper {
             Some(Side::Upper)
-        } else if value < problem.row_lower[row] {
+        } else if value < problem.rows[row].lower {
             Some(Side::Lower)
         } else {
             None
@@ -115,10 +115,10 @@ fn first_blocking<const N: usize>(
         }
     }
     for &row in &conditions.wrong_rows {
-        let (z, x) = (problem.rows[row].dot(point), conditions.values[row]);
+        let (z, x) = (problem.rows[row].coefficients.dot(point), conditions.values[row]);
         let bound = match set.rows[row] {
-            None if x > problem.row_upper[row] => problem.row_upper[row],
-            None => problem.row_lower[row],
+            None if x > problem.rows[row].upper => problem.rows[row].upper,
+            None => problem.rows[row].lower,
             // A broken row that is kept at the least-squares point: it meets its bound on the way.
             Some(side) if side.sign() * (x - problem.target(set, row)) < 0.0 => problem.target(set, row),
             Some(_) => continue,
@@ -172,7 +172,7 @@ fn activate<const N: usize>(
         Blocking::Row(row) => {
             let value = conditions.values[row];
             set.rows[row] = match set.rows[row] {
-                None if value > problem.row_upper[row] => Some(Side::Upper),
+                None if value > problem.rows[row].upper => Some(Side::Upper),
                 None => Some(Side::Lower),
                 Some(_) => None,
             };

@@ -1,7 +1,7 @@
 //! A problem in padded rows, with the sizes that do not depend on the working set.
 
-use crate::linalg::Row;
-use crate::resolution::level::{Hierarchy, WorkingSet, refill};
+use crate::linalg::{Matrix, Row};
+use crate::resolution::level::{Hierarchy, Side, WorkingSet, refill};
 
 /// The sizes of one level.
 #[derive(Debug, Clone, Copy, Default)]
@@ -16,6 +16,17 @@ pub struct LevelSize {
     pub norm: f64,
 }
 
+/// A row of a problem: lower ≤ a·x ≤ upper.
+#[derive(Debug, Clone, Copy)]
+pub struct ProblemRow<const N: usize> {
+    /// a.
+    pub coefficients: Row<N>,
+    /// ‖a‖².
+    pub square: f64,
+    pub lower: f64,
+    pub upper: f64,
+}
+
 /// A [`Hierarchy`] in rows of N numbers.
 #[derive(Debug, Default)]
 pub struct ProblemRows<const N: usize> {
@@ -25,11 +36,9 @@ pub struct ProblemRows<const N: usize> {
     pub upper: Row<N>,
     pub reference: Row<N>,
     /// All rows, highest level first.
-    pub rows: Vec<Row<N>>,
-    pub row_lower: Vec<f64>,
-    pub row_upper: Vec<f64>,
-    /// ‖a_i‖² of each row.
-    pub squares: Vec<f64>,
+    pub rows: Vec<ProblemRow<N>>,
+    /// Whether bounds of an unknown coincide.
+    pub has_pinned: bool,
     /// The rows that are no equations.
     pub inequalities: Vec<usize>,
     pub levels: Vec<LevelSize>,
@@ -41,51 +50,88 @@ impl<const N: usize> ProblemRows<N> {
         debug_assert_eq!(problem.width, N);
         self.lower = Row::from_slice(&problem.lower);
         self.upper = Row::from_slice(&problem.upper);
+        self.has_pinned = problem.lower.iter().zip(&problem.upper).any(|(lower, upper)| lower >= upper);
         if self.has_rows_of(problem) {
             return true;
         }
         self.unknowns = problem.unknowns;
         self.reference = Row::from_slice(&problem.reference);
-        refill(&mut self.rows, problem.rows.as_chunks().0.iter().map(|row| Row(*row)));
-        self.row_lower.clone_from(&problem.row_lower);
-        self.row_upper.clone_from(&problem.row_upper);
-        refill(&mut self.squares, self.rows.iter().map(|row| row.dot(row)));
-        refill(&mut self.inequalities, (0..self.rows.len()).filter(|&row| !problem.is_equation(row)));
+        let bounds = problem.row_lower.iter().zip(&problem.row_upper);
+        let rows = problem.rows.as_chunks().0.iter().zip(bounds).map(|(coefficients, (&lower, &upper))| {
+            let coefficients = Row(*coefficients);
+            ProblemRow { coefficients, square: coefficients.dot(&coefficients), lower, upper }
+        });
+        refill(&mut self.rows, rows);
+        let is_inequality = |(index, row): (usize, &ProblemRow<N>)| (row.lower < row.upper).then_some(index);
+        refill(&mut self.inequalities, self.rows.iter().enumerate().filter_map(is_inequality));
         self.levels.clear();
-        let mut start = 0;
-        for &end in &problem.level_ends {
-            let square = self.squares[start..end].iter().sum::<f64>();
-            self.levels.push(LevelSize { start, end, square, norm: square.sqrt() });
-            start = end;
-        }
+        problem.level_ends.iter().for_each(|&end| self.end_level(end));
         false
+    }
+
+    /// Removes all rows and bounds.
+    pub fn clear(&mut self, reference: &[f64]) {
+        self.unknowns = reference.len();
+        self.reference = Row::from_slice(reference);
+        (self.lower, self.upper) = (Row([f64::NEG_INFINITY; N]), Row([f64::INFINITY; N]));
+        self.has_pinned = false;
+        self.rows.clear();
+        self.inequalities.clear();
+        self.levels.clear();
+    }
+
+    /// Adds a level A x = b.
+    pub fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
+        let start = self.rows.len();
+        for &target in targets {
+            self.rows.push(ProblemRow { coefficients: Row::ZERO, square: 0.0, lower: target, upper: target });
+        }
+        let rows = &mut self.rows[start..];
+        // Columns are contiguous.
+        for (j, column) in matrix.as_slice().chunks_exact(targets.len()).enumerate() {
+            for (row, entry) in rows.iter_mut().zip(column) {
+                row.coefficients.0[j] = *entry;
+            }
+        }
+        for row in rows {
+            row.square = row.coefficients.dot(&row.coefficients);
+        }
+        self.end_level(self.rows.len());
+    }
+
+    fn end_level(&mut self, end: usize) {
+        let start = self.levels.last().map_or(0, |level| level.end);
+        let square = self.rows[start..end].iter().map(|row| row.square).sum::<f64>();
+        self.levels.push(LevelSize { start, end, square, norm: square.sqrt() });
     }
 
     /// Returns whether levels, rows and reference are those of a problem.
     fn has_rows_of(&self, problem: &Hierarchy) -> bool {
         let n = problem.unknowns;
+        let bounds = problem.row_lower.iter().zip(&problem.row_upper);
+        let mut rows = self.rows.iter().zip(problem.rows.as_chunks().0.iter().zip(bounds));
         self.unknowns == n
             && self.rows.len() == problem.row_count()
-            && self.row_lower == problem.row_lower
-            && self.row_upper == problem.row_upper
             && self.levels.iter().map(|level| level.end).eq(problem.level_ends.iter().copied())
             && self.reference.0[..n] == problem.reference
-            && self.rows.iter().zip(problem.rows.as_chunks().0).all(|(row, entries)| row.0 == *entries)
+            && rows.all(|(row, (coefficients, (lower, upper)))| {
+                row.lower == *lower && row.upper == *upper && row.coefficients.0 == *coefficients
+            })
     }
 
     /// Returns the bound that an active row is held at; equations have one.
     #[inline]
     pub fn target(&self, set: &WorkingSet, row: usize) -> f64 {
         match set.rows[row] {
-            Some(crate::resolution::level::Side::Upper) => self.row_upper[row],
-            _ => self.row_lower[row],
+            Some(Side::Upper) => self.rows[row].upper,
+            _ => self.rows[row].lower,
         }
     }
 
     /// Returns whether a row takes part in least squares on a working set.
     #[inline]
     pub fn is_active(&self, set: &WorkingSet, row: usize) -> bool {
-        set.rows[row].is_some() || !(self.row_lower[row] < self.row_upper[row])
+        set.rows[row].is_some() || !(self.rows[row].lower < self.rows[row].upper)
     }
 
     /// Returns whether the bounds of an unknown coincide.

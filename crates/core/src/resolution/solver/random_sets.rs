@@ -90,7 +90,7 @@ impl RandomSet {
 
     /// Returns these rows over all unknowns.
     pub fn matrix(&self, rows: &[usize]) -> Matrix {
-        Matrix::from_fn(rows.len(), self.problem.unknowns, |i, j| self.problem.rows[rows[i]].0[j])
+        Matrix::from_fn(rows.len(), self.problem.unknowns, |i, j| self.problem.rows[rows[i]].coefficients.0[j])
     }
 
     /// Returns for each level, and for the last objective, the projector onto what the levels above leave free.

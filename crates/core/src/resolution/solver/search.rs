@@ -70,10 +70,11 @@ impl<const N: usize> Search<N> {
         self.stride = count.next_multiple_of(N.max(8));
         let bound = |j: usize, bound: f64, none: f64| if problem.is_pinned(j) { none } else { bound };
         let lower = (0..n).map(|j| bound(j, problem.lower.0[j], f64::NEG_INFINITY));
-        refill(&mut self.lower, lower.chain(rows().map(|row| problem.row_lower[row])));
+        refill(&mut self.lower, lower.chain(rows().map(|row| problem.rows[row].lower)));
         let upper = (0..n).map(|j| bound(j, problem.upper.0[j], f64::INFINITY));
-        refill(&mut self.upper, upper.chain(rows().map(|row| problem.row_upper[row])));
-        let values = solved.x.0[..n].iter().copied().chain(rows().map(|row| problem.rows[row].dot(&solved.x)));
+        refill(&mut self.upper, upper.chain(rows().map(|row| problem.rows[row].upper)));
+        let values =
+            solved.x.0[..n].iter().copied().chain(rows().map(|row| problem.rows[row].coefficients.dot(&solved.x)));
         refill(&mut self.state, values);
         self.state.resize(self.stride, 0.0);
         refill(&mut self.active, std::iter::repeat_n(None, count));
@@ -87,12 +88,13 @@ impl<const N: usize> Search<N> {
         let (n, stride) = (problem.unknowns, self.stride);
         let exponent = |k: usize| i32::try_from(problem.levels.len() - k).unwrap_or(i32::MAX);
         let inverse_weight = |k: usize| spacing.powi(exponent(k)) * problem.levels[k].square;
-        self.write_generator(solved);
-        self.columns.clear();
-        for column in &self.generator {
-            self.columns.extend_from_slice(&column.0[..n]);
-            self.columns.extend(problem.inequalities.iter().map(|&row| problem.rows[row].dot(column)));
-            self.columns.resize(self.columns.len().next_multiple_of(stride), 0.0);
+        self.write_generator(problem, solved);
+        refill(&mut self.columns, std::iter::repeat_n(0.0, self.generator.len() * stride));
+        for (entries, column) in self.columns.chunks_exact_mut(stride).zip(&self.generator) {
+            entries[..N].copy_from_slice(&column.0);
+            for (entry, &row) in entries[n..].iter_mut().zip(&problem.inequalities) {
+                *entry = problem.rows[row].coefficients.dot(column);
+            }
         }
         self.scales.clear();
         for (k, span) in solved.spans.iter().enumerate() {
@@ -127,16 +129,26 @@ impl<const N: usize> Search<N> {
     }
 
     /// Writes the columns of G.
-    fn write_generator(&mut self, solved: &Factorization<N>) {
-        refill(&mut self.generator, (0..solved.free.len()).map(|c| solved.q_column(c)));
-        for c in (0..solved.rank()).rev() {
-            let mut column = self.generator[c];
-            for d in c + 1..solved.rank() {
-                column.add_scaled(-solved.rows[solved.pivots[d]].coordinates.0[c], &self.generator[d]);
+    fn write_generator(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>) {
+        let columns = &mut self.generator;
+        columns.clear();
+        // A = T Qᵀ gives the columns of Q one after the other, nearly orthogonal. A proposal needs no more.
+        for row in solved.triangle() {
+            let mut column = problem.rows[row.index].coefficients.times(&solved.is_free);
+            for (other, factor) in columns.iter().zip(&row.coordinates.0) {
+                column.add_scaled(-factor, other);
             }
-            column.0.iter_mut().for_each(|entry| *entry *= solved.rows[solved.pivots[c]].inverse);
-            self.generator[c] = column;
+            columns.push(column.scaled(row.inverse));
         }
+        // P T = Q.
+        for (c, row) in solved.triangle().enumerate().rev() {
+            let (before, from) = columns.split_at_mut(c);
+            from[0] = from[0].scaled(row.inverse);
+            for (column, factor) in before.iter_mut().zip(&row.coordinates.0) {
+                column.add_scaled(-factor, &from[0]);
+            }
+        }
+        columns.extend((solved.rank()..solved.free.len()).map(|c| solved.q_column(c)));
     }
 
     /// Activates the bound that is broken most until none is; returns whether it arrived.
@@ -153,17 +165,16 @@ impl<const N: usize> Search<N> {
     /// Returns the inactive constraint with the largest (violation)²/K_ii, and the bound that it violates.
     fn most_broken(&self) -> Option<(usize, Side)> {
         let (mut worst, mut most) = (None, 0.0);
-        for (i, &value) in self.state[..self.active.len()].iter().enumerate() {
-            let (excess, side) = if value > self.upper[i] {
-                (value - self.upper[i], Side::Upper)
-            } else if value < self.lower[i] {
-                (self.lower[i] - value, Side::Lower)
-            } else {
-                continue;
-            };
-            let diagonal = self.table[i * (self.stride + 1)];
-            if self.active[i].is_none() && excess * excess > most * diagonal {
-                (worst, most) = (Some((i, side)), excess * excess / diagonal);
+        let bounds = self.lower.iter().zip(&self.upper).zip(&self.active);
+        for (i, (value, ((lower, upper), active))) in self.state.iter().zip(bounds).enumerate() {
+            let (above, below) = (value - upper, lower - value);
+            let excess = if above > below { above } else { below };
+            if excess > 0.0 && active.is_none() {
+                let diagonal = self.table[i * (self.stride + 1)];
+                if excess * excess > most * diagonal {
+                    let side = if above > below { Side::Upper } else { Side::Lower };
+                    (worst, most) = (Some((i, side)), excess * excess / diagonal);
+                }
             }
         }
         worst

@@ -1,7 +1,7 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
 use super::ActiveSetSolver;
-use crate::linalg::{Triangle, smallest_from_inverse, write_inverse};
+use crate::linalg::{Matrix, smallest_from_inverse, write_inverse};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
@@ -12,12 +12,32 @@ pub trait SizedSolver {
     /// Solves a problem in at most `max_sets` working sets; `guess` is the one to start from.
     fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution);
 
-    /// Solves a problem of equations without bounds and does not evaluate the optimality conditions. Only x, the ranks and
-    /// whether they are uncertain are set.
-    fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution);
+    /// Begins a problem of equations without bounds.
+    fn start_equations(&mut self, reference: &[f64]);
 
-    /// Evaluates the optimality conditions after [`Self::solve_without_bounds`] and sets the rest of the solution.
-    fn certify(&mut self, solution: &mut Solution);
+    /// Adds a level A x = b to it.
+    fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]);
+
+    /// Solves it. The optimality conditions are not evaluated.
+    fn solve_equations(&mut self);
+
+    /// Solves the equations of a problem whose only bounds are those of pinned unknowns, in the same way.
+    fn solve_pinned(&mut self, problem: &Hierarchy);
+
+    /// Evaluates the optimality conditions at the last x; returns whether they hold, and the largest relative residual.
+    fn certify(&mut self) -> (bool, f64);
+
+    /// Returns x of the last factorisation.
+    fn x(&self) -> &[f64];
+
+    /// Returns a·x of each row at the last optimality conditions.
+    fn row_values(&self) -> &[f64];
+
+    /// Returns whether the active rows of the last factorisation are independent, and at least one.
+    fn has_independent_rows(&self) -> bool;
+
+    /// Returns whether rounding may have decided a rank of the last factorisation.
+    fn rank_uncertain(&self) -> bool;
 
     /// Returns the Frobenius norm of all rows of the last problem.
     fn norm(&self) -> f64;
@@ -25,9 +45,6 @@ pub trait SizedSolver {
     /// Returns a lower bound of σ_min of the last triangle of all rows: the one of its determinant if that is at least `sure`;
     /// otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise σ_min itself.
     fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64;
-
-    /// Copies the last triangle.
-    fn write_triangle(&self, triangle: &mut Triangle);
 
     /// Returns the product of the singular values of the last triangle.
     fn pivot_product(&self) -> f64;
@@ -47,12 +64,41 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.solve(problem, guess, max_sets, solution);
     }
 
-    fn solve_without_bounds(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        self.solve_without_bounds(problem, solution);
+    fn start_equations(&mut self, reference: &[f64]) {
+        self.problem.clear(reference);
     }
 
-    fn certify(&mut self, solution: &mut Solution) {
-        self.certify(solution);
+    fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
+        self.problem.push_equations(matrix, targets);
+    }
+
+    fn solve_equations(&mut self) {
+        self.solve_without_bounds();
+    }
+
+    fn solve_pinned(&mut self, problem: &Hierarchy) {
+        self.problem.load(problem);
+        self.solve_without_bounds();
+    }
+
+    fn certify(&mut self) -> (bool, f64) {
+        self.certify()
+    }
+
+    fn x(&self) -> &[f64] {
+        &self.solved.x.0[..self.problem.unknowns]
+    }
+
+    fn row_values(&self) -> &[f64] {
+        &self.conditions.values
+    }
+
+    fn has_independent_rows(&self) -> bool {
+        self.solved.rank() == self.solved.rows.len() && self.solved.rank() > 0
+    }
+
+    fn rank_uncertain(&self) -> bool {
+        self.solved.rank_uncertain
     }
 
     fn norm(&self) -> f64 {
@@ -70,10 +116,6 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
         let size = write_inverse(rows, &mut self.inverse);
         if size * needed <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
-    }
-
-    fn write_triangle(&self, triangle: &mut Triangle) {
-        triangle.set(self.solved.triangle().map(|row| &row.coordinates));
     }
 
     fn pivot_product(&self) -> f64 {

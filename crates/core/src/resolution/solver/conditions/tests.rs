@@ -61,9 +61,9 @@ impl<'a> Expected<'a> {
                 self.wrong.push(j);
             }
         }
-        let value = |row: usize| (0..problem.unknowns).map(|j| problem.rows[row].0[j] * x[j]).sum::<f64>();
+        let value = |row: usize| (0..problem.unknowns).map(|j| problem.rows[row].coefficients.0[j] * x[j]).sum::<f64>();
         for row in (0..problem.rows.len()).filter(|&row| !problem.is_active(set, row)) {
-            let missing = (value(row) - problem.row_upper[row]).max(problem.row_lower[row] - value(row)).max(0.0);
+            let missing = (value(row) - problem.rows[row].upper).max(problem.rows[row].lower - value(row)).max(0.0);
             if self.note(missing, self.of.matrix(&[row]).norm() * speed) {
                 self.wrong_rows.push(row);
             }

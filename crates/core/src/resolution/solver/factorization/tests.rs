@@ -46,14 +46,16 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
             first += rank;
             let norm = problem.levels[k].norm;
             let rows = &solved.rows[span.start..span.end];
-            let left: Vec<f64> = rows.iter().map(|row| row.target - problem.rows[row.index].dot(&solved.x)).collect();
+            let left: Vec<f64> =
+                rows.iter().map(|row| row.target - problem.rows[row.index].coefficients.dot(&solved.x)).collect();
             let size = span.target + norm * speed;
             assert!(is_near(&rows.iter().map(|row| row.residual).collect::<Vec<_>>(), &left, size), "seed {seed}");
             let largest = left.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
             assert_eq!(span.has_residual, largest > 1e-10 * size, "seed {seed}: {largest:e}");
             residuals += usize::from(span.has_residual);
             for (place, row) in rows.iter().enumerate() {
-                let mut expected = over_coordinates(solved, &problem.rows[row.index].times(&solved.is_free));
+                let mut expected =
+                    over_coordinates(solved, &problem.rows[row.index].coefficients.times(&solved.is_free));
                 assert!(expected[span.rank_end()..].iter().all(|entry| entry.abs() <= 1e-11 * norm), "seed {seed}");
                 expected[span.rank_end()..].fill(0.0);
                 assert!(is_near(&row.coordinates.0, &expected, norm), "seed {seed}, row {}", row.index);

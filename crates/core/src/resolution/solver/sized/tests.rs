@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use super::*;
-use crate::linalg::{Matrix, Svd};
+use crate::linalg::{Matrix, Svd, Triangle};
 use crate::resolution::solver::random_sets::{below, numbers};
 
 /// Returns levels of random rows for n unknowns, and their matrices. A third of the rows depends on the one before.
@@ -34,8 +34,8 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
     for seed in 0..500 {
         let (hierarchy, matrices) = levels(seed);
         let n = hierarchy.unknowns;
-        let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
-        solver.of_width(n).solve_without_bounds(&hierarchy, &mut solution);
+        let mut solver = HierarchicalSolver::default();
+        solver.of_width(n).solve_pinned(&hierarchy);
         let (mut N, mut open) = (Matrix::identity(n, n), n);
         for (level, A) in matrices.iter().enumerate() {
             let svd = Svd::new(&(A * &N));
@@ -59,8 +59,8 @@ fn the_last_factorisation_tells_the_singular_values_and_the_null_space() {
             let sigma = Svd::new(&all).singular_values().to_vec();
             let product = sigma.iter().product::<f64>();
             assert!((solver.last().pivot_product() - product).abs() < 1e-11 * product);
-            let mut triangle = Triangle::default();
-            solver.last().write_triangle(&mut triangle);
+            let triangle = Triangle::of_rows(&all);
+            assert!((triangle.product() - product).abs() < 1e-11 * product);
             assert!((triangle.smallest_singular_value() - sigma[sigma.len() - 1]).abs() < 1e-12);
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
