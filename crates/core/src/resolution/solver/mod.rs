@@ -38,6 +38,9 @@ const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 /// Trials near a guess, where everything that is wrong changes at once, before the search starts from the empty set.
 const GUESSED_TRIALS: u32 = 3;
 
+/// Searches that go on from a proposal that lacks bounds.
+const MAX_COMPLETIONS: u32 = 8;
+
 /// Bounds that are wrong in a proposal that the primal method corrects; with more, the search tries other weights.
 const NEARLY_RIGHT: usize = 3;
 
@@ -128,7 +131,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         let constraints = self.problem.unknowns + self.problem.rows.len();
         let max_sets = u32::try_from(40 * constraints + 50).unwrap_or(u32::MAX).min(max_sets);
         let mut phase = Phase::Guess;
-        let (mut tried, mut searches) = (0, 0);
+        let (mut tried, mut searches, mut completions) = (0, 0, 0);
         let (mut rounding, mut roundings) = (ROUNDING, OTHER_ROUNDINGS.into_iter());
         loop {
             tried += 1;
@@ -150,6 +153,15 @@ impl<const N: usize> ActiveSetSolver<N> {
                 break;
             }
             match phase {
+                // The proposal has wrong bounds, because the weights let the lowest level give way, or because rounding stopped it.
+                Phase::Guess
+                    if searches > 0 && completions < MAX_COMPLETIONS && self.problem.inequalities.is_empty() =>
+                {
+                    completions += 1;
+                    if !self.release_wrong() {
+                        self.propose(0);
+                    }
+                }
                 // A guess from the call before: most are wrong in one place or two.
                 Phase::Guess if searches == 0 && tried < GUESSED_TRIALS => self.correct_all(),
                 // The guess is of no use, or the weights of the first proposal were too far apart: the search starts again.
@@ -208,6 +220,16 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
         search.propose(problem, solved, SPACINGS[used + 1], set);
         used + 2
+    }
+
+    /// Releases the unknowns whose multipliers point inwards; returns whether there is one.
+    fn release_wrong(&mut self) -> bool {
+        let held = |set: &WorkingSet, j: usize| set.unknowns[j].is_some();
+        let found = self.conditions.wrong.iter().any(|&j| held(&self.set, j));
+        for &j in self.conditions.wrong.iter().filter(|_| found) {
+            self.set.unknowns[j] = None;
+        }
+        found
     }
 
     /// Returns whether the set is a proposal that a few steps of the primal method correct.

@@ -39,7 +39,8 @@ pub struct Search<const N: usize> {
 }
 
 impl<const N: usize> Search<N> {
-    /// Proposes a working set, from the factorisation without active bounds; `false` if rounding stopped it.
+    /// Proposes a working set, from a factorisation without active rows of inequalities; `false` if rounding stopped it. Unknowns
+    /// that it holds stay held.
     ///
     /// `spacing`: ratio of the weights of adjacent levels, below 1.
     pub fn propose(
@@ -55,20 +56,22 @@ impl<const N: usize> Search<N> {
         self.tabulate(problem, solved, spacing);
         let finished = self.run();
         let n = problem.unknowns;
-        set.unknowns.copy_from_slice(&self.active[..n]);
+        for &j in &solved.free {
+            set.unknowns[j] = self.active[j];
+        }
         for (place, &row) in problem.inequalities.iter().enumerate() {
             set.rows[row] = self.active[n + place];
         }
         finished
     }
 
-    /// Sets values and bounds of the constraints; pinned unknowns have none.
+    /// Sets values and bounds of the constraints; held unknowns have none.
     fn load(&mut self, problem: &ProblemRows<N>, solved: &Factorization<N>) {
         let n = problem.unknowns;
         let rows = || problem.inequalities.iter().copied();
         let count = n + problem.inequalities.len();
         self.stride = count.next_multiple_of(N.max(8));
-        let bound = |j: usize, bound: f64, none: f64| if problem.is_pinned(j) { none } else { bound };
+        let bound = |j: usize, bound: f64, none: f64| if solved.is_free.0[j] == 0.0 { none } else { bound };
         let lower = (0..n).map(|j| bound(j, problem.lower.0[j], f64::NEG_INFINITY));
         refill(&mut self.lower, lower.chain(rows().map(|row| problem.rows[row].lower)));
         let upper = (0..n).map(|j| bound(j, problem.upper.0[j], f64::INFINITY));
