@@ -11,6 +11,7 @@ mod extremes;
 mod inequalities;
 mod jumps;
 mod limits;
+mod memory;
 mod problems;
 mod ranks;
 mod reference;
