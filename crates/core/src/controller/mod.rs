@@ -58,6 +58,7 @@ mod task;
 mod task_target;
 mod tool_rows;
 mod transition;
+mod watchdog;
 mod weights;
 
 pub use capability::BRAKING_SHARE;
