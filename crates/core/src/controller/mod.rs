@@ -37,12 +37,14 @@
 //! ```
 
 mod capability;
+mod command;
 mod config;
 mod jerk;
 mod joint_rows;
 mod late_state;
 mod look_ahead;
 mod memory;
+mod next_memory;
 mod null_space;
 mod progress;
 mod raw_rows;
@@ -62,6 +64,7 @@ mod watchdog;
 mod weights;
 
 pub use capability::BRAKING_SHARE;
+pub use command::Command;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use jerk::JerkState;
 pub use joint_rows::{JointRows, JointTarget};
@@ -72,7 +75,7 @@ pub use progress::{LEAVING_TIME, MAX_ATTEMPTS, Obstacle, Progress, StuckTask};
 pub use raw_rows::RawRows;
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use steep_gain::SteepGain;
-pub use step::{Command, Controller, Measurement, StepError};
+pub use step::{Controller, Measurement, StepError};
 pub use stepper::Stepper;
 pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
 pub use target_streams::TargetReport;
