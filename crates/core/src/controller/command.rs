@@ -1,7 +1,7 @@
 //! The answer to one measurement.
 
 use super::task_target::TaskTarget;
-use super::{StuckTask, TaskConfig};
+use super::{StalledJoint, StuckTask, TaskConfig};
 use crate::limits::Hold;
 use crate::resolution::Resolution;
 
@@ -16,6 +16,8 @@ pub struct Command {
     pub limit_conflicts: Vec<usize>,
     /// Tasks that make no progress.
     pub stuck: Vec<StuckTask>,
+    /// Joints that do not follow their commands.
+    pub stalled: Vec<StalledJoint>,
     /// How long the joint velocities may be held before a watchdog must brake.
     pub hold: Hold,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).

@@ -27,6 +27,7 @@ impl Controller {
             target_streams: Vec::new(),
             initial_position: None,
             progress: Vec::new(),
+            stalls: Vec::new(),
             in_transition: false,
         }
     }

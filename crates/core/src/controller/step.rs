@@ -170,11 +170,18 @@ impl Controller {
             let velocity = command.resolution.joint_velocity.as_slice();
             command.hold.update(&config.robot, kind, motion, qdot, velocity, config.period_s);
         }
+        let in_time = late.is_none();
         let memory = match late.or(initial) {
             Some(new) => Some(memory.insert(new)),
             None => memory.as_mut(),
         };
         if let Some(memory) = memory {
+            if in_time {
+                memory.update_stalls(config, position, &mut command.stalled);
+            } else {
+                memory.stalls.clear();
+                command.stalled.clear();
+            }
             self.update_memory(memory, command, approach.as_ref());
             memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
             self.remember_state(memory, measurement, &command.hold);
