@@ -2116,14 +2116,14 @@ class LiveFrame(Answer):
 
 
 class Stall(Body):
-    """How far a joint was commanded and has moved since it last followed its commands.
+    """How far a joint was commanded and has moved since it last followed its commands, or lately.
 
     Fields:
 
     - commanded: Commanded distance, behind the drive of the controller, rad or m.
     - joint: Name of the joint.
     - moved: Measured distance, rad or m.
-    - time_s: Time since the joint last followed, s.
+    - time_s: Time of both distances, s.
     """
 
     commanded: float
@@ -2133,7 +2133,7 @@ class Stall(Body):
     moved: float
     """Measured distance, rad or m."""
     time_s: float
-    """Time since the joint last followed, s."""
+    """Time of both distances, s."""
 
 
 StreamedQuantity = Literal["pose", "joint_position", "velocity", "force"]
