@@ -266,4 +266,15 @@ fn joints_that_a_brake_holds_are_named_with_and_without_a_session() {
         }
         assert!(k < 85 || !has("`j1`") && has("`j2`, `j3`"), "period {k}: {found}");
     }
+    let next = state(90, 0.9, 0.0);
+    for (field, value, pointer) in [
+        ("joint", json!("j9"), "/memory/stalls/0/joint"),
+        ("moved", json!(1e300), "/memory/stalls/0/moved"),
+        ("time_s", json!(-1), "/memory"),
+    ] {
+        let mut damaged = memory.clone();
+        damaged["stalls"][0][field] = value;
+        let request = json!({"controller": moving(), "state": next, "memory": damaged});
+        session.service.post("/v1/step", &request.to_string()).assert_refused(422, Some(pointer));
+    }
 }

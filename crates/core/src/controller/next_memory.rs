@@ -69,11 +69,12 @@ impl Controller {
         memory.active_set.clone_from(&resolution.active_set);
     }
 
-    /// Keeps the state that the command answers.
+    /// Keeps the state that the command answers, and the posture of the first one.
     pub(super) fn remember_state(&self, memory: &mut Memory, measurement: &Measurement, hold: &Hold) {
         let Measurement { time_s, joint_position, .. } = measurement;
         let empty =
             || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
+        memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(joint_position));
         let answered = memory.answered.get_or_insert_with(empty);
         answered.time_s = *time_s;
         answered.joint_position.copy_from_slice(joint_position);

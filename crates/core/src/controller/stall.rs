@@ -74,16 +74,17 @@ impl Stall {
 }
 
 impl Memory {
-    /// Updates to the measured position (q, n) of a state that comes in time, and lists the joints that stall. The memory is
-    /// that before the command for this state.
+    /// Updates to the measured position of a state (q, n), and lists the joints that stall. All begin again if it does not come
+    /// `in_time`. The memory is that before the command for this state.
     pub(super) fn update_stalls(
         &mut self,
         config: &ControllerConfig,
         joint_position: &[f64],
+        in_time: bool,
         stalled: &mut Vec<StalledJoint>,
     ) {
         stalled.clear();
-        let Some(answered) = &self.answered else { return self.stalls.clear() };
+        let Some(answered) = self.answered.as_ref().filter(|_| in_time) else { return self.stalls.clear() };
         self.stalls.resize(joint_position.len(), Stall::NONE);
         let window = MIN_TIME + config.drive.time_to_rest(config.period_s);
         for (joint, stall) in self.stalls.iter_mut().enumerate() {

@@ -13,7 +13,6 @@ use super::task_target::TaskTarget;
 use super::{Command, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, WrenchFrame};
 use crate::law::Law;
 use crate::limits::JointMotion;
-use crate::linalg::Vector;
 use crate::resolution::ProblemError;
 use crate::streaming::Quantity;
 use crate::task::{TaskError, TaskStack};
@@ -176,14 +175,8 @@ impl Controller {
             None => memory.as_mut(),
         };
         if let Some(memory) = memory {
-            if in_time {
-                memory.update_stalls(config, position, &mut command.stalled);
-            } else {
-                memory.stalls.clear();
-                command.stalled.clear();
-            }
+            memory.update_stalls(config, position, in_time, &mut command.stalled);
             self.update_memory(memory, command, approach.as_ref());
-            memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
             self.remember_state(memory, measurement, &command.hold);
             let observed = Observation {
                 config,
