@@ -33,7 +33,7 @@ const WITHOUT_CIRCLES: [&str; 9] = [
 const MAY_NAME: [(&str, &[&str]); 23] = [
     ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
     ("clarabel", &["crates/core/src/resolution/", "tools/bench/"]),
-    ("faer", &["crates/core/src/controller/stability.rs", "tools/bench/"]),
+    ("faer", &["crates/core/src/controller/stability/tests.rs", "tools/bench/"]),
     ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs"]),
     ("foxglove", &["crates/lab/src/simulator/recording/mcap_log/"]),
     ("futures_util", &["src/service/"]),

@@ -237,3 +237,44 @@ fn whole_numbers_may_have_a_fraction_of_zero() {
     memory["memory"]["sequence"] = json!(17.0);
     session.service.call("/v1/step", &memory);
 }
+
+/// Returns a controller that moves all joints by 0.3 rad from the posture of the example state.
+fn moving() -> Value {
+    let target: Vec<f64> = numbers(&example("state.json")["joint_position"]).iter().map(|q| q + 0.3).collect();
+    let law = json!({"kind": "posture", "gain": 2, "target_position": {"kind": "constant", "value": target}});
+    json!({"robot": "sawyer_dh", "period_s": 0.01, "tasks": [{"name": "move", "law": law}]})
+}
+
+#[test]
+fn joints_that_a_brake_holds_are_named_with_and_without_a_session() {
+    let session = Session::open(|controller| *controller = moving());
+    let mut memory = Value::Null;
+    for k in 0..90_u32 {
+        // The brake of the first joint opens after 0.7 s.
+        let state = state(u64::from(k), 0.01 * f64::from(k), 0.005 * (f64::from(k) - 70.0).max(0.0));
+        let answer = session.send(&state).accepted();
+        let stateless = json!({"controller": moving(), "state": state, "memory": memory});
+        let stateless = session.service.call("/v1/step", &stateless);
+        memory = stateless["memory"].clone();
+        let found = warnings(&answer);
+        assert_eq!(found, warnings(&stateless), "period {k}");
+        let has = |part: &str| found.contains(part);
+        assert!(k > 54 || found.is_empty(), "period {k}: {found}");
+        if (65..70).contains(&k) {
+            assert!(has("`j1`, `j2`, `j3`, `j4`, `j5`, `j6`, `j7`; `j1` was commanded 0."), "period {k}: {found}");
+            assert!(has("for 0.55 s and moved by 0.0000 rad. Check brakes"), "period {k}: {found}");
+        }
+        assert!(k < 85 || !has("`j1`") && has("`j2`, `j3`"), "period {k}: {found}");
+    }
+    let next = state(90, 0.9, 0.0);
+    for (field, value, pointer) in [
+        ("joint", json!("j9"), "/memory/stalls/0/joint"),
+        ("moved", json!(1e300), "/memory/stalls/0/moved"),
+        ("time_s", json!(-1), "/memory"),
+    ] {
+        let mut damaged = memory.clone();
+        damaged["stalls"][0][field] = value;
+        let request = json!({"controller": moving(), "state": next, "memory": damaged});
+        session.service.post("/v1/step", &request.to_string()).assert_refused(422, Some(pointer));
+    }
+}

@@ -2,10 +2,11 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
-use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress};
+use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress, Stall};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{ActiveSet, Side};
+use revprio_robot::Joint;
 
 use super::numbers::{check_numbers, joint_list, number, numbers};
 use super::state_rules::{LastState, MAX_VALID_FOR_MS};
@@ -46,6 +47,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiE
         target_streams: target_streams(&memory.target_streams, config)?,
         initial_position: initial_position(memory, config)?,
         progress: memory.task_progress.iter().map(progress).collect(),
+        stalls: stalls(&memory.stalls, config)?,
         in_transition: memory.in_transition,
     })
 }
@@ -63,6 +65,32 @@ fn progress(progress: &wire::Progress) -> Progress {
 fn progress_answer(progress: &Progress) -> wire::Progress {
     let Progress { share, slow_since_s, leaving_since_s, attempts } = *progress;
     wire::Progress { share, slow_since_s, leaving_since_s, attempts }
+}
+
+/// Reads the joints that did not follow; all others did.
+fn stalls(listed: &[wire::Stall], config: &ControllerConfig) -> Result<Vec<Stall>, ApiError> {
+    let joints = config.robot.joints();
+    let mut stalls = vec![Stall::NONE; if listed.is_empty() { 0 } else { joints.len() }];
+    for (k, wire::Stall { joint: name, commanded, moved, time_s }) in listed.iter().enumerate() {
+        let inside = |error: ApiError| error.inside(&format!("/stalls/{k}"));
+        let joint = joints.iter().position(|joint| joint.name == *name).ok_or_else(|| {
+            let message = "not a joint of this robot; send the memory of the last answer unchanged";
+            inside(ApiError::invalid("/joint", message))
+        })?;
+        let read = |value, pointer| number(value, pointer).map_err(inside);
+        let (commanded, moved) = (read(*commanded, "/commanded")?, read(*moved, "/moved")?);
+        stalls[joint] = Stall { commanded, moved, time_s: read(*time_s, "/time_s")? };
+    }
+    Ok(stalls)
+}
+
+/// Returns the joints that did not follow.
+fn stalls_answer(stalls: &[Stall], config: &ControllerConfig) -> Vec<wire::Stall> {
+    let entry = |(joint, &stall): (&Joint, &Stall)| {
+        let Stall { commanded, moved, time_s } = stall;
+        (stall != Stall::NONE).then(|| wire::Stall { joint: joint.name.clone(), commanded, moved, time_s })
+    };
+    config.robot.joints().iter().zip(stalls).filter_map(entry).collect()
 }
 
 fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<DriveState, ApiError> {
@@ -200,6 +228,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         target_streams: target_streams_answer(&memory.target_streams, controller.config()),
         initial_joint_position: memory.initial_position.as_ref().map(|position| position.as_slice().to_vec()),
         task_progress: memory.progress.iter().map(progress_answer).collect(),
+        stalls: stalls_answer(&memory.stalls, controller.config()),
         in_transition: memory.in_transition,
     }
 }

@@ -1,7 +1,7 @@
 //! The rules for the states of a controller: bounds beyond which a state is refused, and warnings about the others.
 
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement};
+use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
 use revprio_robot::Joint;
 
 use super::numbers::not_negative;
@@ -114,6 +114,7 @@ impl StateRules {
                  units and the solver"
             ));
         }
+        warnings.extend(stall_warning(&command.stalled, controller));
     }
 }
 
@@ -157,6 +158,19 @@ impl LastState {
             }
         }
     }
+}
+
+/// Returns the warning about joints that do not follow their commands, if there are any.
+fn stall_warning(stalled: &[StalledJoint], controller: &Controller) -> Option<String> {
+    let joints = controller.config().robot.joints();
+    let StalledJoint { joint, stall: Stall { commanded, moved, time_s } } = *stalled.first()?;
+    let (name, unit, speed) = (&joints[joint].name, joints[joint].kind.unit(), commanded / time_s);
+    let names: Vec<_> = stalled.iter().map(|stalled| format!("`{}`", joints[stalled.joint].name)).collect();
+    Some(format!(
+        "joints that do not follow their commands: {}; `{name}` was commanded {speed:.3} {unit}/s for {time_s:.2} s and moved \
+         by {moved:.4} {unit}. Check brakes, emergency stop and obstacles, and that the arm gets the commands",
+        names.join(", ")
+    ))
 }
 
 /// Returns the joints outside their ranges, with their positions and distances.

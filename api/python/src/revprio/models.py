@@ -125,6 +125,7 @@ __all__ = [
     "SolverReport",
     "StabilityAnswer",
     "StabilityRequest",
+    "Stall",
     "State",
     "StateChecks",
     "StatedLimits",
@@ -2114,6 +2115,27 @@ class LiveFrame(Answer):
     """Simulated time, s."""
 
 
+class Stall(Body):
+    """How far a joint was commanded and has moved since it last followed its commands, or lately.
+
+    Fields:
+
+    - commanded: Commanded distance, behind the drive of the controller, rad or m.
+    - joint: Name of the joint.
+    - moved: Measured distance, rad or m.
+    - time_s: Time of both distances, s.
+    """
+
+    commanded: float
+    """Commanded distance, behind the drive of the controller, rad or m."""
+    joint: str
+    """Name of the joint."""
+    moved: float
+    """Measured distance, rad or m."""
+    time_s: float
+    """Time of both distances, s."""
+
+
 StreamedQuantity = Literal["pose", "joint_position", "velocity", "force"]
 """What the targets of a stream are."""
 
@@ -2221,6 +2243,7 @@ class Memory(Body):
     - initial_joint_position: Joint position of the first state, rad or m; default: that of the next state.
     - jerk: What joints with a jerk limit remember; default: they have moved at the last command for long.
     - joint_position: Joint position of the last state, rad or m; default: unknown.
+    - stalls: Joints that did not follow their commands lately; default: none.
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
@@ -2248,6 +2271,8 @@ class Memory(Body):
     """What joints with a jerk limit remember; default: they have moved at the last command for long."""
     joint_position: Vector | None = None
     """Joint position of the last state, rad or m; default: unknown."""
+    stalls: list[Stall] | None = None
+    """Joints that did not follow their commands lately; default: none."""
     target_streams: list[TargetStream] | None = None
     """Streamed targets of the tasks; default: none."""
     task_progress: list[Progress] | None = None

@@ -59,8 +59,8 @@ pub use simulation::{Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
 pub use step::{
-    ActiveLimitName, FramePose, JerkState, Memory, Obstacle, Progress, State, StepAnswer, StepRequest, StuckTask,
-    Wrench,
+    ActiveLimitName, FramePose, JerkState, Memory, Obstacle, Progress, Stall, State, StepAnswer, StepRequest,
+    StuckTask, Wrench,
 };
 pub use streaming::{
     StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetReference, TargetSample, TargetState, TargetStream,

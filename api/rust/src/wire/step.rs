@@ -104,6 +104,9 @@ pub struct Memory {
     /// How each task follows its requests; default: all follow.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub task_progress: Vec<Progress>,
+    /// Joints that did not follow their commands lately; default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub stalls: Vec<Stall>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -120,6 +123,24 @@ pub struct JerkState {
     /// Joint velocity that the tasks wanted in the last period, rad/s or m/s.
     #[schema(example = json!([0.5]))]
     pub requested: Vec<f64>,
+}
+
+/// How far a joint was commanded and has moved since it last followed its commands, or lately.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stall {
+    /// Name of the joint.
+    #[schema(example = "j6")]
+    pub joint: String,
+    /// Commanded distance, behind the drive of the controller, rad or m.
+    #[schema(example = 0.15)]
+    pub commanded: f64,
+    /// Measured distance, rad or m.
+    #[schema(example = 0.0001)]
+    pub moved: f64,
+    /// Time of both distances, s.
+    #[schema(example = 0.5)]
+    pub time_s: f64,
 }
 
 /// How a task follows its requests over time.

@@ -8,24 +8,17 @@
 //! The clock of the states may jump. Measured positions tell: if they fit clearly better to an arm that moved for one period,
 //! one period passed.
 
-use revprio_robot::RobotModel;
-
+use super::watchdog::{Unanswered, Watchdog};
 use super::{ControllerConfig, Measurement, Memory};
-use crate::limits::{Drive, DriveState, braking_deceleration};
+use crate::limits::{Drive, DriveState};
 use crate::linalg::Vector;
 
-/// Largest number of periods for which the watchdog is followed. An arm that still moves then keeps the motion that it had.
-const MAX_MISSED: f64 = 10_000.0;
-
-/// Velocity behind the drive below which the arm rests, rad/s or m/s.
-const REST_SPEED: f64 = 1e-9;
+/// Largest number of missed periods that is told from more. All joints rest long before, and distances stay finite.
+const MAX_MISSED: f64 = 1e9;
 
 /// Distance by which the measured positions must fit better to a single period, rad and m, norm over the joints. It covers
 /// noise.
 const CLOCK_TOLERANCE: f64 = 1e-3;
-
-/// Tolerance of the age of a command, s, because sums of periods are not exact.
-const ROUNDING_S: f64 = 1e-9;
 
 /// The state that the last command answers, and how long the command may be held.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,18 +50,11 @@ impl Memory {
         if missed == 0 {
             return None;
         }
-        let watchdog = Watchdog { robot: &config.robot, command: &self.last_command, answered, period };
-        let (mut drive, mut command) = (self.drive.clone(), self.last_command.clone());
-        let mut travelled = drive.distances_to_rest(config.drive, period);
-        for k in 1..=missed {
-            watchdog.write_command(k, &mut command);
-            drive.advance(config.drive, &command, period);
-            travelled.axpy(period, &command, 1.0);
-            if command.amax() == 0.0 && drive.comes_to_rest(REST_SPEED) {
-                break;
-            }
-        }
-        travelled -= drive.distances_to_rest(config.drive, period);
+        let watchdog =
+            Watchdog { robot: &config.robot, command: &self.last_command, answered, drive: config.drive, period };
+        let Unanswered { drive, command, rest_moved } = watchdog.follow(&self.drive, missed);
+        let to_rest = |state: &DriveState| state.distances_to_rest(config.drive, period);
+        let travelled = to_rest(&self.drive) + rest_moved - to_rest(&drive);
         // Beyond what one period explains.
         let moved = Vector::from_row_slice(&measurement.joint_position) - &answered.joint_position;
         let further = moved - &self.drive.velocity * period;
@@ -83,41 +69,9 @@ impl Memory {
     }
 }
 
-/// The watchdog of the arm: it holds a command while it is valid, then it brakes.
-struct Watchdog<'a> {
-    robot: &'a RobotModel,
-    /// The command of the answer, n.
-    command: &'a Vector,
-    answered: &'a AnsweredState,
-    period: f64,
-}
-
-impl Watchdog<'_> {
-    /// Overwrites `sent` with the command of period k after the state, from 0: that of the ramp at the end of the period.
-    fn write_command(&self, k: usize, sent: &mut Vector) {
-        let late_s = (k + 1) as f64 * self.period - self.answered.valid_for_ms as f64 / 1e3;
-        if late_s <= ROUNDING_S {
-            return;
-        }
-        for ((sent, full), joint) in sent.iter_mut().zip(self.command.iter()).zip(self.robot.joints()) {
-            let decrease = braking_deceleration(&joint.limits) * late_s;
-            *sent = (full.abs() - decrease).max(0.0).copysign(*full);
-        }
-    }
-}
-
 impl DriveState {
     /// Returns p − q, n, rad or m; `period`: T, s.
     fn distances_to_rest(&self, drive: Drive, period: f64) -> Vector {
         Vector::from_fn(self.velocity.len(), |joint, _| self.distance_to_rest(drive, joint, period))
-    }
-
-    /// Returns whether no joint has a command on its way or is faster than `speed`; then the joints rest.
-    fn comes_to_rest(&mut self, speed: f64) -> bool {
-        let rests = self.velocity.amax() < speed && self.pending.iter().all(|command| command.amax() == 0.0);
-        if rests {
-            self.velocity.fill(0.0);
-        }
-        rests
     }
 }

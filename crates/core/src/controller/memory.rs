@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::{AnsweredState, ControllerConfig, JerkState, Progress};
+use super::{AnsweredState, ControllerConfig, JerkState, Progress, Stall};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::ActiveSet;
@@ -32,6 +32,8 @@ pub struct Memory {
     pub target_streams: Vec<TargetStream>,
     /// How each task follows its requests; empty: all follow.
     pub progress: Vec<Progress>,
+    /// How each joint follows its commands, n; empty: all follow.
+    pub stalls: Vec<Stall>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
 }
@@ -50,6 +52,9 @@ pub enum MemoryError {
     /// The progress does not fit the tasks.
     #[error("the memory's progress does not fit the tasks; send back the memory of this controller's last answer")]
     Progress,
+    /// The stalls do not fit the robot.
+    #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
+    Stalls,
     /// The last command does not fit the robot.
     #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
     LastCommand,
@@ -107,6 +112,10 @@ impl Memory {
         let count = self.progress.len();
         if (count != 0 && count != config.tasks.len()) || !self.progress.iter().all(Progress::is_valid) {
             return Err(MemoryError::Progress);
+        }
+        let count = self.stalls.len();
+        if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
+            return Err(MemoryError::Stalls);
         }
         // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
         let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);

@@ -37,17 +37,20 @@
 //! ```
 
 mod capability;
+mod command;
 mod config;
 mod jerk;
 mod joint_rows;
 mod late_state;
 mod look_ahead;
 mod memory;
+mod next_memory;
 mod null_space;
 mod progress;
 mod raw_rows;
 mod row_space;
 mod stability;
+mod stall;
 mod steep_gain;
 mod step;
 mod stepper;
@@ -58,9 +61,11 @@ mod task;
 mod task_target;
 mod tool_rows;
 mod transition;
+mod watchdog;
 mod weights;
 
 pub use capability::BRAKING_SHARE;
+pub use command::Command;
 pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
 pub use jerk::JerkState;
 pub use joint_rows::{JointRows, JointTarget};
@@ -70,8 +75,9 @@ pub use null_space::{HOLDING_SPEED, NullSpaceError, NullSpaceMotion};
 pub use progress::{LEAVING_TIME, MAX_ATTEMPTS, Obstacle, Progress, StuckTask};
 pub use raw_rows::RawRows;
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
+pub use stall::{Stall, StalledJoint};
 pub use steep_gain::SteepGain;
-pub use step::{Command, Controller, Measurement, StepError};
+pub use step::{Controller, Measurement, StepError};
 pub use stepper::Stepper;
 pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
 pub use target_streams::TargetReport;

@@ -3,10 +3,18 @@
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
-use super::TaskConfig;
+use super::capability::Capability;
+use super::progress::Progress;
+use super::row_space::in_null_space;
+use super::target_streams::{self, ActiveStream};
+use super::task::ArmState;
+use super::task_target::TaskTarget;
+use super::{Controller, Memory, TaskConfig};
 use crate::law::Law;
 use crate::limits::Drive;
-use crate::linalg::Vector;
+use crate::linalg::{Damping, Vector};
+use crate::resolution::Problem;
+use crate::task::TaskStack;
 
 /// The null-space velocity ζ̇: a joint velocity that the answer follows as far as the tasks permit.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,8 +154,67 @@ impl NullSpaceMotion {
     }
 }
 
+impl Controller {
+    /// Sets the null-space velocity, if the problem has one. It is zero while a streamed target is missing: an operator who
+    /// lost the link expects an arm that rests.
+    pub(super) fn update_null_space(
+        &self,
+        problem: &mut Problem,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        streams: &[ActiveStream],
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
+        let Some(velocity) = &mut problem.null_space_velocity else { return };
+        if target_streams::have_dropped_out(streams) {
+            velocity.fill(0.0);
+        } else {
+            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, arm);
+        }
+    }
+
+    /// Sets the null-space velocity, and the targets of tasks that leave a posture.
+    fn move_null_space(
+        &self,
+        velocity: &mut Vector,
+        targets: &mut [TaskTarget],
+        capability: &mut Capability,
+        tasks: &TaskStack,
+        previous: &Memory,
+        arm: &ArmState,
+    ) {
+        let (config, position) = (self.config(), arm.rest.joint_position());
+        let leaves = |progress: &Progress| progress.is_leaving(arm.time_s);
+        if !previous.progress.iter().any(leaves) {
+            let Some(motion) = &config.null_space else { return velocity.fill(0.0) };
+            let initial =
+                previous.initial_position.as_ref().map_or(arm.configuration.joint_position(), Vector::as_slice);
+            motion.write(&config.robot, position, initial, velocity);
+            let Some(gain) = motion.braking_gain() else { return };
+            let row_space = capability.row_space(tasks);
+            if let NullSpaceMotion::InitialPosture { .. } = motion {
+                row_space.remove_from(velocity);
+                limit_holding(velocity);
+                // Near a singularity the null space turns quickly with the posture, and the motion would follow it.
+                *velocity *= config.damping.unwrap_or(Damping::ARM).keeps(row_space.smallest());
+            }
+            *velocity *= capability.null_space_factor(velocity, gain);
+            return;
+        }
+        write_leaving(&config.robot, position, velocity);
+        for (k, (target, progress)) in targets.iter_mut().zip(&previous.progress).enumerate() {
+            if leaves(progress) {
+                let motion = in_null_space(&tasks.tasks()[..k], velocity.clone());
+                target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, &motion, 0.0);
+                target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
+            }
+        }
+    }
+}
+
 /// Limits the norm of ζ̇ (n) to [`HOLDING_SPEED`].
-pub(super) fn limit_holding(velocity: &mut Vector) {
+fn limit_holding(velocity: &mut Vector) {
     let norm = velocity.norm();
     if norm > HOLDING_SPEED {
         *velocity *= HOLDING_SPEED / norm;
@@ -163,7 +230,7 @@ pub(super) fn is_redundant(robot: &RobotModel, tasks: &[TaskConfig]) -> bool {
 
 /// Overwrites `velocity` with the motion towards the middle of the joints' ranges that leaves a posture, n, rad/s or m/s.
 /// Joints without a range rest.
-pub(super) fn write_leaving(robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
+fn write_leaving(robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {
     for (speed, (joint, q)) in velocity.iter_mut().zip(robot.joints().iter().zip(joint_position)) {
         let limits = &joint.limits;
         let bound = LEAVING_SPEED * if limits.velocity.is_finite() { limits.velocity } else { DEFAULT_SPEED };

@@ -4,27 +4,18 @@ use nalgebra::Vector3;
 use revprio_robot::kinematics::{Configuration, ConfigurationError, joint_limit_index};
 
 use super::capability::Capability;
-use super::jerk::{Approach, JerkState};
-use super::null_space::{NullSpaceMotion, limit_holding, write_leaving};
-use super::progress::{Observation, Progress, StuckTask};
-use super::row_space::in_null_space;
+use super::next_memory::update_streams;
+use super::progress::Observation;
 use super::stepper::Workspace;
 use super::target_streams::{self, ActiveStream, TaskStreams};
 use super::task::ArmState;
 use super::task_target::TaskTarget;
-use super::{
-    AnsweredState, AntiWindup, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError,
-    TaskConfig, WrenchFrame,
-};
+use super::{Command, ConfigError, ControllerConfig, Memory, MemoryError, StreamedTarget, TargetError, WrenchFrame};
 use crate::law::Law;
-use crate::limits::{DriveState, Hold, JointMotion};
-use crate::linalg::{Damping, Vector};
-use crate::resolution::{Problem, ProblemError, Resolution, Status};
-use crate::streaming::{Quantity, TargetStream};
+use crate::limits::JointMotion;
+use crate::resolution::ProblemError;
+use crate::streaming::Quantity;
 use crate::task::{TaskError, TaskStack};
-
-/// Maximum relative difference of achieved and requested velocity at which an axis counts as following.
-const FOLLOWING_TOLERANCE: f64 = 1e-9;
 
 /// The measured state of one period.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,40 +30,6 @@ pub struct Measurement {
     pub wrench: [f64; 6],
     /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
     pub targets: Vec<StreamedTarget>,
-}
-
-/// The answer to one measurement.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Command {
-    /// Joint velocities and their explanation.
-    pub resolution: Resolution,
-    /// Targets of each task, highest priority first.
-    pub targets: Vec<TaskTarget>,
-    /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
-    pub limit_conflicts: Vec<usize>,
-    /// Tasks that make no progress.
-    pub stuck: Vec<StuckTask>,
-    /// How long the joint velocities may be held before a watchdog must brake.
-    pub hold: Hold,
-    /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
-    pub joint_limit_index: f64,
-}
-
-impl Command {
-    /// Returns whether both have the same tasks with the same numbers of rows.
-    pub(super) fn has_size_of(&self, other: &Self) -> bool {
-        let rows = |target: &TaskTarget| target.velocity.len();
-        self.targets.iter().map(rows).eq(other.targets.iter().map(rows))
-    }
-
-    /// Sets the targets of tasks with bounds, which the answer decides.
-    fn report_bounds(&mut self, tasks: &[TaskConfig]) {
-        for ((target, outcome), task) in self.targets.iter_mut().zip(&self.resolution.tasks).zip(tasks) {
-            if let Some(bounds) = task.law.bounds() {
-                target.velocity.copy_from_slice(&bounds.nearest(outcome.achieved.as_slice()));
-            }
-        }
-    }
 }
 
 /// Why a measurement is refused.
@@ -212,13 +169,14 @@ impl Controller {
             let velocity = command.resolution.joint_velocity.as_slice();
             command.hold.update(&config.robot, kind, motion, qdot, velocity, config.period_s);
         }
+        let in_time = late.is_none();
         let memory = match late.or(initial) {
             Some(new) => Some(memory.insert(new)),
             None => memory.as_mut(),
         };
         if let Some(memory) = memory {
+            memory.update_stalls(config, position, in_time, &mut command.stalled);
             self.update_memory(memory, command, approach.as_ref());
-            memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(position));
             self.remember_state(memory, measurement, &command.hold);
             let observed = Observation {
                 config,
@@ -297,35 +255,6 @@ impl Controller {
         }
     }
 
-    /// Returns the memory for the first step: integrators and last command equal the measured motion.
-    pub(super) fn initial_memory(&self, arm: &ArmState) -> Memory {
-        let velocity = Vector::from_row_slice(arm.joint_velocity);
-        Memory {
-            task_velocities: self.config.tasks.iter().map(|task| task.rows.velocity(arm).to_vector()).collect(),
-            initial_pose: arm.initial_pose,
-            drive: DriveState::moving(self.config.drive, &velocity),
-            answered: None,
-            jerk: self.config.keeps_jerk().then(|| JerkState::moving(&velocity)),
-            last_command: velocity,
-            active_set: Vec::new(),
-            target_streams: Vec::new(),
-            initial_position: None,
-            progress: Vec::new(),
-            in_transition: false,
-        }
-    }
-
-    /// Keeps the state that the command answers.
-    fn remember_state(&self, memory: &mut Memory, measurement: &Measurement, hold: &Hold) {
-        let Measurement { time_s, joint_position, .. } = measurement;
-        let empty =
-            || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
-        let answered = memory.answered.get_or_insert_with(empty);
-        answered.time_s = *time_s;
-        answered.joint_position.copy_from_slice(joint_position);
-        answered.valid_for_ms = hold.valid_for_ms(self.config.valid_for_ms);
-    }
-
     /// Computes the target of each task by its law, bounded by what the joints can give. `tasks`: with the Jacobians of
     /// this period.
     fn evaluate_laws(
@@ -360,118 +289,4 @@ impl Controller {
             target.streamed = streams.report(arm.time_s);
         }
     }
-
-    /// Sets the null-space velocity, if the problem has one. It is zero while a streamed target is missing: an operator who
-    /// lost the link expects an arm that rests.
-    fn update_null_space(
-        &self,
-        problem: &mut Problem,
-        targets: &mut [TaskTarget],
-        capability: &mut Capability,
-        streams: &[ActiveStream],
-        previous: &Memory,
-        arm: &ArmState,
-    ) {
-        let Some(velocity) = &mut problem.null_space_velocity else { return };
-        if target_streams::have_dropped_out(streams) {
-            velocity.fill(0.0);
-        } else {
-            self.move_null_space(velocity, targets, capability, &problem.tasks, previous, arm);
-        }
-    }
-
-    /// Sets the null-space velocity, and the targets of tasks that leave a posture.
-    fn move_null_space(
-        &self,
-        velocity: &mut Vector,
-        targets: &mut [TaskTarget],
-        capability: &mut Capability,
-        tasks: &TaskStack,
-        previous: &Memory,
-        arm: &ArmState,
-    ) {
-        let (config, position) = (&self.config, arm.rest.joint_position());
-        let leaves = |progress: &Progress| progress.is_leaving(arm.time_s);
-        if !previous.progress.iter().any(leaves) {
-            let Some(motion) = &config.null_space else { return velocity.fill(0.0) };
-            let initial =
-                previous.initial_position.as_ref().map_or(arm.configuration.joint_position(), Vector::as_slice);
-            motion.write(&config.robot, position, initial, velocity);
-            let Some(gain) = motion.braking_gain() else { return };
-            let row_space = capability.row_space(tasks);
-            if let NullSpaceMotion::InitialPosture { .. } = motion {
-                row_space.remove_from(velocity);
-                limit_holding(velocity);
-                // Near a singularity the null space turns quickly with the posture, and the motion would follow it.
-                *velocity *= config.damping.unwrap_or(Damping::ARM).keeps(row_space.smallest());
-            }
-            *velocity *= capability.null_space_factor(velocity, gain);
-            return;
-        }
-        write_leaving(&config.robot, position, velocity);
-        for (k, (target, progress)) in targets.iter_mut().zip(&previous.progress).enumerate() {
-            if leaves(progress) {
-                let motion = in_null_space(&tasks.tasks()[..k], velocity.clone());
-                target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, &motion, 0.0);
-                target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
-            }
-        }
-    }
-
-    /// Updates the memory after a command, with anti-windup.
-    ///
-    /// The integrator of every axis that does not follow its request continues from the achieved velocity, whatever holds
-    /// the axis back: a limit, an inequality, another task or damping. So the request of the next period differs from the
-    /// achieved velocity by T M_d⁻¹ f alone, where f is the force of the law; it cannot jump when the axis is released.
-    /// For a law without integrator the memory holds the achieved velocity.
-    ///
-    /// Departs: the paper's laws do not know what was achieved. With [`AntiWindup::ExceptDamping`] damping alone does not
-    /// reset the integrator, and the classical control keeps its published behaviour: on `force_tracking_singular`, its
-    /// F_x RMSE is 1.4 N, and 2.4 N with a reset, which acts like a second damping.
-    fn update_memory(
-        &self,
-        memory: &mut Memory,
-        Command { resolution, targets, .. }: &Command,
-        approach: Option<&Approach>,
-    ) {
-        let resets = self.config.anti_windup == AntiWindup::Always || is_held_back(resolution);
-        for (k, velocity) in memory.task_velocities.iter_mut().enumerate() {
-            let (requested, achieved) = (&targets[k].velocity, &resolution.tasks[k].achieved);
-            for (row, velocity) in velocity.iter_mut().enumerate() {
-                let followed =
-                    (achieved[row] - requested[row]).abs() <= FOLLOWING_TOLERANCE * requested[row].abs().max(1.0);
-                let continues = self.config.tasks[k].law.integrates() && (followed || !resets);
-                *velocity = if continues { requested[row] } else { achieved[row] };
-            }
-        }
-        memory.in_transition =
-            memory.in_transition && self.config.is_in_transition(memory.last_command.as_slice(), resolution);
-        match approach {
-            Some(approach) => approach.update_memory(memory, &self.config, &resolution.joint_velocity),
-            None => memory.jerk = None,
-        }
-        memory.last_command.copy_from(&resolution.joint_velocity);
-        memory.drive.advance(self.config.drive, &resolution.joint_velocity, self.config.period_s);
-        memory.active_set.clone_from(&resolution.active_set);
-    }
-}
-
-/// Keeps the streams of this period.
-fn update_streams(memory: &mut Vec<TargetStream>, streams: &[ActiveStream]) {
-    memory.truncate(streams.len());
-    for (index, active) in streams.iter().enumerate() {
-        match memory.get_mut(index) {
-            Some(stream) => stream.clone_from(&active.stream),
-            None => memory.push(active.stream.clone()),
-        }
-    }
-}
-
-/// Returns whether anything but damping may hold tasks back.
-fn is_held_back(resolution: &Resolution) -> bool {
-    !resolution.active_limits.is_empty()
-        || !resolution.active_inequalities.is_empty()
-        || resolution.tasks.iter().any(|task| !task.active_rows.is_empty())
-        || resolution.singularity.algorithmic
-        || resolution.solver.status != Status::Optimal
 }

@@ -18,7 +18,7 @@ use crate::task::{Task, TaskStack};
 /// A controller with the workspace that its steps overwrite.
 ///
 /// After the first few periods a step allocates nothing. Exceptions: states that come late, levels that Clarabel solves, tasks
-/// that are scaled to the limits, contradictions, names of active inequalities, stuck tasks, and vectors of more than 12 entries (joints,
+/// that are scaled to the limits, contradictions, names of active inequalities, stuck tasks, stalled joints, and vectors of more than 12 entries (joints,
 /// rows of all tasks together, limits).
 pub struct Stepper {
     controller: Arc<Controller>,

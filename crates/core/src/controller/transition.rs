@@ -86,6 +86,7 @@ impl Controller {
             initial_position: memory.initial_position.clone(),
             target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
+            stalls: memory.stalls.clone(),
             in_transition: !new.limits.include_accelerations(),
             ..initial
         })

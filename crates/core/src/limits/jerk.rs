@@ -209,7 +209,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::braking::NOISE_TOLERANCE;
-    use super::super::velocity_box::{Interval, JointMotion, LimitKind};
+    use super::super::limited_box::{Interval, JointMotion};
+    use super::super::velocity_box::LimitKind;
     use super::*;
 
     fn interval(limits: &JointLimits, q: f64, last: f64, acceleration: f64, period: f64) -> Interval {

@@ -55,6 +55,7 @@ mod drive;
 mod hold;
 mod inequality;
 mod jerk;
+mod limited_box;
 mod velocity_box;
 
 pub use barrier::{APPROACH_RATE, Ahead, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
@@ -63,4 +64,5 @@ pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;
 pub use inequality::{Inequality, InequalityError};
 pub use jerk::JerkLimit;
-pub use velocity_box::{JointMotion, LimitKind, LimitedBox, VelocityBox, VelocityBoxError, robot_box};
+pub use limited_box::{JointMotion, LimitedBox, robot_box};
+pub use velocity_box::{LimitKind, VelocityBox, VelocityBoxError};

@@ -97,6 +97,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         active_set: Vec::new(),
         initial_position: None,
         progress: Vec::new(),
+        stalls: Vec::new(),
         in_transition: false,
         target_streams: Vec::new(),
     }

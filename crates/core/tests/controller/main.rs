@@ -19,6 +19,7 @@ mod memory;
 mod outstretched;
 mod planes;
 mod positions;
+mod stalls;
 mod streaming;
 mod stuck;
 mod targets;

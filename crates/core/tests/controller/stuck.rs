@@ -140,7 +140,7 @@ fn circles_do_not_drift_by_default() {
     for drive in [Drive::IDEAL, Drive::CONSERVATIVE] {
         let held = drift(drive, |config| config.null_space.clone());
         println!("100 circles drift by {held:.4} rad with {drive:?}");
-        assert!(held < 0.02, "{held} rad with {drive:?}");
+        assert!(held < 0.01, "{held} rad with {drive:?}");
     }
     let free = drift(Drive::IDEAL, |_| None);
     println!("without a null-space motion by {free:.4} rad");

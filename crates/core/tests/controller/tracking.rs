@@ -10,9 +10,9 @@ use revprio_core::controller::{
 use revprio_core::law::Profile;
 use revprio_core::limits::Drive;
 use revprio_robot::kinematics::{Axis, Configuration};
-use revprio_robot::{RobotModel, built_in};
+use revprio_robot::{JointLimits, RobotModel, built_in};
 
-use super::arms::{controller, position, task, tool_rows};
+use super::arms::{config, controller, gantry, joint_rows, position, task, tool_rows};
 use super::drives::LaggingArm;
 
 const PERIOD: f64 = 0.01;
@@ -26,6 +26,12 @@ const DRIVES: [(&str, Drive, Drive); 3] = [
     ("stated exactly", Drive { lag_s: 0.02, delay_periods: 1 }, Drive { lag_s: 0.02, delay_periods: 1 }),
     ("stated by default", Drive { lag_s: 0.02, delay_periods: 1 }, Drive::CONSERVATIVE),
     ("no lag, stated by default", Drive::IDEAL, Drive::CONSERVATIVE),
+];
+
+/// The same arms with laws that do not predict, because they know of no drive.
+const WITHOUT_PREDICTION: [(&str, Drive, Drive); 2] = [
+    ("lag, no prediction", Drive { lag_s: 0.02, delay_periods: 1 }, Drive::IDEAL),
+    ("no lag, no prediction", Drive::IDEAL, Drive::IDEAL),
 ];
 
 /// How the task gets the circle.
@@ -113,13 +119,71 @@ fn the_prediction_leaves_the_tool_as_close_to_a_moving_target() {
     }
 }
 
+/// Returns the largest change of a command in the last 100 of 3000 periods, relative to the first command. A joint without
+/// limits moves from 0 to 1 with the gain K = `share`/T; a brake holds it where there is no `drive`.
+fn unrest(share: f64, period: f64, stated: Drive, drive: Option<Drive>) -> f64 {
+    let robot = gantry(JointLimits::NONE);
+    let tasks = vec![TaskConfig { rows: joint_rows(&[1.0; 3]), ..task(&[Axis::X], position(3, share / period)) }];
+    let config = ControllerConfig { period_s: period, drive: stated, ..config(&robot, tasks) };
+    let mut stepper = Stepper::new(controller(config)).unwrap();
+    let mut arm = LaggingArm::at_rest(&[0.0; 3], drive.unwrap_or(Drive::IDEAL), 0.0, 1);
+    let (mut memory, mut commands) = (None, Vec::new());
+    for i in 0..3000 {
+        let command = stepper.step(&mut memory, &arm.measure(f64::from(i) * period)).unwrap();
+        commands.push(command.resolution.joint_velocity[0]);
+        if drive.is_some() {
+            arm.follow(command.resolution.joint_velocity.as_slice(), period);
+        }
+    }
+    let changes = commands[2900..].windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    changes.fold(0.0, f64::max) / commands[0]
+}
+
+/// Let c = K T, and let M and M̂ be the transfer functions of the drive of the arm and of the stated one. The poles solve
+/// z − 1 + c (1 + M − M̂) = 0, and |M̂| ≤ 1 on the unit circle.
+///
+/// - M = 1, an arm that follows at once: |z − 1 + 2c| ≥ 2 − 2c > c for c < 2/3, so no pole crosses the circle as c grows. A
+///   long dead time in M̂ comes close to this bound.
+/// - M = 0, an arm that a brake holds: |z − 1 + c| ≥ c for c < 1, with equality at z = 1 alone, where M̂ = 1. With M̂ = z⁻ᴰ
+///   the product of all poles is c, so a larger c is unstable.
+#[test]
+fn gains_below_two_thirds_of_the_rate_become_calm_on_faster_and_on_braked_arms_and_larger_gains_need_not() {
+    let stated = [(0.03, 2), (0.0, 2), (0.03, 0), (0.005, 1), (0.0, 10)];
+    for (lag_s, delay_periods) in stated {
+        let stated = Drive { lag_s, delay_periods };
+        for period in [1e-3, 1e-2, 5e-2] {
+            for drive in [None, Some(Drive::IDEAL), Some(stated)] {
+                for share in [0.1, 0.3, 0.5, 0.65] {
+                    let unrest = unrest(share, period, stated, drive);
+                    assert!(unrest < 1e-6, "K T = {share}, T = {period} s, {stated:?}, arm {drive:?}: {unrest}");
+                }
+            }
+        }
+    }
+    let late = |delay_periods| Drive { lag_s: 0.0, delay_periods };
+    let unstable = [
+        ("an arm that follows at once", 0.7, 10, Some(Drive::IDEAL)),
+        ("an arm that follows at once", 0.8, 2, Some(Drive::IDEAL)),
+        ("an arm that a brake holds", 1.05, 2, None),
+    ];
+    for (name, share, delay, drive) in unstable {
+        let unrest = unrest(share, 1e-2, late(delay), drive);
+        println!("{name}, K T = {share}, stated with {delay} periods: {unrest:.1e} of the first command");
+        assert!(unrest > 1.0, "{name}, K T = {share}, stated with {delay} periods: {unrest}");
+    }
+    for share in [0.9, 1.2, 1.5, 1.9] {
+        let unrest = unrest(share, 1e-2, late(2), Some(late(2)));
+        assert!(unrest < 1e-6, "K T = {share} with the drive as stated: {unrest}");
+    }
+}
+
 /// Prints the table of docs/guides/choose-gains.md.
 #[test]
 #[ignore = "asserts nothing; prints the table of docs/guides/choose-gains.md"]
 fn tracking_table() {
     for lap in [8.0, 3.0] {
         for source in [Source::Profile, Source::Stream] {
-            for (name, drive, stated) in DRIVES {
+            for (name, drive, stated) in DRIVES.into_iter().chain(WITHOUT_PREDICTION) {
                 let errors = [2.0, 5.0, 10.0, 20.0].map(|gain| 1e3 * tracking_error(source, gain, lap, drive, stated));
                 println!("{source:?}, lap of {lap} s, {name}: {errors:.3?} mm");
             }

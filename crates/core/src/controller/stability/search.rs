@@ -1,0 +1,105 @@
+//! Searches for the boundaries of stability. The number of tests of each is bounded.
+
+use super::{MAX_DELAY_PERIODS, StabilityError, StableDamping};
+
+/// Relative accuracy of the margins.
+const ACCURACY: f64 = 1e-9;
+
+/// Bisections of a margin. About 30 reach the accuracy; a boundary at zero ends here.
+pub(super) const MAX_BISECTIONS: usize = 100;
+
+/// Steps by 1.25 from 10⁻³ to 10⁹ periods: 124.
+pub(super) const MAX_LAG_STEPS: usize = 200;
+
+/// Steps by 1.1 from 10⁻⁹ of the largest examined damping to the largest: 218.
+pub(super) const MAX_DAMPING_STEPS: usize = 300;
+
+/// Returns the maximum lag, s, from a test of one lag. The number of tests is bounded whatever the test returns.
+pub(super) fn largest_lag(
+    period_s: f64,
+    with_lag: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<Option<f64>, StabilityError> {
+    if !with_lag(0.0)? {
+        return Ok(None);
+    }
+    let mut stable = 0.0;
+    let mut lag = period_s * 1e-3;
+    // No inner loop has a lag of 10^9 periods. If such a lag is stable, every lag counts as stable.
+    for _ in 0..MAX_LAG_STEPS {
+        if !with_lag(lag)? {
+            return bisect(stable, lag, with_lag).map(Some);
+        }
+        if lag > 1e9 * period_s {
+            break;
+        }
+        stable = lag;
+        lag *= 1.25;
+    }
+    Ok(Some(f64::INFINITY))
+}
+
+/// Returns the maximum delay, periods, from a test of one delay.
+pub(super) fn largest_delay(
+    with_delay: impl Fn(usize) -> Result<bool, StabilityError>,
+) -> Result<Option<usize>, StabilityError> {
+    if !with_delay(0)? {
+        return Ok(None);
+    }
+    let (mut stable, mut unstable) = (0, 1);
+    while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
+        (stable, unstable) = (unstable, 2 * unstable);
+    }
+    while stable < MAX_DELAY_PERIODS && unstable - stable > 1 {
+        let middle = usize::midpoint(stable, unstable);
+        if with_delay(middle)? {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    Ok(Some(stable))
+}
+
+/// Returns the stable dampings from a test of one damping. The number of tests is bounded whatever the test returns.
+pub(super) fn stable_dampings(
+    maximum: f64,
+    with_damping: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<Option<StableDamping>, StabilityError> {
+    let mut smallest = with_damping(0.0)?.then_some(0.0);
+    let (mut last, mut damping) = (0.0, 1e-9 * maximum);
+    for _ in 0..MAX_DAMPING_STEPS {
+        if damping >= maximum {
+            break;
+        }
+        match (smallest, with_damping(damping)?) {
+            (None, true) => smallest = Some(bisect(damping, last, &with_damping)?),
+            (Some(smallest), false) => {
+                let largest = Some(bisect(last, damping, &with_damping)?);
+                return Ok(Some(StableDamping { smallest, largest }));
+            }
+            (None, false) | (Some(_), true) => {}
+        }
+        (last, damping) = (damping, 1.1 * damping);
+    }
+    Ok(smallest.map(|smallest| StableDamping { smallest, largest: None }))
+}
+
+/// Returns the stable side of the boundary between a stable and an unstable value.
+pub(super) fn bisect(
+    mut stable: f64,
+    mut unstable: f64,
+    is_stable: impl Fn(f64) -> Result<bool, StabilityError>,
+) -> Result<f64, StabilityError> {
+    for _ in 0..MAX_BISECTIONS {
+        if (stable - unstable).abs() <= ACCURACY * stable.abs().max(unstable.abs()) {
+            break;
+        }
+        let middle = f64::midpoint(stable, unstable);
+        if is_stable(middle)? {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    Ok(stable)
+}
