@@ -78,7 +78,9 @@ impl PlanRun {
         let tasks = problem.tasks.tasks();
         refill(&mut self.before, zeta.iter().copied());
         self.targets.clear();
-        tasks.iter().for_each(|task| self.targets.extend_from_slice(task.lower.as_slice()));
+        for task in tasks {
+            self.targets.extend_from_slice(task.lower.as_slice());
+        }
         refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
         refill(&mut self.scales, tasks.iter().map(|_| None));
         self.contradictions.clear();

@@ -273,8 +273,9 @@ impl<const N: usize> Factorization<N> {
         let Self { spans, rows, free, pivots, y, .. } = self;
         let (span, first) = (&mut spans[k], pivots.len());
         let mut taken = Pivots { smallest: f64::INFINITY, refused: 0.0 };
-        let mut place = span.start;
-        for c in first..free.len().min(first + most.min(span.end - span.start)) {
+        let (mut place, mut c) = (span.start, first);
+        let end = free.len().min(first + most.min(span.end - span.start));
+        while c < end {
             let (head, open) = (free[c], &mut rows[place..]);
             let square = bring_longest(&mut open[..span.end - place]);
             if !(square > least) {
@@ -284,7 +285,7 @@ impl<const N: usize> Factorization<N> {
             let Some((pivot, later)) = open.split_first_mut() else { break };
             y.0[c] = remove_coordinate(pivot, later, square, (c, head));
             taken.smallest = if square < taken.smallest { square } else { taken.smallest };
-            place += 1;
+            (place, c) = (place + 1, c + 1);
         }
         pivots.extend(span.start..place);
         (span.first, span.pivots_end) = (first, place);

@@ -65,7 +65,9 @@ impl<const N: usize> ProblemRows<N> {
         let is_inequality = |(index, row): (usize, &ProblemRow<N>)| (row.lower < row.upper).then_some(index);
         refill(&mut self.inequalities, self.rows.iter().enumerate().filter_map(is_inequality));
         self.levels.clear();
-        problem.level_ends.iter().for_each(|&end| self.end_level(end));
+        for &end in &problem.level_ends {
+            self.end_level(end);
+        }
         false
     }
 
