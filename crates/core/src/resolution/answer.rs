@@ -215,7 +215,7 @@ impl Resolution {
         residual: f64,
     ) {
         self.set_velocity(solver.x());
-        self.singularity.copy_from(&singularities.all);
+        self.singularity.set(singularities, &problem.tasks);
         let achieved = if singularities.has_only_equations { solver.row_values() } else { &[] };
         self.report_tasks(problem, singularities, achieved);
         self.violated_limits.clear();
@@ -252,11 +252,11 @@ impl Resolution {
         let is_finite = all_finite(x);
         if is_finite {
             self.set_velocity(x);
-            self.singularity.copy_from(&singularities.all);
+            self.singularity.set(singularities, &problem.tasks);
             self.solver.status = Status::NotCertified;
         } else {
             self.joint_velocity = problem.limits.clamp(&Vector::zeros(x.len()));
-            self.singularity.copy_from(&Singularity::default());
+            self.singularity = Singularity::default();
             self.solver.status = Status::Failed;
         }
         self.report_tasks(problem, singularities, &[]);
@@ -302,9 +302,9 @@ impl Resolution {
 
     /// Lists joints whose bounds coincide.
     fn report_pinned(&mut self, problem: &Problem) {
-        let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
-        for joint in (0..lower.len()).filter(|&joint| lower[joint] == upper[joint]) {
-            self.active_limits.push(ActiveLimit { joint, side: Side::Upper, value: upper[joint], multiplier: 0.0 });
+        let bounds = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice());
+        for (joint, (_, &value)) in bounds.enumerate().filter(|(_, (lower, upper))| lower == upper) {
+            self.active_limits.push(ActiveLimit { joint, side: Side::Upper, value, multiplier: 0.0 });
         }
     }
 

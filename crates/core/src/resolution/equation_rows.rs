@@ -19,12 +19,6 @@ impl EquationRows {
         self.entries.clear();
     }
 
-    /// Copies other rows without giving up memory.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.heights.clone_from(&other.heights);
-        self.entries.clone_from(&other.entries);
-    }
-
     /// Copies the rows of these tasks.
     pub fn set(&mut self, tasks: &[Task]) {
         self.clear();

@@ -39,10 +39,14 @@ impl Task {
 
     /// Returns the index of the first row that no finite velocity satisfies, or whose bound is NaN.
     fn empty_row(&self) -> Option<usize> {
+        let (lower, upper) = (self.lower.as_slice(), self.upper.as_slice());
+        if lower == upper && all_finite(lower) {
+            return None;
+        }
         // False for NaN.
         let allows =
             |(lower, upper): (&f64, &f64)| lower <= upper && *lower < f64::INFINITY && *upper > f64::NEG_INFINITY;
-        self.lower.as_slice().iter().zip(self.upper.as_slice()).position(|row| !allows(row))
+        lower.iter().zip(upper).position(|row| !allows(row))
     }
 
     /// Checks the numbers of the task with this index.

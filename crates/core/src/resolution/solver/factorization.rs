@@ -182,7 +182,7 @@ impl<const N: usize> Factorization<N> {
         for level in &problem.levels {
             let start = end;
             let mut target_square = 0.0;
-            for (index, of_problem) in problem.rows.iter().enumerate().take(level.end).skip(level.start) {
+            for (index, of_problem) in (level.start..).zip(&problem.rows[level.start..level.end]) {
                 if has_inequalities && !problem.is_active(set, index) {
                     continue;
                 }

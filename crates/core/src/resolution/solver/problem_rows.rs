@@ -84,19 +84,14 @@ impl<const N: usize> ProblemRows<N> {
 
     /// Adds a level A x = b.
     pub fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
-        let start = self.rows.len();
-        for &target in targets {
-            self.rows.push(ProblemRow { coefficients: Row::ZERO, square: 0.0, lower: target, upper: target });
-        }
-        let rows = &mut self.rows[start..];
-        // Columns are contiguous.
-        for (j, column) in matrix.as_slice().chunks_exact(targets.len()).enumerate() {
-            for (row, entry) in rows.iter_mut().zip(column) {
-                row.coefficients.0[j] = *entry;
+        for (row, &target) in targets.iter().enumerate() {
+            let mut coefficients = Row::ZERO;
+            // Columns are contiguous.
+            for (entry, column) in coefficients.0.iter_mut().zip(matrix.as_slice().chunks_exact(targets.len())) {
+                *entry = column[row];
             }
-        }
-        for row in rows {
-            row.square = row.coefficients.dot(&row.coefficients);
+            let square = coefficients.dot(&coefficients);
+            self.rows.push(ProblemRow { coefficients, square, lower: target, upper: target });
         }
         self.end_level(self.rows.len());
     }
