@@ -17,7 +17,7 @@ pub use small_svd::SmallSvd;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::Svd;
 pub use task_vector::TaskVector;
-pub use triangle::{Triangle, smallest_eigenvalue, smallest_from_inverse, write_inverse};
+pub use triangle::{smallest_and_product, smallest_eigenvalue, smallest_from_inverse, write_inverse};
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;

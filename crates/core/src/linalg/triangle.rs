@@ -2,41 +2,50 @@
 
 use super::{Matrix, Row};
 
-/// A regular lower triangle L.
-#[derive(Debug)]
-pub struct Triangle(Matrix);
-
-impl Triangle {
-    /// Returns the triangle L of a matrix A = L Qᵀ with independent rows.
-    pub fn of_rows(matrix: &Matrix) -> Self {
-        Self(matrix.transpose().qr().unpack_r())
+/// Returns σ_min and the product of the singular values of a matrix with independent rows, at most as many as columns and at
+/// most 136; both are 0 without rows.
+///
+/// They are those of the triangle L in A = L Qᵀ: σ_min = 1/‖L⁻¹‖₂ from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits
+/// of small values only, so it is exact to rounding. The product is |det L|.
+pub fn smallest_and_product(matrix: &Matrix) -> (f64, f64) {
+    match matrix.ncols() {
+        _ if matrix.nrows() == 0 => (0.0, 0.0),
+        0..=8 => smallest_and_product_of_width::<8>(matrix),
+        9..=40 => smallest_and_product_of_width::<40>(matrix),
+        _ => smallest_and_product_of_width::<136>(matrix),
     }
+}
 
-    /// Returns |det L|, the product of the singular values.
-    pub fn product(&self) -> f64 {
-        self.0.diagonal().iter().map(|entry| entry.abs()).product()
+fn smallest_and_product_of_width<const N: usize>(matrix: &Matrix) -> (f64, f64) {
+    let mut rows = vec![Row::<N>::ZERO; matrix.nrows()];
+    for (j, column) in matrix.as_slice().chunks_exact(matrix.nrows()).enumerate() {
+        rows.iter_mut().zip(column).for_each(|(row, entry)| row.0[j] = *entry);
     }
+    let mut product = 1.0;
+    for c in 0..rows.len() {
+        product *= reflect_rows(&mut rows[c..], c);
+    }
+    let mut inverse = Vec::with_capacity(rows.len());
+    let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
+    let size = write_inverse(with_reciprocals, &mut inverse);
+    (smallest_from_inverse(&inverse, size, &mut rows), product)
+}
 
-    /// Returns σ_min = 1/‖L⁻¹‖₂, from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits of small values only, so it is
-    /// exact to rounding. A triangle without rows has none, 0.
-    pub fn smallest_singular_value(&self) -> f64 {
-        match self.0.nrows() {
-            0 => 0.0,
-            1..=8 => self.smallest_of_width::<8>(),
-            9..=40 => self.smallest_of_width::<40>(),
-            _ => self.smallest_of_width::<136>(),
-        }
+/// Reflects the columns from c on so that the first row ends at the diagonal; returns the length of what it had from there on.
+fn reflect_rows<const N: usize>(rows: &mut [Row<N>], c: usize) -> f64 {
+    let [row, later @ ..] = rows else { return 1.0 };
+    let mut v = *row;
+    v.0[..c].fill(0.0);
+    let (length, head) = (v.norm(), v.0[c]);
+    let alpha = -length.copysign(head);
+    v.0[c] -= alpha;
+    let gain = 1.0 / (length * (length + head.abs()));
+    for row in later {
+        row.add_scaled(-gain * v.dot(row), &v);
     }
-
-    fn smallest_of_width<const N: usize>(&self) -> f64 {
-        let n = self.0.nrows();
-        // A row of L is a column of Lᵀ.
-        let rows: Vec<Row<N>> = self.0.as_slice().chunks_exact(n).map(Row::from_slice).collect();
-        let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
-        let mut inverse = Vec::with_capacity(n);
-        let size = write_inverse(with_reciprocals, &mut inverse);
-        smallest_from_inverse(&inverse, size, &mut Vec::new())
-    }
+    row.0[c..].fill(0.0);
+    row.0[c] = alpha;
+    length
 }
 
 /// Returns σ_min of a triangle from its inverse and the norm of that, the results of [`write_inverse`]; `gram` is room.

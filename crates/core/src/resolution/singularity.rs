@@ -3,7 +3,7 @@
 use super::equation_rows::EquationRows;
 use super::level::refill;
 use super::solver::{HierarchicalSolver, SizedSolver};
-use crate::linalg::{Damping, RANK_TOLERANCE, SingularValues, Triangle};
+use crate::linalg::{Damping, RANK_TOLERANCE, SingularValues, smallest_and_product};
 use crate::task::{Task, TaskStack};
 
 /// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
@@ -48,8 +48,8 @@ impl Singularity {
     /// Computes [`Self::smallest_singular_value`] and [`Self::manipulability`].
     pub fn values(&self) -> (f64, f64) {
         self.known.unwrap_or_else(|| {
-            let triangle = Triangle::of_rows(&self.rows.matrix());
-            (triangle.smallest_singular_value(), triangle.product().min(f64::MAX))
+            let (smallest, product) = smallest_and_product(&self.rows.matrix());
+            (smallest, product.min(f64::MAX))
         })
     }
 
