@@ -55,7 +55,8 @@ impl Singularity {
 
     /// Sets what was found of these tasks.
     pub(super) fn set(&mut self, found: &Singularities, tasks: &TaskStack) {
-        (self.algorithmic, self.known) = (found.algorithmic, found.known);
+        self.algorithmic = found.tasks.iter().any(|task| task.algorithmic);
+        self.known = found.known;
         if self.known.is_none() {
             self.rows.set(tasks.tasks());
         }
@@ -95,8 +96,6 @@ impl TaskSingularity {
 pub struct Singularities {
     /// Per task, highest priority first.
     pub tasks: Vec<TaskSingularity>,
-    /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
-    algorithmic: bool,
     /// σ_min of all rows together and the product of their singular values, where a decision needed them.
     known: Option<(f64, f64)>,
     /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
@@ -125,7 +124,7 @@ impl Singularities {
         }
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         (self.is_regular, self.has_only_equations, self.rank_uncertain) = (true, true, false);
-        (self.algorithmic, self.known) = (false, None);
+        self.known = None;
         true
     }
 
@@ -165,7 +164,7 @@ impl Singularities {
             self.reference_bound = smallest;
         }
         if smallest >= independent {
-            (self.algorithmic, self.known) = (false, None);
+            self.known = None;
             refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         } else {
             refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
@@ -192,7 +191,6 @@ impl Singularities {
         let mut level = tasks.iter().filter(|task| task.is_equation()).count();
         let lowest = tasks.iter().rposition(Task::is_equation);
         let (mut norm_square, mut rank_below) = (0.0, 0);
-        self.algorithmic = false;
         self.decompose(n, &[]);
         for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
             level -= 1;
@@ -209,7 +207,6 @@ impl Singularities {
             let strict = damping.map_or(0.0, |damping| damping.factor(solver.smallest_of_level(level)));
             self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular), strict };
             rank_below = rank_all;
-            self.algorithmic |= algorithmic;
         }
         let product = if lowest.is_none() { 0.0 } else { self.singular.product().min(f64::MAX) };
         self.known = Some((self.singular.smallest(), product));
