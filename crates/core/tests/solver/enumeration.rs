@@ -220,6 +220,15 @@ fn hierarchies_of_small_integers_have_the_enumerated_optimum() {
     examine(SMALL, Entries::SmallIntegers, 0..10_000).assert_exact();
 }
 
+/// Targets of one level contradict each other so that the optimum is a corner at zero: only rounding is left of it, whose size is
+/// that of the targets.
+#[test]
+fn contradictory_targets_that_cancel_at_a_bound_are_certified() {
+    for seed in [1_000_278, 1_003_177, 1_011_593, 1_019_016, 1_019_072, 1_075_713, 1_090_027, 1_124_158, 1_140_436] {
+        examine(SMALL, Entries::SmallIntegers, seed..seed + 1).assert_exact();
+    }
+}
+
 #[test]
 #[ignore = "10⁶ problems take minutes"]
 fn one_million_hierarchies_have_the_enumerated_optimum() {

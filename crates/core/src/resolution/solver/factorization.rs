@@ -332,7 +332,9 @@ impl<const N: usize> Factorization<N> {
             return;
         }
         let change = self.dependent.solve(pivots, dependents, first);
-        self.peak_speed = self.peak_speed.max(self.base_norm + self.y.norm() + change.norm());
+        // Targets that contradict each other cancel in the change, and leave their rounding.
+        let asked = target / problem.levels[k].norm;
+        self.peak_speed = self.peak_speed.max(self.base_norm + self.y.norm() + change.norm()).max(asked);
         self.y = self.y.plus(&change);
         for row in lower_rows {
             row.residual -= row.coordinates.dot(&change);

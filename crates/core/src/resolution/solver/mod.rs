@@ -38,7 +38,7 @@ const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 /// Trials near a guess, where everything that is wrong changes at once, before the search starts from the empty set.
 const GUESSED_TRIALS: u32 = 3;
 
-/// Searches that go on from a proposal that lacks bounds.
+/// Times that a proposal with wrong bounds is corrected, by releasing joints or by a search that goes on from it.
 const MAX_COMPLETIONS: u32 = 8;
 
 /// Bounds that are wrong in a proposal that the primal method corrects; with more, the search tries other weights.
