@@ -245,6 +245,11 @@ impl Solution {
 }
 
 impl Solution {
+    /// Returns whether a bound holds x back.
+    pub fn is_held_back(&self) -> bool {
+        self.multipliers.iter().chain(&self.row_multipliers).any(|multiplier| *multiplier != 0.0)
+    }
+
     /// Adds the uncertainties of a solution that this one is computed from.
     pub fn doubt(&mut self, other: &Self) {
         self.is_optimal &= other.is_optimal;

@@ -47,7 +47,8 @@ impl Resolver {
         engine.choose(problem.solver);
         if has_guess && singularities.remain_regular(&problem.tasks, problem.damping) {
             run.solve(problem, guess, zeta, singularities, engine);
-            if !run.solution.working_set.is_empty() {
+            // Where no limit holds the answer back, it is the one without limits.
+            if run.solution.is_held_back() {
                 answer.report(problem, singularities, run, engine);
                 return Ok(());
             }

@@ -128,8 +128,8 @@ impl Singularities {
         true
     }
 
-    /// Solves the equations without limits as a strict hierarchy with `solver`, and examines their singular values. `keep`: for [`Self::remain_regular`] in later
-    /// periods, at the price of a close bound.
+    /// Solves the equations without limits as a strict hierarchy with `solver`, and examines their singular values.
+    /// `keep`: keeps a close bound of them for [`Self::remain_regular`] in later periods.
     pub fn examine(
         &mut self,
         tasks: &TaskStack,

@@ -65,3 +65,26 @@ fn memory_does_not_change_an_answer() {
     }
     assert!(limited > 20_000 && regular > 10_000 && singular > 2_000, "{limited} {regular} {singular}");
 }
+
+/// Limits that the answer meets exactly, without being held back by them.
+#[test]
+fn memory_does_not_change_an_answer_that_ends_at_a_limit() {
+    let at = |velocity: f64| {
+        let jacobian = Matrix::from_row_slice(2, 3, &[1.0, 0.0, 0.3, 0.0, 1.0, -0.2]);
+        let task = Task::new("", jacobian, Vector::from_vec(vec![velocity, 0.4]));
+        let limits = VelocityBox::new(&[-0.5; 3], &[0.5; 3]).unwrap();
+        Problem { limits, method: Method::StrictReversePriority, ..Problem::new(TaskStack::new(vec![task]).unwrap()) }
+    };
+    let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+    resolver.resolve(&at(0.6), &[], &mut answer).unwrap();
+    let guess = answer.active_set.clone();
+    assert_eq!(answer.active_limits.len(), 1);
+    // The first period with a guess keeps the rows, the next ones use them.
+    resolver.resolve(&at(0.6), &guess, &mut answer).unwrap();
+    let unlimited = resolve(&Problem { limits: VelocityBox::unbounded(3), ..at(0.5) }, &[]).unwrap();
+    let limit = unlimited.joint_velocity[0];
+    let exact = Problem { limits: VelocityBox::new(&[-1.0; 3], &[limit, 1.0, 1.0]).unwrap(), ..at(0.5) };
+    resolver.resolve(&exact, &guess, &mut answer).unwrap();
+    assert_eq!(answer, resolve(&exact, &guess).unwrap());
+    assert_eq!(answer.joint_velocity, unlimited.joint_velocity);
+}
