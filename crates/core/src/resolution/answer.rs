@@ -177,14 +177,15 @@ impl Resolution {
         run: &mut PlanRun,
         engine: &Engine,
     ) {
-        let PlanRun { planned, solution, scales, contradictions, .. } = run;
+        let PlanRun { planned, solution, scales, contradictions, has_task_rows_alone, .. } = run;
         let counts = engine.clarabel_counts();
         let path = match counts {
             Some(_) => Path::Qp,
             None if solution.working_set.is_empty() => Path::ClosedForm,
             None => Path::ActiveSet,
         };
-        self.report_velocity(problem, singularities, &solution.x);
+        let achieved = if *has_task_rows_alone { solution.row_values.as_slice() } else { &[] };
+        self.report_velocity(problem, singularities, &solution.x, achieved);
         for (task, (scale, stated)) in self.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
             task.scale = scale.filter(|_| stated.scaled);
         }
@@ -233,7 +234,7 @@ impl Resolution {
 
     /// Sets the answer to that of the printed formulas.
     pub(super) fn report_closed_form(&mut self, problem: &Problem, closed: &ClosedForm, singularities: &Singularities) {
-        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice());
+        self.report_velocity(problem, singularities, closed.joint_velocity.as_slice(), &[]);
         self.clear_bounds();
         let residual = closed.kkt_residual;
         let rank_uncertain = singularities.rank_uncertain;
@@ -246,8 +247,8 @@ impl Resolution {
     }
 
     /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
-    /// status `failed`.
-    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64]) {
+    /// status `failed`. `achieved`: as for [`Self::report_tasks`].
+    fn report_velocity(&mut self, problem: &Problem, singularities: &Singularities, x: &[f64], achieved: &[f64]) {
         let x = &x[..problem.tasks.joint_count()];
         let is_finite = all_finite(x);
         if is_finite {
@@ -259,7 +260,7 @@ impl Resolution {
             self.singularity = Singularity::default();
             self.solver.status = Status::Failed;
         }
-        self.report_tasks(problem, singularities, &[]);
+        self.report_tasks(problem, singularities, if is_finite { achieved } else { &[] });
         if !is_finite {
             for outcome in &mut self.tasks {
                 (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);

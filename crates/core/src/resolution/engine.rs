@@ -4,6 +4,7 @@ use super::clarabel::{ClarabelCounts, ClarabelLevels};
 use super::level::{Hierarchy, Solution, WorkingSet};
 use super::problem::Solver;
 use super::solver::HierarchicalSolver;
+use crate::limits::VelocityBox;
 
 /// Working sets after which Clarabel's working set is tried. Few problems need more than ten, and those that do have many
 /// levels of inequality rows, for which Clarabel is faster.
@@ -45,6 +46,20 @@ impl Engine {
         if !solution.is_optimal {
             self.try_harder(problem, solution);
         }
+    }
+
+    /// Solves the equations that the hierarchical solver knows within a box, with the levels from `own_levels` on joined into one.
+    pub fn solve_within(
+        &mut self,
+        limits: &VelocityBox,
+        own_levels: usize,
+        guess: &WorkingSet,
+        solution: &mut Solution,
+    ) {
+        let exact = self.exact.last();
+        exact.join_levels(own_levels);
+        let bounds = (limits.lower().as_slice(), limits.upper().as_slice());
+        exact.solve_within(bounds, Some(guess), MAX_SETS_BEFORE_CLARABEL, solution);
     }
 
     /// Solves a problem from Clarabel's working set, and from nothing with all working sets that it may take. Where rounding

@@ -196,6 +196,13 @@ impl WorkingSet {
         refill(&mut self.rows, std::iter::repeat_n(None, rows));
     }
 
+    /// Adds the active bounds of the first n unknowns.
+    pub fn hold(&mut self, active: &[ActiveSet], n: usize) {
+        for &(place, side) in active.iter().flatten().filter(|(place, _)| *place < n) {
+            self.unknowns[place] = Some(side);
+        }
+    }
+
     /// Returns whether no bound is active.
     pub fn is_empty(&self) -> bool {
         self.unknowns.iter().chain(&self.rows).all(Option::is_none)

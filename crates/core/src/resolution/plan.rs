@@ -75,6 +75,17 @@ impl Method {
         }
     }
 
+    /// Returns how many of the highest tasks are levels of their own in the last problem, above one level of all others, if the
+    /// problems before it can be left out for independent, undamped equations.
+    pub(super) fn own_levels(self, tasks: usize) -> Option<usize> {
+        match self {
+            Self::Pseudoinverse | Self::DampedLeastSquares => Some(0),
+            Self::TaskPriority | Self::StrictReversePriority => Some(tasks),
+            Self::ReversePriority => Some(1),
+            Self::SingularityRobust => None,
+        }
+    }
+
     /// Returns whether a level that holds all rows is damped.
     pub(super) fn damps_one_level(self) -> bool {
         self == Self::DampedLeastSquares
@@ -294,15 +305,16 @@ impl PlannedProblem {
         }
     }
 
+    /// Forgets the rows.
+    pub fn clear(&mut self) {
+        self.origins.clear();
+    }
+
     /// Writes the working set that a guess means in this problem.
     pub fn write_guess(&self, problem: &Problem, guess: &[ActiveSet], set: &mut WorkingSet) {
         set.clear(self.levels.unknowns, self.levels.row_count());
+        set.hold(guess, problem.tasks.joint_count());
         let n = problem.tasks.joint_count();
-        for &(place, side) in guess.iter().flatten() {
-            if place < n {
-                set.unknowns[place] = Some(side);
-            }
-        }
         if guess.iter().flatten().any(|&(place, _)| place >= n) {
             for (row, &origin) in self.origins.iter().enumerate() {
                 let place = Self::place(problem, origin);

@@ -23,6 +23,8 @@ pub struct PlanRun {
     pub scales: Vec<Option<f64>>,
     /// Inequalities that cannot be kept together.
     pub contradictions: Vec<Contradiction>,
+    /// Whether the rows of `solution` are those of the tasks, in their order.
+    pub has_task_rows_alone: bool,
     guess: WorkingSet,
     /// Whether every stage below the highest one meets its task.
     lower_tasks_are_met: bool,
@@ -53,6 +55,9 @@ impl PlanRun {
         // Independent equations: the stages below the highest one need not be solved.
         self.lower_tasks_are_met =
             singularities.is_regular && singularities.has_only_equations && engine.clarabel_counts().is_none();
+        if self.lower_tasks_are_met && self.solve_independent(problem, guess, engine) {
+            return;
+        }
         let skips_stages = self.lower_tasks_are_met;
         for step in problem.method.steps(tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
@@ -73,6 +78,31 @@ impl PlanRun {
         (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
     }
 
+    /// Solves the last problem of a plan whose tasks are independent equations that the solver knows; `false` if the plan has
+    /// more than these and the box, or without an answer.
+    fn solve_independent(&mut self, problem: &Problem, guess: &[ActiveSet], engine: &mut Engine) -> bool {
+        let tasks = problem.tasks.tasks();
+        let Some(own_levels) = problem.method.own_levels(tasks.len()) else { return false };
+        if !problem.inequalities.is_empty() || tasks.iter().any(|task| task.scaled) {
+            return false;
+        }
+        let n = problem.tasks.joint_count();
+        self.planned.clear();
+        self.guess.clear(n, 0);
+        self.guess.hold(guess, n);
+        engine.solve_within(&problem.limits, own_levels, &self.guess, &mut self.solution);
+        if !self.solution.is_optimal {
+            return false;
+        }
+        self.has_task_rows_alone = true;
+        if let Some(factors) = problem.damping {
+            let last = problem.method.steps(tasks.len()).last();
+            last.into_iter().for_each(|step| self.write(problem, step, 0.0));
+            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
+        }
+        true
+    }
+
     /// Forgets the run before.
     fn start(&mut self, problem: &Problem, zeta: &[f64]) {
         let tasks = problem.tasks.tasks();
@@ -84,6 +114,7 @@ impl PlanRun {
         refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
         refill(&mut self.scales, tasks.iter().map(|_| None));
         self.contradictions.clear();
+        self.has_task_rows_alone = false;
     }
 
     /// Scales tasks and explains contradictions after the last problem; makes damped answers continuous.

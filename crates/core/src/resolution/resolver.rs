@@ -45,7 +45,7 @@ impl Resolver {
         }
         let has_guess = problem.solver == Solver::Auto && guess.iter().any(|set| !set.is_empty());
         engine.choose(problem.solver);
-        if has_guess && singularities.remain_regular(&problem.tasks, problem.damping) {
+        if has_guess && singularities.remain_regular(&problem.tasks, zeta, problem.damping, engine.exact()) {
             run.solve(problem, guess, zeta, singularities, engine);
             // Where no limit holds the answer back, it is the one without limits.
             if run.solution.is_held_back() {

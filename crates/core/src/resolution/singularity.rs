@@ -113,10 +113,16 @@ pub struct Singularities {
 
 impl Singularities {
     /// Returns whether all equations are certainly far from singular because those of an earlier period were: no singular value
-    /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows, but no solution.
+    /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows, but no solution. The equations are then those of `solver`.
     ///
     /// 1/‖A⁺‖_F changes by no more than that either, and [`Self::examine`] compares it with the same number.
-    pub fn remain_regular(&mut self, tasks: &TaskStack, damping: Option<Damping>) -> bool {
+    pub fn remain_regular(
+        &mut self,
+        tasks: &TaskStack,
+        zeta: &[f64],
+        damping: Option<Damping>,
+        solver: &mut HierarchicalSolver,
+    ) -> bool {
         let list = tasks.tasks();
         let Some((distance, norm)) = self.reference.compare(list) else { return false };
         if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + MARGIN)) {
@@ -125,7 +131,21 @@ impl Singularities {
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         (self.is_regular, self.has_only_equations, self.rank_uncertain) = (true, true, false);
         self.known = None;
+        self.push_equations(tasks, solver.of_width(zeta.len()), zeta);
         true
+    }
+
+    /// Gives the equations to `solver` as a strict hierarchy without limits.
+    fn push_equations(&mut self, tasks: &TaskStack, solver: &mut dyn SizedSolver, zeta: &[f64]) {
+        solver.start_equations(zeta);
+        self.has_only_equations = true;
+        for task in tasks.tasks() {
+            if task.is_equation() {
+                solver.push_equations(&task.jacobian, task.lower.as_slice());
+            } else {
+                self.has_only_equations = false;
+            }
+        }
     }
 
     /// Solves the equations without limits as a strict hierarchy with `solver`, and examines their singular values.
@@ -140,15 +160,7 @@ impl Singularities {
     ) {
         let list = tasks.tasks();
         let solver = solver.of_width(zeta.len());
-        solver.start_equations(zeta);
-        self.has_only_equations = true;
-        for task in list {
-            if task.is_equation() {
-                solver.push_equations(&task.jacobian, task.lower.as_slice());
-            } else {
-                self.has_only_equations = false;
-            }
-        }
+        self.push_equations(tasks, solver, zeta);
         solver.solve_equations();
         self.rank_uncertain = solver.rank_uncertain();
         let norm = solver.norm();

@@ -48,6 +48,8 @@ const NEARLY_RIGHT: usize = 3;
 #[derive(Debug, Default)]
 pub struct ActiveSetSolver<const N: usize> {
     problem: ProblemRows<N>,
+    /// Whether rows, levels or reference are not those of the last factorisation.
+    has_new_rows: bool,
     set: WorkingSet,
     solved: Factorization<N>,
     conditions: Conditions<N>,
@@ -76,13 +78,18 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
     pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
-        let only_bounds_changed = self.problem.load(problem);
+        self.has_new_rows |= !self.problem.load(problem);
+        self.solve_loaded(guess, max_sets, solution);
+    }
+
+    fn solve_loaded(&mut self, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
-        let is_factorized = only_bounds_changed
+        let is_factorized = !self.has_new_rows
+            && !self.problem.has_pinned
             && self.set.is_empty()
             && self.solved.held.is_empty()
-            && self.solved.rank_tolerance == RANK_TOLERANCE
-            && !(0..problem.unknowns).any(|j| self.problem.is_pinned(j));
+            && self.solved.rank_tolerance == RANK_TOLERANCE;
+        self.has_new_rows = false;
         self.solved.rank_tolerance = RANK_TOLERANCE;
         let mut met_uncertain_rank = self.solve_from(guess, is_factorized, max_sets, solution);
         let mut tried = solution.working_sets;
@@ -108,6 +115,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         self.solved.rank_tolerance = RANK_TOLERANCE;
         self.start_from(None);
         self.solved.solve(&self.problem, &self.set);
+        self.has_new_rows = false;
     }
 
     /// Evaluates the optimality conditions on the last working set; returns whether they hold, and the largest relative residual.

@@ -48,9 +48,7 @@ impl<const N: usize> ProblemRows<N> {
     /// Copies a problem whose rows have the width N; returns whether it differs from the problem before in its bounds at most.
     pub fn load(&mut self, problem: &Hierarchy) -> bool {
         debug_assert_eq!(problem.width, N);
-        self.lower = Row::from_slice(&problem.lower);
-        self.upper = Row::from_slice(&problem.upper);
-        self.has_pinned = problem.lower.iter().zip(&problem.upper).any(|(lower, upper)| lower >= upper);
+        self.set_box(&problem.lower, &problem.upper);
         if self.has_rows_of(problem) {
             return true;
         }
@@ -69,6 +67,12 @@ impl<const N: usize> ProblemRows<N> {
             self.end_level(end);
         }
         false
+    }
+
+    /// Sets the bounds of the unknowns.
+    pub fn set_box(&mut self, lower: &[f64], upper: &[f64]) {
+        (self.lower, self.upper) = (Row::from_slice(lower), Row::from_slice(upper));
+        self.has_pinned = lower.iter().zip(upper).any(|(lower, upper)| lower >= upper);
     }
 
     /// Removes all rows and bounds.
@@ -94,6 +98,16 @@ impl<const N: usize> ProblemRows<N> {
             self.rows.push(ProblemRow { coefficients, square, lower: target, upper: target });
         }
         self.end_level(self.rows.len());
+    }
+
+    /// Joins the levels from `first` on into one; returns whether that changes anything.
+    pub fn join_levels(&mut self, first: usize) -> bool {
+        if self.levels.len() <= first + 1 {
+            return false;
+        }
+        self.levels.truncate(first);
+        self.end_level(self.rows.len());
+        true
     }
 
     fn end_level(&mut self, end: usize) {

@@ -21,6 +21,18 @@ pub trait SizedSolver {
     /// Solves it. The optimality conditions are not evaluated.
     fn solve_equations(&mut self);
 
+    /// Joins the levels of the equations from `first` on into one.
+    fn join_levels(&mut self, first: usize);
+
+    /// Solves the equations within a box, as [`Self::solve`] does.
+    fn solve_within(
+        &mut self,
+        bounds: (&[f64], &[f64]),
+        guess: Option<&WorkingSet>,
+        max_sets: u32,
+        solution: &mut Solution,
+    );
+
     /// Solves the equations of a problem whose only bounds are those of pinned unknowns, in the same way.
     fn solve_pinned(&mut self, problem: &Hierarchy);
 
@@ -66,6 +78,7 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
 
     fn start_equations(&mut self, reference: &[f64]) {
         self.problem.clear(reference);
+        self.has_new_rows = true;
     }
 
     fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
@@ -74,6 +87,21 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
 
     fn solve_equations(&mut self) {
         self.solve_without_bounds();
+    }
+
+    fn join_levels(&mut self, first: usize) {
+        self.has_new_rows |= self.problem.join_levels(first);
+    }
+
+    fn solve_within(
+        &mut self,
+        (lower, upper): (&[f64], &[f64]),
+        guess: Option<&WorkingSet>,
+        max_sets: u32,
+        solution: &mut Solution,
+    ) {
+        self.problem.set_box(lower, upper);
+        self.solve_loaded(guess, max_sets, solution);
     }
 
     fn solve_pinned(&mut self, problem: &Hierarchy) {
