@@ -138,8 +138,8 @@ impl Cycle {
         let xdot = [&row.xdot[..1], &row.xdot[1..]];
         let write = |k: usize, jacobian: &mut Matrix, lower: &mut Vector, upper: &mut Vector| {
             TaskFrame::default().at(configuration).write_rows(&axes[k], jacobian);
-            lower.copy_from_slice(xdot[k]);
-            upper.copy_from_slice(xdot[k]);
+            lower.as_mut_slice().copy_from_slice(xdot[k]);
+            upper.as_mut_slice().copy_from_slice(xdot[k]);
         };
         problem.tasks.overwrite(write).map_err(BenchError::defect)?;
         if limits == Limits::Kept {

@@ -87,8 +87,8 @@ impl VelocityBox {
 
     /// Copies a box for the same number of joints, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
-        self.lower.copy_from(&other.lower);
-        self.upper.copy_from(&other.upper);
+        self.lower.as_mut_slice().copy_from_slice(other.lower.as_slice());
+        self.upper.as_mut_slice().copy_from_slice(other.upper.as_slice());
     }
 
     /// Restricts the box to velocities that the robot reaches from the last command (n) within a period (T, s). Where there

@@ -38,8 +38,7 @@ pub fn all_finite(entries: &[f64]) -> bool {
             sums[lane] += 0.0 * chunk[lane];
         }
     }
-    let sum = rest.iter().fold(0.0, |sum, entry| sum + 0.0 * entry);
-    sums.iter().sum::<f64>() + sum == 0.0
+    rest.iter().all(|entry| entry.is_finite()) && (sums[0] + sums[2]) + (sums[1] + sums[3]) == 0.0
 }
 
 /// Returns a·b of two lists of the same length.
@@ -53,6 +52,20 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
+/// Returns ‖a − b‖² of two lists of the same length.
+#[inline]
+pub fn distance_square(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..4 {
+            sums[lane] += (a[lane] - b[lane]) * (a[lane] - b[lane]);
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b)).sum();
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 

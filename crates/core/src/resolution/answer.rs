@@ -281,7 +281,7 @@ impl Resolution {
         if self.joint_velocity.len() != x.len() {
             self.joint_velocity = Vector::zeros(x.len());
         }
-        self.joint_velocity.copy_from_slice(x);
+        self.joint_velocity.as_mut_slice().copy_from_slice(x);
     }
 
     /// Sets the outcomes of the tasks at the velocity. `achieved`: the values of the rows of all tasks; empty: they are computed.
@@ -364,7 +364,7 @@ impl TaskOutcome {
             self.achieved = Vector::zeros(rows);
         }
         match achieved {
-            Some(achieved) => self.achieved.copy_from_slice(achieved),
+            Some(achieved) => self.achieved.as_mut_slice().copy_from_slice(achieved),
             None => write_product(&task.jacobian, joint_velocity, self.achieved.as_mut_slice()),
         }
         let bounds = task.lower.as_slice().iter().zip(task.upper.as_slice());

@@ -1,6 +1,6 @@
 //! A copy of the rows of all equations.
 
-use crate::linalg::Matrix;
+use crate::linalg::{Matrix, distance_square, dot};
 use crate::task::Task;
 
 /// The Jacobians of the tasks that are equations, one after the other.
@@ -38,10 +38,8 @@ impl EquationRows {
         let (mut distance, mut square, mut rest) = (0.0, 0.0, self.entries.as_slice());
         for task in tasks {
             let entries = task.jacobian.as_slice();
-            for (a, b) in entries.iter().zip(rest.split_off(..entries.len())?) {
-                distance += (a - b) * (a - b);
-                square += a * a;
-            }
+            distance += distance_square(entries, rest.split_off(..entries.len())?);
+            square += dot(entries, entries);
         }
         rest.is_empty().then(|| (f64::sqrt(distance), f64::sqrt(square)))
     }

@@ -79,15 +79,19 @@ impl PlacedFrame<'_> {
     /// Overwrites `rows`, m × n, with the selected rows of J.
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
         let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
-        for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
-            let converted;
-            let twist = if self.is_at_tool_along_base() {
-                column
-            } else {
-                converted = self.twist(column);
-                &converted
-            };
-            entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+        if !self.is_at_tool_along_base() {
+            for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
+                let twist = self.twist(column);
+                entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+            }
+            return;
+        }
+        for (row, axis) in axes.axes().iter().enumerate() {
+            let (axis, mut place) = (axis.index(), row);
+            for column in columns {
+                rows.as_mut_slice()[place] = column[axis];
+                place += axes.len();
+            }
         }
     }
 

@@ -1,9 +1,9 @@
 //! A search for the working set by a dual active-set method (Goldfarb and Idnani).
 //!
 //! Weights that grow by a large factor from level to level stand in for the order of the levels. They make the problem
-//! strictly convex, and its inverse Hessian K is known from the factorisation without active bounds. The search needs the
-//! rows of K that belong to active bounds only, and writes each one when its bound becomes active. Its result is a proposal:
-//! the conditions on that set decide.
+//! strictly convex, and its inverse Hessian K is known from the factorisation without active bounds. The search needs few rows
+//! of K: it writes one when its bound becomes active, and repeats on it what other bounds have changed. Its result is a
+//! proposal: the conditions on that set decide.
 
 use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
@@ -24,10 +24,9 @@ pub struct Search<const N: usize> {
     scales: Vec<f64>,
     /// Entries per row of the tableau, a multiple of N.
     stride: usize,
-    /// The constraints that are active, and the row of each in K after sweeps: how values and multipliers fall with each
-    /// multiplier.
-    held: Vec<usize>,
-    table: Vec<f64>,
+    /// The changes of the active set, and the pivot row of each divided by its pivot, `stride` entries.
+    sweeps: Vec<Sweep>,
+    pivot_rows: Vec<f64>,
     /// Diagonal of K at the start, and after the sweeps.
     diagonal: Vec<f64>,
     swept_diagonal: Vec<f64>,
@@ -38,10 +37,20 @@ pub struct Search<const N: usize> {
     upper: Vec<f64>,
     /// What the slack of an inequality row adds to its entry of the diagonal: 1/weight of its level.
     slacks: Vec<f64>,
-    /// The row of the constraint that enters, and one that is swept.
+    /// The row of the constraint that enters in the tableau, K after all sweeps: how values and multipliers fall with its
+    /// multiplier. The row of one that leaves.
     row: Vec<f64>,
-    pivot_row: Vec<f64>,
-    factors: Vec<f64>,
+    leaving_row: Vec<f64>,
+}
+
+/// An exchange of value and multiplier of the constraint k.
+#[derive(Debug, Clone, Copy)]
+struct Sweep {
+    k: usize,
+    /// 1 where k becomes active, −1 where it leaves.
+    direction: f64,
+    /// 1/|pivot|.
+    inverse: f64,
 }
 
 impl<const N: usize> Search<N> {
@@ -86,8 +95,8 @@ impl<const N: usize> Search<N> {
         refill(&mut self.state, solved.x.0[..n].iter().copied().chain(values));
         self.state.resize(self.stride, 0.0);
         refill(&mut self.active, std::iter::repeat_n(None, count));
-        self.held.clear();
-        self.table.clear();
+        self.sweeps.clear();
+        self.pivot_rows.clear();
     }
 
     /// Sets G, the weights, and the diagonal of K (section 6).
@@ -121,15 +130,14 @@ impl<const N: usize> Search<N> {
         self.swept_diagonal.clone_from(&self.diagonal);
     }
 
-    /// Writes the row of an inactive constraint: that of K, swept by all active constraints.
-    fn write_row(&mut self, problem: &ProblemRows<N>, constraint: usize) {
-        let Self { generator, scales, held, table, slacks, row, factors, .. } = self;
+    /// Writes the row of a constraint in the tableau.
+    fn write_row(&self, problem: &ProblemRows<N>, constraint: usize, row: &mut Vec<f64>) {
         let n = problem.unknowns;
         let mut fall = Row::<N>::ZERO;
         let of_row = constraint.checked_sub(n).map(|place| &problem.rows[problem.inequalities[place]].coefficients);
-        for (column, scale) in generator.iter().zip(scales) {
+        for (column, scale) in self.generator.iter().zip(&self.scales) {
             let entry = of_row.map_or_else(|| column.0[constraint], |row| row.dot(column));
-            fall.add_scaled(*scale * entry, column);
+            fall.add_scaled(scale * entry, column);
         }
         row.clear();
         row.extend_from_slice(&fall.0);
@@ -138,11 +146,15 @@ impl<const N: usize> Search<N> {
             *entry = problem.rows[index].coefficients.dot(&fall);
         }
         if let Some(place) = constraint.checked_sub(n) {
-            row[constraint] += slacks[place];
+            row[constraint] += self.slacks[place];
         }
-        refill(factors, held.iter().map(|&other| std::mem::take(&mut row[other])));
-        for (factor, swept) in factors.iter().zip(table.chunks_exact(self.stride)) {
-            add_scaled::<N>(row, -factor, swept);
+        for (&sweep, pivot_row) in self.sweeps.iter().zip(self.pivot_rows.chunks_exact(self.stride)) {
+            if sweep.k == constraint {
+                row.iter_mut().zip(pivot_row).for_each(|(entry, pivot)| *entry = sweep.direction * pivot);
+                row[constraint] = -sweep.direction * sweep.inverse;
+            } else {
+                sweep.apply::<N>(row, pivot_row);
+            }
         }
     }
 
@@ -173,8 +185,7 @@ impl<const N: usize> Search<N> {
     fn run(&mut self, problem: &ProblemRows<N>) -> bool {
         for _ in 0..3 * self.active.len() + 10 {
             let Some((entering, side)) = self.most_broken() else { return true };
-            self.write_row(problem, entering);
-            if !self.enter(entering, side) {
+            if !self.enter(problem, entering, side) {
                 return false;
             }
         }
@@ -199,38 +210,54 @@ impl<const N: usize> Search<N> {
         worst
     }
 
-    /// Raises the multiplier of a broken constraint, whose row is written, until it meets its bound; active constraints whose
-    /// multipliers vanish on the way leave. Returns `false` if its pivot is lost to rounding.
-    fn enter(&mut self, entering: usize, side: Side) -> bool {
+    /// Raises the multiplier of a broken constraint until it meets its bound; active constraints whose multipliers vanish on
+    /// the way leave. Returns `false` if its pivot is lost to rounding.
+    fn enter(&mut self, problem: &ProblemRows<N>, entering: usize, side: Side) -> bool {
         let bound = self.bound(entering, side);
         let mut multiplier = 0.0;
+        let mut row = std::mem::take(&mut self.row);
+        self.write_row(problem, entering, &mut row);
+        let mut arrived = false;
         for _ in 0..=self.active.len() {
-            let pivot = self.row[entering];
+            let pivot = row[entering];
             if !(pivot > LOST_PIVOT * self.diagonal[entering]) {
-                return false;
+                break;
             }
-            let mut step = ((self.state[entering] - bound) / pivot).abs();
-            let mut leaving = None;
-            for (place, &j) in self.held.iter().enumerate() {
-                let Some(active) = self.active[j] else { continue };
-                let slope = self.row[j] * side.sign() * active.sign();
-                if slope > 0.0 && (self.state[j] * active.sign()).max(0.0) < step * slope {
-                    (step, leaving) = ((self.state[j] * active.sign()).max(0.0) / slope, Some((place, j, active)));
-                }
-            }
+            let (step, leaving) = self.longest_step(&row, side, ((self.state[entering] - bound) / pivot).abs());
             multiplier += side.sign() * step;
-            add_scaled::<N>(&mut self.state, -side.sign() * step, &self.row);
-            let Some((place, leaving, its_side)) = leaving else {
-                self.activate(entering);
+            add_scaled::<N>(&mut self.state, -side.sign() * step, &row);
+            let Some((leaving, its_side)) = leaving else {
+                self.sweep(entering, 1.0, &row);
                 self.active[entering] = Some(side);
                 self.state[entering] = multiplier;
-                return true;
+                arrived = true;
+                break;
             };
-            self.release(place, leaving);
+            let mut leaving_row = std::mem::take(&mut self.leaving_row);
+            self.write_row(problem, leaving, &mut leaving_row);
+            self.sweep(leaving, -1.0, &leaving_row);
+            self.leaving_row = leaving_row;
+            let (sweep, pivot_row) = (self.sweeps.len() - 1, self.pivot_rows.len() - self.stride);
+            self.sweeps[sweep].apply::<N>(&mut row, &self.pivot_rows[pivot_row..]);
             self.active[leaving] = None;
             self.state[leaving] = self.bound(leaving, its_side);
         }
-        false
+        self.row = row;
+        arrived
+    }
+
+    /// Returns how far the multiplier of the entering constraint rises, `most` at most, and the active constraint whose
+    /// multiplier vanishes there.
+    fn longest_step(&self, row: &[f64], side: Side, most: f64) -> (f64, Option<(usize, Side)>) {
+        let (mut step, mut leaving) = (most, None);
+        for (j, active) in self.active.iter().enumerate() {
+            let Some(active) = *active else { continue };
+            let slope = row[j] * side.sign() * active.sign();
+            if slope > 0.0 && (self.state[j] * active.sign()).max(0.0) < step * slope {
+                (step, leaving) = ((self.state[j] * active.sign()).max(0.0) / slope, Some((j, active)));
+            }
+        }
+        (step, leaving)
     }
 
     fn bound(&self, constraint: usize, side: Side) -> f64 {
@@ -240,43 +267,28 @@ impl<const N: usize> Search<N> {
         }
     }
 
-    /// Sweeps the tableau by a constraint whose row is written, and keeps that row.
-    fn activate(&mut self, k: usize) {
-        let Self { row, table, swept_diagonal, stride, held, .. } = self;
+    /// Exchanges value and multiplier of a constraint with this row: `direction` 1 activates it, −1 releases it.
+    fn sweep(&mut self, k: usize, direction: f64, row: &[f64]) {
         let inverse = 1.0 / row[k];
-        subtract_squares::<N>(swept_diagonal, inverse, row);
-        row.iter_mut().for_each(|entry| *entry *= inverse);
-        table.chunks_exact_mut(*stride).for_each(|entries| sweep::<N>(entries, k, row, inverse));
-        row[k] = -inverse;
-        table.extend_from_slice(row);
-        held.push(k);
-    }
-
-    /// Sweeps the tableau and the row that enters back by the active constraint k, which has this place in the table.
-    fn release(&mut self, place: usize, k: usize) {
-        let Self { row, pivot_row, table, swept_diagonal, stride, held, .. } = self;
-        let range = place * *stride..(place + 1) * *stride;
-        pivot_row.clear();
-        pivot_row.extend_from_slice(&table[range.clone()]);
-        table.drain(range);
-        held.remove(place);
-        let inverse = 1.0 / pivot_row[k];
-        subtract_squares::<N>(swept_diagonal, inverse, pivot_row);
-        swept_diagonal[k] = -inverse;
-        pivot_row.iter_mut().for_each(|entry| *entry *= inverse);
-        for entries in table.chunks_exact_mut(*stride).chain([row.as_mut_slice()]) {
-            sweep::<N>(entries, k, pivot_row, -inverse);
+        let start = self.pivot_rows.len();
+        self.pivot_rows.extend(row.iter().map(|entry| entry * inverse));
+        self.sweeps.push(Sweep { k, direction, inverse: direction * inverse });
+        let pivot_row = &self.pivot_rows[start..];
+        for (diagonal, (entry, pivot)) in self.swept_diagonal.iter_mut().zip(row.iter().zip(pivot_row)) {
+            *diagonal -= entry * pivot;
         }
+        self.swept_diagonal[k] = -inverse;
     }
 }
 
-/// Exchanges value and multiplier of the constraint k in a row, with the row of k divided by its pivot; `inverse` is that of the
-/// pivot, with the opposite sign where k leaves.
-#[inline]
-fn sweep<const N: usize>(entries: &mut [f64], k: usize, pivot_row: &[f64], inverse: f64) {
-    let entry = entries[k];
-    add_scaled::<N>(entries, -entry, pivot_row);
-    entries[k] = entry * inverse;
+impl Sweep {
+    /// Sweeps the row of another constraint.
+    #[inline]
+    fn apply<const N: usize>(self, row: &mut [f64], pivot_row: &[f64]) {
+        let entry = row[self.k];
+        add_scaled::<N>(row, -entry, pivot_row);
+        row[self.k] = entry * self.inverse;
+    }
 }
 
 /// Adds `factor` · `other`; both have the same length, a multiple of N.
@@ -285,16 +297,6 @@ fn add_scaled<const N: usize>(entries: &mut [f64], factor: f64, other: &[f64]) {
     for (entries, other) in entries.as_chunks_mut::<N>().0.iter_mut().zip(other.as_chunks::<N>().0) {
         for (entry, other) in entries.iter_mut().zip(other) {
             *entry += factor * other;
-        }
-    }
-}
-
-/// Subtracts `factor` times the squares of `other`; both have the same length, a multiple of N.
-#[inline]
-fn subtract_squares<const N: usize>(entries: &mut [f64], factor: f64, other: &[f64]) {
-    for (entries, other) in entries.as_chunks_mut::<N>().0.iter_mut().zip(other.as_chunks::<N>().0) {
-        for (entry, other) in entries.iter_mut().zip(other) {
-            *entry -= factor * other * other;
         }
     }
 }
