@@ -235,6 +235,9 @@ impl Resolution {
     /// Sets the answer to that of the printed formulas.
     pub(super) fn report_closed_form(&mut self, problem: &Problem, closed: &ClosedForm, singularities: &Singularities) {
         self.report_velocity(problem, singularities, closed.joint_velocity.as_slice(), &[]);
+        if self.solver.status != Status::Failed {
+            self.violated_limits.extend(violations(problem, &self.joint_velocity));
+        }
         self.clear_bounds();
         let residual = closed.kkt_residual;
         let rank_uncertain = singularities.rank_uncertain;
@@ -266,8 +269,7 @@ impl Resolution {
                 (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
             }
         }
-        let violations = violations(problem, &self.joint_velocity);
-        refill(&mut self.violated_limits, violations.filter(|_| is_finite));
+        self.violated_limits.clear();
         let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(&self.joint_velocity) > 0.0);
         let violation = |inequality: &crate::limits::Inequality| InequalityViolation {
             name: inequality.name().to_owned(),
@@ -370,8 +372,9 @@ impl TaskOutcome {
         let bounds = task.lower.as_slice().iter().zip(task.upper.as_slice());
         let mut square = 0.0;
         for (achieved, (lower, upper)) in self.achieved.as_slice().iter().zip(bounds) {
-            let missing = (*achieved - upper).max(lower - *achieved).max(0.0);
-            square += missing * missing;
+            let (above, below) = (achieved - upper, lower - achieved);
+            let missing = if above > below { above } else { below };
+            square += if missing > 0.0 { missing * missing } else { 0.0 };
         }
         self.residual_norm = square.sqrt();
         self.rank = known.rank;

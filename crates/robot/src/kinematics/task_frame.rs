@@ -37,7 +37,8 @@ impl TaskFrame {
             Frame::Tool => Some(*rotation),
             Frame::Fixed(frame) => Some(frame.rotation),
         };
-        let lever = (self.reference_point != Vector3::zeros()).then(|| rotation * self.reference_point);
+        let is_at_tool = self.reference_point.as_slice() == [0.0; 3];
+        let lever = (!is_at_tool).then(|| rotation * self.reference_point);
         PlacedFrame { configuration, axes, lever }
     }
 
@@ -79,19 +80,15 @@ impl PlacedFrame<'_> {
     /// Overwrites `rows`, m × n, with the selected rows of J.
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
         let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
-        if !self.is_at_tool_along_base() {
-            for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
-                let twist = self.twist(column);
-                entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
-            }
-            return;
-        }
-        for (row, axis) in axes.axes().iter().enumerate() {
-            let (axis, mut place) = (axis.index(), row);
-            for column in columns {
-                rows.as_mut_slice()[place] = column[axis];
-                place += axes.len();
-            }
+        for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
+            let converted;
+            let twist = if self.is_at_tool_along_base() {
+                column
+            } else {
+                converted = self.twist(column);
+                &converted
+            };
+            entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
         }
     }
 

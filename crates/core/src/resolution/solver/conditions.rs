@@ -64,7 +64,11 @@ impl<const N: usize> Conditions<N> {
     /// Evaluates the first condition: collects free unknowns and inactive rows outside their bounds.
     pub fn check_point(&mut self, trial: Trial<N>, rounding: f64) {
         self.rounding = rounding;
-        self.start(trial);
+        self.wrong.clear();
+        self.wrong_rows.clear();
+        if !trial.problem.inequalities.is_empty() {
+            self.evaluate_rows(trial);
+        }
         self.check_bounds(trial);
         self.check_rows(trial);
     }
@@ -73,6 +77,7 @@ impl<const N: usize> Conditions<N> {
     pub fn check_levels(&mut self, trial: Trial<N>) {
         let Trial { problem, solved, .. } = trial;
         let speed = solved.peak_speed;
+        self.start_levels(trial);
         for k in 0..problem.levels.len() {
             let (span, norm) = (solved.spans[k], problem.levels[k].norm);
             let mut farthest = 0.0;
@@ -97,13 +102,20 @@ impl<const N: usize> Conditions<N> {
         }
     }
 
-    fn start(&mut self, Trial { problem, set, solved }: Trial<N>) {
-        self.wrong.clear();
-        self.wrong_rows.clear();
+    /// Sets a·x of each row.
+    fn evaluate_rows(&mut self, Trial { problem, solved, .. }: Trial<N>) {
+        refill(&mut self.values, problem.rows.iter().map(|row| row.coefficients.dot(&solved.x)));
+    }
+
+    /// Forgets the multipliers of the set before.
+    fn start_levels(&mut self, trial: Trial<N>) {
+        let Trial { problem, set, solved } = trial;
+        if problem.inequalities.is_empty() {
+            self.evaluate_rows(trial);
+        }
         self.multipliers = Row::ZERO;
         let m = problem.rows.len();
         refill(&mut self.row_multipliers, std::iter::repeat_n(0.0, m));
-        refill(&mut self.values, problem.rows.iter().map(|row| row.coefficients.dot(&solved.x)));
         // A pinned unknown stays, whatever its multiplier is.
         let loose = solved.held.iter().filter(|&&j| !problem.is_pinned(j)).count();
         self.undecided = loose + problem.inequalities.iter().filter(|&&row| set.rows[row].is_some()).count();

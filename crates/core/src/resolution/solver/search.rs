@@ -19,8 +19,10 @@ const MIN_WEIGHT: f64 = 1e-40;
 /// The tableau: constraints are the unknowns, then the inequality rows.
 #[derive(Debug, Default)]
 pub struct Search<const N: usize> {
-    /// The columns of G over the unknowns, and 1/weight of each: K = G diag(1/weight) Gᵀ.
+    /// The columns of G over the unknowns.
     generator: Vec<Row<N>>,
+    /// The columns of G over all constraints, `stride` entries each, and 1/weight of each: K = G diag(1/weight) Gᵀ.
+    columns: Vec<f64>,
     scales: Vec<f64>,
     /// Entries per row of the tableau, a multiple of N.
     stride: usize,
@@ -67,9 +69,11 @@ impl<const N: usize> Search<N> {
     ) -> bool {
         self.load(problem, solved);
         // The weights of many levels must not vanish.
-        let spacing = spacing.max(MIN_WEIGHT.powf(1.0 / problem.levels.len() as f64));
+        let levels = i32::try_from(problem.levels.len()).unwrap_or(i32::MAX);
+        let is_narrow = spacing.powi(levels) >= MIN_WEIGHT;
+        let spacing = if is_narrow { spacing } else { MIN_WEIGHT.powf(1.0 / f64::from(levels)) };
         self.weigh(problem, solved, spacing);
-        let finished = self.run(problem);
+        let finished = self.run(problem.unknowns);
         let n = problem.unknowns;
         for &j in &solved.free {
             set.unknowns[j] = self.active[j];
@@ -112,40 +116,38 @@ impl<const N: usize> Search<N> {
             self.scales.resize(span.rank_end(), inverse_weight(k));
         }
         self.scales.resize(self.generator.len(), 1.0);
-        let mut squares = Row::<N>::ZERO;
-        for (column, &scale) in self.generator.iter().zip(&self.scales) {
-            squares.add_scaled(scale, &column.times(column));
+        refill(&mut self.columns, std::iter::repeat_n(0.0, self.generator.len() * self.stride));
+        refill(&mut self.diagonal, std::iter::repeat_n(0.0, self.stride));
+        let columns = self.columns.chunks_exact_mut(self.stride).zip(&self.generator);
+        for ((entries, column), scale) in columns.zip(&self.scales) {
+            entries[..N].copy_from_slice(&column.0);
+            for (entry, &row) in entries[problem.unknowns..].iter_mut().zip(&problem.inequalities) {
+                *entry = problem.rows[row].coefficients.dot(column);
+            }
+            for (sum, entry) in self.diagonal.iter_mut().zip(entries) {
+                *sum += scale * *entry * *entry;
+            }
         }
-        refill(&mut self.diagonal, squares.0[..problem.unknowns].iter().copied());
         self.slacks.clear();
-        for &row in &problem.inequalities {
+        for (place, &row) in problem.inequalities.iter().enumerate() {
             let level = problem.levels.iter().take_while(|level| level.end <= row).count();
-            let coefficients = &problem.rows[row].coefficients;
-            let parts = self.generator.iter().zip(&self.scales);
-            let square = parts.map(|(column, scale)| scale * coefficients.dot(column).powi(2)).sum::<f64>();
             self.slacks.push(inverse_weight(level));
-            self.diagonal.push(square + inverse_weight(level));
+            self.diagonal[problem.unknowns + place] += inverse_weight(level);
         }
-        self.diagonal.resize(self.stride, 0.0);
         self.swept_diagonal.clone_from(&self.diagonal);
     }
 
     /// Writes the row of a constraint in the tableau.
-    fn write_row(&self, problem: &ProblemRows<N>, constraint: usize, row: &mut Vec<f64>) {
-        let n = problem.unknowns;
-        let mut fall = Row::<N>::ZERO;
-        let of_row = constraint.checked_sub(n).map(|place| &problem.rows[problem.inequalities[place]].coefficients);
-        for (column, scale) in self.generator.iter().zip(&self.scales) {
-            let entry = of_row.map_or_else(|| column.0[constraint], |row| row.dot(column));
-            fall.add_scaled(scale * entry, column);
-        }
+    fn write_row(&self, unknowns: usize, constraint: usize, row: &mut Vec<f64>) {
         row.clear();
-        row.extend_from_slice(&fall.0);
-        row.resize(self.stride, 0.0);
-        for (entry, &index) in row[n..].iter_mut().zip(&problem.inequalities) {
-            *entry = problem.rows[index].coefficients.dot(&fall);
+        for block in 0..self.stride / N {
+            let mut sums = Row::<N>::ZERO;
+            for (column, scale) in self.columns.chunks_exact(self.stride).zip(&self.scales) {
+                sums.add_scaled(scale * column[constraint], &Row(column.as_chunks().0[block]));
+            }
+            row.extend_from_slice(&sums.0);
         }
-        if let Some(place) = constraint.checked_sub(n) {
+        if let Some(place) = constraint.checked_sub(unknowns) {
             row[constraint] += self.slacks[place];
         }
         for (&sweep, pivot_row) in self.sweeps.iter().zip(self.pivot_rows.chunks_exact(self.stride)) {
@@ -182,10 +184,10 @@ impl<const N: usize> Search<N> {
     }
 
     /// Activates the bound that is broken most until none is; returns whether it arrived.
-    fn run(&mut self, problem: &ProblemRows<N>) -> bool {
+    fn run(&mut self, unknowns: usize) -> bool {
         for _ in 0..3 * self.active.len() + 10 {
             let Some((entering, side)) = self.most_broken() else { return true };
-            if !self.enter(problem, entering, side) {
+            if !self.enter(unknowns, entering, side) {
                 return false;
             }
         }
@@ -212,11 +214,11 @@ impl<const N: usize> Search<N> {
 
     /// Raises the multiplier of a broken constraint until it meets its bound; active constraints whose multipliers vanish on
     /// the way leave. Returns `false` if its pivot is lost to rounding.
-    fn enter(&mut self, problem: &ProblemRows<N>, entering: usize, side: Side) -> bool {
+    fn enter(&mut self, unknowns: usize, entering: usize, side: Side) -> bool {
         let bound = self.bound(entering, side);
         let mut multiplier = 0.0;
         let mut row = std::mem::take(&mut self.row);
-        self.write_row(problem, entering, &mut row);
+        self.write_row(unknowns, entering, &mut row);
         let mut arrived = false;
         for _ in 0..=self.active.len() {
             let pivot = row[entering];
@@ -234,7 +236,7 @@ impl<const N: usize> Search<N> {
                 break;
             };
             let mut leaving_row = std::mem::take(&mut self.leaving_row);
-            self.write_row(problem, leaving, &mut leaving_row);
+            self.write_row(unknowns, leaving, &mut leaving_row);
             self.sweep(leaving, -1.0, &leaving_row);
             self.leaving_row = leaving_row;
             let (sweep, pivot_row) = (self.sweeps.len() - 1, self.pivot_rows.len() - self.stride);
