@@ -83,6 +83,10 @@ pub fn write_contradictions(
         };
         let Some(mut demands) = demands(problem, planned, solution, level, solver) else { continue };
         reduce(&mut demands);
+        if demands.is_empty() {
+            // What is missing is rounding.
+            continue;
+        }
         contradictions.push(Contradiction { task, members: demands.iter().map(|demand| demand.member).collect() });
     }
 }
@@ -125,9 +129,8 @@ fn demands(
         let side = solution.working_set.rows[zero]?;
         return Some(vec![demand(Member::Row { task, row, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
     }
-    let (rows, unknowns) = proof(solution, level, solver);
-    let forces = (0..rows.len()).map(|row| rows[row].abs() * size(row)).chain(unknowns.iter().map(|h| h.abs()));
-    let negligible = NEGLIGIBLE * forces.fold(0.0, f64::max);
+    let (rows, unknowns) = proof(levels, solution, level, solver);
+    let negligible = negligible_force(levels, &rows, &unknowns);
     // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
     let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
     let mut demands = Vec::new();
@@ -162,24 +165,37 @@ fn demands(
 
 /// Returns weights of the rows (sign of b − A x) and of the unknowns with Σ w_i a_i = h, in which every active bound has the
 /// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
-fn proof(solution: &Solution, level: usize, solver: &mut HierarchicalSolver) -> (Vec<f64>, Vec<f64>) {
+fn proof(
+    levels: &Hierarchy,
+    solution: &Solution,
+    level: usize,
+    solver: &mut HierarchicalSolver,
+) -> (Vec<f64>, Vec<f64>) {
     let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
     solver.last().write_level_multipliers(level, &mut rows, &mut unknowns);
     let set = &solution.working_set;
     for higher in (0..level).rev() {
         solver.last().write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
+        let negligible = negligible_force(levels, &higher_rows, &higher_unknowns);
         // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
-        let needed = |side: Option<Side>, own: f64, higher: f64| {
+        let needed = |side: Option<Side>, own: f64, higher: f64, size: f64| {
             let sign = side.map_or(0.0, Side::sign);
-            if sign * own < 0.0 && sign * higher > 0.0 { -own / higher } else { 0.0 }
+            if sign * own < 0.0 && sign * higher * size > negligible { -own / higher } else { 0.0 }
         };
-        let of_unknowns = (0..unknowns.len()).map(|j| needed(set.unknowns[j], unknowns[j], higher_unknowns[j]));
-        let of_rows = (0..rows.len()).map(|row| needed(set.rows[row], -rows[row], -higher_rows[row]));
+        let of_unknowns = (0..unknowns.len()).map(|j| needed(set.unknowns[j], unknowns[j], higher_unknowns[j], 1.0));
+        let of_rows =
+            (0..rows.len()).map(|row| needed(set.rows[row], -rows[row], -higher_rows[row], norm(levels.row(row))));
         let factor = of_unknowns.chain(of_rows).fold(0.0, f64::max);
         rows.iter_mut().zip(&higher_rows).for_each(|(w, higher)| *w += factor * higher);
         unknowns.iter_mut().zip(&higher_unknowns).for_each(|(h, higher)| *h += factor * higher);
     }
     (rows, unknowns)
+}
+
+/// Returns the size below which a multiplier, times the length of its row, is rounding of others.
+fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
+    let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * norm(levels.row(row)));
+    NEGLIGIBLE * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
 }
 
 /// Turns a demand into side · a·x ≤ side · b with a of length one.

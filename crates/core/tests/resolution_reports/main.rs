@@ -55,6 +55,7 @@ proptest! {
         tasks in prop::collection::vec(task(), 1..4), reference in entries(N), rests in any::<bool>(),
         is_damped in any::<bool>(),
     ) {
+        let norm = tasks.iter().map(|(rows, _)| rows.norm_squared()).sum::<f64>().sqrt();
         for method in METHODS {
             let problem = |solver| Problem {
                 method,
@@ -71,7 +72,11 @@ proptest! {
             for solver in [Solver::Auto, Solver::Qp] {
                 let answer = resolve(&problem(solver), &[]).unwrap();
                 prop_assert_eq!(answer.solver.status, Status::Optimal);
-                prop_assert_eq!(answer.solver.rank_uncertain, closed.solver.rank_uncertain);
+                // One level of all rows has another norm and other singular values than the levels of the closed form.
+                let ratio = closed.singularity.smallest_singular_value() / norm;
+                let is_near_the_threshold = (1e-7..1e-5).contains(&ratio);
+                let doubts = [answer.solver.rank_uncertain, closed.solver.rank_uncertain];
+                prop_assert!(doubts[0] == doubts[1] || is_near_the_threshold, "{doubts:?} {ratio:e}");
                 let speed = closed.joint_velocity.norm().max(1.0);
                 let error = (&answer.joint_velocity - &closed.joint_velocity).amax() / speed;
                 prop_assert!(error < 1e-7 || closed.solver.rank_uncertain, "{method:?} {solver:?} {error:e}");

@@ -148,7 +148,7 @@ fn named_members_of_normal_entries_are_minimal() {
 
 #[test]
 fn named_members_of_small_integers_are_minimal() {
-    examine(Entries::SmallIntegers, 0..2_000);
+    examine(Entries::SmallIntegers, 0..20_000);
 }
 
 /// Returns the members of the only contradiction, those of equations without a side.
