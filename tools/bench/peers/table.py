@@ -11,22 +11,25 @@ def seconds(value):
     return f'{value:.3g} s'
 
 
-rows, remarks = [], []
+fastest, remarks = {}, {}
 for line in Path(sys.argv[1]).read_text().splitlines():
     # Names can contain commas; the four numbers cannot, and errors can be missing.
     cells = re.fullmatch(r'(.+),([0-9.e+-]+),([0-9.e+-]+),([^,]*),([^,]*)', line)
     if not cells:
-        remarks.append(line)
+        # Other rounds have the same remarks, and the same program compiled otherwise computes the same numbers.
+        remarks.setdefault(line.replace(' (native)', ''))
         continue
     name, median, p99, error, first = cells.groups()
-    rows.append((name.split(':')[0].split(',')[0], float(median), name, float(p99), error, first))
+    row = (name.split(':')[0].split(',')[0], float(median), name, float(p99), error, first)
+    fastest[name] = min(fastest.get(name, row), row, key=lambda row: row[1])
+rows = list(fastest.values())
 groups = list(dict.fromkeys(row[0] for row in rows))
 rows.sort(key=lambda row: (groups.index(row[0]), row[1]))
 
 
 def base(group):
     """The row of revprio that others are compared with: the way that a control loop takes."""
-    ours = [row for row in rows if row[0] == group and 'revprio' in row[2]]
+    ours = [row for row in rows if row[0] == group and ': revprio' in row[2] and '(native)' not in row[2]]
     return min(ours, key=lambda row: (not row[2].endswith('warm'), not row[2].endswith('auto'), row[1]))
 
 

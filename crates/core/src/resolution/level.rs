@@ -205,7 +205,7 @@ impl WorkingSet {
 
     /// Returns whether no bound is active.
     pub fn is_empty(&self) -> bool {
-        self.unknowns.iter().chain(&self.rows).all(Option::is_none)
+        self.unknowns.iter().all(Option::is_none) && self.rows.iter().all(Option::is_none)
     }
 }
 
