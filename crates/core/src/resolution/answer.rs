@@ -177,14 +177,14 @@ impl Resolution {
         run: &mut PlanRun,
         engine: &Engine,
     ) {
-        let PlanRun { planned, solution, scales, contradictions, has_task_rows_alone, .. } = run;
+        let PlanRun { planned, solution, scales, contradictions, has_task_values, .. } = run;
         let counts = engine.clarabel_counts();
         let path = match counts {
             Some(_) => Path::Qp,
             None if solution.working_set.is_empty() => Path::ClosedForm,
             None => Path::ActiveSet,
         };
-        let achieved = if *has_task_rows_alone { solution.row_values.as_slice() } else { &[] };
+        let achieved = if *has_task_values { solution.row_values.as_slice() } else { &[] };
         self.report_velocity(problem, singularities, &solution.x, achieved);
         for (task, (scale, stated)) in self.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
             task.scale = scale.filter(|_| stated.scaled);

@@ -23,8 +23,8 @@ pub struct PlanRun {
     pub scales: Vec<Option<f64>>,
     /// Inequalities that cannot be kept together.
     pub contradictions: Vec<Contradiction>,
-    /// Whether the rows of `solution` are those of the tasks, in their order.
-    pub has_task_rows_alone: bool,
+    /// Whether the row values of `solution` are J_k q̇ of all tasks, in their order.
+    pub has_task_values: bool,
     guess: WorkingSet,
     /// Whether every stage below the highest one meets its task.
     lower_tasks_are_met: bool,
@@ -94,7 +94,8 @@ impl PlanRun {
         if !self.solution.is_optimal {
             return false;
         }
-        self.has_task_rows_alone = true;
+        // Where x was moved to its bounds, the values of the rows are not those of the answer.
+        self.has_task_values = engine.exact().last().x() == self.solution.x;
         if let Some(factors) = problem.damping {
             let last = problem.method.steps(tasks.len()).last();
             last.into_iter().for_each(|step| self.write(problem, step, 0.0));
@@ -114,7 +115,7 @@ impl PlanRun {
         refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
         refill(&mut self.scales, tasks.iter().map(|_| None));
         self.contradictions.clear();
-        self.has_task_rows_alone = false;
+        self.has_task_values = false;
     }
 
     /// Scales tasks and explains contradictions after the last problem; makes damped answers continuous.

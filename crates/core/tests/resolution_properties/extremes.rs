@@ -2,7 +2,7 @@
 
 use revprio_core::limits::{Inequality, VelocityBox};
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Solver, Status, resolve};
+use revprio_core::resolution::{ActiveSet, Method, Problem, Resolution, Resolver, Side, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::with;
@@ -94,6 +94,30 @@ fn numbers_whose_squares_overflow_are_never_called_optimal() {
             }
         }
     }
+}
+
+/// Rounding of huge targets is larger than the limits: the answer is moved to them, and what it achieves is computed there.
+#[test]
+fn achieved_velocities_are_those_of_the_answer() {
+    let both = Task::new("both", Matrix::identity(2, 2), Vector::from_row_slice(&[1e13, 1.5]));
+    let first_held: Vec<ActiveSet> = vec![[(0, Side::Upper)].into_iter().collect()];
+    for (task, guess) in [(equation(&[1.0, 2.0], 1e200), &[][..]), (both.clone(), &[]), (both, &first_held)] {
+        let problem = within(1.0, Method::StrictReversePriority, vec![task]);
+        let answer = resolve(&problem, guess).unwrap();
+        let achieved = &problem.tasks.tasks()[0].jacobian * &answer.joint_velocity;
+        assert!((&answer.tasks[0].achieved - &achieved).amax() < 1e-12, "{answer:?}");
+    }
+}
+
+/// On what the limit of joint 1 leaves, row 1 is short but not rounding, and row 2 is rounding. Squared lengths that are kept by
+/// subtraction say the opposite.
+#[test]
+fn a_short_row_is_not_mistaken_for_rounding() {
+    let rows = Matrix::from_row_slice(2, 2, &[1.0, 8e-9, 0.0, 1.2e-16]);
+    let task = Task::new("both", rows, Vector::from_row_slice(&[2.0, 0.0]));
+    let mut problem = within(1.0, Method::StrictReversePriority, vec![task]);
+    problem.limits = VelocityBox::new(&[-0.5, -1.0], &[0.5, 1.0]).unwrap();
+    assert_velocity(&problem, &[0.5, 1.0]);
 }
 
 #[test]

@@ -277,7 +277,7 @@ impl<const N: usize> Factorization<N> {
         let end = free.len().min(first + most.min(span.end - span.start));
         while c < end {
             let (head, open) = (free[c], &mut rows[place..]);
-            let square = bring_longest(&mut open[..span.end - place]);
+            let square = bring_longest(&mut open[..span.end - place], least);
             if !(square > least) {
                 taken.refused = square;
                 break;
@@ -416,10 +416,12 @@ fn remove_coordinate<const N: usize>(
     y
 }
 
-/// Moves the longest of these rows to the front; returns its squared length.
-fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>]) -> f64 {
+/// Moves the longest of these rows to the front; returns its squared length. Before it counts as too short, with `least` at most,
+/// all lengths are summed again.
+fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>], least: f64) -> f64 {
     let mut longest = longest(rows);
-    if rows[longest].square <= TRUSTED_SQUARE * rows[longest].summed_square {
+    let square = rows[longest].square;
+    if square <= TRUSTED_SQUARE * rows[longest].summed_square || square <= least {
         sum_squares(rows);
         longest = self::longest(rows);
     }
