@@ -96,9 +96,8 @@ impl PlanRun {
         }
         // Where x was moved to its bounds, the values of the rows are not those of the answer.
         self.has_task_values = engine.exact().last().x() == self.solution.x;
-        if let Some(factors) = problem.damping {
-            let last = problem.method.steps(tasks.len()).last();
-            last.into_iter().for_each(|step| self.write(problem, step, 0.0));
+        if let (Some(factors), Some(last)) = (problem.damping, problem.method.steps(tasks.len()).last()) {
+            self.write(problem, last, 0.0);
             self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
         true
