@@ -10,9 +10,11 @@ use revprio_core::controller::{
     StreamedTarget, StreamedValue, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile};
-use revprio_core::limits::LimitKind;
-use revprio_core::resolution::{Method, Path, Solver};
+use revprio_core::limits::{LimitKind, VelocityBox};
+use revprio_core::linalg::{Matrix, Vector};
+use revprio_core::resolution::{Method, Path, Problem, Resolution, Resolver, Solver, resolve};
 use revprio_core::streaming::{Quantity, Streaming};
+use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
@@ -129,6 +131,24 @@ fn every_method_allocates_nothing() {
     }
 }
 
+/// The memory of the answer has its size from a first answer, which starts from the right working set.
+#[test]
+fn a_search_that_meets_more_limits_than_before_allocates_nothing() {
+    let task = Task::new("all", Matrix::from_diagonal_element(7, 7, 1.0), Vector::from_element(7, 1.0));
+    let mut problem = Problem::new(TaskStack::new(vec![task]).unwrap());
+    let mut limit = [10.0; 7];
+    limit[0] = 0.5;
+    let bounds = |limit: [f64; 7]| VelocityBox::new(&limit.map(|limit| -limit), &limit).unwrap();
+    let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+    problem.limits = bounds(limit);
+    resolver.resolve(&problem, &[], &mut answer).unwrap();
+    problem.limits = bounds([0.5; 7]);
+    let guess = resolve(&problem, &[]).unwrap().active_set;
+    resolver.resolve(&problem, &guess, &mut answer).unwrap();
+    let counted = measure(|| resolver.resolve(&problem, &[], &mut answer).unwrap());
+    assert_eq!((counted.count_total, answer.active_limits.len(), answer.solver.working_sets), (0, 7, 2));
+}
+
 #[test]
 fn streamed_targets_allocate_nothing() {
     let mut arm = Loop::new(config(Solver::Auto, Limits::Robot(LimitKind::Velocity)));
@@ -161,7 +181,7 @@ fn auto_inside_the_limits_allocates_nothing() {
 
 #[test]
 fn auto_with_active_limits_allocates_nothing() {
-    let slow = revprio_core::limits::VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap();
+    let slow = VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap();
     for method in [Method::ReversePriority, Method::StrictReversePriority] {
         let config = ControllerConfig { method, ..config(Solver::Auto, Limits::Fixed(slow.clone())) };
         let tally = after_warm_up(config);

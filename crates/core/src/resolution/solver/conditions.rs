@@ -132,6 +132,7 @@ impl<const N: usize> Conditions<N> {
         let outside = solved.x.minus(&inside);
         let farthest = outside.amax();
         if farthest > rounding {
+            self.wrong.reserve(problem.unknowns);
             self.wrong.extend(solved.free.iter().filter(|&&j| outside.0[j].abs() > rounding));
         }
         // The answer is moved to its bounds, which counts as an error.

@@ -193,12 +193,12 @@ impl<const N: usize> Factorization<N> {
                 row.coordinates = Row::ZERO;
                 (row.rest, row.square) = (of_problem.coefficients, of_problem.square);
                 (row.index, row.target, row.residual) = (index, target, target);
-                row.summed_square = row.square;
-                for &j in &self.held {
-                    let entry = std::mem::take(&mut row.rest.0[j]);
-                    row.residual -= entry * self.base.0[j];
-                    row.square -= entry * entry;
+                if !self.held.is_empty() {
+                    row.residual -= row.rest.dot(&self.base);
+                    row.rest = row.rest.times(&self.is_free);
+                    row.square = row.rest.dot(&row.rest);
                 }
+                row.summed_square = row.square;
             }
             let target = target_square.sqrt();
             self.spans.push(Span { start, end, target, ..Span::default() });

@@ -101,6 +101,9 @@ impl<const N: usize> Search<N> {
         refill(&mut self.active, std::iter::repeat_n(None, count));
         self.sweeps.clear();
         self.pivot_rows.clear();
+        // Few searches need more, and none allocates step by step.
+        self.sweeps.reserve(count);
+        self.pivot_rows.reserve(count * self.stride);
     }
 
     /// Sets G, the weights, and the diagonal of K (section 6).
