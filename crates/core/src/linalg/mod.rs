@@ -44,28 +44,26 @@ pub fn all_finite(entries: &[f64]) -> bool {
 /// Returns a·b of two lists of the same length.
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = [0.0; 4];
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+    sum_over_pairs(a, b, |a, b| a * b)
 }
 
 /// Returns ‖a − b‖² of two lists of the same length.
 #[inline]
 pub fn distance_square(a: &[f64], b: &[f64]) -> f64 {
+    sum_over_pairs(a, b, |a, b| (a - b) * (a - b))
+}
+
+/// Returns Σ term(a_i, b_i), four terms at a time.
+#[inline]
+fn sum_over_pairs(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [0.0; 4];
     for (a, b) in a.iter().zip(b) {
         for lane in 0..4 {
-            sums[lane] += (a[lane] - b[lane]) * (a[lane] - b[lane]);
+            sums[lane] += term(a[lane], b[lane]);
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b)).sum();
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| term(*a, *b)).sum();
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 

@@ -305,8 +305,8 @@ impl PlannedProblem {
         }
     }
 
-    /// Forgets the rows.
-    pub fn clear(&mut self) {
+    /// Forgets what the rows stand for, where the problem is solved without them.
+    pub fn clear_origins(&mut self) {
         self.origins.clear();
     }
 

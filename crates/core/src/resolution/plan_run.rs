@@ -87,7 +87,7 @@ impl PlanRun {
             return false;
         }
         let n = problem.tasks.joint_count();
-        self.planned.clear();
+        self.planned.clear_origins();
         self.guess.clear(n, 0);
         self.guess.hold(guess, n);
         engine.solve_within(&problem.limits, own_levels, &self.guess, &mut self.solution);

@@ -66,6 +66,7 @@ impl<const N: usize> Conditions<N> {
         self.rounding = rounding;
         self.wrong.clear();
         self.wrong_rows.clear();
+        // Only inequality rows have bounds. Without them, the values are computed with the multipliers.
         if !trial.problem.inequalities.is_empty() {
             self.evaluate_rows(trial);
         }

@@ -101,7 +101,7 @@ impl<const N: usize> Search<N> {
         refill(&mut self.active, std::iter::repeat_n(None, count));
         self.sweeps.clear();
         self.pivot_rows.clear();
-        // Few searches need more, and none allocates step by step.
+        // More changes than constraints are rare.
         self.sweeps.reserve(count);
         self.pivot_rows.reserve(count * self.stride);
     }
