@@ -166,6 +166,11 @@ pub mod limits;
 pub mod linalg;
 pub mod resolution;
 pub mod streaming;
-pub mod task;
 
+pub use revprio_problem as problem;
 pub use revprio_robot as robot;
+
+/// Tasks in their order of priority.
+pub mod task {
+    pub use revprio_problem::{Task, TaskError, TaskStack};
+}

@@ -14,7 +14,7 @@ use revprio_robot::RobotModel;
 use super::{ControllerConfig, Memory};
 use crate::limits::{JerkLimit, JointMotion, LimitKind, LimitedBox, VelocityBox};
 use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Resolution, Resolver};
+use crate::resolution::{Problem, ProblemError, Resolution, Solve};
 
 /// What joints with a jerk limit remember.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +75,7 @@ impl Approach {
     pub fn resolve(
         &mut self,
         config: &ControllerConfig,
-        (problem, resolver): (&mut Problem, &mut Resolver),
+        (problem, solver): (&mut Problem, &mut dyn Solve),
         limited: &mut LimitedBox,
         motion: JointMotion,
         previous: &Memory,
@@ -84,7 +84,7 @@ impl Approach {
         self.all.copy_from(&limited.velocity_box);
         self.wide.update(&config.robot, LimitKind::PositionVelocity, motion, config.period_s);
         problem.limits.copy_from(&self.wide.velocity_box);
-        resolver.resolve(problem, &previous.active_set, resolution)?;
+        solver.solve(problem, &previous.active_set, resolution)?;
         self.requested.copy_from(&resolution.joint_velocity);
         let last = previous.jerk.as_ref().map_or(&previous.last_command, |jerk| &jerk.requested);
         limited.approach(&config.robot, motion, self.requested.as_slice(), last.as_slice(), config.period_s);
@@ -92,10 +92,10 @@ impl Approach {
         if problem.limits.allows(self.requested.as_slice()) {
             return Ok(());
         }
-        resolver.resolve(problem, &previous.active_set, resolution)?;
+        solver.solve(problem, &previous.active_set, resolution)?;
         if !resolution.violated_inequalities.is_empty() {
             problem.limits.copy_from(&self.all);
-            resolver.resolve(problem, &previous.active_set, resolution)?;
+            solver.solve(problem, &previous.active_set, resolution)?;
         }
         Ok(())
     }

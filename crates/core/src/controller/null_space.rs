@@ -12,7 +12,7 @@ use super::task_target::TaskTarget;
 use super::{Controller, Memory, TaskConfig};
 use crate::law::Law;
 use crate::limits::Drive;
-use crate::linalg::{Damping, Vector};
+use crate::linalg::{Damping, DampingFactor as _, Vector};
 use crate::resolution::Problem;
 use crate::task::TaskStack;
 

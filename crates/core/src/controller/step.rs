@@ -61,6 +61,9 @@ pub enum StepError {
     /// A task velocity overflows.
     #[error("a task velocity is not a finite number; check gains and wrench: {0}")]
     Task(#[from] TaskError),
+    /// The solver is not the one that the configuration names.
+    #[error("the solver is not the one that the controller names; pass that one to `Stepper::with_solver`")]
+    Solver,
     /// The parts of the problem do not fit each other. A checked configuration excludes this.
     #[error(transparent)]
     Problem(#[from] ProblemError),
@@ -104,7 +107,7 @@ impl Controller {
             limited,
             approach,
             problem,
-            resolver,
+            solver,
             command,
             zero_velocity,
             distance_to_rest,
@@ -158,8 +161,8 @@ impl Controller {
         problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration, ahead, braking)));
         let resolution = &mut command.resolution;
         match approach {
-            Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,
-            None => resolver.resolve(problem, &previous.active_set, resolution)?,
+            Some(approach) => approach.resolve(config, (problem, &mut **solver), limited, motion, previous, resolution)?,
+            None => solver.solve(problem, &previous.active_set, resolution)?,
         }
         config.remove_weights(&mut command.resolution.tasks, &command.targets);
         command.report_bounds(&config.tasks);

@@ -12,7 +12,7 @@ use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
 use crate::limits::{JointMotion, LimitedBox};
 use crate::linalg::{Matrix, Vector};
-use crate::resolution::{Problem, Resolver};
+use crate::resolution::{Problem, Resolver, Solve, Solver};
 use crate::task::{Task, TaskStack};
 
 /// A controller with the workspace that its steps overwrite.
@@ -26,10 +26,22 @@ pub struct Stepper {
 }
 
 impl Stepper {
-    /// Allocates the workspace of a controller.
+    /// Allocates the workspace of a controller with the solver `auto`.
     pub fn new(controller: impl Into<Arc<Controller>>) -> Result<Self, StepError> {
         let controller = controller.into();
-        let workspace = Workspace::new(controller.config())?;
+        if controller.config().solver != Solver::Auto {
+            return Err(StepError::Solver);
+        }
+        Self::with_solver(controller, Box::<Resolver>::default())
+    }
+
+    /// Allocates the workspace of a controller with the solver that its configuration names.
+    pub fn with_solver(controller: impl Into<Arc<Controller>>, solver: Box<dyn Solve>) -> Result<Self, StepError> {
+        let controller = controller.into();
+        if solver.keeps_limits() != (controller.config().solver != Solver::ClosedForm) {
+            return Err(StepError::Solver);
+        }
+        let workspace = Workspace::new(controller.config(), solver)?;
         Ok(Self { controller, workspace })
     }
 
@@ -72,7 +84,7 @@ pub(super) struct Workspace {
     /// For joints with a jerk limit.
     pub(super) approach: Option<Approach>,
     pub(super) problem: Problem,
-    pub(super) resolver: Resolver,
+    pub(super) solver: Box<dyn Solve>,
     pub(super) command: Command,
     /// q̇ of an arm at rest, n.
     pub(super) zero_velocity: Vec<f64>,
@@ -88,7 +100,7 @@ pub(super) struct Workspace {
 
 impl Workspace {
     /// Allocates the values for a checked configuration.
-    fn new(config: &ControllerConfig) -> Result<Self, StepError> {
+    fn new(config: &ControllerConfig, solver: Box<dyn Solve>) -> Result<Self, StepError> {
         let n = config.robot.joint_count();
         let zeros = vec![0.0; n];
         let at_rest =
@@ -107,9 +119,9 @@ impl Workspace {
             limits: limited.velocity_box.clone(),
             inequalities: Vec::new(),
             method: config.method,
-            solver: config.solver,
             damping: config.fading_damping(),
             null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
+            wants_certificate: false,
         };
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
         let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
@@ -119,7 +131,7 @@ impl Workspace {
             limited,
             approach: Approach::new(config),
             problem,
-            resolver: Resolver::default(),
+            solver,
             command,
             distance_to_rest: zeros.clone(),
             zero_velocity: zeros,

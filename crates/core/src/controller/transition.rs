@@ -12,7 +12,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError};
 use super::memory::fits_task;
 use super::task::ArmState;
 use super::{Controller, ControllerConfig, Limits, Memory, MemoryError, Progress};
-use crate::limits::{JointMotion, LimitKind, LimitedBox, VelocityBox};
+use crate::limits::{JointMotion, LimitKind, LimitedBox, VelocityBox, bound_changes};
 use crate::resolution::{Resolution, Solver};
 use crate::streaming::TargetStream;
 
@@ -121,7 +121,7 @@ impl ControllerConfig {
             limited.update(&self.robot, LimitKind::PositionVelocityAcceleration, motion, self.period_s);
             velocity_box.copy_from(&limited.velocity_box);
         } else {
-            velocity_box.bound_changes(&self.robot, motion.last_command, self.period_s);
+            bound_changes(velocity_box, &self.robot, motion.last_command, self.period_s);
         }
     }
 

@@ -181,7 +181,12 @@ impl VirtualPlane {
         let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
         let by_rate = self.rate * distance;
         let bound = by_rate.clamp(-speed, speed) - turning;
-        Inequality { name: self.name.clone(), coefficients, bound }
+        let mut inequality = Inequality::always_satisfied(self.name.clone(), coefficients.len());
+        inequality.overwrite(|along| {
+            along.copy_from_slice(coefficients.as_slice());
+            bound
+        });
+        inequality
     }
 
     /// Returns the point (m) and its Jacobian, 3 × n.

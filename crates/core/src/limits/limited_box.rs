@@ -4,7 +4,8 @@ use revprio_robot::{JointLimits, RobotModel};
 
 use super::braking::{NOISE_TOLERANCE, braking_deceleration, reaction_time};
 use super::jerk::JerkLimit;
-use super::velocity_box::{LimitKind, VelocityBox};
+use super::limit_kind::LimitKind;
+use revprio_problem::VelocityBox;
 
 /// A box of allowed velocities, with the joints whose acceleration or jerk limit it does not keep.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,9 +73,10 @@ impl LimitedBox {
     ) {
         for (i, joint) in robot.joints().iter().enumerate() {
             if let Some(jerk) = JerkLimit::of(&joint.limits, period) {
-                let VelocityBox { lower, upper } = &mut self.velocity_box;
+                let bounds = (self.velocity_box.lower()[i], self.velocity_box.upper()[i]);
                 let last = (motion.last_command[i], motion.last_acceleration[i]);
-                (lower[i], upper[i]) = jerk.around((lower[i], upper[i]), last, requested[i], last_requested[i]);
+                let (lower, upper) = jerk.around(bounds, last, requested[i], last_requested[i]);
+                self.velocity_box.set_joint(i, lower, upper);
             }
         }
     }
@@ -84,8 +86,7 @@ impl LimitedBox {
         self.conflicts.clear();
         for (i, joint) in robot.joints().iter().enumerate() {
             let interval = Interval::from_limits(&joint.limits, kind, motion, i, period);
-            self.velocity_box.lower[i] = interval.lower;
-            self.velocity_box.upper[i] = interval.upper;
+            self.velocity_box.set_joint(i, interval.lower, interval.upper);
             if interval.conflict {
                 self.conflicts.push(i);
             }

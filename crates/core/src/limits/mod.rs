@@ -53,16 +53,16 @@ mod barrier;
 mod braking;
 mod drive;
 mod hold;
-mod inequality;
 mod jerk;
+mod limit_kind;
 mod limited_box;
-mod velocity_box;
 
 pub use barrier::{APPROACH_RATE, Ahead, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;
-pub use inequality::{Inequality, InequalityError};
 pub use jerk::JerkLimit;
 pub use limited_box::{JointMotion, LimitedBox, robot_box};
-pub use velocity_box::{LimitKind, VelocityBox, VelocityBoxError};
+pub use revprio_problem::{Inequality, InequalityError, VelocityBox, VelocityBoxError};
+
+pub use limit_kind::{LimitKind, bound_changes};

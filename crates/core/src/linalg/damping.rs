@@ -1,66 +1,28 @@
 //! The variable damping factor of damped least squares.
 
-/// Fraction of δ below which a task gradually leaves the direction of a singular value to lower tasks.
-const FADING: f64 = 0.25;
+use revprio_problem::Damping;
 
-/// Longest reaction time of a control loop for which [`FADING`] is wide enough, s.
-const FADING_REACTION: f64 = 0.005;
+/// The damping factor as a function of the smallest singular value.
+pub trait DampingFactor {
+    /// Returns λ for a matrix whose smallest singular value is `sigma_min`: λ² = (1 − (σ_min/δ)²) λ_max² below δ, otherwise
+    /// 0.
+    ///
+    /// Paper: Eqs. (18), (19). Departs: the paper squares twice; this is the usual form.
+    fn factor(&self, sigma_min: f64) -> f64;
 
-/// Damping that sets in near a singularity, as a function of the smallest singular value.
-///
-/// λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.
-///
-/// Paper: Eqs. (18), (19). Departs: the paper squares twice; this is the usual form.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Damping {
-    threshold: f64,
-    max_factor: f64,
-    /// Fraction of δ below which directions fade.
-    fading: f64,
+    /// Returns how much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from
+    /// [`Damping::fading_threshold`] on.
+    fn keeps(&self, sigma: f64) -> f64;
 }
 
-impl Damping {
-    /// δ = 0.05, λ_max = 0.1: the values of the paper's singular scenarios.
-    pub const STANDARD: Self = Self { threshold: 0.05, max_factor: 0.1, fading: FADING };
-    /// δ = λ_max = 0.15: the default of controllers, for arms with a reach of about 1 m. `docs/guides/choose-damping.md`
-    /// has the measurements.
-    pub const ARM: Self = Self { threshold: 0.15, max_factor: 0.15, fading: FADING };
-
-    /// Damping below the singular value `threshold` (δ > 0), at most `max_factor` (λ_max ≥ 0);
-    /// `None` if either is out of range or not finite.
-    pub fn new(threshold: f64, max_factor: f64) -> Option<Self> {
-        let valid = threshold.is_finite() && threshold > 0.0 && max_factor.is_finite() && max_factor >= 0.0;
-        valid.then_some(Self { threshold, max_factor, fading: FADING })
+impl DampingFactor for Damping {
+    fn factor(&self, sigma_min: f64) -> f64 {
+        let ratio = sigma_min / self.threshold();
+        if ratio < 1.0 { self.max_factor() * (1.0 - ratio * ratio).sqrt() } else { 0.0 }
     }
 
-    /// Returns the damping of a loop that reacts after this time (s): beyond 5 ms directions fade over a range that grows with
-    /// it, up to δ. In a narrower one the velocity of an arm that is held back at a singularity would change faster with the
-    /// posture than the loop can follow, so that the arm would move back and forth.
-    #[must_use]
-    pub fn for_reaction(self, reaction: f64) -> Self {
-        Self { fading: FADING * (reaction / FADING_REACTION).clamp(1.0, 1.0 / FADING), ..self }
-    }
-
-    /// δ, the singular value below which damping acts.
-    pub fn threshold(&self) -> f64 {
-        self.threshold
-    }
-
-    /// λ_max, the damping factor at a singular value of zero.
-    pub fn max_factor(&self) -> f64 {
-        self.max_factor
-    }
-
-    /// λ for a matrix whose smallest singular value is `sigma_min`.
-    pub fn factor(&self, sigma_min: f64) -> f64 {
-        let ratio = sigma_min / self.threshold;
-        if ratio < 1.0 { self.max_factor * (1.0 - ratio * ratio).sqrt() } else { 0.0 }
-    }
-
-    /// How much a task keeps the direction of a singular value from lower tasks: 0 at zero, 1 from a quarter of δ on, or from
-    /// where [`Self::for_reaction`] says.
-    pub fn keeps(&self, sigma: f64) -> f64 {
-        let ratio = (sigma / (self.fading * self.threshold)).min(1.0);
+    fn keeps(&self, sigma: f64) -> f64 {
+        let ratio = (sigma / self.fading_threshold()).min(1.0);
         ratio * ratio * (3.0 - 2.0 * ratio)
     }
 }
@@ -77,12 +39,5 @@ mod tests {
         assert_eq!(damping.factor(0.0), 0.1);
         assert!(damping.factor(0.05 - 1e-9) > 0.0);
         assert!((damping.factor(0.03).powi(2) - (1.0 - 0.36) * 0.01).abs() < 1e-15);
-    }
-
-    #[test]
-    fn impossible_dampings_do_not_exist() {
-        for (threshold, factor) in [(0.0, 0.1), (-1.0, 0.1), (0.05, -0.1), (f64::NAN, 0.1), (0.05, f64::INFINITY)] {
-            assert!(Damping::new(threshold, factor).is_none());
-        }
     }
 }

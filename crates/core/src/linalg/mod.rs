@@ -10,7 +10,8 @@ mod svd;
 mod task_vector;
 mod triangle;
 
-pub use damping::Damping;
+pub use damping::DampingFactor;
+pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
 pub use singular_values::SingularValues;
 pub use small_svd::SmallSvd;
@@ -21,11 +22,6 @@ pub use triangle::{smallest_and_product, smallest_eigenvalue, smallest_from_inve
 
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;
-
-/// A matrix of any shape.
-pub type Matrix = nalgebra::DMatrix<f64>;
-/// A column of any length.
-pub type Vector = nalgebra::DVector<f64>;
 
 /// Returns whether all entries are finite numbers.
 #[inline]
@@ -92,9 +88,4 @@ pub fn stack(top: &Matrix, bottom: &Matrix) -> Matrix {
     stacked.rows_mut(0, top.nrows()).copy_from(top);
     stacked.rows_mut(top.nrows(), bottom.nrows()).copy_from(bottom);
     stacked
-}
-
-/// Puts `top` over `bottom`.
-pub fn concatenate(top: &Vector, bottom: &Vector) -> Vector {
-    Vector::from_iterator(top.len() + bottom.len(), top.iter().chain(bottom.iter()).copied())
 }

@@ -1,4 +1,4 @@
-//! A hierarchical problem through Clarabel, an interior-point solver, level by level.
+//! The last resort of the hierarchical solver: a working set from Clarabel, an interior-point solver, level by level.
 //!
 //! A level minimises its squared slack over what the levels before left open, x + Z z, with all bounds as inequalities. Then
 //! its rows are kept: Z loses the directions that change them, and bounds with a multiplier become fixed. An interior-point
@@ -9,7 +9,9 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
+use revprio_problem::Side;
+
+use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use super::solver::HierarchicalSolver;
 
 /// A cap far above the 5 to 15 iterations that levels take: a failing problem would go on.
@@ -27,20 +29,9 @@ const SIGNIFICANT: f64 = 1e-7;
 /// A level that moves by less than this fraction is decided by the levels above.
 const DECIDED: f64 = 1e-10;
 
-/// What Clarabel has done since the counts were cleared.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ClarabelCounts {
-    /// Iterations over all levels.
-    pub iterations: u32,
-    /// Levels that Clarabel failed to solve.
-    pub failures: u32,
-}
-
 /// The levels of a problem through a quadratic-programming solver.
 #[derive(Default)]
 pub struct ClarabelLevels<S = Clarabel> {
-    /// Counts since they were cleared last.
-    pub counts: ClarabelCounts,
     solver: S,
     program: QuadraticProgram,
     answer: QpAnswer,
@@ -83,9 +74,7 @@ impl<S: QpSolver> ClarabelLevels<S> {
             self.program.write(problem, level, &self.x, &self.null_space, &self.set, &mut self.bounds);
             if !self.program.is_decided {
                 self.solver.solve(&self.program, &mut self.answer);
-                self.counts.iterations += self.answer.iterations;
                 if !self.answer.is_usable() {
-                    self.counts.failures += 1;
                     return;
                 }
                 self.move_and_activate(problem);

@@ -4,9 +4,10 @@
 //! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). A proof with the fewest members is found by taking
 //! members away along dependencies of the vectors a_i, as long as the rest still is a proof.
 
-use super::level::{Hierarchy, Side, Solution};
+use revprio_problem::{Contradiction, Member, Problem, Side};
+
+use super::level::{Hierarchy, Solution};
 use super::plan::{Origin, PlannedProblem};
-use super::problem::Problem;
 use super::solver::HierarchicalSolver;
 use crate::linalg::Matrix;
 
@@ -15,43 +16,6 @@ const NEGLIGIBLE: f64 = 1e-9;
 
 /// A dependency that differs from the weights by less than this fraction is the same one.
 const DISTINCT: f64 = 1e-6;
-
-/// A minimal set of demands that contradict each other: without any one of them the rest can be kept together.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Contradiction {
-    /// The task whose inequality rows cannot all be kept, index from 0; `None` for the hard inequalities before all tasks.
-    pub task: Option<usize>,
-    /// The demands.
-    pub members: Vec<Member>,
-}
-
-/// A demand of a contradiction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Member {
-    /// A row of a task. An equation of a higher task stands for the value that it achieves.
-    Row {
-        /// Index of the task, from 0.
-        task: usize,
-        /// Index of the row, from 0.
-        row: usize,
-        /// Which bound.
-        side: Side,
-    },
-    /// A joint velocity limit.
-    Limit {
-        /// Index of the joint, from 0.
-        joint: usize,
-        /// Which bound.
-        side: Side,
-    },
-    /// A hard inequality.
-    Inequality {
-        /// Index in the list, from 0.
-        index: usize,
-        /// Which bound.
-        side: Side,
-    },
-}
 
 /// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
 struct Demand {

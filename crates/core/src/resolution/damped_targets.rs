@@ -1,9 +1,10 @@
 //! The velocity that damping leaves of one task after the other, without limits.
 
+use revprio_problem::{Damping, Problem};
+
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution, refill};
-use super::problem::Problem;
-use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, row_times};
+use crate::linalg::{DampingFactor, RANK_TOLERANCE, SmallSvd, row_times};
 
 /// Damps the tasks of the stages of reverse priority, and all rows as one level.
 #[derive(Default)]
@@ -96,7 +97,7 @@ impl DampedTargets {
     }
 
     fn solve(&mut self, engine: &mut Engine) {
-        engine.solve(&self.problem, None, &mut self.solution);
+        engine.solve(&self.problem, &[], None, &mut self.solution);
         self.is_optimal &= self.solution.is_optimal;
         self.kkt_residual = self.kkt_residual.max(self.solution.kkt_residual);
     }

@@ -1,28 +1,32 @@
-//! The two solvers of a hierarchical problem behind one interface.
+//! The solver of hierarchical problems, its last resort, and the record of what it solved.
 
-use super::clarabel::{ClarabelCounts, ClarabelLevels};
+use super::certified::Record;
+use super::clarabel::ClarabelLevels;
 use super::level::{Hierarchy, Solution, WorkingSet};
-use super::problem::Solver;
+use super::plan::Origin;
 use super::solver::HierarchicalSolver;
 use crate::limits::VelocityBox;
 
-/// Working sets after which Clarabel's working set is tried. Few problems need more than ten, and those that do have many
-/// levels of inequality rows, for which Clarabel is faster.
-const MAX_SETS_BEFORE_CLARABEL: u32 = 60;
+/// Working sets after which the last resort is tried. Few problems need more than ten, and those that do have many levels of
+/// inequality rows, for which Clarabel is faster.
+const MAX_SETS_BEFORE_LAST_RESORT: u32 = 60;
 
-/// The hierarchical solver, or Clarabel level by level in front of it.
+/// The hierarchical solver, with Clarabel's working set as the last resort.
 #[derive(Default)]
 pub struct Engine {
     exact: HierarchicalSolver,
     clarabel: ClarabelLevels,
-    uses_clarabel: bool,
+    /// Problems for which the last resort was tried since [`Self::start`].
+    pub last_resorts: u32,
+    /// The problems that were solved since [`Self::start`], if they are recorded.
+    pub record: Option<Record>,
 }
 
 impl Engine {
-    /// Chooses the solver of the next problems and sets the counts of Clarabel to zero.
-    pub fn choose(&mut self, solver: Solver) {
-        self.uses_clarabel = solver == Solver::Qp;
-        self.clarabel.counts = ClarabelCounts::default();
+    /// Forgets the last answer; `is_recorded`: records the problems of the next one.
+    pub fn start(&mut self, is_recorded: bool) {
+        self.last_resorts = 0;
+        self.record = is_recorded.then(Record::default);
     }
 
     /// Returns the hierarchical solver.
@@ -30,21 +34,21 @@ impl Engine {
         &mut self.exact
     }
 
-    /// Returns whether Clarabel is in use, and its counts since [`Self::choose`].
-    pub fn clarabel_counts(&self) -> Option<ClarabelCounts> {
-        self.uses_clarabel.then_some(self.clarabel.counts)
-    }
-
-    /// Solves a problem; `guess` is the working set that the hierarchical solver starts from.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        if self.uses_clarabel {
-            self.clarabel.solve(problem, &mut self.exact, solution);
-            return;
-        }
+    /// Solves a problem whose rows mean `origins` (empty: they are auxiliary); `guess` is the working set to start from.
+    pub fn solve(
+        &mut self,
+        problem: &Hierarchy,
+        origins: &[Origin],
+        guess: Option<&WorkingSet>,
+        solution: &mut Solution,
+    ) {
         let exact = self.exact.of_width(problem.unknowns);
-        exact.solve(problem, guess, MAX_SETS_BEFORE_CLARABEL, solution);
+        exact.solve(problem, guess, MAX_SETS_BEFORE_LAST_RESORT, solution);
         if !solution.is_optimal {
             self.try_harder(problem, solution);
+        }
+        if let Some(record) = &mut self.record {
+            record.push(problem, origins, &solution.x, self.exact.last());
         }
     }
 
@@ -59,16 +63,17 @@ impl Engine {
         let exact = self.exact.last();
         exact.join_levels(own_levels);
         let bounds = (limits.lower().as_slice(), limits.upper().as_slice());
-        exact.solve_within(bounds, Some(guess), MAX_SETS_BEFORE_CLARABEL, solution);
+        exact.solve_within(bounds, Some(guess), MAX_SETS_BEFORE_LAST_RESORT, solution);
     }
 
     /// Solves a problem from Clarabel's working set, and from nothing with all working sets that it may take. Where rounding
-    /// may have decided a rank, the second one comes first: `auto` and `qp` then decide alike.
+    /// may have decided a rank, the second one comes first: Clarabel's set may be of another rank.
     #[cold]
     fn try_harder(&mut self, problem: &Hierarchy, solution: &mut Solution) {
         for is_clarabel in [!solution.rank_uncertain, solution.rank_uncertain] {
             let tried = solution.working_sets;
             if is_clarabel {
+                self.last_resorts += 1;
                 self.clarabel.solve(problem, &mut self.exact, solution);
             } else {
                 self.exact.solve(problem, None, solution);

@@ -1,32 +1,8 @@
 //! The data of a hierarchical problem: levels of rows within a box, a working set, a solution.
 
-use smallvec::SmallVec;
+use revprio_problem::{ActiveSet, Side};
 
 use crate::linalg::Matrix;
-
-/// Lower or upper bound of a joint or of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The lower bound.
-    Lower,
-    /// The upper bound.
-    Upper,
-}
-
-impl Side {
-    /// Returns −1 for the lower and 1 for the upper bound.
-    #[inline]
-    pub fn sign(self) -> f64 {
-        match self {
-            Self::Lower => -1.0,
-            Self::Upper => 1.0,
-        }
-    }
-}
-
-/// The active bounds of one problem in ascending order, with their sides. Indices count the joints from 0, then the hard
-/// inequalities, then the rows of the tasks.
-pub type ActiveSet = SmallVec<[(usize, Side); 8]>;
 
 /// The numbers of entries that a row can have in memory; a row of n coefficients takes the first one that is at least n.
 pub const ROW_WIDTHS: [usize; 7] = [4, 8, 16, 24, 40, 72, 136];

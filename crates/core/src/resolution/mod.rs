@@ -1,16 +1,11 @@
 //! From prioritised tasks to joint velocities.
 //!
-//! Each [`Method`] is a list of least-squares problems with priority levels and joint limits. [`Solver`] chooses how they
-//! are solved:
+//! Each [`Method`] is a list of least-squares problems with priority levels and joint limits. [`Resolver`] solves them with
+//! the hierarchical solver: an active-set method for all levels at once, with a certificate. It is the solver `auto`.
 //!
-//! | solver | computation |
-//! |---|---|
-//! | [`Solver::Auto`] | the hierarchical solver: an active-set method for all levels at once, with a certificate |
-//! | [`Solver::Qp`] | Clarabel level by level; the hierarchical solver evaluates and corrects its active limits |
-//! | [`Solver::ClosedForm`] | the literature's pseudo-inverse formulas, as a reference; they know no limits |
-//!
-//! Inside the limits all three give the same vector, and tests compare them. Do not use [`Solver::ClosedForm`] on a real
-//! arm. It ignores joint limits.
+//! The crate `revprio-reference` computes the same answers in two other ways: `ClosedForm`, the printed formulas without
+//! limits, and `Qp`, Clarabel level by level. It shares no arithmetic with this crate, and tests compare the answers. Do not
+//! use `ClosedForm` on a real arm. It ignores joint limits.
 //!
 //! ```
 //! use revprio_core::limits::VelocityBox;
@@ -37,16 +32,14 @@
 //! answers. `docs/methods.md` compares the methods, with numbers and a picture; [`Method`] has their formulas.
 
 mod answer;
+mod certified;
 mod clarabel;
-mod closed_form;
 mod contradiction;
 mod damped_targets;
 mod engine;
-mod equation_rows;
 mod level;
 mod plan;
 mod plan_run;
-mod problem;
 mod regularity;
 mod relaxed_levels;
 mod resolver;
@@ -56,13 +49,9 @@ mod smoothing;
 mod solver;
 mod strict_targets;
 
-pub use answer::{
-    ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LimitViolation, Path, Resolution, SolverReport,
-    Status, TaskOutcome,
-};
-pub use contradiction::{Contradiction, Member};
-pub use level::{ActiveSet, Side};
-pub use problem::{Method, Problem, ProblemError, Solver};
 pub use resolver::{Resolver, resolve};
-pub use singularity::Singularity;
-pub use solver::MAX_UNKNOWNS;
+pub use revprio_problem::{
+    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Certificate, CertifiedLevel, CertifiedProblem, Contradiction,
+    InequalityViolation, LevelReport, LimitViolation, MAX_UNKNOWNS, Member, Method, Multipliers, Part, Path, Problem,
+    ProblemError, Resolution, RowName, Side, Singularity, Solve, Solver, SolverReport, Status, TaskOutcome,
+};

@@ -1,5 +1,4 @@
-//! A method as a list of hierarchical problems. Apart from the printed formulas in `closed_form.rs`, this is the only place
-//! that knows the methods.
+//! A method as a list of hierarchical problems. This is the only place that knows the methods.
 //!
 //! The problems are solved in order, and each one starts from the answer q̇' of the one before, at first ζ̇:
 //!
@@ -13,10 +12,10 @@
 //! Hard inequalities are a level above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
 //! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') next to the rows of the level.
 
-use super::level::{ActiveSet, Hierarchy, WorkingSet, refill};
-use super::problem::{Method, Problem};
+use revprio_problem::{ActiveSet, Method, Problem, Task};
+
+use super::level::{Hierarchy, WorkingSet, refill};
 use crate::linalg::row_times;
-use crate::task::Task;
 
 /// One problem of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,45 +50,43 @@ impl Step {
     }
 }
 
-impl Method {
-    /// Returns the problems of the method for `tasks` tasks, in the order of solution.
-    pub(super) fn steps(self, tasks: usize) -> impl Iterator<Item = Step> {
-        let stage = |keeps_lower_tasks| move |task| Step::Stage { task, keeps_lower_tasks };
-        let (single, stages) = match self {
-            Self::Pseudoinverse | Self::DampedLeastSquares => (Some(Step::OneLevel), None),
-            Self::TaskPriority | Self::StrictReversePriority => (Some(Step::Levels), None),
-            Self::SingularityRobust => (None, Some((0..tasks).rev().map(stage(false)))),
-            Self::ReversePriority => (None, Some((0..tasks).rev().map(stage(true)))),
-        };
-        single.into_iter().chain(stages.into_iter().flatten())
-    }
+/// Returns the problems of the method for `tasks` tasks, in the order of solution.
+pub fn steps(method: Method, tasks: usize) -> impl Iterator<Item = Step> {
+    let stage = |keeps_lower_tasks| move |task| Step::Stage { task, keeps_lower_tasks };
+    let (single, stages) = match method {
+        Method::Pseudoinverse | Method::DampedLeastSquares => (Some(Step::OneLevel), None),
+        Method::TaskPriority | Method::StrictReversePriority => (Some(Step::Levels), None),
+        Method::SingularityRobust => (None, Some((0..tasks).rev().map(stage(false)))),
+        Method::ReversePriority => (None, Some((0..tasks).rev().map(stage(true)))),
+    };
+    single.into_iter().chain(stages.into_iter().flatten())
+}
 
-    /// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
-    ///
-    /// Reverse priority corrects ζ̇ for lower inequality tasks before it reaches higher tasks, so it may end elsewhere.
-    pub(super) fn meets_independent_tasks(self, are_equations: bool) -> bool {
-        match self {
-            Self::SingularityRobust => false,
-            Self::ReversePriority => are_equations,
-            _ => true,
-        }
+/// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
+///
+/// Reverse priority corrects ζ̇ for lower inequality tasks before it reaches higher tasks, so it may end elsewhere.
+pub fn meets_independent_tasks(method: Method, are_equations: bool) -> bool {
+    match method {
+        Method::SingularityRobust => false,
+        Method::ReversePriority => are_equations,
+        _ => true,
     }
+}
 
-    /// Returns how many of the highest tasks are levels of their own in the last problem, above one level of all others, if the
-    /// problems before it can be left out for independent, undamped equations.
-    pub(super) fn own_levels(self, tasks: usize) -> Option<usize> {
-        match self {
-            Self::Pseudoinverse | Self::DampedLeastSquares => Some(0),
-            Self::TaskPriority | Self::StrictReversePriority => Some(tasks),
-            Self::ReversePriority => Some(1),
-            Self::SingularityRobust => None,
-        }
+/// Returns how many of the highest tasks are levels of their own in the last problem, above one level of all others, if the
+/// problems before it can be left out for independent, undamped equations.
+pub fn own_levels(method: Method, tasks: usize) -> Option<usize> {
+    match method {
+        Method::Pseudoinverse | Method::DampedLeastSquares => Some(0),
+        Method::TaskPriority | Method::StrictReversePriority => Some(tasks),
+        Method::ReversePriority => Some(1),
+        Method::SingularityRobust => None,
     }
+}
 
-    /// Returns whether a level that holds all rows is damped.
-    pub(super) fn damps_one_level(self) -> bool {
-        self == Self::DampedLeastSquares
-    }
+/// Returns whether a level that holds all rows is damped.
+pub fn damps_one_level(method: Method) -> bool {
+    method == Method::DampedLeastSquares
 }
 
 /// What a row of a planned problem stands for.

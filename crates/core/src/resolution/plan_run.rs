@@ -1,16 +1,16 @@
 //! The problems of a plan, solved one after the other.
 
-use super::contradiction::{Contradiction, write_contradictions};
+use revprio_problem::{ActiveSet, Contradiction, Problem, Task};
+
+use super::contradiction::write_contradictions;
 use super::damped_targets::DampedTargets;
 use super::engine::Engine;
-use super::level::{ActiveSet, Solution, WorkingSet, refill};
-use super::plan::{Aim, PlannedProblem, Scaling, Step};
-use super::problem::Problem;
+use super::level::{Solution, WorkingSet, refill};
+use super::plan::{Aim, PlannedProblem, Scaling, Step, damps_one_level, own_levels, steps};
 use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
 use super::strict_targets::StrictTargets;
-use crate::task::Task;
 
 /// A run of a plan and its result.
 #[derive(Default)]
@@ -53,19 +53,18 @@ impl PlanRun {
         self.start(problem, zeta);
         let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
         // Independent equations: the stages below the highest one need not be solved.
-        self.lower_tasks_are_met =
-            singularities.is_regular && singularities.has_only_equations && engine.clarabel_counts().is_none();
+        self.lower_tasks_are_met = singularities.is_regular && singularities.has_only_equations;
         if self.lower_tasks_are_met && self.solve_independent(problem, guess, engine) {
             return;
         }
         let skips_stages = self.lower_tasks_are_met;
-        for step in problem.method.steps(tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
+        for step in steps(problem.method, tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
             is_optimal &= self.damped.is_optimal;
             kkt_residual = kkt_residual.max(self.damped.kkt_residual);
             self.write(problem, step, damping);
             self.planned.write_guess(problem, guess, &mut self.guess);
-            engine.solve(&self.planned.levels, Some(&self.guess), &mut self.solution);
+            engine.solve(&self.planned.levels, &self.planned.origins, Some(&self.guess), &mut self.solution);
             self.finish(problem, step, damping, engine);
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
             is_optimal &= self.solution.is_optimal;
@@ -82,7 +81,7 @@ impl PlanRun {
     /// more than these and the box, or without an answer.
     fn solve_independent(&mut self, problem: &Problem, guess: &[ActiveSet], engine: &mut Engine) -> bool {
         let tasks = problem.tasks.tasks();
-        let Some(own_levels) = problem.method.own_levels(tasks.len()) else { return false };
+        let Some(own_levels) = own_levels(problem.method, tasks.len()) else { return false };
         if !problem.inequalities.is_empty() || tasks.iter().any(|task| task.scaled) {
             return false;
         }
@@ -96,11 +95,35 @@ impl PlanRun {
         }
         // Where x was moved to its bounds, the values of the rows are not those of the answer.
         self.has_task_values = engine.exact().last().x() == self.solution.x;
-        if let (Some(factors), Some(last)) = (problem.damping, problem.method.steps(tasks.len()).last()) {
+        let Some(last) = steps(problem.method, tasks.len()).last() else { return true };
+        if problem.damping.is_some() || engine.record.is_some() {
             self.write(problem, last, 0.0);
+        }
+        self.record_last(engine);
+        if let Some(factors) = problem.damping {
             self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
         }
         true
+    }
+
+    /// Records the last problem of a plan, which the solver has solved with other data.
+    fn record_last(&mut self, engine: &mut Engine) {
+        if let Some(mut record) = engine.record.take() {
+            record.push(&self.planned.levels, &self.planned.origins, &self.solution.x, engine.exact().last());
+            engine.record = Some(record);
+        }
+    }
+
+    /// Records the last problem of the plan for independent equations that the solver meets without limits.
+    pub fn record_unlimited(&mut self, problem: &Problem, zeta: &[f64], engine: &mut Engine) {
+        let Some(last) = steps(problem.method, problem.tasks.tasks().len()).last() else { return };
+        if engine.record.is_some() {
+            self.start(problem, zeta);
+            self.lower_tasks_are_met = true;
+            self.write(problem, last, 0.0);
+            refill(&mut self.solution.x, engine.exact().last().x().iter().copied());
+            self.record_last(engine);
+        }
     }
 
     /// Forgets the run before.
@@ -147,7 +170,7 @@ impl PlanRun {
         match step {
             Step::OneLevel => {
                 let all = tasks.iter().position(Task::is_equation).map_or(0.0, |first| known[first].lambda);
-                let factor = if problem.method.damps_one_level() { all } else { 0.0 };
+                let factor = if damps_one_level(problem.method) { all } else { 0.0 };
                 if factor > 0.0 && tasks.iter().any(|task| task.scaled) {
                     // A scaled stack has one velocity. Damping forms it first.
                     damped.lower(problem, 0..tasks.len(), factor, before, targets, engine);
@@ -204,7 +227,7 @@ impl PlanRun {
     fn solve_again(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
         let tried = self.solution.working_sets;
         self.write(problem, step, damping);
-        engine.solve(&self.planned.levels, None, &mut self.solution);
+        engine.solve(&self.planned.levels, &self.planned.origins, None, &mut self.solution);
         self.solution.working_sets += tried;
     }
 

@@ -1,10 +1,11 @@
 //! Answers that keep some levels exactly and reach for the others as far as damping lets them.
 
+use revprio_problem::{Damping, Side};
+
 use super::engine::Engine;
-use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
+use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use super::plan::PlannedProblem;
 use super::regularity::HALF_WIDTH;
-use crate::linalg::Damping;
 
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
 const KEPT: f64 = 60.0;
@@ -41,7 +42,7 @@ impl RelaxedLevels {
             }
             problem.end_level();
         }
-        engine.solve(problem, None, &mut self.free);
+        engine.solve(problem, &[], None, &mut self.free);
         self.scale = 1.0;
         for (&x, (&lower, &upper)) in self.free.x.iter().zip(levels.lower.iter().zip(&levels.upper)) {
             let middle = middle(lower, upper);
@@ -74,7 +75,7 @@ impl RelaxedLevels {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
             self.guess.clear(levels.unknowns, self.problem.row_count());
             self.guess.unknowns.clone_from(&self.active);
-            engine.solve(&self.problem, Some(&self.guess), found);
+            engine.solve(&self.problem, &[], Some(&self.guess), found);
             self.active.clone_from(&found.working_set.unknowns);
             is_optimal &= found.is_optimal;
             kkt_residual = kkt_residual.max(found.kkt_residual);

@@ -1,14 +1,13 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
 
-use super::answer::Resolution;
-use super::closed_form::closed_form;
+use revprio_problem::{ActiveSet, Problem, ProblemError, Resolution, Solve, Task};
+
+use super::answer::{write_answer, write_unlimited};
 use super::engine::Engine;
-use super::level::ActiveSet;
+use super::plan::meets_independent_tasks;
 use super::plan_run::PlanRun;
-use super::problem::{Problem, ProblemError, Solver};
 use super::singularity::Singularities;
 use crate::linalg::row_times;
-use crate::task::Task;
 
 /// Solves the problem; `guess` are the active limits of the period before (empty: none).
 ///
@@ -43,37 +42,50 @@ impl Resolver {
             Some(velocity) => zeta.extend_from_slice(velocity.as_slice()),
             None => zeta.resize(problem.tasks.joint_count(), 0.0),
         }
-        let has_guess = problem.solver == Solver::Auto && guess.iter().any(|set| !set.is_empty());
-        engine.choose(problem.solver);
-        if has_guess && singularities.remain_regular(&problem.tasks, zeta, problem.damping, engine.exact()) {
+        let has_guess = guess.iter().any(|set| !set.is_empty());
+        engine.start(problem.wants_certificate);
+        let is_known = has_guess && singularities.remain_regular(&problem.tasks, zeta, problem.damping, engine.exact());
+        if is_known {
             run.solve(problem, guess, zeta, singularities, engine);
-            // Where no limit holds the answer back, it is the one without limits.
-            if run.solution.is_held_back() {
-                answer.report(problem, singularities, run, engine);
-                return Ok(());
-            }
         }
-        singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact(), has_guess);
-        if problem.solver == Solver::Auto {
-            let solver = engine.exact().last();
-            if is_met_without_limits(problem, singularities, solver.x()) {
-                let (is_optimal, residual) = solver.certify();
+        // Where no limit holds the answer back, it is the one without limits.
+        if !is_known || !run.solution.is_held_back() {
+            engine.start(problem.wants_certificate);
+            singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact(), has_guess);
+            if is_met_without_limits(problem, singularities, engine.exact().last().x()) {
+                let (is_optimal, residual) = engine.exact().last().certify();
                 if is_optimal {
-                    answer.report_unlimited(problem, singularities, solver, residual);
+                    run.record_unlimited(problem, zeta, engine);
+                    write_unlimited(answer, problem, singularities, engine.exact().last(), residual);
+                    write_certificate(engine, answer);
                     return Ok(());
                 }
             }
+            run.solve(problem, guess, zeta, singularities, engine);
         }
-        match problem.solver {
-            Solver::ClosedForm => answer.report_closed_form(problem, &closed_form(problem), singularities),
-            Solver::Auto | Solver::Qp => {
-                let guess = if problem.solver == Solver::Auto { guess } else { &[] };
-                run.solve(problem, guess, zeta, singularities, engine);
-                answer.report(problem, singularities, run, engine);
-            }
-        }
+        write_answer(answer, problem, singularities, run, engine);
+        write_certificate(engine, answer);
         Ok(())
     }
+}
+
+impl Solve for Resolver {
+    fn solve(
+        &mut self,
+        problem: &Problem,
+        guess: &[ActiveSet],
+        answer: &mut Resolution,
+    ) -> Result<(), ProblemError> {
+        self.resolve(problem, guess, answer)
+    }
+
+    fn keeps_limits(&self) -> bool {
+        true
+    }
+}
+
+fn write_certificate(engine: &mut Engine, answer: &mut Resolution) {
+    answer.certificate = engine.record.take().map(|record| Box::new(record.into_certificate()));
 }
 
 /// Returns whether the solution without limits solves the problem: all tasks are independent and met, inside all bounds.
@@ -85,7 +97,7 @@ fn is_met_without_limits(problem: &Problem, singularities: &Singularities, x: &[
     };
     let mut limits = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice()).zip(x);
     singularities.is_regular
-        && problem.method.meets_independent_tasks(singularities.has_only_equations)
+        && meets_independent_tasks(problem.method, singularities.has_only_equations)
         && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
         && problem.inequalities.iter().all(|inequality| {
             let value = inequality.coefficients().as_slice().iter().zip(x).map(|(a, x)| a * x).sum();

@@ -4,8 +4,9 @@
 //! the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible: two levels in place
 //! of one. The unknown is the speed and not the scale, so that a large request does not make the rows ill-conditioned.
 
+use revprio_problem::Problem;
+
 use super::plan::{Scaling, Step};
-use super::problem::Problem;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
 
 /// Residual, relative to the speed of the task, up to which its direction counts as kept.

@@ -1,10 +1,12 @@
 //! How near the tasks are to singularities, and how much damping that asks for.
 
-use super::equation_rows::EquationRows;
+use revprio_problem::{Damping, EquationRows, Singularity, Task, TaskStack};
+
 use super::level::refill;
 use super::solver::{HierarchicalSolver, SizedSolver};
-use crate::linalg::{Damping, RANK_TOLERANCE, SingularValues, smallest_and_product};
-use crate::task::{Task, TaskStack};
+use crate::linalg::{
+    DampingFactor, RANK_TOLERANCE, SingularValues, distance_square, dot, smallest_and_product,
+};
 
 /// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
 const INDEPENDENT: f64 = 1e-6;
@@ -19,54 +21,6 @@ const MARGIN: f64 = 1e-9;
 /// digits, for rows of this Frobenius norm.
 fn regular_from(damping: Option<Damping>, norm: f64) -> f64 {
     damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm)
-}
-
-/// How near the tasks are to singularities. Inequality tasks do not count.
-///
-/// No decision of the resolution needs the values where they are far from zero, so they are computed on demand.
-#[derive(Debug, Clone, Default)]
-pub struct Singularity {
-    /// Whether a task depends on lower ones although neither is singular by itself. Paper: Eq. (12).
-    pub algorithmic: bool,
-    /// σ_min and the product of the singular values where they are known; otherwise they are those of `rows`.
-    known: Option<(f64, f64)>,
-    /// The rows of all equations, which are independent then.
-    rows: EquationRows,
-}
-
-impl Singularity {
-    /// Computes σ_min of all rows together; 0 without rows.
-    pub fn smallest_singular_value(&self) -> f64 {
-        self.values().0
-    }
-
-    /// Computes the product of the singular values of all rows together; 0 without rows.
-    pub fn manipulability(&self) -> f64 {
-        self.values().1
-    }
-
-    /// Computes [`Self::smallest_singular_value`] and [`Self::manipulability`].
-    pub fn values(&self) -> (f64, f64) {
-        self.known.unwrap_or_else(|| {
-            let (smallest, product) = smallest_and_product(&self.rows.matrix());
-            (smallest, product.min(f64::MAX))
-        })
-    }
-
-    /// Sets what was found of these tasks.
-    pub(super) fn set(&mut self, found: &Singularities, tasks: &TaskStack) {
-        self.algorithmic = found.tasks.iter().any(|task| task.algorithmic);
-        self.known = found.known;
-        if self.known.is_none() {
-            self.rows.set(tasks.tasks());
-        }
-    }
-}
-
-impl PartialEq for Singularity {
-    fn eq(&self, other: &Self) -> bool {
-        (self.algorithmic, self.values()) == (other.algorithmic, other.values())
-    }
 }
 
 /// The singularities of one task, and the damping factors that they give.
@@ -112,6 +66,15 @@ pub struct Singularities {
 }
 
 impl Singularities {
+    /// Writes what was found of these tasks.
+    pub fn write(&self, tasks: &TaskStack, singularity: &mut Singularity) {
+        singularity.algorithmic = self.tasks.iter().any(|task| task.algorithmic);
+        match self.known {
+            Some((smallest, product)) => singularity.set(smallest, product),
+            None => singularity.set_rows(tasks.tasks(), smallest_and_product),
+        }
+    }
+
     /// Returns whether all equations are certainly far from singular because those of an earlier period were: no singular value
     /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows, but no solution. The equations are then those of `solver`.
     ///
@@ -124,7 +87,7 @@ impl Singularities {
         solver: &mut HierarchicalSolver,
     ) -> bool {
         let list = tasks.tasks();
-        let Some((distance, norm)) = self.reference.compare(list) else { return false };
+        let Some((distance, norm)) = compare(&self.reference, list) else { return false };
         if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + MARGIN)) {
             return false;
         }
@@ -239,4 +202,20 @@ impl Singularities {
     fn rank(&self, norm: f64) -> usize {
         self.singular.count_from(RANK_TOLERANCE * norm)
     }
+}
+
+/// Returns ‖A − A'‖_F and ‖A‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the
+/// sizes differ, or if a task is not an equation.
+fn compare(other: &EquationRows, tasks: &[Task]) -> Option<(f64, f64)> {
+    let heights = tasks.iter().map(|task| if task.is_equation() { task.jacobian.nrows() } else { 0 });
+    if other.heights().is_empty() || !heights.eq(other.heights().iter().copied()) {
+        return None;
+    }
+    let (mut distance, mut square, mut rest) = (0.0, 0.0, other.entries());
+    for task in tasks {
+        let entries = task.jacobian.as_slice();
+        distance += distance_square(entries, rest.split_off(..entries.len())?);
+        square += dot(entries, entries);
+    }
+    rest.is_empty().then(|| (f64::sqrt(distance), f64::sqrt(square)))
 }

@@ -10,12 +10,14 @@
 //! `docs/solver.md` proves that it is continuous. Every X_k is inside the limits, and so is the blend. Where s_K = 1 the answer
 //! is X_K, the exact one, and nothing else is computed. Without an active bound X_K is x^f, the answer without limits.
 
+use revprio_problem::{Damping, Part};
+
+use super::certified::Record;
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution};
 use super::plan::{Origin, PlannedProblem};
 use super::regularity::Regularity;
 use super::relaxed_levels::RelaxedLevels;
-use crate::linalg::Damping;
 
 /// The workspace of the blend.
 #[derive(Default)]
@@ -24,6 +26,8 @@ pub struct Smoothing {
     regularity: Regularity,
     parts: Vec<Solution>,
     weights: Vec<f64>,
+    /// Indices of the recorded problems whose solutions are the parts.
+    recorded: Vec<usize>,
 }
 
 impl Smoothing {
@@ -42,22 +46,41 @@ impl Smoothing {
         if weight == 1.0 {
             return;
         }
+        let exact = engine.record.as_ref().map(Record::last);
         self.relaxed.start(planned, hard, engine, solution);
         self.weights.clear();
         self.parts.resize_with((count - hard + 1).max(self.parts.len()), Solution::default);
         self.parts[0].copy_from(solution);
+        self.recorded.clear();
+        self.recorded.extend(exact);
         let mut part = 0;
         for kept in (hard..count).rev() {
             self.weights.push(weight);
             part += 1;
             let found = &mut self.parts[part];
             self.relaxed.solve(levels, kept, damping, engine, found);
+            self.recorded.extend(engine.record.as_ref().map(Record::last));
             weight = if kept == hard { 1.0 } else { self.regularity.of(levels, kept, found, damping.threshold()) };
             if weight == 1.0 {
                 break;
             }
         }
         self.blend(part, levels, solution);
+        if let Some(record) = &mut engine.record {
+            record.set_answer(self.recorded_parts());
+        }
+    }
+
+    /// Returns the recorded parts of the blend, X_K first, with the weight that each has in the answer.
+    fn recorded_parts(&self) -> Vec<Part> {
+        let mut rest = 1.0;
+        let weights = self.weights[..self.recorded.len() - 1].iter().chain([&1.0]);
+        let part = |(&problem, weight): (&usize, &f64)| {
+            let part = Part { problem, weight: rest * weight };
+            rest *= 1.0 - weight;
+            part
+        };
+        self.recorded.iter().zip(weights).map(part).collect()
     }
 
     /// Blends the parts from the last one, X_k with the fewest exact levels, to the first one, X_K.

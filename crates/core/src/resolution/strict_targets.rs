@@ -3,10 +3,10 @@
 //! Task k moves q̇ by (J_k N)^# (ẋ_k − J_k q̇), where N projects onto what the higher tasks leave. Where J_k N has a weak singular
 //! value, the result is an average of two: lower tasks may use its direction, or not.
 
+use revprio_problem::{Damping, Problem, Task};
+
 use super::level::refill;
-use super::problem::Problem;
-use crate::linalg::{Damping, RANK_TOLERANCE, SmallSvd, dot, row_times};
-use crate::task::Task;
+use crate::linalg::{DampingFactor, RANK_TOLERANCE, SmallSvd, dot, row_times};
 
 /// Error of a projected row along a direction of length one.
 const PROJECTION_ERROR: f64 = 4e-15;

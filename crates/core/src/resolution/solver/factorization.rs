@@ -7,7 +7,8 @@
 use super::dependent_rows::DependentRows;
 use super::problem_rows::ProblemRows;
 use crate::linalg::{Row, SingularValues};
-use crate::resolution::level::{Side, WorkingSet, refill};
+use crate::resolution::Side;
+use crate::resolution::level::{WorkingSet, refill};
 
 /// Relative size below which a number is rounding.
 pub const ROUNDING: f64 = 1e-13;

@@ -13,7 +13,7 @@ mod random_sets;
 mod search;
 mod sized;
 
-pub use sized::{HierarchicalSolver, MAX_UNKNOWNS, SizedSolver};
+pub use sized::{HierarchicalSolver, SizedSolver};
 
 use conditions::{Conditions, Trial};
 use factorization::{Factorization, ROUNDING, Span};
@@ -21,7 +21,9 @@ use primal::PrimalPoint;
 use problem_rows::ProblemRows;
 use search::Search;
 
-use super::level::{Hierarchy, Side, Solution, WorkingSet, refill};
+use revprio_problem::Side;
+
+use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
 
 /// Ratios of the weights of adjacent levels while the search looks for a working set.

@@ -4,7 +4,8 @@ use super::conditions::Conditions;
 use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
-use crate::resolution::level::{Side, WorkingSet};
+use crate::resolution::Side;
+use crate::resolution::level::{WorkingSet};
 
 /// What blocks a step.
 #[derive(Clone, Copy)]

@@ -1,7 +1,8 @@
 //! A problem in padded rows, with the sizes that do not depend on the working set.
 
 use crate::linalg::{Matrix, Row};
-use crate::resolution::level::{Hierarchy, Side, WorkingSet, refill};
+use crate::resolution::Side;
+use crate::resolution::level::{Hierarchy, WorkingSet, refill};
 
 /// The sizes of one level.
 #[derive(Debug, Clone, Copy, Default)]

@@ -8,7 +8,8 @@
 use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
-use crate::resolution::level::{Side, WorkingSet, refill};
+use crate::resolution::Side;
+use crate::resolution::level::{WorkingSet, refill};
 
 /// Fraction of a diagonal entry of K at the start below which nothing but rounding is left of it.
 const LOST_PIVOT: f64 = 1e-13;

@@ -1,11 +1,12 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
+use revprio_problem::MAX_UNKNOWNS;
+
 use super::ActiveSetSolver;
 use crate::linalg::{Matrix, smallest_from_inverse, write_inverse};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// The largest number of unknowns.
-pub const MAX_UNKNOWNS: usize = 136;
 
 /// A solver, whatever its width is, and what its last factorisation can tell.
 pub trait SizedSolver {
@@ -38,6 +39,12 @@ pub trait SizedSolver {
 
     /// Evaluates the optimality conditions at the last x; returns whether they hold, and the largest relative residual.
     fn certify(&mut self) -> (bool, f64);
+
+    /// Returns the number of rows of the last problem.
+    fn row_count(&self) -> usize;
+
+    /// Returns the number of levels of the last problem.
+    fn level_count(&self) -> usize;
 
     /// Returns x of the last factorisation.
     fn x(&self) -> &[f64];
@@ -111,6 +118,14 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
 
     fn certify(&mut self) -> (bool, f64) {
         self.certify()
+    }
+
+    fn row_count(&self) -> usize {
+        self.problem.rows.len()
+    }
+
+    fn level_count(&self) -> usize {
+        self.problem.levels.len()
     }
 
     fn x(&self) -> &[f64] {

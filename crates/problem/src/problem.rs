@@ -1,9 +1,9 @@
-//! The input of the resolution.
+//! The problem that solvers solve.
 
-use super::solver::MAX_UNKNOWNS;
-use crate::limits::{Inequality, VelocityBox};
-use crate::linalg::{Damping, Vector};
-use crate::task::TaskStack;
+use crate::{Damping, Inequality, TaskStack, Vector, VelocityBox};
+
+/// The largest number of unknowns of a problem: joints, and one for each scaled task.
+pub const MAX_UNKNOWNS: usize = 136;
 
 /// The resolution method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,8 +14,7 @@ pub enum Method {
     DampedLeastSquares,
     /// Classical task priority with the projector of all higher tasks. Paper: Eq. (11), for any number of tasks.
     ///
-    /// In exact arithmetic, and here in code, the same as [`Method::StrictReversePriority`]: both are the lexicographic
-    /// least-squares solution.
+    /// In exact arithmetic the same as [`Method::StrictReversePriority`]: both are the lexicographic least-squares solution.
     TaskPriority,
     /// Lower tasks first, each higher one then corrects in its own row space alone, q̇ = J_1⁺ẋ_1 + (I − J_1⁺J_1) J_2⁺ẋ_2.
     /// Free of algorithmic singularities; lower tasks are not exact even where they could be. Paper: Eq. (13).
@@ -26,14 +25,14 @@ pub enum Method {
     StrictReversePriority,
 }
 
-/// How the problem is solved.
+/// The name of a solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// Pseudo-inverses, limits ignored and violations reported: the reference.
+    /// The printed formulas with pseudo-inverses; limits are ignored and violations reported: `revprio_reference::ClosedForm`.
     ClosedForm,
-    /// Every level through Clarabel.
+    /// Clarabel's answer at every level: `revprio_reference::Qp`.
     Qp,
-    /// The answer of `Qp` by the fastest certified way.
+    /// The hierarchical active-set solver: `revprio_core::resolution::Resolver`.
     #[default]
     Auto,
 }
@@ -49,12 +48,12 @@ pub struct Problem {
     pub inequalities: Vec<Inequality>,
     /// The resolution method.
     pub method: Method,
-    /// How the problem is solved.
-    pub solver: Solver,
     /// Damping near singularities; `None` is exact.
     pub damping: Option<Damping>,
     /// ζ̇, the joint velocity (n, rad/s) that the tasks leave untouched as far as they can; `None` is zero.
     pub null_space_velocity: Option<Vector>,
+    /// Whether the answer carries a [`crate::Certificate`].
+    pub wants_certificate: bool,
 }
 
 /// Why a problem is refused.
@@ -104,14 +103,14 @@ impl Problem {
             tasks,
             inequalities: Vec::new(),
             method: Method::ReversePriority,
-            solver: Solver::Auto,
             damping: None,
             null_space_velocity: None,
+            wants_certificate: false,
         }
     }
 
     /// Checks that the parts are about the same joints.
-    pub(super) fn check(&self) -> Result<(), ProblemError> {
+    pub fn check(&self) -> Result<(), ProblemError> {
         let expected = self.tasks.joint_count();
         let given = expected + self.tasks.tasks().iter().filter(|task| task.scaled).count();
         if given > MAX_UNKNOWNS {

@@ -1,13 +1,13 @@
 //! Linear inequalities on the joint velocities.
 
-use crate::linalg::Vector;
+use crate::Vector;
 
 /// The inequality a·q̇ ≤ b, for example a virtual wall or a coupling of joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inequality {
-    pub(super) name: String,
-    pub(super) coefficients: Vector,
-    pub(super) bound: f64,
+    name: String,
+    coefficients: Vector,
+    bound: f64,
 }
 
 /// Why an inequality is refused.
@@ -36,8 +36,13 @@ impl Inequality {
     }
 
     /// Returns 0·q̇ ≤ ∞ for n joints, which always holds.
-    pub(super) fn always_satisfied(name: String, n: usize) -> Self {
+    pub fn always_satisfied(name: String, n: usize) -> Self {
         Self { name, coefficients: Vector::zeros(n), bound: f64::INFINITY }
+    }
+
+    /// Overwrites a and b without allocating. `write` overwrites a, n entries, and returns b.
+    pub fn overwrite(&mut self, write: impl FnOnce(&mut [f64]) -> f64) {
+        self.bound = write(self.coefficients.as_mut_slice());
     }
 
     /// Returns the name that answers use.

@@ -1,40 +1,6 @@
 //! The velocity box: lower and upper bounds of the joint velocities.
 
-use revprio_robot::RobotModel;
-
-use crate::linalg::Vector;
-
-/// The limits of a robot that apply.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LimitKind {
-    /// No limits: an unbounded box.
-    None,
-    /// The speed limit.
-    Velocity,
-    /// The speed limit and the position limits: the joint can still stop before a position limit. The change of the velocity
-    /// from period to period has no limit.
-    PositionVelocity,
-    /// All limits: the acceleration limit also bounds the change of the velocity from period to period, and the jerk limit
-    /// that of the acceleration.
-    PositionVelocityAcceleration,
-}
-
-impl LimitKind {
-    /// Returns whether the speed limit applies.
-    pub fn includes_velocity(self) -> bool {
-        self != Self::None
-    }
-
-    /// Returns whether the position limits apply.
-    pub fn includes_position(self) -> bool {
-        matches!(self, Self::PositionVelocity | Self::PositionVelocityAcceleration)
-    }
-
-    /// Returns whether the acceleration limit applies.
-    pub fn includes_acceleration(self) -> bool {
-        self == Self::PositionVelocityAcceleration
-    }
-}
+use crate::Vector;
 
 /// Why a box is refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -62,8 +28,8 @@ pub enum VelocityBoxError {
 /// The box lo ≤ q̇ ≤ hi, never empty; rad/s (m/s for prismatic joints); infinite where there is no limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityBox {
-    pub(super) lower: Vector,
-    pub(super) upper: Vector,
+    lower: Vector,
+    upper: Vector,
 }
 
 impl VelocityBox {
@@ -91,15 +57,10 @@ impl VelocityBox {
         self.upper.as_mut_slice().copy_from_slice(other.upper.as_slice());
     }
 
-    /// Restricts the box to velocities that the robot reaches from the last command (n) within a period (T, s). Where there
-    /// is none, it becomes the reachable velocity nearest to the box.
-    pub fn bound_changes(&mut self, robot: &RobotModel, last_command: &[f64], period: f64) {
-        for (i, (joint, last)) in robot.joints().iter().zip(last_command).enumerate() {
-            let max_change = joint.limits.acceleration * period;
-            for bound in [&mut self.lower[i], &mut self.upper[i]] {
-                *bound = bound.clamp(last - max_change, last + max_change);
-            }
-        }
+    /// Overwrites the bounds of a joint: a number, or infinite on its own side, with lower ≤ upper.
+    pub fn set_joint(&mut self, joint: usize, lower: f64, upper: f64) {
+        debug_assert!(lower <= upper, "{lower} to {upper} is empty");
+        (self.lower[joint], self.upper[joint]) = (lower, upper);
     }
 
     /// Returns lo, n.

@@ -1,7 +1,6 @@
 //! A copy of the rows of all equations.
 
-use crate::linalg::{Matrix, distance_square, dot};
-use crate::task::Task;
+use crate::{Matrix, Task};
 
 /// The Jacobians of the tasks that are equations, one after the other.
 #[derive(Debug, Clone, Default)]
@@ -28,20 +27,14 @@ impl EquationRows {
         }
     }
 
-    /// Returns ‖A − A'‖_F and ‖A‖_F for the rows A of these tasks and the rows A' here; `None` if there are none here, if the
-    /// sizes differ, or if a task is not an equation.
-    pub fn compare(&self, tasks: &[Task]) -> Option<(f64, f64)> {
-        let heights = tasks.iter().map(|task| if task.is_equation() { task.jacobian.nrows() } else { 0 });
-        if self.heights.is_empty() || !heights.eq(self.heights.iter().copied()) {
-            return None;
-        }
-        let (mut distance, mut square, mut rest) = (0.0, 0.0, self.entries.as_slice());
-        for task in tasks {
-            let entries = task.jacobian.as_slice();
-            distance += distance_square(entries, rest.split_off(..entries.len())?);
-            square += dot(entries, entries);
-        }
-        rest.is_empty().then(|| (f64::sqrt(distance), f64::sqrt(square)))
+    /// Returns the number of rows of each task.
+    pub fn heights(&self) -> &[usize] {
+        &self.heights
+    }
+
+    /// Returns the entries of each Jacobian, column by column.
+    pub fn entries(&self) -> &[f64] {
+        &self.entries
     }
 
     /// Returns the rows as a matrix.

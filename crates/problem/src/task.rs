@@ -1,6 +1,6 @@
 //! Tasks in their order of priority.
 
-use crate::linalg::{Matrix, Vector, all_finite};
+use crate::{Matrix, Vector};
 
 /// One task lower ≤ J_k q̇ ≤ upper. Rows whose bounds are equal are equations J_k q̇ = ẋ_k.
 ///
@@ -40,7 +40,7 @@ impl Task {
     /// Returns the index of the first row that no finite velocity satisfies, or whose bound is NaN.
     fn empty_row(&self) -> Option<usize> {
         let (lower, upper) = (self.lower.as_slice(), self.upper.as_slice());
-        if lower == upper && all_finite(lower) {
+        if lower == upper && is_finite(lower) {
             return None;
         }
         // False for NaN.
@@ -51,7 +51,7 @@ impl Task {
 
     /// Checks the numbers of the task with this index.
     fn check_numbers(&self, task: usize) -> Result<(), TaskError> {
-        if !all_finite(self.jacobian.as_slice()) {
+        if !is_finite(self.jacobian.as_slice()) {
             return Err(TaskError::NotFinite { task });
         }
         match self.empty_row() {
@@ -162,7 +162,7 @@ impl TaskStack {
         for (task, Task { jacobian, .. }) in self.tasks.iter_mut().enumerate() {
             write(task, jacobian);
             result =
-                result.and(if all_finite(jacobian.as_slice()) { Ok(()) } else { Err(TaskError::NotFinite { task }) });
+                result.and(if is_finite(jacobian.as_slice()) { Ok(()) } else { Err(TaskError::NotFinite { task }) });
         }
         result
     }
@@ -181,18 +181,18 @@ impl TaskStack {
     pub fn joint_count(&self) -> usize {
         self.joints
     }
+}
 
-    /// Returns all J_k, highest priority on top, Σm_k × n.
-    pub fn stacked_jacobian(&self) -> Matrix {
-        self.tasks
-            .iter()
-            .fold(Matrix::zeros(0, self.joints), |stacked, task| crate::linalg::stack(&stacked, &task.jacobian))
+/// Returns whether all entries are finite numbers: 0 times infinity or NaN is NaN.
+fn is_finite(entries: &[f64]) -> bool {
+    let (chunks, rest) = entries.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for chunk in chunks {
+        for lane in 0..4 {
+            sums[lane] += 0.0 * chunk[lane];
+        }
     }
-
-    /// Returns all ẋ_k in the same order, Σm_k; the lower bounds of rows that are no equations.
-    pub fn stacked_velocity(&self) -> Vector {
-        self.tasks.iter().fold(Vector::zeros(0), |stacked, task| crate::linalg::concatenate(&stacked, &task.lower))
-    }
+    rest.iter().all(|entry| entry.is_finite()) && sums == [0.0; 4]
 }
 
 #[cfg(test)]

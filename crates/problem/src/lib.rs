@@ -1,0 +1,47 @@
+//! What the solvers of prioritised tasks share: the problem, the answer, its certificate, and the trait [`Solve`].
+//!
+//! This crate has types and checks, and no arithmetic that decides an answer. `revprio-core` and `revprio-reference` depend
+//! on it and not on each other. So their answers can be compared.
+//!
+//! | to | see |
+//! |---|---|
+//! | state tasks in their order of priority | [`Task`], [`TaskStack`] |
+//! | state limits and inequalities of the joint velocities | [`VelocityBox`], [`Inequality`] |
+//! | choose a method and its damping | [`Method`], [`Damping`] |
+//! | solve a problem | [`Problem`], [`Solve`] |
+//! | read an answer and its explanation | [`Resolution`] |
+//! | check an answer | [`Certificate`] |
+
+mod answer;
+mod certificate;
+mod contradiction;
+mod damping;
+mod equation_rows;
+mod inequality;
+mod problem;
+mod side;
+mod singularity;
+mod solve;
+mod task;
+mod velocity_box;
+
+pub use answer::{
+    ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LevelReport, LimitViolation, Path, Resolution,
+    SolverReport, Status, TaskOutcome,
+};
+pub use certificate::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part, RowName};
+pub use contradiction::{Contradiction, Member};
+pub use damping::Damping;
+pub use equation_rows::EquationRows;
+pub use inequality::{Inequality, InequalityError};
+pub use problem::{MAX_UNKNOWNS, Method, Problem, ProblemError, Solver};
+pub use side::{ActiveSet, Side};
+pub use singularity::Singularity;
+pub use solve::Solve;
+pub use task::{Task, TaskError, TaskStack};
+pub use velocity_box::{VelocityBox, VelocityBoxError};
+
+/// A matrix of any shape.
+pub type Matrix = nalgebra::DMatrix<f64>;
+/// A column of any length.
+pub type Vector = nalgebra::DVector<f64>;

@@ -1,0 +1,240 @@
+//! The cascade of quadratic programs: one level after the other by Clarabel.
+//!
+//! A level minimises its squared slack over what the levels above left open, x + Z z, with all bounds as inequalities. Then
+//! its rows are kept: Z loses the directions that change them, and bounds with a multiplier hold their unknowns.
+
+use revprio_problem::{LevelReport, Matrix, Vector};
+
+use crate::certified::level_multipliers;
+use crate::clarabel::{Clarabel, Effort};
+use crate::hierarchy::{Hierarchy, Level, Solution};
+use crate::level_program::{Bounded, Decided, LevelProgram};
+use crate::polish::LevelPoint;
+use crate::svd::{RANK_TOLERANCE, Svd};
+
+/// Relative residual of the optimality conditions up to which an answer is sure.
+pub const CERTIFIED: f64 = 1e-9;
+
+/// Multipliers above this hold their bound for all lower levels, in units in which the level has size one. Smaller ones are
+/// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
+const SIGNIFICANT: f64 = 1e-7;
+
+/// Multipliers above this are more than rounding.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Error of a projected row along a direction of length one.
+const PROJECTION_ERROR: f64 = 4e-15;
+
+/// Relative singular values between which rounding may decide a rank.
+const UNCERTAIN_RANK: std::ops::Range<f64> = 1e-13..1e-6;
+
+/// Clarabel with its memory.
+#[derive(Default)]
+pub struct Cascade {
+    clarabel: Clarabel,
+}
+
+/// The way through the levels of one problem.
+struct Run<'a> {
+    problem: &'a Hierarchy,
+    solution: Solution,
+    basis: Matrix,
+    fixed: Vec<bool>,
+    kept: Vec<Vec<bool>>,
+    /// Smallest relative singular value that is kept.
+    weakest: f64,
+    wants_multipliers: bool,
+}
+
+impl Cascade {
+    /// Solves a problem; `wants_multipliers`: with the multipliers of all levels.
+    pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
+        let mut run = Run::new(problem, wants_multipliers);
+        for level in 0..=problem.levels.len() {
+            if run.solution.failures == 0 {
+                self.solve_level(&mut run, level);
+            }
+            run.write_multipliers(level);
+            run.keep(level);
+        }
+        run.solution
+    }
+
+    fn solve_level(&mut self, run: &mut Run, level: usize) {
+        let decided = Decided { x: &run.solution.x, basis: &run.basis, fixed: &run.fixed, kept: &run.kept };
+        let program = LevelProgram::new(run.problem, level, &decided);
+        if program.is_decided || run.basis.ncols() == 0 {
+            run.solution.reports.push(LevelReport::default());
+            return;
+        }
+        match self.solve_program(&program) {
+            Ok((point, report)) => {
+                run.solution.residual = run.solution.residual.max(report.residual);
+                run.solution.reports.push(report);
+                run.advance(level, &program, &point);
+            }
+            Err(report) => {
+                run.solution.failures += 1;
+                run.solution.residual = f64::INFINITY;
+                run.solution.reports.push(report);
+            }
+        }
+    }
+
+    /// Returns the better one of Clarabel's answer and its polish. Clarabel tries harder where neither is certified.
+    fn solve_program(&mut self, program: &LevelProgram) -> Result<(LevelPoint, LevelReport), LevelReport> {
+        let quadratic = program.quadratic_program();
+        let mut best: Option<(LevelPoint, LevelReport)> = None;
+        let mut iterations = 0;
+        for effort in [Effort::Quick, Effort::Careful] {
+            match self.clarabel.solve(&quadratic, effort) {
+                Ok(answer) => {
+                    iterations += answer.iterations;
+                    let own = LevelPoint::of_clarabel(program, &answer);
+                    let clarabel_residual = own.residual;
+                    let polished = LevelPoint::polished(program, &answer);
+                    let point = if polished.residual <= own.residual { polished } else { own };
+                    if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
+                        let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
+                        best = Some((point, report));
+                    }
+                }
+                Err(tried) => iterations += tried,
+            }
+            if best.as_ref().is_some_and(|(point, _)| point.residual <= CERTIFIED) {
+                break;
+            }
+        }
+        let failed = LevelReport { iterations, clarabel_residual: f64::INFINITY, residual: f64::INFINITY };
+        best.map(|(point, report)| (point, LevelReport { iterations, ..report })).ok_or(failed)
+    }
+}
+
+impl<'a> Run<'a> {
+    /// Starts at the slowest point of the box with nothing kept but what is pinned.
+    fn new(problem: &'a Hierarchy, wants_multipliers: bool) -> Self {
+        let n = problem.unknowns();
+        let rows = |level: &Level| level.rows.nrows();
+        let fixed: Vec<bool> = (0..n).map(|j| problem.is_pinned(j)).collect();
+        let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
+        let basis = Matrix::identity(n, n).select_columns(&open);
+        let solution = Solution {
+            x: problem.clamp(&Vector::zeros(n)),
+            multipliers: vec![0.0; n],
+            row_multipliers: problem.levels.iter().map(|level| vec![0.0; rows(level)]).collect(),
+            active: vec![None; n],
+            active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
+            reports: Vec::new(),
+            failures: 0,
+            residual: 0.0,
+            rank_uncertain: false,
+            certificate: Vec::new(),
+        };
+        let wants_multipliers = wants_multipliers || open.len() < n;
+        let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
+        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
+    }
+
+    /// Moves to the point of a level; bounds with multipliers become active.
+    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint) {
+        let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
+        *x += &self.basis * &point.z * program.size;
+        *x = self.problem.clamp(x);
+        for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
+            if multiplier <= NEGLIGIBLE * program.scale {
+                continue;
+            }
+            let (side, signed) = (constraint.side, constraint.side.sign() * multiplier * constraint.unit);
+            let holds = multiplier > SIGNIFICANT;
+            match constraint.bounded {
+                Bounded::Unknown(j) => {
+                    set_first(&mut multipliers[j], signed);
+                    active[j] = Some(side);
+                    if holds {
+                        self.fixed[j] = true;
+                        x[j] = self.problem.bound(j, side);
+                    }
+                }
+                Bounded::Higher { level, row } => {
+                    set_first(&mut row_multipliers[level][row], signed);
+                    active_rows[level][row] = Some(side);
+                    self.kept[level][row] |= holds;
+                }
+                Bounded::Own(row) => {
+                    set_first(&mut row_multipliers[level][row], signed);
+                    active_rows[level][row] = Some(side);
+                }
+            }
+        }
+    }
+
+    /// Keeps what a solved level decides: its equations, its violated rows, and the bounds that hold it back.
+    fn keep(&mut self, level: usize) {
+        let n = self.problem.unknowns();
+        let held: Vec<usize> = (0..n).filter(|&j| self.fixed[j] && self.basis.row(j).amax() > 0.0).collect();
+        self.remove(&self.basis.select_rows(&held), 1.0);
+        let Some(own) = self.problem.levels.get(level) else { return };
+        for row in 0..own.rows.nrows() {
+            let is_violated = || own.missing(row, own.value(row, &self.solution.x)).abs() > 0.0;
+            let has_multiplier = self.solution.row_multipliers[level][row] != 0.0;
+            self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
+        }
+        for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
+            let rows = 0..level_rows.rows.nrows();
+            // Equations of higher levels are kept already.
+            let is_new = |&row: &usize| self.kept[index][row] && (index == level || !level_rows.is_equation(row));
+            let rows: Vec<usize> = rows.filter(is_new).collect();
+            if !rows.is_empty() {
+                let along = level_rows.rows.select_rows(&rows) * &self.basis;
+                self.remove(&along, level_rows.rows.norm());
+            }
+        }
+    }
+
+    /// Removes the directions that change rows (over Z) from Z; `norm`: size of the rows.
+    fn remove(&mut self, rows: &Matrix, norm: f64) {
+        if rows.nrows() == 0 || self.basis.ncols() == 0 {
+            return;
+        }
+        let svd = Svd::new(rows);
+        let rank = svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / self.weakest) * norm);
+        let relative = |sigma: &f64| sigma / norm;
+        let open = rows.nrows().min(rows.ncols());
+        self.solution.rank_uncertain |=
+            svd.singular_values()[..open].iter().map(relative).any(|sigma| UNCERTAIN_RANK.contains(&sigma));
+        if rank > 0 {
+            self.weakest = self.weakest.min(svd.singular_values()[rank - 1] / norm);
+        }
+        self.basis = &self.basis * svd.null_space(rank);
+    }
+
+    /// Computes the multipliers of a level, if they are wanted, and those of pinned unknowns.
+    fn write_multipliers(&mut self, level: usize) {
+        if !self.wants_multipliers {
+            return;
+        }
+        let found = level_multipliers(self.problem, level, &self.solution, &self.kept);
+        if let Some(found) = &found {
+            for j in (0..self.problem.unknowns()).filter(|&j| self.problem.is_pinned(j)) {
+                let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);
+                if found.unknowns[j].abs() > NEGLIGIBLE * size {
+                    set_first(&mut self.solution.multipliers[j], found.unknowns[j]);
+                }
+            }
+        }
+        self.solution.certificate.push(found);
+    }
+}
+
+fn set_first(multiplier: &mut f64, value: f64) {
+    if *multiplier == 0.0 {
+        *multiplier = value;
+    }
+}
+
+impl Solution {
+    /// Returns whether the optimality conditions hold at every level.
+    pub fn is_sure(&self) -> bool {
+        self.failures == 0 && self.residual <= CERTIFIED
+    }
+}

@@ -1,0 +1,95 @@
+//! The multipliers of levels, and the record of the problems that were solved.
+
+use revprio_problem::{Certificate, CertifiedLevel, CertifiedProblem, Matrix, Multipliers, Part, Vector};
+
+use crate::hierarchy::{Hierarchy, Solution};
+use crate::svd::{RANK_TOLERANCE, Svd};
+
+/// Returns the multipliers of level k at a solution, from the residuals of its rows and by least squares from the rows of
+/// higher levels that are kept; `None` where the level leaves no residual.
+///
+/// h = A_kᵀ r_k + Σ w_i a_i is zero at unknowns that no bound holds. Those that a bound holds, at this or a higher level, do
+/// not count.
+pub fn level_multipliers(
+    problem: &Hierarchy,
+    k: usize,
+    solution: &Solution,
+    kept: &[Vec<bool>],
+) -> Option<Multipliers> {
+    let x = &solution.x;
+    let n = problem.unknowns();
+    let mut weights: Vec<f64> = Vec::new();
+    let mut gradient = Vector::zeros(n);
+    let mut higher: Vec<(usize, Vector)> = Vec::new();
+    for (index, level) in problem.levels.iter().enumerate().take(k + 1) {
+        for row in 0..level.rows.nrows() {
+            let a = level.rows.row(row).transpose();
+            let place = weights.len();
+            weights.push(0.0);
+            if index == k {
+                weights[place] = level.missing(row, level.value(row, x));
+                gradient.axpy(weights[place], &a, 1.0);
+            } else if kept[index][row] || solution.active_rows[index][row].is_some() {
+                higher.push((place, a));
+            }
+        }
+    }
+    if k == problem.levels.len() {
+        gradient = &problem.reference - x;
+    }
+    if gradient.amax() == 0.0 && weights.iter().all(|w| *w == 0.0) {
+        return None;
+    }
+    let free: Vec<usize> = (0..n).filter(|&j| solution.active[j].is_none() && !problem.is_pinned(j)).collect();
+    let rows = Matrix::from_fn(free.len(), higher.len(), |i, j| higher[j].1[free[i]]);
+    let svd = Svd::new(&rows);
+    let found = svd.solve(svd.rank(RANK_TOLERANCE * rows.norm()), 0.0, &-gradient.select_rows(&free));
+    for ((place, a), w) in higher.iter().zip(found.iter()) {
+        weights[*place] = *w;
+        gradient.axpy(*w, a, 1.0);
+    }
+    Some(Multipliers { rows: weights, unknowns: gradient.as_slice().to_vec() })
+}
+
+/// The problems that were solved, and what the answer consists of.
+#[derive(Default)]
+pub struct Record {
+    problems: Vec<CertifiedProblem>,
+    answer: Vec<Part>,
+}
+
+impl Record {
+    /// Adds a problem with its solution, which is the answer until [`Self::set_answer`] is called.
+    pub fn push(&mut self, problem: &Hierarchy, solution: &Solution) {
+        let levels = problem.levels.iter().map(|level| CertifiedLevel {
+            rows: level.rows.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            lower: level.lower.clone(),
+            upper: level.upper.clone(),
+            names: level.names.clone(),
+        });
+        self.problems.push(CertifiedProblem {
+            lower: problem.lower.clone(),
+            upper: problem.upper.clone(),
+            reference: problem.reference.as_slice().to_vec(),
+            levels: levels.collect(),
+            solution: solution.x.as_slice().to_vec(),
+            multipliers: solution.certificate.clone(),
+        });
+        self.answer = vec![Part { problem: self.last(), weight: 1.0 }];
+    }
+
+    /// Returns the index of the problem that was added last.
+    pub fn last(&self) -> usize {
+        self.problems.len().saturating_sub(1)
+    }
+
+    /// Sets the parts of the answer.
+    pub fn set_answer(&mut self, parts: Vec<Part>) {
+        self.answer = parts;
+    }
+
+    /// Returns the certificate.
+    pub fn into_certificate(self) -> Certificate {
+        Certificate { problems: self.problems, answer: self.answer }
+    }
+}

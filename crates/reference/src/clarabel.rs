@@ -1,0 +1,137 @@
+//! Quadratic programs by Clarabel, an interior-point solver.
+#![allow(non_snake_case)]
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+
+/// Gap and feasibility that Clarabel reaches on nearly every level in reduced form, whose numbers have size one.
+const TOLERANCE: f64 = 1e-10;
+
+/// A cap far above the 5 to 15 iterations that levels take: a failing problem would go on.
+const MAX_ITERATIONS: u32 = 50;
+
+/// The same for a second attempt.
+const CAREFUL_TOLERANCE: f64 = 1e-13;
+const MAX_CAREFUL_ITERATIONS: u32 = 200;
+
+/// Sizes of programs whose solvers are kept; the levels of one problem have a handful.
+const MAX_KEPT_SOLVERS: usize = 24;
+
+/// ½ vᵀP v + qᵀv subject to A v + s = b, s ≥ 0.
+#[derive(Debug, Default)]
+pub struct QuadraticProgram {
+    pub unknowns: usize,
+    /// Upper triangle, column by column, with zeros.
+    pub P: Vec<f64>,
+    pub q: Vec<f64>,
+    /// Column by column, with zeros.
+    pub A: Vec<f64>,
+    pub b: Vec<f64>,
+}
+
+/// Clarabel's answer to a program.
+#[derive(Debug, Clone, Default)]
+pub struct QpAnswer {
+    /// v.
+    pub v: Vec<f64>,
+    /// Multipliers of the constraints, ≥ 0.
+    pub multipliers: Vec<f64>,
+    /// s.
+    pub slacks: Vec<f64>,
+    pub iterations: u32,
+}
+
+/// How hard Clarabel tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Without scaling and refinement, which are most of the time of a small program.
+    Quick,
+    /// With both, and down to a gap near rounding.
+    Careful,
+}
+
+/// Clarabel, with solvers that are kept by the size of their program and overwritten.
+///
+/// Nothing of one program is left for the next: without scaling, which remembers, the answers are those of new solvers, to
+/// the last bit. Careful solvers are new each time.
+#[derive(Default)]
+pub struct Clarabel {
+    solvers: Vec<((usize, usize), DefaultSolver<f64>)>,
+}
+
+impl Clarabel {
+    /// Solves a program; the iterations alone (`Err`) where Clarabel finds no answer.
+    pub fn solve(&mut self, program: &QuadraticProgram, effort: Effort) -> Result<QpAnswer, u32> {
+        if effort == Effort::Careful {
+            let mut solver = new_solver(program, effort).ok_or(0_u32)?;
+            return run(&mut solver);
+        }
+        let place = self.prepare(program).ok_or(0_u32)?;
+        let answer = run(&mut self.solvers[place].1);
+        if answer.is_err() {
+            // After numerical trouble a solver may never recover.
+            self.solvers.swap_remove(place);
+        }
+        answer
+    }
+
+    /// Returns the place of a solver that holds the program; `None` for numbers that Clarabel refuses.
+    fn prepare(&mut self, program: &QuadraticProgram) -> Option<usize> {
+        let size = (program.unknowns, program.b.len());
+        if let Some(place) = self.solvers.iter().position(|(known, _)| *known == size) {
+            if self.solvers[place].1.update_data(&program.P, &program.q, &program.A, &program.b).is_ok() {
+                return Some(place);
+            }
+            self.solvers.swap_remove(place);
+        }
+        let solver = new_solver(program, Effort::Quick)?;
+        if self.solvers.len() >= MAX_KEPT_SOLVERS {
+            self.solvers.clear();
+        }
+        self.solvers.push((size, solver));
+        Some(self.solvers.len() - 1)
+    }
+}
+
+fn run(solver: &mut DefaultSolver<f64>) -> Result<QpAnswer, u32> {
+    solver.solve();
+    let found = &solver.solution;
+    let is_solved = matches!(found.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    let is_finite = found.x.iter().chain(&found.z).chain(&found.s).all(|entry| entry.is_finite());
+    if !is_solved || !is_finite {
+        return Err(found.iterations);
+    }
+    Ok(QpAnswer {
+        v: found.x.clone(),
+        multipliers: found.z.clone(),
+        slacks: found.s.clone(),
+        iterations: found.iterations,
+    })
+}
+
+fn new_solver(program: &QuadraticProgram, effort: Effort) -> Option<DefaultSolver<f64>> {
+    let (n, m) = (program.unknowns, program.b.len());
+    let triangle = (0..=n).map(|j| j * (j + 1) / 2).collect();
+    let P = CscMatrix::new(n, n, triangle, (0..n).flat_map(|j| 0..=j).collect(), program.P.clone());
+    let columns = (0..=n).map(|j| j * m).collect();
+    let A = CscMatrix::new(m, n, columns, (0..n).flat_map(|_| 0..m).collect(), program.A.clone());
+    let cones = if m == 0 { vec![] } else { vec![NonnegativeConeT(m)] };
+    DefaultSolver::new(&P, &program.q, &A, &program.b, &cones, settings(effort)).ok()
+}
+
+/// `docs/performance.md` has the times of other settings.
+fn settings(effort: Effort) -> DefaultSettings<f64> {
+    let is_careful = effort == Effort::Careful;
+    let tolerance = if is_careful { CAREFUL_TOLERANCE } else { TOLERANCE };
+    DefaultSettings {
+        verbose: false,
+        presolve_enable: false,
+        equilibrate_enable: is_careful,
+        iterative_refinement_enable: is_careful,
+        max_iter: if is_careful { MAX_CAREFUL_ITERATIONS } else { MAX_ITERATIONS },
+        tol_gap_abs: tolerance,
+        tol_gap_rel: tolerance,
+        tol_feas: tolerance,
+        ..DefaultSettings::default()
+    }
+}

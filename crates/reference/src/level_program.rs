@@ -1,0 +1,224 @@
+//! One level of the cascade as a quadratic program over what the levels above leave open, x + size Z z.
+#![allow(non_snake_case)]
+
+use revprio_problem::{Matrix, Side, Vector};
+
+use crate::clarabel::QuadraticProgram;
+use crate::hierarchy::{Hierarchy, Level};
+
+/// What a constraint bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bounded {
+    /// An unknown.
+    Unknown(usize),
+    /// A satisfied inequality row of a higher level.
+    Higher { level: usize, row: usize },
+    /// An inequality row of the level itself, which may be violated: index of the row.
+    Own(usize),
+}
+
+/// The constraint g·z ≤ room; for a row of the level itself its excess is minimised.
+#[derive(Debug, Clone)]
+pub struct Constraint {
+    pub bounded: Bounded,
+    pub side: Side,
+    /// Factor of the multiplier from the program to the problem.
+    pub unit: f64,
+}
+
+/// min ½ ‖C z − d‖² + ½ Σ excess² subject to the constraints, in units in which the level and its velocity have size one.
+#[derive(Debug)]
+pub struct LevelProgram {
+    pub C: Matrix,
+    pub d: Vector,
+    pub constraints: Vec<Constraint>,
+    /// The constraints G z ≤ rooms.
+    pub G: Matrix,
+    pub rooms: Vector,
+    /// Size of z in the units of x.
+    pub size: f64,
+    /// Size of multipliers and of gradients: ‖b_k‖/‖A_k‖ + the speed, in units of `size`.
+    pub scale: f64,
+    /// Size of velocities, in units of `size`.
+    pub speed: f64,
+    /// Whether nothing that is open changes the level.
+    pub is_decided: bool,
+}
+
+/// A level that moves by less than this fraction is decided by the levels above.
+const DECIDED: f64 = 1e-10;
+
+/// What the levels above have decided.
+pub struct Decided<'a> {
+    pub x: &'a Vector,
+    /// Z: orthonormal columns along which x may move.
+    pub basis: &'a Matrix,
+    /// Unknowns that are held at a bound.
+    pub fixed: &'a [bool],
+    /// Rows of each level that are kept at their value.
+    pub kept: &'a [Vec<bool>],
+}
+
+impl LevelProgram {
+    /// Poses level k of a problem; k = number of levels: min ‖x − ζ‖².
+    pub fn new(problem: &Hierarchy, k: usize, decided: &Decided) -> Self {
+        let Decided { x, basis, .. } = decided;
+        let open = basis.ncols();
+        let last = (k == problem.levels.len()).then(|| last_objective(problem));
+        let level = last.as_ref().unwrap_or_else(|| &problem.levels[k]);
+        let norm = level.rows.norm();
+        let unit = if norm.is_normal() { 1.0 / norm } else { 1.0 };
+        let equations: Vec<usize> = (0..level.rows.nrows()).filter(|&row| level.is_equation(row)).collect();
+        let own: Vec<usize> = (0..level.rows.nrows()).filter(|&row| !level.is_equation(row)).collect();
+        let moved = &level.rows * *basis * unit;
+        let C = moved.select_rows(&equations);
+        let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
+        let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
+        let is_decided = own.iter().all(|row| missing(row) == 0.0) && C.norm() <= DECIDED;
+        let size = own.iter().map(missing).fold(d.norm(), |size, missing| size.max(missing.abs()));
+        let size = if size.is_normal() { size } else { 1.0 };
+        let targets = level.lower.iter().chain(&level.upper).filter(|bound| bound.is_finite());
+        let target = targets.fold(0.0_f64, |size, bound| size.max(bound.abs() * unit)) / size;
+        let speed = (x.norm() / size).max(1.0);
+        let mut program = Self {
+            C,
+            d: d / size,
+            constraints: Vec::new(),
+            G: Matrix::zeros(0, open),
+            rooms: Vector::zeros(0),
+            size,
+            scale: target + speed,
+            speed,
+            is_decided,
+        };
+        if !is_decided {
+            let factor = norm * norm * size;
+            program.push_constraints(problem, k, decided, if norm > 0.0 { factor } else { size });
+            let rows: Vec<(usize, f64)> = own.iter().map(|&row| (row, level.value(row, x))).collect();
+            program.push_own(level, &moved, &rows, unit, if norm > 0.0 { norm * size } else { size });
+        }
+        program
+    }
+
+    /// Adds the bounds of unknowns that move and of satisfied rows of higher levels.
+    fn push_constraints(&mut self, problem: &Hierarchy, k: usize, decided: &Decided, unit: f64) {
+        let Decided { x, basis, fixed, kept } = *decided;
+        let (mut rows, mut rooms) = (Vec::new(), Vec::new());
+        let size = self.size;
+        let mut push = |bounded, side: Side, room: f64, unit, row: &dyn Fn(usize) -> f64| {
+            if room.is_finite() {
+                self.constraints.push(Constraint { bounded, side, unit });
+                rows.extend((0..basis.ncols()).map(|i| side.sign() * row(i)));
+                rooms.push(room.max(0.0) / size);
+            }
+        };
+        for j in (0..problem.unknowns()).filter(|&j| !fixed[j]) {
+            let row = |i: usize| basis[(j, i)];
+            push(Bounded::Unknown(j), Side::Lower, x[j] - problem.lower[j], unit, &row);
+            push(Bounded::Unknown(j), Side::Upper, problem.upper[j] - x[j], unit, &row);
+        }
+        for (level, rows) in problem.levels[..k].iter().enumerate() {
+            for row in (0..rows.rows.nrows()).filter(|&row| !rows.is_equation(row) && !kept[level][row]) {
+                let norm = rows.rows.row(row).norm();
+                let length = if norm.is_normal() { norm } else { 1.0 };
+                let along = rows.rows.row(row) * basis / length;
+                let (value, bounded) = (rows.value(row, x), Bounded::Higher { level, row });
+                let entry = |i: usize| along[i];
+                push(bounded, Side::Lower, (value - rows.lower[row]) / length, unit / length, &entry);
+                push(bounded, Side::Upper, (rows.upper[row] - value) / length, unit / length, &entry);
+            }
+        }
+        self.G = Matrix::from_row_slice(rooms.len(), basis.ncols(), &rows);
+        self.rooms = Vector::from_vec(rooms);
+    }
+
+    /// Adds the inequality rows of the level itself: index and value.
+    fn push_own(&mut self, level: &Level, moved: &Matrix, rows: &[(usize, f64)], scale: f64, unit: f64) {
+        for &(row, value) in rows {
+            for (side, room) in [(Side::Lower, value - level.lower[row]), (Side::Upper, level.upper[row] - value)] {
+                if room.is_finite() {
+                    self.constraints.push(Constraint { bounded: Bounded::Own(row), side, unit });
+                    let count = self.constraints.len();
+                    self.G.resize_vertically_mut(count, 0.0);
+                    self.G.row_mut(count - 1).copy_from(&(moved.row(row) * side.sign()));
+                    self.rooms.resize_vertically_mut(count, room * scale / self.size);
+                }
+            }
+        }
+    }
+
+    /// Returns the program for Clarabel: v = (z, one excess for each constrained row of the level).
+    pub fn quadratic_program(&self) -> QuadraticProgram {
+        let open = self.C.ncols();
+        let mut excess = Vec::with_capacity(self.constraints.len());
+        let mut own: Vec<usize> = Vec::new();
+        for constraint in &self.constraints {
+            excess.push(match constraint.bounded {
+                Bounded::Own(row) => {
+                    if own.last() != Some(&row) {
+                        own.push(row);
+                    }
+                    Some(own.len() - 1)
+                }
+                _ => None,
+            });
+        }
+        let unknowns = open + own.len();
+        let hessian = self.C.tr_mul(&self.C);
+        let gradient = -self.C.tr_mul(&self.d);
+        let P = |i: usize, j: usize| match (i < open, j < open) {
+            (true, true) => hessian[(i, j)],
+            _ => f64::from(u8::from(i == j)),
+        };
+        let A = |i: usize, j: usize| {
+            if j < open { self.G[(i, j)] } else { -f64::from(u8::from(excess[i] == Some(j - open))) }
+        };
+        let constraints = self.constraints.len();
+        QuadraticProgram {
+            unknowns,
+            P: (0..unknowns).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|(i, j)| P(i, j)).collect(),
+            q: (0..unknowns).map(|j| if j < open { gradient[j] } else { 0.0 }).collect(),
+            A: (0..unknowns).flat_map(|j| (0..constraints).map(move |i| (i, j))).map(|(i, j)| A(i, j)).collect(),
+            b: self.rooms.as_slice().to_vec(),
+        }
+    }
+
+    /// Returns whether a constraint is a row of the level itself.
+    pub fn is_own(&self, constraint: usize) -> bool {
+        matches!(self.constraints[constraint].bounded, Bounded::Own(_))
+    }
+
+    /// Returns the largest relative residual of the optimality conditions at z with these multipliers of the constraints.
+    /// A row of the level itself has its excess as its multiplier.
+    pub fn residual(&self, z: &Vector, multipliers: &[f64]) -> f64 {
+        let slack = &self.rooms - &self.G * z;
+        let mut gradient = self.C.tr_mul(&(&self.d - &self.C * z));
+        let velocity = self.speed.max(z.norm());
+        let mut largest = 0.0_f64;
+        let mut note = |size: f64, scale: f64| {
+            let relative = size / scale;
+            largest = if relative.is_nan() { f64::INFINITY } else { largest.max(relative) };
+        };
+        for (i, &multiplier) in multipliers.iter().enumerate() {
+            gradient.axpy(-multiplier, &self.G.row(i).transpose(), 1.0);
+            if self.is_own(i) {
+                note((multiplier - (-slack[i]).max(0.0)).abs(), self.scale);
+                continue;
+            }
+            note(-slack[i], velocity);
+            note(-multiplier, self.scale);
+            // Either the multiplier or the slack is zero.
+            note((multiplier.abs() / self.scale).min(slack[i].abs() / velocity), 1.0);
+        }
+        note(gradient.amax(), self.scale);
+        largest
+    }
+}
+
+fn last_objective(problem: &Hierarchy) -> Level {
+    let n = problem.unknowns();
+    let mut level = Level::new(n);
+    let reference = problem.reference.as_slice();
+    level.push(&Matrix::identity(n, n), reference, reference, |_| revprio_problem::RowName::Auxiliary);
+    level
+}

@@ -1,0 +1,88 @@
+//! The polish of Clarabel's answer: one linear solve on its own active set.
+#![allow(non_snake_case)]
+
+use revprio_problem::Vector;
+
+use crate::clarabel::QpAnswer;
+use crate::level_program::LevelProgram;
+use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
+
+/// Singular values of active constraints below this fraction of the largest one count as zero: their rows depend.
+const DEPENDENT: f64 = 1e-12;
+
+/// A point of a level with its multipliers, and how far they are from the optimality conditions.
+#[derive(Debug, Clone)]
+pub struct LevelPoint {
+    /// z.
+    pub z: Vector,
+    /// One for each constraint; of a row of the level itself its excess.
+    pub multipliers: Vec<f64>,
+    /// Largest relative residual.
+    pub residual: f64,
+}
+
+impl LevelPoint {
+    /// Returns Clarabel's answer as it is.
+    pub fn of_clarabel(program: &LevelProgram, answer: &QpAnswer) -> Self {
+        let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
+        let residual = program.residual(&z, &answer.multipliers);
+        Self { z, multipliers: answer.multipliers.clone(), residual }
+    }
+
+    /// Solves the level on Clarabel's active set, as near to Clarabel's answer as possible:
+    ///
+    /// min ‖C z − d‖² subject to G_a z = rooms_a, then the multipliers ν of G_aᵀ ν = Cᵀ(d − C z).
+    pub fn polished(program: &LevelProgram, answer: &QpAnswer) -> Self {
+        let active = active_set(program, answer);
+        let (own, bounds): (Vec<usize>, Vec<usize>) = active.into_iter().partition(|&i| program.is_own(i));
+        let start = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
+        // A violated row of the level itself is an equation.
+        let C = stack(&program.C, &program.G.select_rows(&own));
+        let d = concatenate(&program.d, &program.rooms.select_rows(&own));
+        let G = program.G.select_rows(&bounds);
+        let constraints = Svd::new(&G);
+        let rank = constraints.rank(DEPENDENT * constraints.singular_values().first().copied().unwrap_or(0.0));
+        let inverse = constraints.inverse(rank, 0.0);
+        let z = &start + &inverse * (program.rooms.select_rows(&bounds) - &G * &start);
+        let free = constraints.null_space(rank);
+        let reach = Svd::new(&(&C * free));
+        let z = &z + free * reach.solve(reach.rank(RANK_TOLERANCE), 0.0, &(&d - &C * &z));
+        let excess = &C * &z - &d;
+        let mut multipliers = vec![0.0; program.constraints.len()];
+        for (i, &constraint) in own.iter().enumerate() {
+            multipliers[constraint] = excess[program.C.nrows() + i];
+        }
+        let found = Vector::from_iterator(bounds.len(), bounds.iter().map(|&i| answer.multipliers[i]));
+        let missing = -C.tr_mul(&excess) - G.tr_mul(&found);
+        let found = &found + inverse.tr_mul(&missing);
+        for (multiplier, &constraint) in found.iter().zip(&bounds) {
+            multipliers[constraint] = *multiplier;
+        }
+        let residual = program.residual(&z, &multipliers);
+        Self { z, multipliers, residual }
+    }
+
+    /// Returns a level point for z = 0 without multipliers.
+    pub fn at_rest(open: usize, constraints: usize) -> Self {
+        Self { z: Vector::zeros(open), multipliers: vec![0.0; constraints], residual: 0.0 }
+    }
+}
+
+/// Returns the constraints whose multipliers exceed their slacks; of the two sides of one row or unknown the stronger one.
+fn active_set(program: &LevelProgram, answer: &QpAnswer) -> Vec<usize> {
+    let mut active: Vec<usize> = Vec::new();
+    let is_active = |i: &usize| answer.multipliers[*i] > answer.slacks[*i];
+    for i in (0..program.constraints.len()).filter(is_active) {
+        match active.last().copied() {
+            Some(before) if program.constraints[before].bounded == program.constraints[i].bounded => {
+                if answer.multipliers[i] > answer.multipliers[before] {
+                    active.pop();
+                    active.push(i);
+                }
+            }
+            _ => active.push(i),
+        }
+    }
+    active
+}
+

@@ -1,0 +1,54 @@
+//! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
+//!
+//! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits and
+//! d = ẋ_k/‖ẋ_k‖, the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible.
+
+use revprio_problem::{Matrix, Problem, Vector};
+
+use crate::plan::{Aim, Step, equation_rows};
+use crate::svd::{RANK_TOLERANCE, Svd};
+
+/// Residual, relative to the speed of the task, up to which its direction counts as kept.
+const KEPT: f64 = 1e-9;
+
+/// The rows Uᵀ[J, −d] of a scaled task.
+#[derive(Debug, Clone)]
+pub struct ScaledTask {
+    /// UᵀJ.
+    pub rows: Matrix,
+    /// −Uᵀd.
+    pub direction: Vector,
+    /// ‖ẋ‖.
+    pub speed: f64,
+    /// ‖J‖.
+    norm: f64,
+}
+
+impl ScaledTask {
+    /// Examines task k; all tasks together in a step of one level.
+    pub fn new(problem: &Problem, step: Step, k: usize, aim: &Aim) -> Self {
+        let tasks = problem.tasks.tasks();
+        let n = problem.tasks.joint_count();
+        let own = if step == Step::OneLevel { 0..tasks.len() } else { k..k + 1 };
+        let higher = if step == Step::Levels { 0..k } else { 0..0 };
+        let jacobian = equation_rows(&tasks[own.clone()], n);
+        let above = equation_rows(&tasks[higher], n);
+        let velocity = own.filter(|&task| tasks[task].is_equation()).flat_map(|task| aim.targets[task].iter().copied());
+        let velocity = Vector::from_vec(velocity.collect());
+        let (norm, speed) = (jacobian.norm(), velocity.norm());
+        let svd = Svd::new(&above);
+        let projector = svd.row_projector(svd.rank(RANK_TOLERANCE * above.norm()));
+        let open = Svd::new(&(&jacobian - &jacobian * projector));
+        let basis = open.range(open.rank(RANK_TOLERANCE * norm));
+        let direction = if speed > 0.0 { velocity / speed } else { velocity };
+        Self { rows: basis.tr_mul(&jacobian), direction: -basis.tr_mul(&direction), speed, norm }
+    }
+
+    /// Returns whether q̇ (the first entries of x) moves the task along its direction with the scale s.
+    pub fn keeps_direction(&self, x: &Vector, scale: f64) -> bool {
+        let qdot = x.rows(0, self.rows.ncols());
+        let along = scale * self.speed;
+        let off = &self.rows * qdot + &self.direction * along;
+        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs())
+    }
+}
