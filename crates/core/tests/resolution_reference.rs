@@ -3,7 +3,7 @@
 
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{Method, Path, Problem, Resolution, Solver, Status, resolve};
+use revprio_core::resolution::{Method, Path, Problem, Resolution, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 use serde::Deserialize;
 
@@ -27,14 +27,14 @@ struct CaseTask {
 }
 
 impl Case {
-    fn solve(&self, method: Method, solver: Solver) -> Resolution {
+    fn solve(&self, method: Method) -> Resolution {
         let task = |(k, task): (usize, &CaseTask)| {
             let jacobian = Matrix::from_fn(task.jacobian.len(), task.jacobian[0].len(), |i, j| task.jacobian[i][j]);
             Task::new(format!("task {}", k + 1), jacobian, Vector::from_row_slice(&task.velocity))
         };
         let tasks = TaskStack::new(self.tasks.iter().enumerate().map(task).collect()).unwrap();
         let limits = VelocityBox::new(&self.lower, &self.upper).unwrap();
-        resolve(&Problem { limits, method, solver, ..Problem::new(tasks) }, &[]).unwrap()
+        resolve(&Problem { limits, method, ..Problem::new(tasks) }, &[]).unwrap()
     }
 }
 
@@ -49,30 +49,18 @@ fn distance(answer: &Resolution, exact: &[f64]) -> f64 {
     (&answer.joint_velocity - Vector::from_row_slice(exact)).amax()
 }
 
-#[test]
-fn closed_form_equals_the_recursion_of_eq_29() {
-    for (i, case) in cases().iter().enumerate() {
-        let answer = case.solve(Method::ReversePriority, Solver::ClosedForm);
-        let error = distance(&answer, &case.closed_form);
-        assert!(error < 1e-9, "case {i} ({}): off by {error:e}", case.kind);
-        assert_eq!(answer.solver.path, Path::ClosedForm);
-    }
-}
-
-/// Asserts that both solvers with limits solve every case exactly, certified, and inside the limits.
+/// Asserts that every case is solved exactly, certified, and inside the limits.
 fn assert_every_case_is_exact(method: Method, exact: impl Fn(&Case) -> (&[f64], &[f64])) {
     for (i, case) in cases().iter().enumerate() {
         let (velocity, residuals) = exact(case);
-        for solver in [Solver::Qp, Solver::Auto] {
-            let answer = case.solve(method, solver);
-            let context = format!("case {i} ({}), {solver:?}", case.kind);
-            let error = distance(&answer, velocity);
-            assert!(error < 1e-8, "{context}: off by {error:e}");
-            assert_eq!(answer.solver.status, Status::Optimal, "{context}: {:?}", answer.solver);
-            assert!(answer.violated_limits.is_empty(), "{context}");
-            let first = answer.tasks[0].residual_norm;
-            assert!((first - residuals[0]).abs() < 1e-9, "{context}: task 1 {first} instead of {}", residuals[0]);
-        }
+        let answer = case.solve(method);
+        let context = format!("case {i} ({})", case.kind);
+        let error = distance(&answer, velocity);
+        assert!(error < 1e-8, "{context}: off by {error:e}");
+        assert_eq!(answer.solver.status, Status::Optimal, "{context}: {:?}", answer.solver);
+        assert!(answer.violated_limits.is_empty(), "{context}");
+        let first = answer.tasks[0].residual_norm;
+        assert!((first - residuals[0]).abs() < 1e-9, "{context}: task 1 {first} instead of {}", residuals[0]);
     }
 }
 
@@ -90,7 +78,7 @@ fn strict_reverse_priority_in_the_box_equals_enumeration() {
 fn some_cases_have_active_limits_and_some_have_none() {
     let inside = cases()
         .iter()
-        .filter(|case| case.solve(Method::ReversePriority, Solver::Auto).solver.path == Path::ClosedForm)
+        .filter(|case| case.solve(Method::ReversePriority).solver.path == Path::ClosedForm)
         .count();
     assert!((10..=48).contains(&inside), "{inside} of 58 cases inside the limits");
 }

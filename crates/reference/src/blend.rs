@@ -12,7 +12,7 @@ use revprio_problem::{Damping, Matrix, Part, RowName, Vector};
 
 use crate::damping::smoothstep;
 use crate::hierarchy::{Hierarchy, Level, Solution};
-use crate::qp::Recorder;
+use crate::recorder::Recorder;
 use crate::svd::Svd;
 
 /// Half width for rows and joints that have one bound or none, rad/s or m/s.
@@ -39,9 +39,9 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
         return;
     }
     let mut parts = vec![(solution.x.clone(), recorder.last(), weight)];
-    let reach = Reach::new(hierarchy, hard, damping, recorder, solution);
+    let reach = Reach::new(hierarchy, hard, damping, recorder);
     for kept in (hard..count).rev() {
-        let x = reach.answer(kept, recorder, solution);
+        let x = reach.answer(kept, recorder);
         weight = if kept == hard { 1.0 } else { regularity(hierarchy, kept, &x, damping.threshold()) };
         parts.push((x, recorder.last(), weight));
         if weight == 1.0 {
@@ -147,13 +147,7 @@ struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    fn new(
-        hierarchy: &'a Hierarchy,
-        hard: usize,
-        damping: Damping,
-        recorder: &mut Recorder,
-        solution: &mut Solution,
-    ) -> Self {
+    fn new(hierarchy: &'a Hierarchy, hard: usize, damping: Damping, recorder: &mut Recorder) -> Self {
         let mut unlimited = Hierarchy::new(hierarchy.reference.clone());
         for level in &hierarchy.levels {
             let rows: Vec<usize> = (0..level.rows.nrows()).filter(|&row| level.is_equation(row)).collect();
@@ -162,9 +156,7 @@ impl<'a> Reach<'a> {
             equations.push(&level.rows.select_rows(&rows), &targets, &targets, |_| RowName::Auxiliary);
             unlimited.push(equations);
         }
-        let free = recorder.solve(&unlimited);
-        solution.doubt(&free);
-        let free = free.x;
+        let free = recorder.solve(&unlimited).x;
         let mut tau = 1.0_f64;
         for j in 0..free.len() {
             let middle = middle(hierarchy.lower[j], hierarchy.upper[j]);
@@ -184,12 +176,10 @@ impl<'a> Reach<'a> {
     }
 
     /// Computes X_k, k = `kept`.
-    fn answer(&self, kept: usize, recorder: &mut Recorder, doubted: &mut Solution) -> Vector {
+    fn answer(&self, kept: usize, recorder: &mut Recorder) -> Vector {
         let mut near = self.start.clone();
         for reached in kept..self.hierarchy.levels.len() {
-            let found = recorder.solve(&self.problem(kept, reached, &near));
-            doubted.doubt(&found);
-            near = found.x;
+            near = recorder.solve(&self.problem(kept, reached, &near)).x;
         }
         near
     }

@@ -231,10 +231,3 @@ fn set_first(multiplier: &mut f64, value: f64) {
         *multiplier = value;
     }
 }
-
-impl Solution {
-    /// Returns whether the optimality conditions hold at every level.
-    pub fn is_sure(&self) -> bool {
-        self.failures == 0 && self.residual <= CERTIFIED
-    }
-}

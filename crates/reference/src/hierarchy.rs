@@ -147,12 +147,4 @@ impl Solution {
     pub fn is_bounded(&self) -> bool {
         self.active.iter().chain(self.active_rows.iter().flatten()).any(Option::is_some)
     }
-
-    /// Takes over the doubts about a solution that this one is computed from.
-    pub fn doubt(&mut self, other: &Self) {
-        self.reports.extend_from_slice(&other.reports);
-        self.failures += other.failures;
-        self.residual = self.residual.max(other.residual);
-        self.rank_uncertain |= other.rank_uncertain;
-    }
 }

@@ -61,11 +61,6 @@ impl LevelPoint {
         let residual = program.residual(&z, &multipliers);
         Self { z, multipliers, residual }
     }
-
-    /// Returns a level point for z = 0 without multipliers.
-    pub fn at_rest(open: usize, constraints: usize) -> Self {
-        Self { z: Vector::zeros(open), multipliers: vec![0.0; constraints], residual: 0.0 }
-    }
 }
 
 /// Returns the constraints whose multipliers exceed their slacks; of the two sides of one row or unknown the stronger one.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use revprio_core::limits::{Inequality, VelocityBox};
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Solver};
+use revprio_core::resolution::{Method, Problem};
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::Configuration;
@@ -234,11 +234,6 @@ pub fn scaled(problem: &Problem, choose: impl Fn(usize) -> bool) -> Problem {
     let task = |(k, task): (usize, &Task)| Task { scaled: choose(k), ..task.clone() };
     let tasks = TaskStack::new(problem.tasks.tasks().iter().enumerate().map(task).collect()).unwrap();
     Problem { tasks, ..problem.clone() }
-}
-
-/// Returns a copy of the problem with another solver.
-pub fn with(problem: &Problem, solver: Solver) -> Problem {
-    Problem { solver, ..problem.clone() }
 }
 
 /// Returns the joint speed that the problem requests, the reference for errors of velocities.

@@ -1,0 +1,80 @@
+//! The solvers of this crate and of `revprio-reference`, which share no arithmetic, over random and adversarial problems.
+
+#[path = "resolution_properties/problems.rs"]
+#[allow(dead_code)]
+mod problems;
+
+use problems::{EXTREME, Family, Random, SMALL, WIDE, damping, inequalities, problem, scaled, speed};
+use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Solve, Status};
+use revprio_reference::Qp;
+
+fn any_problem(random: &mut Random, family: Family, method: Method) -> Problem {
+    let mut problem = problem(random, family, method);
+    problem.damping = random.one_in(3).then(|| damping(random));
+    if random.one_in(5) {
+        problem.inequalities = inequalities(random, problem.tasks.joint_count());
+    }
+    if random.one_in(5) {
+        let choice = random.bits();
+        problem = scaled(&problem, |k| choice >> k & 1 == 1);
+    }
+    problem
+}
+
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share) as usize]
+}
+
+#[test]
+fn table() {
+    let count: u64 = std::env::var("N").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
+    let methods = [
+        Method::ReversePriority,
+        Method::StrictReversePriority,
+        Method::DampedLeastSquares,
+        Method::Pseudoinverse,
+        Method::SingularityRobust,
+        Method::TaskPriority,
+    ];
+    let (mut qp, mut auto) = (Qp::default(), Resolver::default());
+    for (name, family) in [("small", SMALL), ("wide", WIDE), ("extreme", EXTREME)] {
+        for method in methods {
+            let (mut errors, mut unsure, mut wrong, mut uncertain, mut auto_unsure) = (Vec::new(), 0, Vec::new(), 0, 0);
+            let mut kinds = [0; 4];
+            for seed in 0..count {
+                let mut random = Random::new(seed);
+                let problem = any_problem(&mut random, family, method);
+                let (mut a, mut b) = (Resolution::default(), Resolution::default());
+                qp.solve(&problem, &[], &mut a).unwrap();
+                auto.solve(&problem, &[], &mut b).unwrap();
+                let size = a.joint_velocity.amax().max(b.joint_velocity.amax()).max(speed(&problem)).max(1e-5);
+                let error = (&a.joint_velocity - &b.joint_velocity).amax() / size;
+                if b.solver.status != Status::Optimal { auto_unsure += 1; }
+                if a.solver.status != Status::Optimal {
+                    unsure += 1;
+                    kinds[0] += i32::from(problem.damping.is_some());
+                    kinds[1] += i32::from(!problem.inequalities.is_empty());
+                    kinds[2] += i32::from(problem.tasks.tasks().iter().any(|t| t.scaled));
+                    kinds[3] += i32::from(a.solver.failures > 0);
+                    if std::env::var("SHOW").is_ok() && unsure < 4 { println!("   unsure {seed} {:?} damping {} ineq {} {:?}", a.solver, problem.damping.is_some(), problem.inequalities.len(), a.levels); }
+                    continue;
+                }
+                if a.solver.rank_uncertain || b.solver.rank_uncertain {
+                    uncertain += 1;
+                    continue;
+                }
+                errors.push(error);
+                if error > 1e-7 {
+                    wrong.push((seed, error, problem.damping.is_some(), problem.inequalities.len()));
+                }
+            }
+            errors.sort_by(f64::total_cmp);
+            let above = |bar: f64| errors.iter().filter(|e| **e > bar).count();
+            println!(
+                "{name} {method:?}: median {:.1e} p99 {:.1e} worst {:.1e}; above 1e-9 {} 1e-7 {} 1e-5 {}; unsure {unsure} {kinds:?} rank uncertain {uncertain} auto unsure {auto_unsure}; {:?}",
+                percentile(&errors, 0.5), percentile(&errors, 0.99), percentile(&errors, 1.0),
+                above(1e-9), above(1e-7), above(1e-5), &wrong[..wrong.len().min(5)]
+            );
+        }
+    }
+}
