@@ -78,3 +78,26 @@ fn table() {
         }
     }
 }
+
+#[test]
+#[ignore]
+fn show() {
+    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
+    let family = match std::env::var("FAMILY").unwrap().as_str() { "small" => SMALL, "wide" => WIDE, _ => EXTREME };
+    let method = match std::env::var("METHOD").unwrap().as_str() {
+        "rp" => Method::ReversePriority, "strict" => Method::StrictReversePriority, "dls" => Method::DampedLeastSquares,
+        "pinv" => Method::Pseudoinverse, "sr" => Method::SingularityRobust, _ => Method::TaskPriority };
+    let problem = any_problem(&mut Random::new(seed), family, method);
+    println!("damping {:?} zeta {:?}", problem.damping, problem.null_space_velocity);
+    println!("lower {:?}\nupper {:?}", problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
+    for t in problem.tasks.tasks() {
+        println!("task scaled {} J {} v {:?}", t.scaled, t.jacobian, t.lower.as_slice());
+    }
+    for i in &problem.inequalities { println!("ineq {:?}", i); }
+    let (mut a, mut b) = (Resolution::default(), Resolution::default());
+    Qp::default().solve(&problem, &[], &mut a).unwrap();
+    Resolver::default().solve(&problem, &[], &mut b).unwrap();
+    for (n, r) in [("qp", &a), ("auto", &b)] {
+        println!("{n} {:?}\n  residuals {:?} scales {:?}\n  {:?}\n  active {:?} broken {:?}\n levels {:?}", r.joint_velocity.as_slice(), r.tasks.iter().map(|t| t.residual_norm).collect::<Vec<_>>(), r.tasks.iter().map(|t| t.scale).collect::<Vec<_>>(), r.solver, r.active_limits, r.violated_inequalities, r.levels);
+    }
+}

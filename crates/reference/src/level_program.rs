@@ -48,6 +48,9 @@ pub struct LevelProgram {
 /// A level that moves by less than this fraction is decided by the levels above.
 const DECIDED: f64 = 1e-10;
 
+/// An unknown that moves by less than this along the open directions is decided by the levels above.
+const UNMOVED: f64 = 1e-11;
+
 /// What the levels above have decided.
 pub struct Decided<'a> {
     pub x: &'a Vector,
@@ -106,7 +109,8 @@ impl LevelProgram {
         let (mut rows, mut rooms) = (Vec::new(), Vec::new());
         let size = self.size;
         let mut push = |bounded, side: Side, room: f64, unit, row: &dyn Fn(usize) -> f64| {
-            if room.is_finite() {
+            let moves = (0..basis.ncols()).any(|i| row(i).abs() > UNMOVED);
+            if room.is_finite() && moves {
                 self.constraints.push(Constraint { bounded, side, unit });
                 rows.extend((0..basis.ncols()).map(|i| side.sign() * row(i)));
                 rooms.push(room.max(0.0) / size);

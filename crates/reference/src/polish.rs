@@ -7,8 +7,8 @@ use crate::clarabel::QpAnswer;
 use crate::level_program::LevelProgram;
 use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 
-/// Singular values of active constraints below this fraction of the largest one count as zero: their rows depend.
-const DEPENDENT: f64 = 1e-12;
+/// Singular values of active constraints below this count as zero: their rows, of length one at most, depend.
+const DEPENDENT: f64 = 1e-11;
 
 /// A point of a level with its multipliers, and how far they are from the optimality conditions.
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ impl LevelPoint {
         let d = concatenate(&program.d, &program.rooms.select_rows(&own));
         let G = program.G.select_rows(&bounds);
         let constraints = Svd::new(&G);
-        let rank = constraints.rank(DEPENDENT * constraints.singular_values().first().copied().unwrap_or(0.0));
+        let rank = constraints.rank(DEPENDENT);
         let inverse = constraints.inverse(rank, 0.0);
         let z = &start + &inverse * (program.rooms.select_rows(&bounds) - &G * &start);
         let free = constraints.null_space(rank);

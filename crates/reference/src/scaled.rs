@@ -11,6 +11,9 @@ use crate::svd::{RANK_TOLERANCE, Svd};
 /// Residual, relative to the speed of the task, up to which its direction counts as kept.
 const KEPT: f64 = 1e-9;
 
+/// Residual, relative to the requested speed, that counts as kept where the task comes to rest.
+const ROUNDING: f64 = 1e-13;
+
 /// The rows Uᵀ[J, −d] of a scaled task.
 #[derive(Debug, Clone)]
 pub struct ScaledTask {
@@ -49,6 +52,6 @@ impl ScaledTask {
         let qdot = x.rows(0, self.rows.ncols());
         let along = scale * self.speed;
         let off = &self.rows * qdot + &self.direction * along;
-        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs())
+        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * self.speed
     }
 }
