@@ -84,7 +84,6 @@ impl Cascade {
     /// Returns the better one of Clarabel's answer and its polish. Clarabel tries harder where neither is certified.
     fn solve_program(&mut self, program: &LevelProgram) -> Result<(LevelPoint, LevelReport), LevelReport> {
         let quadratic = program.quadratic_program();
-        if std::env::var("DEBUG").is_ok() { eprintln!("PROGRAM {program:#?}"); }
         let mut best: Option<(LevelPoint, LevelReport)> = None;
         let mut iterations = 0;
         for effort in [Effort::Quick, Effort::Careful] {
@@ -94,7 +93,6 @@ impl Cascade {
                     let own = LevelPoint::of_clarabel(program, &answer);
                     let clarabel_residual = own.residual;
                     let polished = LevelPoint::polished(program, &answer);
-                    if std::env::var("DEBUG").is_ok() { eprintln!("ANSWER {answer:?} POLISHED {polished:?}"); }
                     let point = if polished.residual <= own.residual { polished } else { own };
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };

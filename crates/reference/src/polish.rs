@@ -10,6 +10,9 @@ use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 /// Singular values of active constraints below this count as zero: their rows, of length one at most, depend.
 const DEPENDENT: f64 = 1e-11;
 
+/// Slack and ratio of multiplier and slack of a constraint that is met without a force: both go to zero together.
+const WEAK: f64 = 1e-3;
+
 /// A point of a level with its multipliers, and how far they are from the optimality conditions.
 #[derive(Debug, Clone)]
 pub struct LevelPoint {
@@ -66,7 +69,10 @@ impl LevelPoint {
 /// Returns the constraints whose multipliers exceed their slacks; of the two sides of one row or unknown the stronger one.
 fn active_set(program: &LevelProgram, answer: &QpAnswer) -> Vec<usize> {
     let mut active: Vec<usize> = Vec::new();
-    let is_active = |i: &usize| answer.multipliers[*i] > answer.slacks[*i];
+    let is_active = |i: &usize| {
+        let (multiplier, slack) = (answer.multipliers[*i], answer.slacks[*i]);
+        multiplier > slack || (slack < WEAK && multiplier > slack * WEAK)
+    };
     for i in (0..program.constraints.len()).filter(is_active) {
         match active.last().copied() {
             Some(before) if program.constraints[before].bounded == program.constraints[i].bounded => {
