@@ -11,7 +11,6 @@ use serde::Deserialize;
 struct Case {
     kind: String,
     tasks: Vec<CaseTask>,
-    closed_form: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     rp_qp: Vec<f64>,

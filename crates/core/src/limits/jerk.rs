@@ -210,7 +210,7 @@ mod tests {
 
     use super::super::braking::NOISE_TOLERANCE;
     use super::super::limited_box::{Interval, JointMotion};
-    use super::super::velocity_box::LimitKind;
+    use super::super::LimitKind;
     use super::*;
 
     fn interval(limits: &JointLimits, q: f64, last: f64, acceleration: f64, period: f64) -> Interval {

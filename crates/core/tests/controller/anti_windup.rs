@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{AntiWindup, Command, Controller, ControllerConfig, Limits, Stepper, TaskConfig};
+use revprio_core::controller::{AntiWindup, Command, Controller, ControllerConfig, Limits, TaskConfig};
 use revprio_core::law::{ForceLaw, Law, Point, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::linalg::Damping;
@@ -166,7 +166,7 @@ struct Extremes {
 /// Runs from the singular posture; the arm follows exactly.
 fn run_near_singularity(config: ControllerConfig, periods: usize) -> Extremes {
     let controller = controller(config);
-    let mut stepper = Stepper::new(controller).unwrap();
+    let mut stepper = crate::solvers::stepper(controller);
     let (robot, mut arm, mut found) = (sawyer(), Loop::at_rest(&SINGULAR), Extremes::default());
     let mut before: Option<Command> = None;
     for _ in 0..periods {

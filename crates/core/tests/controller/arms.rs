@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError, Stepper,
+    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError,
     TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
@@ -112,7 +112,7 @@ pub fn step(
     memory: &mut Option<Memory>,
     measurement: &Measurement,
 ) -> Result<Command, StepError> {
-    Stepper::new(controller.clone())?.step(memory, measurement).cloned()
+    crate::solvers::stepper(controller.clone()).step(memory, measurement).cloned()
 }
 
 pub fn controller(config: ControllerConfig) -> Controller {

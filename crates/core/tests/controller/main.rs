@@ -1,5 +1,7 @@
 //! Tests of the controller and its laws in closed loop with a simulated arm.
 
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod anti_windup;
 mod arms;
 mod barriers;

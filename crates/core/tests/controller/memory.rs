@@ -1,6 +1,6 @@
 //! The memory of a controller: it is complete and reproducible, and other memories are refused.
 
-use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError, Stepper};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::Solver;
 use revprio_robot::JointLimits;
@@ -42,7 +42,7 @@ fn a_reused_stepper_gives_the_same_bits_as_a_new_one() {
     for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
         let own = controller(ControllerConfig { solver, ..limited_controller().config().clone() });
         let (mut arm, mut memory) = (Loop::at_rest(&NOMINAL), None);
-        let mut stepper = Stepper::new(own.clone()).unwrap();
+        let mut stepper = crate::solvers::stepper(own.clone());
         for push in pushes().into_iter().take(300) {
             let measured = arm.measurement(own.config().period_s, push);
             let again = bytes(stepper.step(&mut memory, &measured).unwrap());

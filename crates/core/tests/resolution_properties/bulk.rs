@@ -1,10 +1,11 @@
 //! Properties that can be checked without knowing the exact answer, over very many problems.
 
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status, resolve};
+use revprio_core::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status};
 use revprio_core::task::TaskStack;
 
-use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed, with};
+use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed};
+use crate::solvers::resolve_with;
 
 /// The largest error of one kind, and how often it exceeded its limit.
 #[derive(Debug, Default, Clone, Copy)]
@@ -79,7 +80,7 @@ impl Findings {
         let mut random = Random::new(seed);
         let problem = any_problem(&mut random, family);
         let requested = speed(&problem);
-        let answer = |solver, initial: &[ActiveSet]| resolve(&with(&problem, solver), initial).unwrap();
+        let answer = |solver, initial: &[ActiveSet]| resolve_with(solver, &problem, initial).unwrap();
         let qp = answer(Solver::Qp, &[]);
         let initial = any_initial_set(&mut random, problem.tasks.joint_count());
         let autos = [answer(Solver::Auto, &[]), answer(Solver::Auto, &qp.active_set), answer(Solver::Auto, &initial)];
@@ -103,7 +104,7 @@ impl Findings {
     }
 
     fn against_closed_form(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
-        let closed = resolve(&with(problem, Solver::ClosedForm), &[]).unwrap();
+        let closed = resolve_with(Solver::ClosedForm, problem, &[]).unwrap();
         if closed.violated_limits.is_empty() && closed.violated_inequalities.is_empty() {
             self.inside += 1;
             let error = distance(&closed.joint_velocity, &qp.joint_velocity, speed(problem));
@@ -118,7 +119,7 @@ impl Findings {
             return;
         }
         let tasks = TaskStack::new(vec![first.clone()]).unwrap();
-        let alone = resolve(&Problem { tasks, ..with(problem, Solver::Qp) }, &[]).unwrap();
+        let alone = resolve_with(Solver::Qp, &Problem { tasks, ..problem.clone() }, &[]).unwrap();
         let size = first.lower.norm() + first.jacobian.norm() * (qp.joint_velocity.norm() + speed(problem)) + 1e-5;
         let error = (qp.tasks[0].residual_norm - alone.tasks[0].residual_norm).abs() / size;
         self.first_task.add(seed, error, 1e-9);

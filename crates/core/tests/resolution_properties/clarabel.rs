@@ -1,9 +1,10 @@
 //! How often Clarabel's working set is the right one, and how far the answers of `qp` and `auto` are apart.
 
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{Method, Resolution, Solver, Status, resolve};
+use revprio_core::resolution::{Method, Resolution, Solver, Status};
 
-use crate::problems::{EXTREME, Family, Random, SMALL, WIDE, problem, speed, with};
+use crate::problems::{EXTREME, Family, Random, SMALL, WIDE, problem, speed};
+use crate::solvers::resolve_with;
 
 /// Distances above which two answers count as different.
 const LIMITS: [f64; 3] = [1e-12, 1e-9, 1e-6];
@@ -44,7 +45,7 @@ fn compare(family: Family, seeds: std::ops::Range<u64>) -> Disagreement {
     let mut found = Disagreement::default();
     for seed in seeds {
         let problem = problem(&mut Random::new(seed), family, Method::StrictReversePriority);
-        let answer = |solver| resolve(&with(&problem, solver), &[]).unwrap();
+        let answer = |solver| resolve_with(solver, &problem, &[]).unwrap();
         found.add(&answer(Solver::Qp), &answer(Solver::Auto), speed(&problem));
     }
     found

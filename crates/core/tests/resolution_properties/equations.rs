@@ -2,18 +2,30 @@
 
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;
-use revprio_core::linalg::{Damping, Matrix, Vector, stack};
-use revprio_core::resolution::{Method, Problem, Solver, resolve};
+use revprio_core::linalg::{Damping, DampingFactor, Matrix, Vector, stack};
+use revprio_core::resolution::{Method, Problem, Solver};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::{Family, Random, SMALL, damping, problem};
 use crate::reference::{Level, levels, pinv_own, unlimited};
+use crate::solvers::resolve_with;
 
 fn solve(tasks: &TaskStack, method: Method, damping: Option<Damping>) -> Vector {
     let limits = VelocityBox::unbounded(tasks.joint_count());
-    let solver = Solver::ClosedForm;
-    let problem = Problem { limits, method, solver, damping, ..Problem::new(tasks.clone()) };
-    resolve(&problem, &[]).unwrap().joint_velocity
+    let problem = Problem { limits, method, damping, ..Problem::new(tasks.clone()) };
+    resolve_with(Solver::ClosedForm, &problem, &[]).unwrap().joint_velocity
+}
+
+/// All rows, highest priority on top.
+fn stacked(tasks: &TaskStack) -> Level {
+    let n = tasks.joint_count();
+    let start = Level { A: Matrix::zeros(0, n), b: Vector::zeros(0) };
+    tasks.tasks().iter().fold(start, |above, task| Level {
+        A: Matrix::from_fn(above.A.nrows() + task.jacobian.nrows(), n, |i, j| {
+            above.A.get((i, j)).copied().unwrap_or_else(|| task.jacobian[(i - above.A.nrows(), j)])
+        }),
+        b: Vector::from_iterator(above.b.len() + task.lower.len(), above.b.iter().chain(task.lower.iter()).copied()),
+    })
 }
 
 fn task(rows: Matrix, velocity: Vector) -> Task {
@@ -35,8 +47,9 @@ fn well_conditioned(random: &mut Random) -> TaskStack {
             task(Matrix::from_fn(m, n, |_, _| random.unit()), Vector::from_fn(m, |_, _| random.unit()))
         };
         let tasks = TaskStack::new((0..count).map(|_| any()).collect()).unwrap();
-        let sigma = tasks.stacked_jacobian().singular_values();
-        if tasks.stacked_jacobian().nrows() <= n && sigma.min() > 0.13 {
+        let stacked = stacked(&tasks).A;
+        let sigma = stacked.singular_values();
+        if stacked.nrows() <= n && sigma.min() > 0.13 {
             return tasks;
         }
     }
@@ -144,8 +157,8 @@ fn the_singularity_robust_form_equals_the_printed_equation_and_its_cascade() {
         for solver in [Solver::ClosedForm, Solver::Auto, Solver::Qp] {
             let limits = VelocityBox::unbounded(tasks.joint_count());
             let (tasks, method) = (tasks.clone(), Method::SingularityRobust);
-            let problem = Problem { limits, method, solver, ..Problem::new(tasks) };
-            let answer = resolve(&problem, &[]).unwrap();
+            let problem = Problem { limits, method, ..Problem::new(tasks) };
+            let answer = resolve_with(solver, &problem, &[]).unwrap();
             assert!((&answer.joint_velocity - &expected).amax() < 1e-10, "{solver:?}");
             assert!(answer.tasks[0].residual_norm < 1e-10);
         }
@@ -182,7 +195,7 @@ fn one_task_of_independent_rows_equals_the_pseudo_inverse() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let tasks = well_conditioned(&mut random);
-        let one = Level { A: tasks.stacked_jacobian(), b: tasks.stacked_velocity() };
+        let one = stacked(&tasks);
         let expected = pinv_own(&one.A) * &one.b;
         for method in [Method::Pseudoinverse, Method::ReversePriority, Method::StrictReversePriority] {
             assert!((solve(&tasks, method, None) - &expected).amax() < 1e-10, "{method:?}");

@@ -5,7 +5,7 @@ use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{ActiveSet, Method, Problem, Resolution, Resolver, Side, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::with;
+use crate::solvers::resolve_with;
 
 fn equation(row: &[f64], velocity: f64) -> Task {
     Task::new("", Matrix::from_row_slice(1, row.len(), row), Vector::from_element(1, velocity))
@@ -25,7 +25,7 @@ fn within(size: f64, method: Method, tasks: Vec<Task>) -> Problem {
 
 fn assert_velocity(problem: &Problem, expected: &[f64]) {
     for solver in [Solver::Auto, Solver::Qp] {
-        let answer = resolve(&with(problem, solver), &[]).unwrap();
+        let answer = resolve_with(solver, problem, &[]).unwrap();
         let error = (&answer.joint_velocity - Vector::from_row_slice(expected)).amax();
         assert!(error <= 1e-9, "{solver:?}: {:?} instead of {expected:?}", answer.joint_velocity.as_slice());
         assert_eq!(answer.solver.status, Status::Optimal);
@@ -74,7 +74,7 @@ fn lower_inequality_tasks_correct_the_start_of_reverse_priority_in_every_solver(
         let tasks = vec![equation(&[1.0, 1.0], velocity), between(&[1.0, 0.0], f64::NEG_INFINITY, 0.0)];
         let mut problem = within(9.0, Method::ReversePriority, tasks);
         problem.null_space_velocity = Some(Vector::from_vec(vec![1.0, 0.0]));
-        let answer = |solver| resolve(&with(&problem, solver), &[]).unwrap().joint_velocity;
+        let answer = |solver| resolve_with(solver, &problem, &[]).unwrap().joint_velocity;
         assert!((answer(Solver::Auto) - answer(Solver::Qp)).amax() < 1e-9, "{velocity}");
     }
 }

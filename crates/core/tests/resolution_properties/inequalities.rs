@@ -6,8 +6,9 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::{Random, SMALL, problem, speed, with};
+use crate::problems::{Random, SMALL, problem, speed};
 use crate::reference::{enumerate, levels};
+use crate::solvers::resolve_with;
 
 const METHODS: [Method; 2] = [Method::ReversePriority, Method::StrictReversePriority];
 
@@ -44,7 +45,7 @@ fn a_rotated_box_gives_the_rotated_answer() {
         let rotated = rotated(&problem, &R, &mut random);
         let size = exact.amax().max(speed(&problem)).max(1.0);
         for solver in [Solver::Qp, Solver::Auto] {
-            let answer = resolve(&with(&rotated, solver), &[]).unwrap();
+            let answer = resolve_with(solver, &rotated, &[]).unwrap();
             let error = (R.transpose() * &answer.joint_velocity - &exact).amax() / size;
             worst = worst.max(error);
             assert!(error <= 1e-8, "seed {seed}, {solver:?}: off by {error:e}: {answer:?}");
@@ -72,13 +73,13 @@ fn an_active_inequality_is_named_with_its_multiplier() {
     // ½(q̇₁ + q̇₂ − 2)² with 2 q̇₁ + 2 q̇₂ ≤ 1 is ½ 1.5². It decreases by 1.5/2 per unit of the bound.
     let inequalities = vec![Inequality::new("wall", vec![2.0, 2.0], 1.0).unwrap()];
     for solver in [Solver::Qp, Solver::Auto] {
-        let problem = Problem { inequalities: inequalities.clone(), solver, ..Problem::new(push(2.0)) };
-        let answer = resolve(&problem, &[]).unwrap();
+        let problem = Problem { inequalities: inequalities.clone(), ..Problem::new(push(2.0)) };
+        let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - Vector::repeat(2, 0.25)).amax() <= 1e-14, "{answer:?}");
         assert!(answer.violated_inequalities.is_empty() && answer.active_limits.is_empty());
         let active = &answer.active_inequalities[..];
         assert!(active.len() == 1 && active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
-        let again = resolve(&with(&problem, Solver::Auto), &answer.active_set).unwrap();
+        let again = resolve_with(Solver::Auto, &problem, &answer.active_set).unwrap();
         assert_eq!((again.solver.iterations, &again.joint_velocity), (0, &answer.joint_velocity));
     }
 }
@@ -87,7 +88,7 @@ fn an_active_inequality_is_named_with_its_multiplier() {
 fn the_closed_form_reports_the_inequalities_that_it_violates() {
     let inequalities = vec![Inequality::new("wall", vec![1.0, 0.0], 0.5).unwrap()];
     let answer =
-        resolve(&Problem { inequalities, solver: Solver::ClosedForm, ..Problem::new(push(2.0)) }, &[]).unwrap();
+        resolve_with(Solver::ClosedForm, &Problem { inequalities, ..Problem::new(push(2.0)) }, &[]).unwrap();
     assert_eq!(answer.violated_inequalities.len(), 1);
     let violated = &answer.violated_inequalities[0];
     assert!(violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
@@ -103,8 +104,8 @@ fn if_inequalities_contradict_the_box_the_box_holds_and_their_violation_is_minim
     let limits = box_of([-1.0; 2], [1.0; 2]);
     for solver in [Solver::Qp, Solver::Auto] {
         let inequalities = inequalities.clone();
-        let problem = Problem { inequalities, limits: limits.clone(), solver, ..Problem::new(push(0.0)) };
-        let answer = resolve(&problem, &[]).unwrap();
+        let problem = Problem { inequalities, limits: limits.clone(), ..Problem::new(push(0.0)) };
+        let answer = resolve_with(solver, &problem, &[]).unwrap();
         // min (4 − 1 − y)² + (3 − 1 + y)²: y = ½.
         assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-12, "{answer:?}");
         let violated: Vec<&str> = answer.violated_inequalities.iter().map(|violated| &*violated.name).collect();

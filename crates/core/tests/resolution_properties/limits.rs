@@ -6,8 +6,9 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Solver, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::{Random, SMALL, WIDE, problem, speed, with};
+use crate::problems::{Random, SMALL, WIDE, problem, speed};
 use crate::reference::{enumerate, levels, residuals};
+use crate::solvers::resolve_with;
 
 const METHODS: [Method; 2] = [Method::ReversePriority, Method::StrictReversePriority];
 
@@ -21,7 +22,7 @@ fn small_problems_equal_the_enumeration_of_all_active_sets() {
         let exact = enumerate(&levels, problem.limits.lower(), problem.limits.upper());
         let size = exact.amax().max(speed(&problem)).max(1.0);
         for solver in [Solver::Qp, Solver::Auto] {
-            let answer = resolve(&with(&problem, solver), &[]).unwrap().joint_velocity;
+            let answer = resolve_with(solver, &problem, &[]).unwrap().joint_velocity;
             let error = (&answer - &exact).amax() / size;
             worst = if error > worst.0 { (error, seed) } else { worst };
             let (ours, best) = (residuals(&levels, &answer), residuals(&levels, &exact));
@@ -68,7 +69,7 @@ proptest! {
         for _ in 0..30 {
             problem = later(&problem, &mut random, 0.03);
             let auto = resolve(&problem, &initial).unwrap();
-            let qp = resolve(&with(&problem, Solver::Qp), &[]).unwrap();
+            let qp = resolve_with(Solver::Qp, &problem, &[]).unwrap();
             let size = qp.joint_velocity.amax().max(speed(&problem)).max(1.0);
             let error = (&auto.joint_velocity - &qp.joint_velocity).amax() / size;
             prop_assert!(error <= 1e-8, "off by {error:e}");
@@ -110,7 +111,7 @@ fn extremely_large_and_small_numbers_never_give_an_unsafe_command() {
         let Ok(tasks) = TaskStack::new(tasks) else { continue };
         problem.tasks = tasks;
         for solver in [Solver::Qp, Solver::Auto] {
-            let answer = resolve(&with(&problem, solver), &[]).unwrap();
+            let answer = resolve_with(solver, &problem, &[]).unwrap();
             assert!(answer.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}: {answer:?}");
             assert!(problem.limits.violation(&answer.joint_velocity) <= 1e-12, "seed {seed}: {answer:?}");
             assert!(answer.violated_limits.is_empty(), "seed {seed}: {answer:?}");
@@ -126,8 +127,8 @@ fn a_task_that_only_a_corner_of_the_box_satisfies_is_solved() {
     let tasks = TaskStack::new(vec![task(&[1.0, 1.0], 2.0), task(&[1.0, -1.0], 5.0)]).unwrap();
     let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
     for (method, solver) in METHODS.into_iter().flat_map(|m| [(m, Solver::Qp), (m, Solver::Auto)]) {
-        let problem = Problem { limits: limits.clone(), method, solver, ..Problem::new(tasks.clone()) };
-        let answer = resolve(&problem, &[]).unwrap();
+        let problem = Problem { limits: limits.clone(), method, ..Problem::new(tasks.clone()) };
+        let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - Vector::repeat(2, 1.0)).amax() <= 1e-12, "{answer:?}");
     }
 }

@@ -3,6 +3,8 @@
 //! Every problem is a function of a seed. A failure prints the seed.
 #![allow(non_snake_case)]
 
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod bulk;
 mod clarabel;
 mod continuity;

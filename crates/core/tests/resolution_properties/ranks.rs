@@ -5,7 +5,8 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::{Random, with};
+use crate::problems::{Random};
+use crate::solvers::resolve_with;
 
 /// Returns two tasks of Gaussian-like rows, the last of which depends on the first one up to `nearness`, within limits.
 fn nearly_dependent(random: &mut Random, nearness: f64, same_task: bool, method: Method) -> Problem {
@@ -33,7 +34,7 @@ fn auto_and_qp_decide_ranks_near_the_threshold_alike() {
         let method = random.pick(&[Method::ReversePriority, Method::StrictReversePriority, Method::Pseudoinverse]);
         let same_task = random.one_in(2);
         let problem = nearly_dependent(&mut random, nearness, same_task, method);
-        let answer = |solver| resolve(&with(&problem, solver), &[]).unwrap();
+        let answer = |solver| resolve_with(solver, &problem, &[]).unwrap();
         let (auto, qp) = (answer(Solver::Auto), answer(Solver::Qp));
         let difference = (&auto.joint_velocity - &qp.joint_velocity).amax();
         let context =

@@ -2,12 +2,13 @@
 #![allow(non_snake_case)]
 
 use revprio_core::limits::VelocityBox;
-use revprio_core::linalg::{Damping, Matrix, Vector, stack};
+use revprio_core::linalg::{Damping, DampingFactor, Matrix, Vector, stack};
 use revprio_core::resolution::{Method, Problem, Resolution, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::{Random, SMALL, problem, scaled, speed, with};
+use crate::problems::{Random, SMALL, problem, scaled, speed};
 use crate::reference::{Level, enumerate, levels, pinv, pinv_own};
+use crate::solvers::resolve_with;
 
 /// Returns the levels with the velocities of scaled tasks multiplied by `factors`.
 fn scaled_levels(problem: &Problem, factors: &[Option<f64>]) -> Vec<Level> {
@@ -41,9 +42,9 @@ fn examine(seed: u64, method: Method) -> usize {
     let problem = problem(&mut random, SMALL, method);
     let choice = random.bits();
     let problem = scaled(&problem, |k| k == 0 || choice >> k & 1 == 1);
-    let answer = resolve(&with(&problem, Solver::Qp), &[]).unwrap();
+    let answer = resolve_with(Solver::Qp, &problem, &[]).unwrap();
     assert_eq!(answer.solver.status, Status::Optimal, "seed {seed}: {answer:?}");
-    let auto = resolve(&with(&problem, Solver::Auto), &answer.active_set).unwrap();
+    let auto = resolve_with(Solver::Auto, &problem, &answer.active_set).unwrap();
     let size = answer.joint_velocity.amax().max(speed(&problem)).max(1.0);
     assert!((&auto.joint_velocity - &answer.joint_velocity).amax() <= 1e-8 * size, "seed {seed}");
 
@@ -130,7 +131,7 @@ fn limits_change_the_direction_of_a_task_unless_it_is_scaled() {
 #[test]
 fn a_task_without_active_limits_has_the_factor_one() {
     for solver in [Solver::ClosedForm, Solver::Qp, Solver::Auto] {
-        let answer = resolve(&with(&plane_task([0.5, 1.0], true), solver), &[]).unwrap();
+        let answer = resolve_with(solver, &plane_task([0.5, 1.0], true), &[]).unwrap();
         assert_eq!(answer.tasks[0].scale, Some(1.0), "{solver:?}");
     }
 }

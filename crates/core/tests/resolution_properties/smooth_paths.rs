@@ -2,7 +2,7 @@
 
 use revprio_core::limits::{Inequality, VelocityBox};
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Solver, Status};
+use revprio_core::resolution::{Method, Problem, Resolution, Solve, Solver, Status};
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{RobotModel, built_in};
@@ -198,8 +198,7 @@ pub struct Step {
 /// Answers along a path.
 pub struct Walk<'a> {
     path: &'a Path,
-    solver: Solver,
-    resolver: Resolver,
+    solver: Box<dyn Solve>,
     answer: Resolution,
     /// Answers with active limits.
     pub limited: u32,
@@ -211,14 +210,14 @@ pub struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     pub fn new(path: &'a Path, solver: Solver) -> Self {
-        let (resolver, answer) = (Resolver::default(), Resolution::default());
-        Self { path, solver, resolver, answer, limited: 0, working_sets: 0, residuals: [0.0; 4] }
+        let (solver, answer) = (crate::solvers::solver(solver), Resolution::default());
+        Self { path, solver, answer, limited: 0, working_sets: 0, residuals: [0.0; 4] }
     }
 
     pub fn at(&mut self, t: f64) -> Vector {
         let guess = self.answer.active_set.clone();
-        let problem = Problem { solver: self.solver, ..self.path.problem(t) };
-        self.resolver.resolve(&problem, &guess, &mut self.answer).unwrap();
+        let problem = self.path.problem(t);
+        self.solver.solve(&problem, &guess, &mut self.answer).unwrap();
         let answer = &self.answer;
         assert_eq!(answer.solver.status, Status::Optimal, "t = {t}");
         assert!(problem.limits.allows(answer.joint_velocity.as_slice()), "t = {t}");

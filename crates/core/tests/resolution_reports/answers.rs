@@ -6,6 +6,7 @@ use revprio_core::resolution::{MAX_UNKNOWNS, Method, Path, Problem, ProblemError
 use revprio_core::task::{Task, TaskStack};
 
 use crate::{N, limits, problem};
+use crate::solvers::resolve_with;
 
 /// Two tasks of one row each on two joints: everything about the answer is known.
 #[test]
@@ -30,8 +31,8 @@ fn an_answer_reports_what_it_does() {
     assert_eq!((limited.solver.working_sets, stages.solver.working_sets), (2, 3));
     let again = Problem { limits: narrow.clone(), ..problem(&tasks) };
     assert_eq!(resolve(&again, &limited.active_set).unwrap().solver.working_sets, 1);
-    let closed = Problem { limits: narrow, solver: Solver::ClosedForm, ..problem(&tasks) };
-    let closed = resolve(&closed, &[]).unwrap();
+    let closed = Problem { limits: narrow, ..problem(&tasks) };
+    let closed = resolve_with(Solver::ClosedForm, &closed, &[]).unwrap();
     let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
     assert_eq!(broken, [(0, Side::Upper, 0.75), (2, Side::Lower, 0.5)]);
     let dependent = resolve(&problem(&[row(1.0, 0.0, 1.0), row(2.0, 0.0, 1.0)]), &[]).unwrap();
@@ -63,10 +64,9 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
         let problem = Problem {
             limits: limits.clone(),
             method: Method::StrictReversePriority,
-            solver,
             ..Problem::new(stack.clone())
         };
-        let answer = resolve(&problem, &[]).unwrap();
+        let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - vector(&[0.2, 0.3, 0.4, 0.0, 0.1])).amax() < 1e-12, "{answer:?}");
         assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.violated_limits.is_empty());
         assert_eq!(answer.solver.iterations > 0, solver == Solver::Qp);
@@ -78,7 +78,7 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
         let multipliers: Vec<f64> = of_rows.chain(answer.active_limits.iter().map(|it| it.multiplier)).collect();
         let error = (Vector::from_vec(multipliers) - vector(&[0.8, 0.3, 0.6, 0.0, 0.1])).amax();
         assert!(error < 1e-12, "{answer:?}");
-        let again = resolve(&Problem { solver: Solver::Auto, ..problem }, &answer.active_set).unwrap();
+        let again = resolve(&problem, &answer.active_set).unwrap();
         assert_eq!((again.solver.working_sets, again.active_set), (1, answer.active_set));
     }
 }
@@ -169,7 +169,7 @@ fn a_rank_is_uncertain_with_and_without_limits() {
     for solver in [Solver::Auto, Solver::ClosedForm] {
         let limits = limits([-3.0; N], [3.0; N]);
         assert!(
-            resolve(&Problem { limits, solver, ..problem(&tasks) }, &[]).unwrap().solver.rank_uncertain,
+            resolve_with(solver, &Problem { limits, ..problem(&tasks) }, &[]).unwrap().solver.rank_uncertain,
             "{solver:?}"
         );
     }

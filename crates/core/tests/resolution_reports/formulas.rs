@@ -1,9 +1,10 @@
 //! The printed formulas and damped targets where rows are short, weak, or beyond the numbers, and their certificate.
 
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
+use revprio_core::resolution::{Method, Problem, Solver, Status};
 
 use crate::{N, problem};
+use crate::solvers::resolve_with;
 
 /// The second row is below the tolerance for ranks, so that its velocity is missing, which the certificate states: σ_2 ẋ_2
 /// relative to ‖J‖ (‖J‖ · speeds + ‖ẋ‖).
@@ -21,12 +22,11 @@ fn the_certificate_of_the_closed_form_is_relative_to_the_sizes_of_its_task() {
         let residual = |method: Method, solver: Solver, tasks: &[(Matrix, Vector)]| {
             let problem = Problem {
                 method,
-                solver,
                 damping: (lambda > 0.0).then(|| Damping::new(0.5, lambda).unwrap()),
                 null_space_velocity: Some(Vector::from_row_slice(&[0.0, 0.0, 0.0, 3.0, 0.0])),
                 ..problem(tasks)
             };
-            resolve(&problem, &[]).unwrap().solver.kkt_residual.unwrap()
+            resolve_with(solver, &problem, &[]).unwrap().solver.kkt_residual.unwrap()
         };
         let expected = |lambda: f64, speeds: f64| sigma / ((2.0 + lambda) * ((2.0 + lambda) * speeds + 2.0_f64.sqrt()));
         let moved = |lambda: f64| 2.0 / (4.0 + lambda * lambda);
@@ -60,8 +60,8 @@ fn the_certificate_of_reverse_priority_compares_the_lower_tasks_with_their_own_s
         (Matrix::from_row_slice(1, N, &[a, b, 0.0, 0.0, 0.0]), Vector::from_row_slice(&[target]))
     };
     let tasks = [row(1.0, 1.0, 1.0), row(0.0, 1e-13, 0.0)];
-    let problem = Problem { solver: Solver::ClosedForm, method: Method::ReversePriority, ..problem(&tasks) };
-    let answer = resolve(&problem, &[]).unwrap();
+    let problem = Problem { method: Method::ReversePriority, ..problem(&tasks) };
+    let answer = resolve_with(Solver::ClosedForm, &problem, &[]).unwrap();
     // (s²/4) / (s² · 2 ‖(½, ½)‖)
     assert!((answer.solver.kkt_residual.unwrap() - 0.125 * 2.0_f64.sqrt()).abs() < 1e-9, "{:?}", answer.solver);
     assert_eq!(answer.solver.status, Status::NotCertified);
@@ -72,8 +72,8 @@ fn the_certificate_of_reverse_priority_compares_the_lower_tasks_with_their_own_s
 fn the_closed_form_is_not_certified_beyond_the_numbers() {
     let solved = |row: [f64; N], target: f64| {
         let tasks = [(Matrix::from_row_slice(1, N, &row), Vector::from_row_slice(&[target]))];
-        let problem = Problem { solver: Solver::ClosedForm, method: Method::Pseudoinverse, ..problem(&tasks) };
-        resolve(&problem, &[]).unwrap().solver
+        let problem = Problem { method: Method::Pseudoinverse, ..problem(&tasks) };
+        resolve_with(Solver::ClosedForm, &problem, &[]).unwrap().solver
     };
     let unit = 2.0_f64.powi(510);
     let inexact = solved([0.31, 0.73, -0.97, 0.13, 0.57].map(|entry| entry * unit), 11.3 * unit);
@@ -93,7 +93,7 @@ fn the_closed_form_keeps_the_digits_of_short_rows() {
     for (unit, below) in [(1e-6, 1.0), (1e-8, 1.0), (1e-6, 1e4), (1e-3, 1e3)] {
         for count in [2, N] {
             let tasks = [(rows(2, 0.3, unit), targets(2, unit)), (rows(count, 1.1, below), targets(count, below))];
-            let solve = |solver| resolve(&Problem { solver, ..problem(&tasks) }, &[]).unwrap().joint_velocity;
+            let solve = |solver| resolve_with(solver, &problem(&tasks), &[]).unwrap().joint_velocity;
             let (closed, exact) = (solve(Solver::ClosedForm), solve(Solver::Auto));
             let error = (&closed - &exact).amax() / exact.norm();
             assert!(error < 1e-10, "{unit}, {below}, {count}: {error:e}");
@@ -110,12 +110,11 @@ fn the_rounding_of_a_projector_is_not_followed() {
         let upper = (rows(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle, 0.0, 0.0, 0.0], units[0]), Vector::zeros(2));
         let lower = (rows(&[0.0, 1.0, open, 0.0, 0.0], units[1]), Vector::from_row_slice(&units[1..]));
         let problem = Problem {
-            solver,
             method: Method::TaskPriority,
             damping: (solver == Solver::Auto).then(|| Damping::new(1e-15, 1e-15).unwrap()),
             ..problem(&[upper.clone(), lower, upper])
         };
-        resolve(&problem, &[]).unwrap().joint_velocity[2] * open
+        resolve_with(solver, &problem, &[]).unwrap().joint_velocity[2] * open
     };
     for (angle, open, expected) in
         [(1e-6, 6e-9, 0.0), (1e-6, 1e-8, 1.0), (1.0, 0.8e-10, 0.0), (1.0, 1.3e-10, 1.0), (1.0, 6e-9, 1.0)]
@@ -139,7 +138,7 @@ fn weak_directions_of_a_task_are_left_to_lower_tasks_as_the_formulas_say() {
         let tasks = [(along(sizes), Vector::zeros(sizes.len())), lower.clone()];
         for method in [Method::ReversePriority, Method::StrictReversePriority] {
             let damping = Some(Damping::new(0.5, 0.3).unwrap());
-            let solve = |solver| resolve(&Problem { solver, method, damping, ..problem(&tasks) }, &[]).unwrap();
+            let solve = |solver| resolve_with(solver, &Problem { method, damping, ..problem(&tasks) }, &[]).unwrap();
             let (closed, exact) = (solve(Solver::ClosedForm), solve(Solver::Auto));
             let error = (&closed.joint_velocity - &exact.joint_velocity).amax();
             assert!(error < 1e-6, "{sizes:?} {method:?}: {} {}", closed.joint_velocity, exact.joint_velocity);

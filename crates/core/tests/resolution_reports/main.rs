@@ -1,13 +1,16 @@
 //! Every method with and without damping against the solver, what answers report, and what is refused.
 
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod answers;
 mod formulas;
 
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Svd, Vector, stack};
-use revprio_core::resolution::{Method, Path, Problem, Resolution, Resolver, Solver, Status, resolve};
+use revprio_core::resolution::{Method, Path, Problem, Resolution, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
+use solvers::resolve_with;
 
 const N: usize = 5;
 
@@ -57,20 +60,19 @@ proptest! {
     ) {
         let norm = tasks.iter().map(|(rows, _)| rows.norm_squared()).sum::<f64>().sqrt();
         for method in METHODS {
-            let problem = |solver| Problem {
+            let problem = Problem {
                 method,
-                solver,
                 damping: is_damped.then(|| Damping::new(0.5, 0.3).unwrap()),
                 null_space_velocity: (!rests).then(|| Vector::from_row_slice(&reference)),
                 ..problem(&tasks)
             };
-            let closed = resolve(&problem(Solver::ClosedForm), &[]).unwrap();
+            let closed = resolve_with(Solver::ClosedForm, &problem, &[]).unwrap();
             prop_assert_eq!(closed.solver.path, Path::ClosedForm);
             let is_optimal = closed.solver.status == Status::Optimal;
             prop_assert_eq!(closed.solver.kkt_residual.unwrap() <= 1e-9, is_optimal);
             prop_assert!(is_optimal || closed.solver.rank_uncertain, "{method:?} {:?}", closed.solver);
             for solver in [Solver::Auto, Solver::Qp] {
-                let answer = resolve(&problem(solver), &[]).unwrap();
+                let answer = resolve_with(solver, &problem, &[]).unwrap();
                 prop_assert_eq!(answer.solver.status, Status::Optimal);
                 // One level of all rows has another norm and other singular values than the levels of the closed form.
                 let ratio = closed.singularity.smallest_singular_value() / norm;
@@ -124,7 +126,8 @@ proptest! {
     fn an_answer_that_is_used_again_is_that_of_a_new_one(
         stacks in prop::collection::vec(prop::collection::vec(task(), 1..4), 2..5), width in 0.05..2.0_f64,
     ) {
-        let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+        let mut solvers = [Solver::Auto, Solver::Qp, Solver::ClosedForm].map(solvers::solver);
+        let mut answer = Resolution::default();
         for (index, tasks) in stacks.iter().enumerate() {
             let mut upper = [width; N];
             if index % 2 == 1 {
@@ -134,11 +137,12 @@ proptest! {
                 limits: if index == 2 { VelocityBox::unbounded(N) } else { limits([-width; N], upper) },
                 method: METHODS[index],
                 damping: (index == 1).then_some(Damping::STANDARD),
-                solver: [Solver::Auto, Solver::Qp, Solver::Auto, Solver::ClosedForm][index],
                 ..problem(tasks)
             };
-            resolver.resolve(&problem, &[], &mut answer).unwrap();
-            prop_assert_eq!(&answer, &resolve(&problem, &[]).unwrap());
+            for (place, name) in [Solver::Auto, Solver::Qp, Solver::ClosedForm].into_iter().enumerate() {
+                solvers[place].solve(&problem, &[], &mut answer).unwrap();
+                prop_assert_eq!(&answer, &resolve_with(name, &problem, &[]).unwrap());
+            }
         }
     }
 }

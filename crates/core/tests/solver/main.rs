@@ -5,6 +5,8 @@
 
 #![allow(non_snake_case)]
 
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod contradictions;
 mod enumeration;
 mod feasibility;

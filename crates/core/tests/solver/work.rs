@@ -2,10 +2,11 @@
 //!
 //! The totals are those of the present solver plus one in a hundred.
 
-use revprio_core::resolution::{ActiveSet, Path, Problem, Resolution, Side, Solver, Status, resolve};
+use revprio_core::resolution::{ActiveSet, Path, Resolution, Side, Solver, Status};
 
 use crate::hierarchy::{Hierarchy, Row};
 use crate::random::{Entries, Family, Random, hierarchy};
+use crate::solvers::resolve_with;
 
 const MIDDLE: Family = Family { joints: [5, 12], levels: 4, rows: 5, inequalities: 8 };
 const EQUATIONS: Family = Family { joints: [7, 7], levels: 3, rows: 3, inequalities: 0 };
@@ -69,7 +70,7 @@ fn clarabel_needs_few_iterations_and_few_corrections() {
         let mut found = [0; 3];
         for seed in 0..300 {
             let hierarchy = hierarchy(&mut Random::new(seed), family, Entries::Normal);
-            let answer = resolve(&Problem { solver: Solver::Qp, ..hierarchy.problem() }, &[]).unwrap();
+            let answer = resolve_with(Solver::Qp, &hierarchy.problem(), &[]).unwrap();
             assert_eq!((answer.solver.path, answer.solver.status), (Path::Qp, Status::Optimal), "seed {seed}");
             found[0] += answer.solver.working_sets;
             found[1] += answer.solver.iterations;

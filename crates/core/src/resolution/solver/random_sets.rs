@@ -4,7 +4,8 @@
 use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector};
-use crate::resolution::level::{Hierarchy, Side, WorkingSet};
+use crate::resolution::Side;
+use crate::resolution::level::{Hierarchy, WorkingSet};
 
 /// The width of rows.
 pub const WIDTH: usize = 8;

@@ -3,7 +3,8 @@
 
 use super::*;
 use crate::linalg::{Matrix, Svd, Vector};
-use crate::resolution::level::{Hierarchy, Side};
+use crate::resolution::Side;
+use crate::resolution::level::Hierarchy;
 use crate::resolution::solver::random_sets::{RandomSet, WIDTH, numbers};
 
 /// What the conditions say, computed from the rows with pseudo-inverses.
