@@ -3,8 +3,9 @@
 //! `cargo run --example methods` prints the numbers of `docs/methods.md` and draws `docs/methods.svg`.
 
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Resolution, Solver, resolve};
+use revprio_core::resolution::{Method, Problem, Resolution, Solve};
 use revprio_core::task::{Task, TaskStack};
+use revprio_reference::ClosedForm;
 use revprio_lab::report::figure::{Colour, Curve, Figure, Panel, Stroke};
 
 /// Largest speed in the figure, rad/s. Undamped speeds grow like 1/ε.
@@ -50,8 +51,10 @@ fn row(entries: &[f64], velocity: f64) -> Task {
 }
 
 fn solve(tasks: Vec<Task>, method: Method, damping: Option<Damping>) -> Result<Resolution, Error> {
-    let problem = Problem { method, damping, solver: Solver::ClosedForm, ..Problem::new(TaskStack::new(tasks)?) };
-    Ok(resolve(&problem, &[])?)
+    let problem = Problem { method, damping, ..Problem::new(TaskStack::new(tasks)?) };
+    let mut answer = Resolution::default();
+    ClosedForm.solve(&problem, &[], &mut answer)?;
+    Ok(answer)
 }
 
 /// Resolves two tasks: velocity 1 along a direction, and −1 along a direction at an angle of `degrees` to it.

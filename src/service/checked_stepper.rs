@@ -10,6 +10,7 @@ use tokio::time::Instant;
 use super::convert::{self, LastState, StateRules};
 use super::error::ApiError;
 use super::robots::Robots;
+use super::solvers::stepper;
 
 /// A controller with its workspace, and the rules for its states.
 pub struct CheckedStepper {
@@ -21,7 +22,7 @@ impl CheckedStepper {
     /// Creates the stepper of a controller.
     pub fn new(request: &wire::Controller, controller: Controller) -> Result<Self, ApiError> {
         let rules = StateRules::read(request)?;
-        let stepper = Stepper::new(controller).map_err(|error| convert::step_error(&error))?;
+        let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
         Ok(Self { stepper, rules })
     }
 

@@ -1,6 +1,7 @@
 //! The calls that compute joint velocities, shared by the HTTP handlers and by runs in this process.
 
 use revprio_api::wire;
+use revprio_core::resolution::Resolution;
 use tokio::time::Instant;
 
 use super::checked_stepper::{CheckedStepper, PreparedController};
@@ -9,6 +10,7 @@ use super::error::ApiError;
 use super::ownership::Ownership;
 use super::robots::Robots;
 use super::sessions::Sessions;
+use super::solvers::solver;
 
 /// Maximum number of problems in a batch.
 pub const MAX_ITEMS: usize = 10_000;
@@ -54,7 +56,8 @@ pub fn stateless_step(
 
 /// Resolves a problem that was read at `start`.
 pub fn resolve(problem: &ResolveProblem, start: Instant) -> Result<wire::ResolveAnswer, ApiError> {
-    let resolution = revprio_core::resolution::resolve(&problem.problem, &[]).map_err(convert::resolution_error)?;
+    let mut resolution = Resolution::default();
+    solver(problem.solver).solve(&problem.problem, &[], &mut resolution).map_err(convert::resolution_error)?;
     Ok(convert::resolve_answer(problem, &resolution, start))
 }
 

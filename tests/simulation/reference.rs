@@ -1,6 +1,6 @@
 //! The reference: a controller of the library that gets states in order, without a service.
 
-use revprio::service::{Robots, controller};
+use revprio::service::{Robots, controller, stepper};
 use revprio_api::wire::{self, JointVector};
 use revprio_core::controller::{Command, Measurement, Memory, Stepper};
 use revprio_core::limits::braking_deceleration;
@@ -19,7 +19,7 @@ pub struct Reference {
 impl Reference {
     pub fn new(design: &Design) -> Self {
         let built = controller(&design.wire, &Robots::built_in()).unwrap();
-        Self { stepper: Stepper::new(built).unwrap(), design: design.clone(), memory: None }
+        Self { stepper: stepper(built).unwrap(), design: design.clone(), memory: None }
     }
 
     /// Steps, and compares the command with an answer if there is one.

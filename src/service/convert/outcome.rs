@@ -1,7 +1,10 @@
 //! The common parts of all answers with joint velocities.
 
 use revprio_api::wire;
-use revprio_core::resolution::{LimitViolation, Member, Resolution, Side};
+use revprio_core::resolution::{
+    Certificate, CertifiedLevel, CertifiedProblem, LevelReport, LimitViolation, Member, Multipliers, Part, Resolution,
+    RowName, Side,
+};
 use revprio_robot::{Joint, RobotModel};
 use tokio::time::Instant;
 
@@ -153,7 +156,48 @@ impl Outcome<'_> {
             kkt_residual: report.kkt_residual,
             rank_uncertain: report.rank_uncertain,
             working_sets: report.working_sets,
+            last_resorts: report.last_resorts,
+            levels: self.resolution.levels.iter().map(level_answer).collect(),
         }
+    }
+
+    /// Certificate, by name.
+    pub fn certificate(&self, certificate: &Certificate) -> wire::Certificate {
+        let part = |part: &Part| wire::CertificatePart { problem: part.problem, weight: part.weight };
+        wire::Certificate {
+            problems: certificate.problems.iter().map(|problem| self.certified_problem(problem)).collect(),
+            answer: certificate.answer.iter().map(part).collect(),
+        }
+    }
+
+    fn certified_problem(&self, problem: &CertifiedProblem) -> wire::CertifiedProblem {
+        let level = |level: &CertifiedLevel| wire::CertifiedLevel {
+            rows: level.rows.clone(),
+            lower: bounds_answer(&level.lower),
+            upper: bounds_answer(&level.upper),
+            names: level.names.iter().map(|name| self.row_name(*name)).collect(),
+        };
+        let multipliers = |found: &Multipliers| wire::LevelMultipliers {
+            rows: found.rows.iter().copied().map(finite).collect(),
+            unknowns: found.unknowns.iter().copied().map(finite).collect(),
+        };
+        wire::CertifiedProblem {
+            lower: bounds_answer(&problem.lower),
+            upper: bounds_answer(&problem.upper),
+            reference: problem.reference.iter().copied().map(finite).collect(),
+            levels: problem.levels.iter().map(level).collect(),
+            solution: problem.solution.iter().copied().map(finite).collect(),
+            multipliers: problem.multipliers.iter().map(|found| found.as_ref().map(multipliers)).collect(),
+        }
+    }
+
+    fn row_name(&self, name: RowName) -> wire::RowName {
+        let (task, row, inequality) = match name {
+            RowName::Task { task, row } => (Some(self.tasks[task].to_owned()), Some(row), None),
+            RowName::Inequality(index) => (None, None, Some(self.inequalities[index].to_owned())),
+            RowName::Auxiliary => (None, None, None),
+        };
+        wire::RowName { task, row, inequality }
     }
 
     /// Measures of the distance to singularities.
@@ -162,6 +206,20 @@ impl Outcome<'_> {
         let (smallest_singular_value, manipulability) = singularity.values();
         wire::Singularity { smallest_singular_value, manipulability, algorithmic: singularity.algorithmic }
     }
+}
+
+fn level_answer(level: &LevelReport) -> wire::SolverLevel {
+    let residual = |residual: f64| Some(residual).filter(|residual| residual.is_finite());
+    wire::SolverLevel {
+        iterations: level.iterations,
+        clarabel_residual: residual(level.clarabel_residual),
+        residual: residual(level.residual),
+    }
+}
+
+/// Returns bounds with `None` for infinite ones.
+fn bounds_answer(bounds: &[f64]) -> Vec<Option<f64>> {
+    bounds.iter().map(|bound| Some(*bound).filter(|bound| bound.is_finite())).collect()
 }
 
 /// Maximum distance from the requested direction, relative to the larger of both velocities, at which it counts as kept.

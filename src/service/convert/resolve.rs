@@ -6,7 +6,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Limits, NullSpaceMotion};
 use revprio_core::limits::{Barrier, Inequality, JointMotion, LimitKind, LimitedBox, VelocityBox};
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{Problem, ProblemError, Resolution};
+use revprio_core::resolution::{Problem, ProblemError, Resolution, Solver};
 use revprio_core::task::Task;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, joint_limit_index};
@@ -32,6 +32,8 @@ pub const MAX_PERIOD_S: f64 = 10.0;
 pub struct ResolveProblem {
     /// The problem.
     pub problem: Problem,
+    /// The solver.
+    pub solver: Solver,
     /// Names of the joints.
     joints: Vec<String>,
     /// The robot, if the limits of the problem are not the robot's.
@@ -75,10 +77,11 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
             limits: limited.velocity_box,
             inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
             method: terms::method(request.method),
-            solver: terms::solver(request.solver),
             damping: damping(request.damping)?,
             null_space_velocity: zeta,
+            wants_certificate: request.certificate,
         },
+        solver: terms::solver(request.solver),
         joints: joint_names(robot.map(Arc::as_ref), joints),
         faster_than: robot.filter(|_| are_others).cloned(),
         conflicts: limited.conflicts,
@@ -287,6 +290,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         solver: outcome.solver(),
         singularity: outcome.singularity(),
         joint_limit_index: problem.joint_limit_index,
+        certificate: resolution.certificate.as_ref().map(|found| outcome.certificate(found)),
         elapsed_us: elapsed_us(start),
     }
 }

@@ -69,7 +69,7 @@ pub fn step_error(error: &StepError) -> ApiError {
         StepError::NotFinite | StepError::Task(_) => "/wrench",
         StepError::Target { .. } => "/targets",
         StepError::Memory(_) => return ApiError::invalid("/memory", error),
-        StepError::Problem(_) => "",
+        StepError::Problem(_) | StepError::Solver => "",
     };
     ApiError::invalid(field, error)
 }

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use divan::{Bencher, black_box};
+use revprio::service::{solver, stepper};
 use revprio_core::controller::{
-    Controller, ControllerConfig, Limits, Measurement, Stepper, TaskConfig, TaskRows, ToolRows,
+    Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows,
 };
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
@@ -82,6 +83,7 @@ fn overwrite(tasks: &mut TaskStack, configuration: &Configuration, push: &AxisSe
 /// One second of a 1 kHz trajectory; limits are active for about half of the time.
 struct Trajectory {
     problems: Vec<Problem>,
+    solver: Solver,
 }
 
 impl Trajectory {
@@ -94,9 +96,9 @@ impl Trajectory {
             let speed = 0.6 * (std::f64::consts::TAU * t).sin();
             let tasks = two_tasks(&configuration, speed, 0.4 * speed);
             let limits = VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap();
-            Problem { limits, solver, ..Problem::new(tasks) }
+            Problem { limits, ..Problem::new(tasks) }
         };
-        Self { problems: (0..1000).map(at).collect() }
+        Self { problems: (0..1000).map(at).collect(), solver }
     }
 
     /// Keeps only the cycles with active limits.
@@ -109,11 +111,11 @@ impl Trajectory {
     }
 
     fn run(&self, bencher: Bencher) {
-        let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+        let (mut solver, mut answer) = (solver(self.solver), Resolution::default());
         let mut guess = Vec::new();
         let mut i = 0;
         bencher.bench_local(|| {
-            resolver.resolve(&self.problems[i], &guess, &mut answer).unwrap();
+            solver.solve(&self.problems[i], &guess, &mut answer).unwrap();
             guess.clone_from(&answer.active_set);
             i = (i + 1) % self.problems.len();
             answer.joint_velocity[0]
@@ -156,7 +158,7 @@ fn controller_step(bencher: Bencher, solver: Solver) {
     let limits = Limits::Fixed(VelocityBox::new(&[-0.35; 7], &[0.35; 7]).unwrap());
     let controller =
         Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
-    let (mut stepper, mut memory) = (Stepper::new(controller).unwrap(), None);
+    let (mut stepper, mut memory) = (stepper(controller).unwrap(), None);
     let joint_position = POSTURE.to_vec();
     let mut measured =
         Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() };

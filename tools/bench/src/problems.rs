@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
+use revprio::service::solver as solver_of;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{ActiveSet, Problem, Resolution, Resolver, Solver};
+use revprio_core::resolution::{ActiveSet, Problem, Resolution, Solve, Solver};
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
 use revprio_robot::{RobotModel, built_in};
@@ -106,7 +107,7 @@ struct Cycle {
     /// The rows of the tasks: x, and the other five.
     axes: [AxisSelection; 2],
     problem: Problem,
-    resolver: Resolver,
+    solver: Box<dyn Solve>,
     answer: Resolution,
 }
 
@@ -120,8 +121,8 @@ impl Cycle {
         Ok(Self {
             configuration: Configuration::new(robot, &NOMINAL).map_err(BenchError::defect)?,
             axes,
-            problem: Problem { solver, ..Problem::new(tasks) },
-            resolver: Resolver::default(),
+            problem: Problem::new(tasks),
+            solver: solver_of(solver),
             answer: Resolution::default(),
         })
     }
@@ -133,7 +134,7 @@ impl Cycle {
         limits: Limits,
         guess: &[ActiveSet],
     ) -> Result<(), BenchError> {
-        let Self { configuration, axes, problem, resolver, answer } = self;
+        let Self { configuration, axes, problem, solver, answer } = self;
         configuration.update(robot, &row.q).map_err(BenchError::defect)?;
         let xdot = [&row.xdot[..1], &row.xdot[1..]];
         let write = |k: usize, jacobian: &mut Matrix, lower: &mut Vector, upper: &mut Vector| {
@@ -145,7 +146,7 @@ impl Cycle {
         if limits == Limits::Kept {
             problem.limits.copy_from(&row.limits);
         }
-        resolver.resolve(problem, guess, answer).map_err(BenchError::defect)
+        solver.solve(problem, guess, answer).map_err(BenchError::defect)
     }
 }
 

@@ -4,6 +4,7 @@
 //! joints follow the joint order of the robot, or name their joints.
 
 mod bounds;
+mod certificate;
 mod controller;
 mod drive;
 mod enums;
@@ -30,6 +31,9 @@ mod streaming;
 pub mod string_or_map;
 mod string_tags;
 
+pub use certificate::{
+    Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName,
+};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{
@@ -45,7 +49,7 @@ pub use live::{
 };
 pub use object::Object;
 pub use outcome::{
-    ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverReport, TaskOutcome, ViolatedLimit,
+    ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverLevel, SolverReport, TaskOutcome, ViolatedLimit,
 };
 pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;

@@ -108,7 +108,7 @@ pub struct ViolatedLimit {
 }
 
 /// Solver path, status and certificate of an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SolverReport {
     /// Solver path that found the answer.
     pub path: Path,
@@ -116,7 +116,7 @@ pub struct SolverReport {
     pub status: Status,
     /// Number of iterations of Clarabel over all levels.
     pub iterations: u32,
-    /// Number of levels that Clarabel failed to solve; an exact active-set method solved them.
+    /// Number of levels that Clarabel failed to solve. The answer then keeps what the levels above achieved.
     #[serde(default)]
     pub failures: u32,
     /// Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
@@ -129,6 +129,29 @@ pub struct SolverReport {
     /// Number of working sets (sets of active limits) that the solver tried.
     #[serde(default)]
     pub working_sets: u32,
+    /// Number of problems for which the solver `auto` needed its last resort, active limits from Clarabel; absent if 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schema(example = 1)]
+    pub last_resorts: u32,
+    /// What Clarabel did at each level, in the order of solution; only with the solver `qp`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<SolverLevel>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde needs")]
+fn is_zero(count: &u32) -> bool {
+    *count == 0
+}
+
+/// What Clarabel did at one level.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SolverLevel {
+    /// Number of iterations; 0 where the levels above leave nothing to decide.
+    pub iterations: u32,
+    /// Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an answer.
+    pub clarabel_residual: Option<f64>,
+    /// The same after the polish, one linear solve on Clarabel's active limits.
+    pub residual: Option<f64>,
 }
 
 /// Distance of the tasks from singularities.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Axis, Contradiction, Damping, Frame, Inequality, JointVector, Limits, Method,
+    ActiveInequality, ActiveLimit, Axis, Certificate, Contradiction, Damping, Frame, Inequality, JointVector, Limits, Method,
     NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
     ViolatedLimit,
 };
@@ -61,6 +61,11 @@ pub struct ResolveRequest {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schema(example = true)]
     pub why: bool,
+    /// Whether the answer has a `certificate`, with which anyone can check that it is optimal. Set it to audit an answer;
+    /// default `false`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schema(example = true)]
+    pub certificate: bool,
 }
 
 /// One task: axes of the tool or its own Jacobian, and their velocity or bounds of it.
@@ -139,6 +144,9 @@ pub struct ResolveAnswer {
     /// Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit; only with a robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_limit_index: Option<f64>,
+    /// Certificate of the answer; only if the request has `"certificate": true`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Certificate>,
     /// Time to compute the answer, µs.
     pub elapsed_us: f64,
 }

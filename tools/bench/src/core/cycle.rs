@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::DVector;
-use revprio::service::{Robots, controller as controller_of};
+use revprio::service::{Robots, controller as controller_of, stepper};
 use revprio_api::wire;
 use revprio_core::controller::{Command, Measurement, Memory, Stepper};
 use revprio_core::resolution::Path;
@@ -46,7 +46,7 @@ impl Cycle {
         let controller =
             controller_of(controller, robots).map_err(|problem| BenchError::defect(problem.into_wire()))?;
         let mut cycle = Self {
-            stepper: Stepper::new(controller).map_err(BenchError::defect)?,
+            stepper: stepper(controller).map_err(BenchError::defect)?,
             states: Vec::new(),
             next: 0,
             memory: None,
