@@ -98,6 +98,6 @@ fn show() {
     Qp::default().solve(&problem, &[], &mut a).unwrap();
     Resolver::default().solve(&problem, &[], &mut b).unwrap();
     for (n, r) in [("qp", &a), ("auto", &b)] {
-        println!("{n} {:?}\n  residuals {:?} scales {:?}\n  {:?}\n  active {:?} broken {:?}\n levels {:?}", r.joint_velocity.as_slice(), r.tasks.iter().map(|t| t.residual_norm).collect::<Vec<_>>(), r.tasks.iter().map(|t| t.scale).collect::<Vec<_>>(), r.solver, r.active_limits, r.violated_inequalities, r.levels);
+        println!("{n} {:?}\n  residuals {:?} scales {:?}\n  {:?}\n  active {:?} broken {:?}\n levels {:?}", r.joint_velocity.as_slice(), r.tasks.iter().map(|t| t.residual_norm).collect::<Vec<_>>(), r.tasks.iter().map(|t| t.scale).collect::<Vec<_>>(), r.solver, r.active_limits, r.violated_inequalities, r.levels.iter().filter(|l| l.residual > 1e-13).collect::<Vec<_>>());
     }
 }

@@ -15,6 +15,9 @@ use crate::svd::{RANK_TOLERANCE, Svd};
 /// Relative residual of the optimality conditions up to which an answer is sure.
 pub const CERTIFIED: f64 = 1e-9;
 
+/// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
+const EXACT: f64 = 1e-12;
+
 /// Multipliers above this hold their bound for all lower levels, in units in which the level has size one. Smaller ones are
 /// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
 const SIGNIFICANT: f64 = 1e-7;
@@ -83,11 +86,10 @@ impl Cascade {
 
     /// Returns the better one of Clarabel's answer and its polish. Clarabel tries harder where neither is certified.
     fn solve_program(&mut self, program: &LevelProgram) -> Result<(LevelPoint, LevelReport), LevelReport> {
-        let quadratic = program.quadratic_program();
         let mut best: Option<(LevelPoint, LevelReport)> = None;
         let mut iterations = 0;
         for effort in [Effort::Quick, Effort::Careful] {
-            match self.clarabel.solve(&quadratic, effort) {
+            match self.clarabel.solve(&program.quadratic_program(effort), effort) {
                 Ok(answer) => {
                     iterations += answer.iterations;
                     let own = LevelPoint::of_clarabel(program, &answer);
@@ -101,7 +103,7 @@ impl Cascade {
                 }
                 Err(tried) => iterations += tried,
             }
-            if best.as_ref().is_some_and(|(point, _)| point.residual <= CERTIFIED) {
+            if best.as_ref().is_some_and(|(point, _)| point.residual <= EXACT) {
                 break;
             }
         }

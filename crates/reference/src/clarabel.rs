@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
 
 /// Gap and feasibility that Clarabel reaches on nearly every level in reduced form, whose numbers have size one.
 const TOLERANCE: f64 = 1e-10;
@@ -17,10 +17,11 @@ const MAX_CAREFUL_ITERATIONS: u32 = 200;
 /// Sizes of programs whose solvers are kept; the levels of one problem have a handful.
 const MAX_KEPT_SOLVERS: usize = 24;
 
-/// ½ vᵀP v + qᵀv subject to A v + s = b, s ≥ 0.
+/// ½ vᵀP v + qᵀv subject to A v + s = b, with s = 0 in the first `equations` rows and s ≥ 0 in the others.
 #[derive(Debug, Default)]
 pub struct QuadraticProgram {
     pub unknowns: usize,
+    pub equations: usize,
     /// Upper triangle, column by column, with zeros.
     pub P: Vec<f64>,
     pub q: Vec<f64>,
@@ -34,9 +35,9 @@ pub struct QuadraticProgram {
 pub struct QpAnswer {
     /// v.
     pub v: Vec<f64>,
-    /// Multipliers of the constraints, ≥ 0.
+    /// Multipliers of the inequalities, ≥ 0.
     pub multipliers: Vec<f64>,
-    /// s.
+    /// s of the inequalities.
     pub slacks: Vec<f64>,
     pub iterations: u32,
 }
@@ -64,10 +65,10 @@ impl Clarabel {
     pub fn solve(&mut self, program: &QuadraticProgram, effort: Effort) -> Result<QpAnswer, u32> {
         if effort == Effort::Careful {
             let mut solver = new_solver(program, effort).ok_or(0_u32)?;
-            return run(&mut solver);
+            return run(&mut solver, program.equations);
         }
         let place = self.prepare(program).ok_or(0_u32)?;
-        let answer = run(&mut self.solvers[place].1);
+        let answer = run(&mut self.solvers[place].1, program.equations);
         if answer.is_err() {
             // After numerical trouble a solver may never recover.
             self.solvers.swap_remove(place);
@@ -93,7 +94,7 @@ impl Clarabel {
     }
 }
 
-fn run(solver: &mut DefaultSolver<f64>) -> Result<QpAnswer, u32> {
+fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, u32> {
     solver.solve();
     let found = &solver.solution;
     let is_solved = matches!(found.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
@@ -103,8 +104,8 @@ fn run(solver: &mut DefaultSolver<f64>) -> Result<QpAnswer, u32> {
     }
     Ok(QpAnswer {
         v: found.x.clone(),
-        multipliers: found.z.clone(),
-        slacks: found.s.clone(),
+        multipliers: found.z[equations..].to_vec(),
+        slacks: found.s[equations..].to_vec(),
         iterations: found.iterations,
     })
 }
@@ -115,7 +116,13 @@ fn new_solver(program: &QuadraticProgram, effort: Effort) -> Option<DefaultSolve
     let P = CscMatrix::new(n, n, triangle, (0..n).flat_map(|j| 0..=j).collect(), program.P.clone());
     let columns = (0..=n).map(|j| j * m).collect();
     let A = CscMatrix::new(m, n, columns, (0..n).flat_map(|_| 0..m).collect(), program.A.clone());
-    let cones = if m == 0 { vec![] } else { vec![NonnegativeConeT(m)] };
+    let mut cones = Vec::new();
+    if program.equations > 0 {
+        cones.push(ZeroConeT(program.equations));
+    }
+    if m > program.equations {
+        cones.push(NonnegativeConeT(m - program.equations));
+    }
     DefaultSolver::new(&P, &program.q, &A, &program.b, &cones, settings(effort)).ok()
 }
 

@@ -122,6 +122,7 @@ fn least_excess(demands: &[Demand], clarabel: &mut Clarabel) -> Option<Vec<f64>>
     };
     let program = QuadraticProgram {
         unknowns,
+        equations: 0,
         P: (0..unknowns).flat_map(|j| (0..=j).map(move |i| f64::from(u8::from(i == j && j >= n)))).collect(),
         q: vec![0.0; unknowns],
         A: (0..unknowns).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| entry(i, j)).collect(),

@@ -3,7 +3,7 @@
 
 use revprio_problem::{Matrix, Side, Vector};
 
-use crate::clarabel::QuadraticProgram;
+use crate::clarabel::{Effort, QuadraticProgram};
 use crate::hierarchy::{Hierarchy, Level};
 
 /// What a constraint bounds.
@@ -41,7 +41,7 @@ pub struct LevelProgram {
     pub scale: f64,
     /// Size of velocities, in units of `size`.
     pub speed: f64,
-    /// Whether nothing that is open changes the level.
+    /// Whether nothing that is open improves the level.
     pub is_decided: bool,
 }
 
@@ -77,7 +77,7 @@ impl LevelProgram {
         let C = moved.select_rows(&equations);
         let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
         let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
-        let is_decided = own.iter().all(|row| missing(row) == 0.0) && C.norm() <= DECIDED;
+        let is_decided = own.iter().all(|row| missing(row) == 0.0) && (C.norm() <= DECIDED || d.amax() == 0.0);
         let size = own.iter().map(missing).fold(d.norm(), |size, missing| size.max(missing.abs()));
         let size = if size.is_normal() { size } else { 1.0 };
         let targets = level.lower.iter().chain(&level.upper).filter(|bound| bound.is_finite());
@@ -151,9 +151,11 @@ impl LevelProgram {
         }
     }
 
-    /// Returns the program for Clarabel: v = (z, one excess for each constrained row of the level).
-    pub fn quadratic_program(&self) -> QuadraticProgram {
+    /// Returns the program for Clarabel: v = (z, one excess for each constrained row of the level, and with `Effort::Careful`
+    /// the residuals ρ = C z − d). With the residuals C is not squared, so that weak directions are seen.
+    pub fn quadratic_program(&self, effort: Effort) -> QuadraticProgram {
         let open = self.C.ncols();
+        let equations = if effort == Effort::Careful { self.C.nrows() } else { 0 };
         let mut excess = Vec::with_capacity(self.constraints.len());
         let mut own: Vec<usize> = Vec::new();
         for constraint in &self.constraints {
@@ -167,23 +169,27 @@ impl LevelProgram {
                 _ => None,
             });
         }
-        let unknowns = open + own.len();
-        let hessian = self.C.tr_mul(&self.C);
-        let gradient = -self.C.tr_mul(&self.d);
-        let P = |i: usize, j: usize| match (i < open, j < open) {
-            (true, true) => hessian[(i, j)],
-            _ => f64::from(u8::from(i == j)),
+        let first_residual = open + own.len();
+        let unknowns = first_residual + equations;
+        let is_squared = equations == 0;
+        let hessian = if is_squared { self.C.tr_mul(&self.C) } else { Matrix::zeros(open, open) };
+        let gradient = if is_squared { -self.C.tr_mul(&self.d) } else { Vector::zeros(open) };
+        let one_if = |is_one: bool| f64::from(u8::from(is_one));
+        let P = |i: usize, j: usize| if i < open && j < open { hessian[(i, j)] } else { one_if(i == j) };
+        let A = |i: usize, j: usize| match i.checked_sub(equations) {
+            None if j < open => self.C[(i, j)],
+            None => -one_if(j == first_residual + i),
+            Some(i) if j < open => self.G[(i, j)],
+            Some(i) => -one_if(excess[i] == Some(j - open)),
         };
-        let A = |i: usize, j: usize| {
-            if j < open { self.G[(i, j)] } else { -f64::from(u8::from(excess[i] == Some(j - open))) }
-        };
-        let constraints = self.constraints.len();
+        let constraints = equations + self.constraints.len();
         QuadraticProgram {
             unknowns,
+            equations,
             P: (0..unknowns).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|(i, j)| P(i, j)).collect(),
             q: (0..unknowns).map(|j| if j < open { gradient[j] } else { 0.0 }).collect(),
             A: (0..unknowns).flat_map(|j| (0..constraints).map(move |i| (i, j))).map(|(i, j)| A(i, j)).collect(),
-            b: self.rooms.as_slice().to_vec(),
+            b: self.d.iter().take(equations).chain(self.rooms.iter()).copied().collect(),
         }
     }
 

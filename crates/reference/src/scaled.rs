@@ -14,6 +14,9 @@ const KEPT: f64 = 1e-9;
 /// Residual, relative to the requested speed, that counts as kept where the task comes to rest.
 const ROUNDING: f64 = 1e-13;
 
+/// Joint speed that counts as rest, rad/s.
+const NEGLIGIBLE_SPEED: f64 = 1e-2;
+
 /// The rows Uᵀ[J, −d] of a scaled task.
 #[derive(Debug, Clone)]
 pub struct ScaledTask {
@@ -52,6 +55,6 @@ impl ScaledTask {
         let qdot = x.rows(0, self.rows.ncols());
         let along = scale * self.speed;
         let off = &self.rows * qdot + &self.direction * along;
-        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * self.speed
+        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
     }
 }
