@@ -111,6 +111,7 @@ impl Controller {
             rest,
             look_ahead,
             streams,
+            obstacles,
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -154,8 +155,9 @@ impl Controller {
         let ahead =
             look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, arm.rest, last_command)).transpose()?;
         let braking = Some(capability.joint_braking());
-        problem.inequalities.clear();
-        problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration, ahead, braking)));
+        for (barrier, inequality) in config.barriers.iter().zip(&mut problem.inequalities) {
+            barrier.write(configuration, ahead, braking, inequality);
+        }
         let resolution = &mut command.resolution;
         match approach {
             Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,
@@ -187,7 +189,7 @@ impl Controller {
                 joint_position: position,
                 time_s: measurement.time_s,
             };
-            observed.update(&mut memory.progress, &mut command.stuck);
+            observed.update(&mut memory.progress, &mut command.stuck, obstacles);
             update_streams(&mut memory.target_streams, streams);
         }
         Ok(command)

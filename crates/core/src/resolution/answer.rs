@@ -1,5 +1,7 @@
 //! The answer: joint velocities with their explanation.
 
+use std::sync::Arc;
+
 use super::closed_form::ClosedForm;
 use super::contradiction::Contradiction;
 use super::engine::Engine;
@@ -92,7 +94,7 @@ pub struct ActiveLimit {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveInequality {
     /// Its name.
-    pub name: String,
+    pub name: Arc<str>,
     /// b.
     pub bound: f64,
     /// Multiplier ≥ 0 at the highest level that it holds back: how much ½‖J_k q̇ − ẋ_k‖² of that level would fall per unit
@@ -104,7 +106,7 @@ pub struct ActiveInequality {
 #[derive(Debug, Clone, PartialEq)]
 pub struct InequalityViolation {
     /// Its name.
-    pub name: String,
+    pub name: Arc<str>,
     /// b.
     pub bound: f64,
     /// a·q̇, above b.
@@ -272,7 +274,7 @@ impl Resolution {
         self.violated_limits.clear();
         let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(&self.joint_velocity) > 0.0);
         let violation = |inequality: &crate::limits::Inequality| InequalityViolation {
-            name: inequality.name().to_owned(),
+            name: inequality.shared_name(),
             bound: inequality.bound(),
             value: inequality.value(&self.joint_velocity),
         };
@@ -327,7 +329,7 @@ impl Resolution {
                 Origin::Inequality(index) => {
                     let inequality = &problem.inequalities[index];
                     self.active_inequalities.push(ActiveInequality {
-                        name: inequality.name().to_owned(),
+                        name: inequality.shared_name(),
                         bound: inequality.bound(),
                         // Planned rows have length one.
                         multiplier: multiplier.abs() / inequality.coefficients().norm(),
