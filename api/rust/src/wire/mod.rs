@@ -40,9 +40,7 @@ pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
 pub use law::{Law, PostureTarget};
-pub use live::{
-    ArmView, Interactive, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep,
-};
+pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
 pub use outcome::{
     ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverReport, TaskOutcome, ViolatedLimit,
@@ -55,7 +53,7 @@ pub use robot::{
     DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration,
     RobotSource, StatedLimits, TipReason,
 };
-pub use simulation::{Simulation, SimulationMetrics, SimulationState};
+pub use simulation::{Interactive, Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
 pub use step::{
