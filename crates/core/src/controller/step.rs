@@ -155,9 +155,7 @@ impl Controller {
         let ahead =
             look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, arm.rest, last_command)).transpose()?;
         let braking = Some(capability.joint_braking());
-        for (barrier, inequality) in config.barriers.iter().zip(&mut problem.inequalities) {
-            barrier.write(configuration, ahead, braking, inequality);
-        }
+        config.write_barriers(configuration, ahead, braking, &mut problem.inequalities);
         let resolution = &mut command.resolution;
         match approach {
             Some(approach) => approach.resolve(config, (problem, resolver), limited, motion, previous, resolution)?,

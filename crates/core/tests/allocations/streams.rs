@@ -11,12 +11,12 @@ use revprio_robot::kinematics::Axis;
 use crate::arm::{Arm, LINEAR, config, constant_force, position, push_and_hold, task, tool};
 
 /// Asserts that a period allocates nothing where a target arrives, and nothing in the 300 periods until the next one, in which
-/// the task follows, holds and brakes. `k`: index of the task; `with_velocity`: the targets have a velocity, m entries.
+/// the task follows, holds and brakes. `k`: index of the task; `velocity`: that of the targets, m entries.
 fn assert_stream_allocates_nothing(
     config: ControllerConfig,
     k: usize,
     value: &StreamedValue,
-    velocity: Option<Vec<f64>>,
+    velocity: Option<&[f64]>,
 ) {
     let mut arm = Arm::new(config);
     let mut run = |targets: u32| {
@@ -24,7 +24,7 @@ fn assert_stream_allocates_nothing(
         for _ in 0..targets {
             let time_s = arm.measured.time_s;
             arm.measured.targets =
-                vec![StreamedTarget { task: k, time_s, value: value.clone(), velocity: velocity.clone() }];
+                vec![StreamedTarget { task: k, time_s, value: value.clone(), velocity: velocity.map(<[f64]>::to_vec) }];
             let arrived = arm.run(1, |command| command.targets[k].streamed.is_some());
             assert_eq!(arrived.seen, 1, "{value:?}");
             arm.measured.targets.clear();
@@ -48,7 +48,7 @@ fn streamed_targets_of_every_quantity_allocate_nothing() {
     let resting = Law::Velocity(Profile::constant(vec![0.0; 3]).unwrap());
     let alone = |rows, law| config(limits(), vec![task("streamed", rows, law)]);
     assert_stream_allocates_nothing(config(limits(), push_and_hold()), 1, &pose, None);
-    for velocity in [None, Some(vec![0.1, -0.1])] {
+    for velocity in [None, Some(&[0.1, -0.1][..])] {
         let value = StreamedValue::JointPosition(vec![0.2, 0.3]);
         assert_stream_allocates_nothing(alone(joints.clone(), position(2)), 0, &value, velocity);
     }
