@@ -130,7 +130,7 @@ proptest! {
         let wall = VirtualPlane::new("wall", [3.0, 0.0, 4.0], 0.7, point, 8.0).unwrap();
         let at = |configuration: &Configuration| match point {
             PlanePoint::Tool => configuration.tool_pose().translation.vector,
-            PlanePoint::Joint(joint) => configuration.joint_origin(joint).0,
+            PlanePoint::Joint(joint) => configuration.joint_origin(joint),
         };
         let height = |configuration: &Configuration| 0.6 * at(configuration).x + 0.8 * at(configuration).z;
         let deceleration = [4.0, 3.0, f64::INFINITY, 5.0, 6.0, 7.0, 8.0];

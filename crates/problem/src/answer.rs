@@ -1,5 +1,7 @@
 //! The answer: joint velocities with their explanation.
 
+use std::sync::Arc;
+
 use crate::{ActiveSet, Certificate, Contradiction, Side, Singularity, Vector};
 
 /// Joint velocities and their explanation.
@@ -93,7 +95,7 @@ pub struct ActiveLimit {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveInequality {
     /// Its name.
-    pub name: String,
+    pub name: Arc<str>,
     /// b.
     pub bound: f64,
     /// Multiplier ≥ 0 at the highest level that it holds back: how much ½‖J_k q̇ − ẋ_k‖² of that level would fall per unit
@@ -105,7 +107,7 @@ pub struct ActiveInequality {
 #[derive(Debug, Clone, PartialEq)]
 pub struct InequalityViolation {
     /// Its name.
-    pub name: String,
+    pub name: Arc<str>,
     /// b.
     pub bound: f64,
     /// a·q̇, above b.

@@ -1,11 +1,13 @@
 //! Linear inequalities on the joint velocities.
 
+use std::sync::Arc;
+
 use crate::Vector;
 
 /// The inequality a·q̇ ≤ b, for example a virtual wall or a coupling of joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inequality {
-    name: String,
+    name: Arc<str>,
     coefficients: Vector,
     bound: f64,
 }
@@ -24,7 +26,7 @@ pub enum InequalityError {
 impl Inequality {
     /// Checks and builds an inequality from a (`coefficients`, one per joint, any unit) and b (`bound`, in that unit
     /// times rad/s, or m/s for prismatic joints).
-    pub fn new(name: impl Into<String>, coefficients: Vec<f64>, bound: f64) -> Result<Self, InequalityError> {
+    pub fn new(name: impl Into<Arc<str>>, coefficients: Vec<f64>, bound: f64) -> Result<Self, InequalityError> {
         let coefficients = Vector::from_vec(coefficients);
         if !(bound.is_finite() && coefficients.iter().all(|a| a.is_finite())) {
             return Err(InequalityError::NotFinite);
@@ -36,7 +38,7 @@ impl Inequality {
     }
 
     /// Returns 0·q̇ ≤ ∞ for n joints, which always holds.
-    pub fn always_satisfied(name: String, n: usize) -> Self {
+    pub fn always_satisfied(name: Arc<str>, n: usize) -> Self {
         Self { name, coefficients: Vector::zeros(n), bound: f64::INFINITY }
     }
 
@@ -48,6 +50,11 @@ impl Inequality {
     /// Returns the name that answers use.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Returns the name that answers use, without copying its text.
+    pub fn shared_name(&self) -> Arc<str> {
+        Arc::clone(&self.name)
     }
 
     /// Returns a, n.

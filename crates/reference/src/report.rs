@@ -22,7 +22,7 @@ pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answ
         let bounds = task.lower.iter().zip(task.upper.iter());
         let missing = achieved.iter().zip(bounds).map(|(value, (lower, upper))| (lower - value).max(value - upper));
         TaskOutcome {
-            residual_norm: missing.filter(|missing| *missing > 0.0).map(|missing| missing * missing).sum::<f64>().sqrt(),
+            residual_norm: missing.filter(|missing| *missing > 0.0).map(|missing| missing * missing).fold(0.0, |sum, square| sum + square).sqrt(),
             achieved,
             rank: if is_finite { known.rank } else { 0 },
             algorithmic: is_finite && known.algorithmic,
@@ -38,7 +38,7 @@ pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answ
     }
     let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(velocity) > 0.0);
     let violation = |inequality: &revprio_problem::Inequality| InequalityViolation {
-        name: inequality.name().to_owned(),
+        name: inequality.shared_name(),
         bound: inequality.bound(),
         value: inequality.value(velocity),
     };
@@ -96,7 +96,7 @@ pub fn write_bounds(problem: &Problem, hierarchy: &Hierarchy, solution: &Solutio
                 RowName::Inequality(index) => {
                     let inequality = &problem.inequalities[index];
                     answer.active_inequalities.push(ActiveInequality {
-                        name: inequality.name().to_owned(),
+                        name: inequality.shared_name(),
                         bound: inequality.bound(),
                         // The rows of the problem have length one.
                         multiplier: multiplier.abs() / inequality.coefficients().norm(),

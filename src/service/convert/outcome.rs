@@ -105,7 +105,7 @@ impl Outcome<'_> {
     /// Active inequalities.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
         let active = |active: &revprio_core::resolution::ActiveInequality| wire::ActiveInequality {
-            name: active.name.clone(),
+            name: active.name.to_string(),
             bound: active.bound,
             multiplier: active.multiplier,
         };
@@ -115,7 +115,7 @@ impl Outcome<'_> {
     /// Violated inequalities.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
         let violation = |violation: &revprio_core::resolution::InequalityViolation| wire::ViolatedInequality {
-            name: violation.name.clone(),
+            name: violation.name.to_string(),
             bound: violation.bound,
             value: violation.value,
         };

@@ -10,7 +10,7 @@ use revprio::service::{ApiError, ComputedStep, LocalController, LocalService};
 use revprio_api::wire;
 
 use crate::lock::without_lock;
-use crate::{arguments, refused};
+use crate::{arguments, json, refused};
 
 /// A controller in the process. Calls of several threads run one after the other.
 #[pyclass(frozen)]
@@ -28,7 +28,7 @@ pub struct StepAnswer(ComputedStep);
 impl StepAnswer {
     /// Returns the whole answer as JSON.
     fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        crate::service::json(py, &self.0.answer())
+        json(py, &self.0.answer())
     }
 }
 

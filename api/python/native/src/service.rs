@@ -11,7 +11,7 @@ use revprio::service::{AppState, LocalService, Robots, RunningServer, router};
 use revprio_api::wire;
 
 use crate::controller::Controller;
-use crate::refused;
+use crate::{json, refused};
 
 /// The service as function calls.
 #[pyclass(frozen)]
@@ -60,12 +60,6 @@ impl ResolveAnswer {
     fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         json(py, &self.0)
     }
-}
-
-/// Writes a body.
-pub fn json<'py, T: serde::Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'py, PyBytes>> {
-    let text = serde_json::to_vec(value).map_err(|error| PyOSError::new_err(error.to_string()))?;
-    Ok(PyBytes::new(py, &text))
 }
 
 /// A server on a free loopback port.

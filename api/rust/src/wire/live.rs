@@ -10,23 +10,6 @@ use super::{
     streaming,
 };
 
-/// The pace of an interactive run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Interactive {
-    /// Simulated seconds per second of real time, if the machine is fast enough. Set less than 1 to watch a contact;
-    /// default 1.
-    #[serde(default = "real_time")]
-    pub speed: f64,
-    /// Whether the run starts paused, to step it with `step`; default `false`.
-    #[serde(default)]
-    pub paused: bool,
-}
-
-fn real_time() -> f64 {
-    1.0
-}
-
 /// `POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]

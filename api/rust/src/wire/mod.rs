@@ -44,9 +44,7 @@ pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
 pub use law::{Law, PostureTarget};
-pub use live::{
-    ArmView, Interactive, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep,
-};
+pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
 pub use outcome::{
     ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverLevel, SolverReport, TaskOutcome, ViolatedLimit,
@@ -59,7 +57,7 @@ pub use robot::{
     DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration,
     RobotSource, StatedLimits, TipReason,
 };
-pub use simulation::{Simulation, SimulationMetrics, SimulationState};
+pub use simulation::{Interactive, Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
 pub use step::{

@@ -13,7 +13,7 @@ use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_sh
 use crate::limits::{JerkLimit, JointBraking, LimitKind, braking_deceleration, reaction_time};
 use crate::linalg::{Matrix, TaskVector, Vector};
 use crate::resolution::Solver;
-use crate::task::TaskStack;
+use crate::task::{Task, TaskStack};
 
 /// η, the share of a joint's deceleration that one position law uses to brake.
 ///
@@ -207,6 +207,14 @@ impl Capability {
     pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
         self.row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
         &self.row_space
+    }
+
+    /// Returns the part of a joint velocity (n) in the null space of tasks. It replaces what [`Self::row_space`] has computed.
+    pub fn null_space_part(&mut self, tasks: &[Task], velocity: &Vector) -> &Vector {
+        self.joint_velocity.copy_from(velocity);
+        self.row_space.update(tasks);
+        self.row_space.remove_from(&mut self.joint_velocity);
+        &self.joint_velocity
     }
 
     /// Returns f of a motion to a posture (v, n) of which the null space of the tasks is left; `gain`: K, 1/s. Needs

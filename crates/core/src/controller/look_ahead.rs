@@ -5,7 +5,7 @@ use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::ControllerConfig;
 use crate::law::Law;
-use crate::limits::Ahead;
+use crate::limits::{Ahead, Inequality, JointBraking};
 
 /// The workspace of a controller that acts at the position of rest p.
 ///
@@ -71,6 +71,21 @@ impl LookAhead {
         }
         self.configuration.update(&config.robot, &self.position)?;
         Ok(Ahead { rest, half_way: &self.configuration, last_command })
+    }
+}
+
+impl ControllerConfig {
+    /// Overwrites the inequalities of the barriers with those of this period, see [`Barrier::write`](crate::limits::Barrier::write).
+    pub(super) fn write_barriers(
+        &self,
+        configuration: &Configuration,
+        ahead: Option<Ahead>,
+        braking: Option<JointBraking>,
+        inequalities: &mut [Inequality],
+    ) {
+        for (barrier, inequality) in self.barriers.iter().zip(inequalities) {
+            barrier.write(configuration, ahead, braking, inequality);
+        }
     }
 }
 

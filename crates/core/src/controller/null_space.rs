@@ -5,7 +5,6 @@ use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::capability::Capability;
 use super::progress::Progress;
-use super::row_space::in_null_space;
 use super::target_streams::{self, ActiveStream};
 use super::task::ArmState;
 use super::task_target::TaskTarget;
@@ -205,8 +204,8 @@ impl Controller {
         write_leaving(&config.robot, position, velocity);
         for (k, (target, progress)) in targets.iter_mut().zip(&previous.progress).enumerate() {
             if leaves(progress) {
-                let motion = in_null_space(&tasks.tasks()[..k], velocity.clone());
-                target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, &motion, 0.0);
+                let motion = capability.null_space_part(&tasks.tasks()[..k], velocity);
+                target.velocity.gemv(1.0, &tasks.tasks()[k].jacobian, motion, 0.0);
                 target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
             }
         }

@@ -25,7 +25,7 @@
 //! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
 
 use super::null_space::is_redundant;
-use super::row_space::in_null_space;
+use super::row_space::RowSpace;
 use super::task_target::TaskTarget;
 use super::{ControllerConfig, TaskConfig};
 use crate::law::Law;
@@ -105,14 +105,14 @@ pub enum Obstacle {
 }
 
 /// A task that makes no progress.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckTask {
     /// Index of the task, from 0.
     pub task: usize,
     /// Time since which it makes no progress, s.
     pub since_s: f64,
     /// What holds it; empty while the arm leaves the posture.
-    pub held_by: Vec<Obstacle>,
+    pub held_by: &'static [Obstacle],
     /// Whether the arm leaves the posture.
     pub leaving: bool,
 }
@@ -147,9 +147,30 @@ pub(super) struct Observation<'a> {
     pub time_s: f64,
 }
 
+/// The memory in which the obstacles of a task are found.
+#[derive(Debug)]
+pub(super) struct ObstacleScratch {
+    /// w, n.
+    pull: Vector,
+    /// What limits leave of w, n.
+    inside: Vector,
+    /// What higher tasks leave of w, n.
+    below: Vector,
+    /// The joint velocities that move the higher tasks.
+    higher: RowSpace,
+}
+
+impl ObstacleScratch {
+    /// Allocates the memory for n joints.
+    pub fn new(n: usize) -> Self {
+        let [pull, inside, below] = [(); 3].map(|()| Vector::zeros(n));
+        Self { pull, inside, below, higher: RowSpace::default() }
+    }
+}
+
 impl Observation<'_> {
     /// Updates the progress of all tasks, and lists those that are stuck.
-    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>) {
+    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>, scratch: &mut ObstacleScratch) {
         stuck.clear();
         progress.resize(self.config.tasks.len(), Progress::FREE);
         for (k, progress) in progress.iter_mut().enumerate() {
@@ -157,7 +178,7 @@ impl Observation<'_> {
                 continue;
             }
             if let Some(since_s) = progress.slow_since_s.filter(|_| progress.is_leaving(self.time_s)) {
-                stuck.push(StuckTask { task: k, since_s, held_by: Vec::new(), leaving: true });
+                stuck.push(StuckTask { task: k, since_s, held_by: &[], leaving: true });
                 continue;
             }
             if progress.leaving_since_s.take().is_some() {
@@ -165,7 +186,7 @@ impl Observation<'_> {
             }
             self.filter(k, progress);
             let Some(since_s) = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE) else { continue };
-            let held_by = self.obstacles(k);
+            let held_by = self.obstacles(k, scratch);
             let leaving = held_by.contains(&Obstacle::Limits)
                 && self.is_at_range_end()
                 && progress.attempts < MAX_ATTEMPTS
@@ -229,30 +250,46 @@ impl Observation<'_> {
     }
 
     /// Returns what holds task `k`; empty if the task lacks nothing in this period.
-    fn obstacles(&self, k: usize) -> Vec<Obstacle> {
-        let jacobian = &self.tasks.tasks()[k].jacobian;
-        let missing = &self.targets[k].velocity - &self.resolution.tasks[k].achieved;
-        let Some(direction) = missing.try_normalize(0.0) else { return Vec::new() };
-        let pull = jacobian.tr_mul(&direction);
-        if pull.norm() < SINGULAR {
-            return vec![Obstacle::Singularity];
+    fn obstacles(&self, k: usize, scratch: &mut ObstacleScratch) -> &'static [Obstacle] {
+        let ObstacleScratch { pull, inside, below, higher } = scratch;
+        if !self.write_pull(k, pull) {
+            return &[];
         }
-        let is_taken = |left: Vector| left.norm() < TAKEN_AWAY * pull.norm();
-        let (inside, below) = (self.inside_limits(&pull), in_null_space(&self.tasks.tasks()[..k], pull.clone()));
+        let size = pull.norm();
+        if size < SINGULAR {
+            return &[Obstacle::Singularity];
+        }
+        inside.copy_from(pull);
+        self.keep_inside_limits(inside);
+        below.copy_from(pull);
+        higher.update(&self.tasks.tasks()[..k]);
+        higher.remove_from(below);
+        let is_taken = |left: &Vector| left.norm() < TAKEN_AWAY * size;
         let limited = inside != pull;
         match (is_taken(inside), is_taken(below)) {
-            (true, false) => vec![Obstacle::Limits],
-            (false, true) => vec![Obstacle::HigherTasks],
-            _ if limited && k > 0 => vec![Obstacle::Limits, Obstacle::HigherTasks],
-            _ if limited => vec![Obstacle::Limits],
-            _ if k > 0 => vec![Obstacle::HigherTasks],
-            _ => vec![Obstacle::Singularity],
+            (true, false) => &[Obstacle::Limits],
+            (false, true) => &[Obstacle::HigherTasks],
+            _ if limited && k > 0 => &[Obstacle::Limits, Obstacle::HigherTasks],
+            _ if limited => &[Obstacle::Limits],
+            _ if k > 0 => &[Obstacle::HigherTasks],
+            _ => &[Obstacle::Singularity],
         }
     }
 
-    /// Returns w without what the active limits forbid.
-    fn inside_limits(&self, pull: &Vector) -> Vector {
-        let mut left = pull.clone();
+    /// Overwrites `pull` with w of task `k`; `false` if the task lacks nothing.
+    fn write_pull(&self, k: usize, pull: &mut Vector) -> bool {
+        let jacobian = &self.tasks.tasks()[k].jacobian;
+        let missing = self.targets[k].velocity.iter().zip(self.resolution.tasks[k].achieved.iter());
+        let missing = missing.map(|(requested, achieved)| requested - achieved);
+        let size = missing.clone().map(|entry| entry * entry).sum::<f64>().sqrt();
+        for (entry, column) in pull.iter_mut().zip(jacobian.column_iter()) {
+            *entry = column.iter().zip(missing.clone()).map(|(a, missing)| a * missing).sum::<f64>() / size;
+        }
+        size > 0.0
+    }
+
+    /// Removes from w what the active limits forbid.
+    fn keep_inside_limits(&self, left: &mut Vector) {
         for limit in &self.resolution.active_limits {
             let outwards = match limit.side {
                 Side::Upper => left[limit.joint] > 0.0,
@@ -263,13 +300,12 @@ impl Observation<'_> {
             }
         }
         let active = |inequality: &&Inequality| {
-            self.resolution.active_inequalities.iter().any(|active| active.name == inequality.name())
+            self.resolution.active_inequalities.iter().any(|active| &*active.name == inequality.name())
         };
         for inequality in self.inequalities.iter().filter(active) {
             let normal = inequality.coefficients();
-            let outwards = normal.dot(&left) / normal.norm_squared();
+            let outwards = normal.dot(left) / normal.norm_squared();
             left.axpy(-outwards.max(0.0), normal, 1.0);
         }
-        left
     }
 }

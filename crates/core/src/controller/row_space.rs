@@ -57,11 +57,3 @@ fn remove(basis: &[Vector], velocity: &mut Vector) {
         velocity.axpy(-direction.dot(velocity), direction, 1.0);
     }
 }
-
-/// Returns the part of a joint velocity in the null space of tasks.
-pub(super) fn in_null_space(tasks: &[Task], mut velocity: Vector) -> Vector {
-    let mut rows = RowSpace::default();
-    rows.update(tasks);
-    rows.remove_from(&mut velocity);
-    velocity
-}

@@ -114,6 +114,7 @@ impl Controller {
             rest,
             look_ahead,
             streams,
+            obstacles,
         } = workspace;
         let position = &measurement.joint_position;
         configuration.update(&config.robot, position)?;
@@ -157,8 +158,7 @@ impl Controller {
         let ahead =
             look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, arm.rest, last_command)).transpose()?;
         let braking = Some(capability.joint_braking());
-        problem.inequalities.clear();
-        problem.inequalities.extend(config.barriers.iter().map(|barrier| barrier.at(configuration, ahead, braking)));
+        config.write_barriers(configuration, ahead, braking, &mut problem.inequalities);
         let resolution = &mut command.resolution;
         match approach {
             Some(approach) => approach.resolve(config, (problem, &mut **solver), limited, motion, previous, resolution)?,
@@ -190,7 +190,7 @@ impl Controller {
                 joint_position: position,
                 time_s: measurement.time_s,
             };
-            observed.update(&mut memory.progress, &mut command.stuck);
+            observed.update(&mut memory.progress, &mut command.stuck, obstacles);
             update_streams(&mut memory.target_streams, streams);
         }
         Ok(command)

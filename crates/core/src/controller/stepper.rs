@@ -7,6 +7,7 @@ use revprio_robot::kinematics::Configuration;
 use super::capability::Capability;
 use super::jerk::Approach;
 use super::look_ahead::{ArmAtRest, LookAhead};
+use super::progress::ObstacleScratch;
 use super::target_streams::ActiveStream;
 use super::task_target::TaskTarget;
 use super::{Command, Controller, ControllerConfig, Measurement, Memory, StepError, TaskConfig};
@@ -17,9 +18,17 @@ use crate::task::{Task, TaskStack};
 
 /// A controller with the workspace that its steps overwrite.
 ///
-/// After the first few periods a step allocates nothing. Exceptions: states that come late, levels that Clarabel solves, tasks
-/// that are scaled to the limits, contradictions, names of active inequalities, stuck tasks, stalled joints, and vectors of more than 12 entries (joints,
-/// rows of all tasks together, limits).
+/// Memory is allocated when it is first needed, for example in the first step, and where the first limit is active or the
+/// first task is damped. Once a stepper has met what its periods contain, a step allocates nothing. Exceptions, with the most
+/// allocations of a period that `tests/allocations/exceptions.rs` allows:
+///
+/// | period | allocations |
+/// |---|---|
+/// | a state that comes late | 22 |
+/// | a scaled task that limits slow down | 28 |
+/// | bounds of a task, or inequalities, that cannot be kept together | 30; jerk limits before a plane: 54 |
+/// | the search fails and Clarabel proposes a working set | 2 |
+/// | a task of 14 rows; up to 12 have a place without allocation | 19 |
 pub struct Stepper {
     controller: Arc<Controller>,
     workspace: Workspace,
@@ -96,6 +105,8 @@ pub(super) struct Workspace {
     pub(super) look_ahead: Option<LookAhead>,
     /// The streams of targets of this period.
     pub(super) streams: Vec<ActiveStream>,
+    /// For tasks that are stuck.
+    pub(super) obstacles: ObstacleScratch,
 }
 
 impl Workspace {
@@ -117,14 +128,18 @@ impl Workspace {
         let problem = Problem {
             tasks: TaskStack::new(config.tasks.iter().map(task).collect())?,
             limits: limited.velocity_box.clone(),
-            inequalities: Vec::new(),
+            inequalities: config.barriers.iter().map(|barrier| barrier.before_first_posture(n)).collect(),
             method: config.method,
             damping: config.fading_damping(),
             null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
             wants_certificate: false,
         };
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
-        let command = Command { targets: problem.tasks.tasks().iter().map(target).collect(), ..Command::default() };
+        let command = Command {
+            targets: problem.tasks.tasks().iter().map(target).collect(),
+            stuck: Vec::with_capacity(config.tasks.len()),
+            ..Command::default()
+        };
         let configuration = Configuration::new(&config.robot, &zeros)?;
         Ok(Self {
             capability: Capability::new(config),
@@ -139,6 +154,7 @@ impl Workspace {
             look_ahead: LookAhead::new(config, &configuration),
             configuration,
             streams: Vec::new(),
+            obstacles: ObstacleScratch::new(n),
         })
     }
 }

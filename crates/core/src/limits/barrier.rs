@@ -1,10 +1,12 @@
 //! Barriers: inequalities that a controller must obey besides the joint limits, such as virtual walls.
 
-use nalgebra::{Matrix3xX, Vector3};
+use std::sync::Arc;
+
+use nalgebra::Vector3;
 use revprio_robot::kinematics::Configuration;
 
 use super::Inequality;
-use crate::linalg::{RANK_TOLERANCE, Vector};
+use crate::linalg::RANK_TOLERANCE;
 
 /// A linear inequality on the joint velocities, constant or derived from the posture.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +48,28 @@ impl Barrier {
         match self {
             Self::Fixed(inequality) => inequality.clone(),
             Self::Plane(plane) => plane.at(configuration, ahead, braking),
+        }
+    }
+
+    /// Returns an inequality for an arm of `joints` joints that [`Self::write`] can overwrite.
+    pub fn before_first_posture(&self, joints: usize) -> Inequality {
+        match self {
+            Self::Fixed(inequality) => inequality.clone(),
+            Self::Plane(plane) => Inequality::always_satisfied(plane.name.clone(), joints),
+        }
+    }
+
+    /// Overwrites `inequality`, an earlier inequality of this barrier, with that of [`Self::at`], without allocating.
+    pub fn write(
+        &self,
+        configuration: &Configuration,
+        ahead: Option<Ahead>,
+        braking: Option<JointBraking>,
+        inequality: &mut Inequality,
+    ) {
+        match self {
+            Self::Fixed(_) => {}
+            Self::Plane(plane) => plane.write(configuration, ahead, braking, inequality),
         }
     }
 }
@@ -104,7 +128,7 @@ const BRAKING_SHARE: f64 = 0.5;
 /// the arm through the difference of g(m) and g(p). Instead, max(0, (g(m) − g(p))·q̇⁻) is subtracted from the bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualPlane {
-    name: String,
+    name: Arc<str>,
     normal: Vector3<f64>,
     offset: f64,
     point: PlanePoint,
@@ -132,7 +156,7 @@ impl VirtualPlane {
     /// - `offset`: d, distance of the plane from the base origin along the unit normal, m.
     /// - `rate`: γ, 1/s. It must be at most 1/T for a control period T, or the point may pass the plane within a period.
     pub fn new(
-        name: impl Into<String>,
+        name: impl Into<Arc<str>>,
         normal: [f64; 3],
         offset: f64,
         point: PlanePoint,
@@ -165,47 +189,72 @@ impl VirtualPlane {
     ///
     /// `ahead`: where the next command moves the arm, if it is known; `braking`: how the joints brake, if it is known.
     pub fn at(&self, configuration: &Configuration, ahead: Option<Ahead>, braking: Option<JointBraking>) -> Inequality {
-        let distance_at = |point: &Vector3<f64>| self.offset - self.normal.dot(point);
-        let (present, jacobian) = self.point_at(configuration);
-        let (rest, jacobian) = ahead.map_or((present, jacobian), |ahead| self.point_at(ahead.rest));
-        let along = jacobian.transpose() * self.normal;
-        if along.norm() <= RANK_TOLERANCE * jacobian.norm() {
-            return Inequality::always_satisfied(self.name.clone(), along.len());
-        }
-        let distance = distance_at(&present).min(distance_at(&rest));
-        let turning = ahead.map_or(0.0, |Ahead { half_way, last_command, .. }| {
-            let turned = self.point_at(half_way).1.transpose() * self.normal - &along;
-            turned.iter().zip(last_command).map(|(turned, speed)| turned * speed).sum::<f64>().max(0.0)
-        });
-        let coefficients = Vector::from_column_slice(along.as_slice());
-        let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(&coefficients, distance.abs()));
-        let by_rate = self.rate * distance;
-        let bound = by_rate.clamp(-speed, speed) - turning;
-        let mut inequality = Inequality::always_satisfied(self.name.clone(), coefficients.len());
-        inequality.overwrite(|along| {
-            along.copy_from_slice(coefficients.as_slice());
-            bound
-        });
+        let mut inequality = Inequality::always_satisfied(self.name.clone(), configuration.joint_position().len());
+        self.write(configuration, ahead, braking, &mut inequality);
         inequality
     }
 
-    /// Returns the point (m) and its Jacobian, 3 × n.
-    fn point_at(&self, configuration: &Configuration) -> (Vector3<f64>, Matrix3xX<f64>) {
-        match self.point {
-            PlanePoint::Tool => {
-                let jacobian = configuration.jacobian().fixed_rows::<3>(0).into_owned();
-                (configuration.tool_pose().translation.vector, jacobian)
+    /// Overwrites an inequality for as many joints with that of [`Self::at`], without allocating.
+    fn write(
+        &self,
+        configuration: &Configuration,
+        ahead: Option<Ahead>,
+        braking: Option<JointBraking>,
+        inequality: &mut Inequality,
+    ) {
+        let rest = ahead.map_or(configuration, |ahead| ahead.rest);
+        inequality.overwrite(|along| {
+            let mut of_jacobian = 0.0;
+            for (entry, column) in along.iter_mut().zip(self.columns(rest)) {
+                *entry = column.dot(&self.normal);
+                of_jacobian += column.norm_squared();
             }
+            if square(along) <= RANK_TOLERANCE * RANK_TOLERANCE * of_jacobian {
+                along.fill(0.0);
+                return f64::INFINITY;
+            }
+            let distance = self.distance(configuration).min(self.distance(rest));
+            let speed = braking.map_or(f64::INFINITY, |joints| joints.stopping_speed(along, distance.abs()));
+            let by_rate = self.rate * distance;
+            by_rate.clamp(-speed, speed) - ahead.map_or(0.0, |ahead| self.turning(along, ahead))
+        });
+    }
+
+    /// Returns max(0, (g(m) − g(p))·q̇⁻), m/s; `along`: g(p), n.
+    fn turning(&self, along: &[f64], ahead: Ahead) -> f64 {
+        let half_way = self.columns(ahead.half_way).map(|column| column.dot(&self.normal));
+        let turned = half_way.zip(along).zip(ahead.last_command);
+        turned.map(|((half_way, along), speed)| (half_way - along) * speed).sum::<f64>().max(0.0)
+    }
+
+    /// Returns D, the distance of the point to the plane, m; negative behind it.
+    fn distance(&self, configuration: &Configuration) -> f64 {
+        self.offset - self.normal.dot(&self.position(configuration))
+    }
+
+    /// Returns the point, m.
+    fn position(&self, configuration: &Configuration) -> Vector3<f64> {
+        match self.point {
+            PlanePoint::Tool => configuration.tool_pose().translation.vector,
             PlanePoint::Joint(joint) => configuration.joint_origin(joint),
         }
+    }
+
+    /// Returns the columns of the Jacobian of the point, n, m/s.
+    fn columns(&self, configuration: &Configuration) -> impl Iterator<Item = Vector3<f64>> {
+        let moving_joints = match self.point {
+            PlanePoint::Tool => configuration.joint_position().len(),
+            PlanePoint::Joint(joint) => joint,
+        };
+        configuration.point_jacobian(self.position(configuration), moving_joints)
     }
 }
 
 impl JointBraking<'_> {
     /// Returns s(D) of [`VirtualPlane`], m/s, infinite if the deceleration is; `along`: g, n; `distance`: D ≥ 0, m.
-    fn stopping_speed(&self, along: &Vector, distance: f64) -> f64 {
+    fn stopping_speed(&self, along: &[f64], distance: f64) -> f64 {
         let decelerations = self.deceleration.iter().zip(along).map(|(a, along)| a / along.abs());
-        let deceleration = BRAKING_SHARE * along.norm_squared() * decelerations.fold(f64::INFINITY, f64::min);
+        let deceleration = BRAKING_SHARE * square(along) * decelerations.fold(f64::INFINITY, f64::min);
         // Infinite and NaN: nothing is known.
         if !deceleration.is_finite() {
             return f64::INFINITY;
@@ -213,4 +262,9 @@ impl JointBraking<'_> {
         let time = self.reaction_s + (self.reaction_s * self.reaction_s + 2.0 * distance / deceleration).sqrt();
         if distance > 0.0 { 2.0 * distance / time } else { 0.0 }
     }
+}
+
+/// Returns the square of the norm.
+fn square(entries: &[f64]) -> f64 {
+    entries.iter().map(|entry| entry * entry).sum()
 }

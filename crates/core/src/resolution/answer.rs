@@ -97,7 +97,7 @@ fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &S
     answer.violated_limits.clear();
     let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(&answer.joint_velocity) > 0.0);
     let violation = |inequality: &Inequality| InequalityViolation {
-        name: inequality.name().to_owned(),
+        name: inequality.shared_name(),
         bound: inequality.bound(),
         value: inequality.value(&answer.joint_velocity),
     };
@@ -152,7 +152,7 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedPr
             Origin::Inequality(index) => {
                 let inequality = &problem.inequalities[index];
                 answer.active_inequalities.push(ActiveInequality {
-                    name: inequality.name().to_owned(),
+                    name: inequality.shared_name(),
                     bound: inequality.bound(),
                     // Planned rows have length one.
                     multiplier: multiplier.abs() / inequality.coefficients().norm(),

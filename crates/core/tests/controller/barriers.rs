@@ -16,7 +16,7 @@ fn height(robot: &RobotModel, q: &[f64], point: PlanePoint) -> f64 {
     let configuration = Configuration::new(robot, q).unwrap();
     match point {
         PlanePoint::Tool => configuration.tool_pose().translation.z,
-        PlanePoint::Joint(joint) => configuration.joint_origin(joint).0.z,
+        PlanePoint::Joint(joint) => configuration.joint_origin(joint).z,
     }
 }
 
@@ -40,7 +40,7 @@ fn push_against_ceiling(point: PlanePoint, distance: f64) {
         assert!(after >= (1.0 - 10.0 * PERIOD) * before - SECOND_ORDER, "from {before} m to {after} m in one period");
         assert_eq!(command.resolution.solver.status, Status::Optimal);
         active_periods +=
-            usize::from(command.resolution.active_inequalities.iter().any(|active| active.name == "ceiling"));
+            usize::from(command.resolution.active_inequalities.iter().any(|active| &*active.name == "ceiling"));
     }
     let remaining = ceiling - height(&robot, &arm.q, point);
     assert!((-SECOND_ORDER..0.01).contains(&remaining), "{remaining} m below the ceiling");
@@ -70,7 +70,7 @@ fn an_arm_behind_a_wall_returns() {
     let mut arm = Loop::at_rest(&NOMINAL);
     let first = arm.step(&controller, [0.0; 6]).resolution;
     // From rest, the acceleration limit allows less than the wall demands. The wall is violated and named.
-    assert_eq!(first.violated_inequalities[0].name, "ceiling");
+    assert_eq!(&*first.violated_inequalities[0].name, "ceiling");
     assert!(first.violated_limits.is_empty());
     (0..1500).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
     let above = height(&robot, &arm.q, PlanePoint::Tool) - ceiling;

@@ -43,7 +43,7 @@ fn split(robot: &Arc<RobotModel>, pose: IsometryMatrix3<f64>) -> ControllerConfi
 struct Run {
     q: Vec<f64>,
     /// Sets of obstacles that were named, in order.
-    held_by: Vec<Vec<Obstacle>>,
+    held_by: Vec<&'static [Obstacle]>,
     attempts: u32,
     is_stuck: bool,
 }
@@ -69,7 +69,7 @@ fn run(config: ControllerConfig, start: &[f64], duration: f64) -> Run {
             assert!(stuck.since_s <= measured.time_s);
             assert!(stuck.leaving || !stuck.held_by.is_empty());
             if run.held_by.last() != Some(&stuck.held_by) && !stuck.held_by.is_empty() {
-                run.held_by.push(stuck.held_by.clone());
+                run.held_by.push(stuck.held_by);
             }
         }
         let velocity = &command.resolution.joint_velocity;
@@ -175,7 +175,7 @@ fn displaced(by: Vector3<f64>) -> IsometryMatrix3<f64> {
 fn a_task_against_a_higher_one_is_named() {
     let (here, there) = (displaced(Vector3::zeros()), displaced(Vector3::new(0.0, 0.1, 0.0)));
     let run = ready(vec![towards(&LINEAR, here), towards(&[Axis::Y], there)]);
-    assert_eq!((run.held_by, run.attempts, run.is_stuck), (vec![vec![Obstacle::HigherTasks]], 0, true));
+    assert_eq!((run.held_by, run.attempts, run.is_stuck), (vec![&[Obstacle::HigherTasks][..]], 0, true));
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn an_active_inequality_is_named_with_its_multiplier() {
         assert!((&answer.joint_velocity - Vector::repeat(2, 0.25)).amax() <= 1e-14, "{answer:?}");
         assert!(answer.violated_inequalities.is_empty() && answer.active_limits.is_empty());
         let active = &answer.active_inequalities[..];
-        assert!(active.len() == 1 && active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
+        assert!(active.len() == 1 && &*active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
         let again = resolve_with(Solver::Auto, &problem, &answer.active_set).unwrap();
         assert_eq!((again.solver.iterations, &again.joint_velocity), (0, &answer.joint_velocity));
     }
@@ -91,7 +91,7 @@ fn the_closed_form_reports_the_inequalities_that_it_violates() {
         resolve_with(Solver::ClosedForm, &Problem { inequalities, ..Problem::new(push(2.0)) }, &[]).unwrap();
     assert_eq!(answer.violated_inequalities.len(), 1);
     let violated = &answer.violated_inequalities[0];
-    assert!(violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
+    assert!(&*violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
 }
 
 #[test]

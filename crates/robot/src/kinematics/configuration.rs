@@ -1,7 +1,7 @@
 //! The forward kinematics of an arm at a posture.
 #![allow(non_snake_case)]
 
-use nalgebra::{IsometryMatrix3, Matrix3xX, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
 
 use super::chain::JointAxis;
 use super::moving_frame::vector;
@@ -98,19 +98,27 @@ impl Configuration {
         &self.jacobian
     }
 
-    /// Returns the origin of a joint's frame (index from 0) in the base frame, m, and its Jacobian, 3 × n, m/s.
+    /// Returns the origin of a joint's frame (index from 0) in the base frame, m.
     ///
     /// # Panics
     ///
     /// Panics if the robot has no such joint.
-    pub fn joint_origin(&self, joint: usize) -> (Vector3<f64>, Matrix3xX<f64>) {
-        let origin = vector(&self.axes[joint].origin);
-        let lever = origin - self.tool_pose.translation.vector;
-        let mut jacobian = Matrix3xX::zeros(self.axes.len());
-        for (mut velocity, column) in jacobian.column_iter_mut().zip(self.jacobian.column_iter()).take(joint) {
-            velocity.copy_from(&(column.fixed_rows::<3>(0) + column.fixed_rows::<3>(3).cross(&lever)));
-        }
-        (origin, jacobian)
+    pub fn joint_origin(&self, joint: usize) -> Vector3<f64> {
+        vector(&self.axes[joint].origin)
+    }
+
+    /// Returns the columns of the Jacobian of a point (base frame, m) that only the first `moving_joints` joints move, n, m/s.
+    ///
+    /// The origin of joint j (index from 0) is moved by the first j joints, the tool point by all.
+    pub fn point_jacobian(&self, point: Vector3<f64>, moving_joints: usize) -> impl Iterator<Item = Vector3<f64>> {
+        let lever = point - self.tool_pose.translation.vector;
+        self.jacobian.column_iter().enumerate().map(move |(joint, column)| {
+            if joint < moving_joints {
+                column.fixed_rows::<3>(0) + column.fixed_rows::<3>(3).cross(&lever)
+            } else {
+                Vector3::zeros()
+            }
+        })
     }
 
     /// Returns the tool's twist J q̇ for joint velocities q̇ (n), along the base axes, at the tool point.
@@ -171,7 +179,7 @@ pub fn orientation_error(actual: &Rotation3<f64>, desired: &Rotation3<f64>) -> V
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Translation3;
+    use nalgebra::{Matrix3xX, Translation3};
     use proptest::prelude::*;
 
     use super::*;
@@ -206,7 +214,7 @@ mod tests {
             prop_assert!((configuration.tool_pose().to_homogeneous() - tool.to_homogeneous()).amax() < tolerance);
             for (j, (joint, frame)) in robot.joints().iter().zip(&frames).enumerate() {
                 let z = frame.rotation * Vector3::z();
-                let (origin, _) = configuration.joint_origin(j);
+                let origin = configuration.joint_origin(j);
                 let (expected_origin, linear, angular) = match joint.kind {
                     JointKind::Revolute => {
                         let origin = frame.translation.vector;
@@ -224,7 +232,9 @@ mod tests {
         #[test]
         fn the_jacobian_of_a_joint_origin_is_that_of_a_robot_which_ends_there((robot, q) in any_robot()) {
             let last = q.len() - 1;
-            let (origin, jacobian) = Configuration::new(&robot, &q).unwrap().joint_origin(last);
+            let whole = Configuration::new(&robot, &q).unwrap();
+            let origin = whole.joint_origin(last);
+            let jacobian = Matrix3xX::from_columns(&whole.point_jacobian(origin, last).collect::<Vec<_>>());
             prop_assert_eq!(jacobian.column(last).amax(), 0.0);
             if last > 0 {
                 let (joints, placement) = (robot.joints()[..last].to_vec(), robot.joints()[last].placement);

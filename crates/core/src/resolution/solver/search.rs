@@ -17,6 +17,16 @@ const LOST_PIVOT: f64 = 1e-13;
 /// The smallest weight of a level relative to the last objective.
 const MIN_WEIGHT: f64 = 1e-40;
 
+/// Returns how many constraints may become active in a search, before it stops.
+fn most_entering(constraints: usize) -> usize {
+    3 * constraints + 10
+}
+
+/// Returns the largest number of changes of the active set in a search: no more constraints leave than become active.
+fn most_changes(constraints: usize) -> usize {
+    2 * most_entering(constraints)
+}
+
 /// The tableau: constraints are the unknowns, then the inequality rows.
 #[derive(Debug, Default)]
 pub struct Search<const N: usize> {
@@ -102,9 +112,8 @@ impl<const N: usize> Search<N> {
         refill(&mut self.active, std::iter::repeat_n(None, count));
         self.sweeps.clear();
         self.pivot_rows.clear();
-        // More changes than constraints are rare.
-        self.sweeps.reserve(count);
-        self.pivot_rows.reserve(count * self.stride);
+        self.sweeps.reserve(most_changes(count));
+        self.pivot_rows.reserve(most_changes(count) * self.stride);
     }
 
     /// Sets G, the weights, and the diagonal of K (section 6).
@@ -189,7 +198,7 @@ impl<const N: usize> Search<N> {
 
     /// Activates the bound that is broken most until none is; returns whether it arrived.
     fn run(&mut self, unknowns: usize) -> bool {
-        for _ in 0..3 * self.active.len() + 10 {
+        for _ in 0..most_entering(self.active.len()) {
             let Some((entering, side)) = self.most_broken() else { return true };
             if !self.enter(unknowns, entering, side) {
                 return false;

@@ -7,8 +7,8 @@ use super::Recording;
 use super::cell::Value;
 use super::columns::{Column, TableLayout};
 use super::error::{ReadError, WriteError};
-use super::format::Writer;
 use super::quantity::Kind;
+use super::writer::Writer;
 
 /// Writes a CSV file.
 pub struct CsvWriter<W: Write> {

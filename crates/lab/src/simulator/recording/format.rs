@@ -3,10 +3,10 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
-use std::ops::Range;
 use std::path::Path;
 
 use super::error::{ReadError, WriteError};
+use super::writer::Writer;
 use super::{Recording, csv_table, description, json_lines, mcap_log, parquet_table};
 
 /// A file format of recordings.
@@ -26,15 +26,6 @@ impl fmt::Display for Format {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         formatter.pad(self.ending())
     }
-}
-
-/// Writes a recording in parts.
-pub trait Writer: Send {
-    /// Writes the next periods of the recording.
-    fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError>;
-
-    /// Writes the end of the file.
-    fn finish(self: Box<Self>) -> Result<(), WriteError>;
 }
 
 impl Format {

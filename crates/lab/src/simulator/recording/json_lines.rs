@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::error::{ReadError, WriteError};
-use super::format::Writer;
+use super::writer::Writer;
 use super::{Recording, Sample, Timing};
 
 /// Writes a file of JSON lines.

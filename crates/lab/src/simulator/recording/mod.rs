@@ -16,6 +16,7 @@ mod mcap_log;
 pub mod parquet_file;
 mod parquet_table;
 mod quantity;
+mod writer;
 
 use std::fmt;
 
@@ -29,9 +30,10 @@ pub use cell::Value;
 pub use columns::{Column, TableLayout};
 pub use csv_table::{cell_text, cell_value};
 pub use error::{ReadError, WriteError};
-pub use format::{Format, Writer, read};
+pub use format::{Format, read};
 pub use json_lines::write_object;
 pub use quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
+pub use writer::Writer;
 
 /// The recording of one run of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

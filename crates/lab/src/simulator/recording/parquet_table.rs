@@ -10,8 +10,8 @@ use super::cell::Value;
 use super::columns::{Column, TableLayout};
 use super::description;
 use super::error::{ReadError, WriteError};
-use super::format::Writer;
 use super::parquet_file::{ParquetReader, ParquetWriter};
+use super::writer::Writer;
 
 /// Writes a recording as a Parquet file.
 pub struct ParquetTableWriter<W: Write + Send> {

@@ -16,8 +16,8 @@ use mcap::{MessageStream, Summary};
 use self::messages::Wrench;
 use self::scene::SceneBuilder;
 use super::error::{ReadError, WriteError};
-use super::format::Writer;
 use super::json_lines::{read_object, write_object};
+use super::writer::Writer;
 use super::{Recording, description};
 
 /// Period of the topics `/tf` and `/scene`, s.

@@ -1,7 +1,9 @@
 //! The structure of the repository, read from manifests and sources: which crate and which file may use what.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+mod circles;
+mod module_graph;
 
 /// The manifest of each crate and the crates of the workspace that it may use.
 const LAYERS: [(&str, &[&str]); 8] = [
@@ -14,19 +16,6 @@ const LAYERS: [(&str, &[&str]); 8] = [
     ("api/python/native", &["revprio", "revprio-api"]),
     ("tools/bench", &["revprio", "revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
     ("tools/fuzz", &["revprio", "revprio-api", "revprio-robot"]),
-];
-
-/// Folders whose modules must not import each other in a circle.
-const WITHOUT_CIRCLES: [&str; 9] = [
-    "crates/robot/src",
-    "crates/core/src",
-    "crates/core/src/limits",
-    "crates/core/src/law",
-    "crates/lab/src",
-    "crates/lab/src/report",
-    "crates/lab/src/sweep",
-    "src",
-    "src/service",
 ];
 
 /// Crates of others, and the only files and folders that may name them.
@@ -117,9 +106,16 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 /// The code of a file without comments and without its tests.
 fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(root().join(path)).unwrap();
-    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let text = &text[..start_of_tests(&text)];
     let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
     lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Where `mod tests {` begins with its attributes.
+fn start_of_tests(text: &str) -> usize {
+    let Some(tests) = text.find("\nmod tests {") else { return text.len() };
+    let attributes = text[..tests].lines().rev().take_while(|line| line.starts_with("#["));
+    tests - attributes.map(|line| line.len() + 1).sum::<usize>()
 }
 
 /// Whether the code contains the word, not as a part of a longer one.
@@ -133,81 +129,6 @@ fn contains_word(code: &str, word: &str) -> bool {
 fn names_crate(code: &str, name: &str) -> bool {
     let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     code.match_indices(&format!("{name}::")).any(|(at, _)| !code[..at].ends_with(is_path))
-}
-
-/// First words of the paths that follow `prefix`: `a` and `b` of `prefix{a::X, b}`.
-fn imports(code: &str, prefix: &str) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
-    for (at, _) in code.match_indices(prefix) {
-        let rest = &code[at + prefix.len()..];
-        let branches: Vec<&str> = match rest.strip_prefix('{') {
-            Some(list) => top_level(list),
-            None => vec![rest],
-        };
-        let word =
-            |branch: &str| branch.trim().split(|c: char| !(c.is_alphanumeric() || c == '_')).next().map(str::to_owned);
-        found.extend(branches.into_iter().filter_map(word).filter(|word| !word.is_empty()));
-    }
-    found
-}
-
-/// The branches of a list that `{` opened, without those of lists inside.
-fn top_level(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut branches) = (0, 0, Vec::new());
-    for (at, c) in list.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' if depth == 0 => {
-                branches.push(&list[start..at]);
-                break;
-            }
-            '}' => depth -= 1,
-            ',' if depth == 0 => {
-                branches.push(&list[start..at]);
-                start = at + 1;
-            }
-            _ => {}
-        }
-    }
-    branches
-}
-
-/// The module of a folder that a file belongs to: its name, or that of its folder.
-fn module_of(folder: &Path, file: &Path) -> String {
-    let first = file.strip_prefix(folder).unwrap().components().next().unwrap();
-    first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned()
-}
-
-/// Which module of the folder imports which.
-fn graph(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let folder = Path::new(folder);
-    let inside = folder.to_str().unwrap().split("src").nth(1).unwrap_or_default().trim_start_matches('/');
-    let absolute =
-        if inside.is_empty() { "crate::".to_owned() } else { format!("crate::{}::", inside.replace('/', "::")) };
-    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for file in files(folder) {
-        let module = module_of(folder, &file);
-        if matches!(module.as_str(), "mod" | "lib" | "main") {
-            continue;
-        }
-        let code = code(&file);
-        let mut imported = imports(&code, &absolute);
-        // `super` of the folder's own files and of its folders' mod.rs is the folder.
-        let depth = file.strip_prefix(folder).unwrap().components().count();
-        if depth == 1 || (depth == 2 && file.ends_with("mod.rs")) {
-            imported.extend(imports(&code, "use super::"));
-        }
-        if depth == 2 && !file.ends_with("mod.rs") {
-            imported.extend(imports(&code, "super::super::"));
-        }
-        imported.remove(&module);
-        graph.entry(module).or_default().extend(imported);
-    }
-    let known: BTreeSet<String> = graph.keys().cloned().collect();
-    for imported in graph.values_mut() {
-        imported.retain(|module| known.contains(module));
-    }
-    graph
 }
 
 #[test]
@@ -226,21 +147,6 @@ fn the_core_needs_at_most_a_dozen_crates() {
     let manifest = std::fs::read_to_string(root().join("crates/core/Cargo.toml")).unwrap();
     let manifest: toml::Table = manifest.parse().unwrap();
     assert!(manifest["dependencies"].as_table().unwrap().len() <= 12);
-}
-
-#[test]
-fn modules_import_each_other_without_circles() {
-    for folder in WITHOUT_CIRCLES {
-        let mut left = graph(folder);
-        assert!(left.len() > 1, "{folder}: no modules are found");
-        while !left.is_empty() {
-            let is_free = |imported: &BTreeSet<String>| imported.iter().all(|module| !left.contains_key(module));
-            let free: Vec<String> =
-                left.iter().filter(|(_, imported)| is_free(imported)).map(|(module, _)| module.clone()).collect();
-            assert!(!free.is_empty(), "{folder}: these import each other in a circle: {left:#?}");
-            left.retain(|module, _| !free.contains(module));
-        }
-    }
 }
 
 #[test]
@@ -279,13 +185,7 @@ fn each_kind_is_known_to_at_most_three_files_and_its_own() {
 }
 
 #[test]
-fn this_test_reads_every_form_of_import() {
-    let crate_imports = |code: &str| imports(code, "crate::").into_iter().collect::<Vec<_>>();
-    assert_eq!(crate_imports("use crate::limits;"), ["limits"]);
-    assert_eq!(crate_imports("use crate::{law, task::{A, B}, limits::C};"), ["law", "limits", "task"]);
-    assert_eq!(crate_imports("fn f(a: &crate::task::Task, b: crate::law::Law)"), ["law", "task"]);
+fn words_and_crates_are_found_as_a_whole() {
     assert!(names_crate("let a = clarabel::b();", "clarabel") && !names_crate("super::clarabel::a", "clarabel"));
     assert!(contains_word("JointKind::Prismatic", "Prismatic") && !contains_word("Prismatics", "Prismatic"));
-    let graph = graph("crates/core/src");
-    assert!(graph["controller"].contains("resolution") && graph["linalg"].is_empty(), "{graph:?}");
 }

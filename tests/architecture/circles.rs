@@ -1,0 +1,82 @@
+//! Which modules import each other in a circle.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::module_graph::{Crate, ModulePath, in_circles};
+use super::{LAYERS, code, files, root};
+
+/// Folders whose modules import each other in circles, and how many of them do. Every other folder has none.
+///
+/// Remove an entry when its circles are gone, and add none.
+const CIRCLES: [(&str, usize); 5] = [
+    ("crates/core/src/controller", 22),
+    ("crates/core/src/resolution/solver", 2),
+    ("crates/lab/src/simulator", 8),
+    ("crates/robot/src", 3),
+    ("tools/fuzz/src", 3),
+];
+
+/// Returns the source folder of each crate.
+fn sources() -> impl Iterator<Item = String> {
+    LAYERS.iter().map(|(folder, _)| Path::new(folder).join("src").to_str().unwrap().trim_start_matches("./").to_owned())
+}
+
+/// Returns the path of a module from its file; `None` for other programs of the crate and for tests.
+fn module_path(sources: &str, file: &Path, has_library: bool) -> Option<ModulePath> {
+    let inside = file.strip_prefix(sources).unwrap().with_extension("");
+    let mut path: ModulePath = inside.iter().map(|name| name.to_str().unwrap().to_owned()).collect();
+    if path.iter().any(|name| matches!(name.as_str(), "bin" | "tests")) || (has_library && path == ["main"]) {
+        return None;
+    }
+    if path.last().is_some_and(|last| last == "mod") || path == ["lib"] || path == ["main"] {
+        path.pop();
+    }
+    Some(path)
+}
+
+/// Reads the modules of a crate from its source folder.
+fn read(sources: &str) -> Crate {
+    let files = files(sources.as_ref());
+    let has_library = files.contains(&Path::new(sources).join("lib.rs"));
+    let modules: Vec<(ModulePath, String)> =
+        files.iter().filter_map(|file| Some((module_path(sources, file, has_library)?, code(file)))).collect();
+    Crate::new(modules.iter().map(|(path, code)| (path.clone(), code.as_str())))
+}
+
+#[test]
+fn modules_import_each_other_in_circles_only_in_the_listed_folders() {
+    let (mut found, mut modules, mut folders) = (BTreeMap::new(), 0, 0);
+    for sources in sources() {
+        let crate_modules = read(&sources);
+        for folder in crate_modules.folders() {
+            let graph = crate_modules.graph(&folder);
+            (modules, folders) = (modules + graph.len(), folders + 1);
+            let circles = in_circles(&graph);
+            if !circles.is_empty() {
+                let path = folder.iter().fold(sources.clone(), |path, name| format!("{path}/{name}"));
+                println!("{path}: {circles:?}");
+                found.insert(path, circles.len());
+            }
+        }
+    }
+    println!("{modules} modules in {folders} folders");
+    assert!(modules > 300 && folders > 30, "{modules} modules in {folders} folders: too few are found");
+    let listed = CIRCLES.map(|(folder, count)| (folder.to_owned(), count));
+    assert_eq!(found, BTreeMap::from(listed), "the list in this file is on the right");
+}
+
+#[test]
+fn no_module_imports_all_names_of_another_one() {
+    for sources in sources() {
+        assert_eq!(read(&sources).globs(), [] as [&ModulePath; 0], "{sources}: a glob hides where a name comes from");
+    }
+}
+
+#[test]
+fn the_page_about_the_architecture_lists_the_circles() {
+    let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let rows = page.lines().skip_while(|line| !line.starts_with("| folder with circles |")).skip(2);
+    let rows: Vec<&str> = rows.take_while(|line| line.starts_with('|')).collect();
+    assert_eq!(rows, CIRCLES.map(|(folder, count)| format!("| `{folder}` | {count} |")));
+}
