@@ -1,6 +1,8 @@
 //! The result in short: one row per scenario and method, how much its solvers differ, and the HTTP requests of all its
 //! solvers. It fits into 100 columns.
 
+use revprio_api::wire::Method;
+
 use super::{MISSING, Row, optional, padded, request_count, rows};
 use crate::report::number::significant;
 use crate::report::requests::Requests;
@@ -17,21 +19,29 @@ const HEADS: [[&str; COLUMNS]; 2] = [
 /// of its methods. `runs`: grouped by scenario and method.
 #[must_use]
 pub fn text(runs: &[Run]) -> String {
+    let groups: Vec<&[Run]> = runs.chunk_by(|a, b| group(a) == group(b)).collect();
     let head = HEADS.map(|head| head.map(str::to_owned));
-    let scenarios = runs.chunk_by(|a, b| a.recording.scenario == b.recording.scenario);
-    let lines: Vec<[String; COLUMNS]> = head.into_iter().chain(scenarios.flat_map(scenario)).collect();
+    let lines: Vec<[String; COLUMNS]> = head.into_iter().chain(groups.iter().map(|runs| method(runs))).collect();
     let column = |i: usize| padded(lines.iter().map(|line| line[i].clone()).collect(), i > 0);
     let columns: Vec<Vec<String>> = (0..COLUMNS).map(column).collect();
     let line = |i: usize| columns.iter().map(|column| column[i].as_str()).collect::<Vec<_>>().join("  ");
-    (0..lines.len()).map(|i| line(i).trim_end().to_owned() + "\n").collect()
+    let mut text = String::new();
+    let mut scenario = "";
+    for i in 0..lines.len() {
+        let next = i.checked_sub(HEADS.len()).map_or("", |i| group(&groups[i][0]).0);
+        if next != scenario {
+            text += next;
+            text.push('\n');
+            scenario = next;
+        }
+        text += line(i).trim_end();
+        text.push('\n');
+    }
+    text
 }
 
-/// Returns the lines of one scenario.
-fn scenario(runs: &[Run]) -> Vec<[String; COLUMNS]> {
-    let mut name: [String; COLUMNS] = Default::default();
-    name[0].clone_from(&runs[0].recording.scenario);
-    let methods = runs.chunk_by(|a, b| a.recording.method == b.recording.method);
-    [name].into_iter().chain(methods.map(method)).collect()
+fn group(run: &Run) -> (&str, Method) {
+    (&run.recording.scenario, run.recording.method)
 }
 
 /// Returns the cells of the runs of one scenario and method with several solvers.
