@@ -14,6 +14,7 @@ use revprio_lab::simulator::{CallMode, Scenario};
 use super::experiment::{ExperimentRunner, make_directory, program, store, with_traces};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
+use super::service_choice::ServiceChoice;
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
@@ -30,9 +31,8 @@ pub struct Options {
     /// Format of the printed result
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
-    #[arg(long)]
-    server: Option<String>,
+    #[command(flatten)]
+    service: ServiceChoice,
     /// Your own robot instead of the robots of the scenarios
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
@@ -88,7 +88,7 @@ impl Kind {
 pub fn run(options: &Options) -> Result<(), CliError> {
     let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
     make_directory(&options.out)?;
-    let runner = ExperimentRunner::open(options.server.as_deref(), options.robot.as_ref(), CallMode::Session)?;
+    let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), CallMode::Session)?;
     let (mut runs, mut failures) = (Vec::new(), Vec::new());
     for name in &options.scenarios {
         let scenario = runner.scenario(name)?;
@@ -164,7 +164,8 @@ fn command(options: &Options) -> String {
     let methods = list(options.methods.iter().map(ToString::to_string).collect());
     let solvers = list(options.solvers.iter().map(ToString::to_string).collect());
     let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
-    format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}", options.scenarios.join(" "))
+    let service = options.service.repeated();
+    format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}{service}", options.scenarios.join(" "))
 }
 
 /// Prints the report.

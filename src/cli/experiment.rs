@@ -7,10 +7,10 @@ use std::process::Command;
 use std::sync::Arc;
 
 use indicatif::ProgressBar;
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use revprio_api::ClientError;
 use revprio_api::wire::Problem;
-use revprio_api::{ClientError, Service};
 use revprio_lab::report::experiment::{Experiment, store};
+use revprio_lab::report::requests::Requests;
 use revprio_lab::report::run::{Program, Run};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::recording::Recording;
@@ -18,12 +18,13 @@ use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
 use revprio_robot::RobotModel;
 
 use super::robot::{Registration, RobotArgument};
+use super::service_choice::{CalledService, ServiceChoice};
 use super::{CliError, Target, progress_bar, traces};
-use crate::service::{InProcess, Robots, robot_answer};
+use crate::service::robot_answer;
 
 /// The service that runs call, and the robot that replaces the robot of the scenario, if given.
 pub struct ExperimentRunner {
-    target: Target,
+    service: CalledService,
     robot: Option<Arc<RobotModel>>,
     _registration: Option<Registration>,
     mode: CallMode,
@@ -31,18 +32,20 @@ pub struct ExperimentRunner {
 
 impl ExperimentRunner {
     /// Opens a service. If a robot is given, the service knows it at least as long as this value exists.
-    pub fn open(server: Option<&str>, robot: Option<&RobotArgument>, mode: CallMode) -> Result<Self, CliError> {
+    pub fn open(choice: &ServiceChoice, robot: Option<&RobotArgument>, mode: CallMode) -> Result<Self, CliError> {
         let model = robot.map(RobotArgument::read).transpose()?;
-        let (target, registration) = match (server, robot, &model) {
-            (None, _, Some(model)) => (Target::own(Robots::none().with(Arc::clone(model))?)?, None),
-            (Some(url), Some(argument), Some(model)) => {
+        let (service, registration) = match &choice.server {
+            Some(url) => {
                 let target = Target::open(Some(url))?;
-                let registration = argument.register(model, &target.client, url)?;
-                (target, registration)
+                let given = robot.zip(model.as_ref());
+                let registration =
+                    given.map(|(robot, model)| robot.register(model, &target.client, url)).transpose()?;
+                (CalledService::Http(target), registration.flatten())
             }
-            (url, _, _) => (Target::open(url)?, None),
+            None if choice.in_process => (CalledService::in_process(model.as_ref())?, None),
+            None => (CalledService::start(model.as_ref())?, None),
         };
-        Ok(Self { target, robot: model, _registration: registration, mode })
+        Ok(Self { service, robot: model, _registration: registration, mode })
     }
 
     /// Returns a scenario by name or path, with the robot of this runner.
@@ -56,15 +59,15 @@ impl ExperimentRunner {
 
     /// Prints the warnings of the service about this scenario. The session for this check is closed at once.
     pub fn warn(&self, scenario: &Scenario) -> Result<(), CliError> {
-        let client = &self.target.client;
-        let created = match client.create_controller(&scenario.controller_in_environment()) {
+        let calls = self.service.calls();
+        let created = match calls.create_controller(&scenario.controller_in_environment()) {
             Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
                 writeln!(stderr(), "warning: stability is not checked: {}", problem.detail)?;
                 return Ok(());
             }
             created => created?,
         };
-        client.delete_controller(&created.id)?;
+        calls.delete_controller(&created.id)?;
         for warning in created.warnings {
             writeln!(stderr(), "warning: {warning}")?;
         }
@@ -74,62 +77,43 @@ impl ExperimentRunner {
     /// Runs a scenario and shows the progress.
     pub fn run(&self, scenario: &Scenario) -> Result<Run, CliError> {
         let bar = visible_bar(scenario.cycles(), &label(scenario));
-        let run = self.run_with(scenario, &self.target.client, |done| bar.set_position(done))?;
-        bar.finish();
-        Ok(run)
-    }
-
-    /// Runs scenarios on all cores, each with a session of its own, and shows the progress. The runs are in the order of the
-    /// scenarios.
-    ///
-    /// They call the code of the service in this process: over HTTP, a period takes several times as long. The joint
-    /// velocities are the same to the last bit.
-    pub fn run_all(&self, scenarios: &[Scenario], title: &str) -> Result<Vec<Run>, CliError> {
-        let bar = visible_bar(scenarios.iter().map(Scenario::cycles).sum(), title);
-        let run = |scenario: &Scenario| {
-            let mut before = 0;
-            let progress = |done| {
-                bar.inc(done - before);
-                before = done;
-            };
-            let robots = match &self.robot {
-                Some(robot) => Robots::none().with(Arc::clone(robot))?,
-                None => Robots::built_in(),
-            };
-            self.run_with(scenario, &InProcess::new(robots), progress)
-        };
-        // Without `with_max_len` a thread would get neighbouring scenarios, the long ones.
-        let runs = scenarios.par_iter().with_max_len(1).map(run).collect::<Result<_, _>>()?;
-        bar.finish();
-        Ok(runs)
-    }
-
-    fn run_with(
-        &self,
-        scenario: &Scenario,
-        service: &dyn Service,
-        mut progress: impl FnMut(u64),
-    ) -> Result<Run, CliError> {
         let robot = match &self.robot {
             Some(robot) => Arc::clone(robot),
             None => built_in_robot(&scenario.controller.robot)?,
         };
-        let progress = |done| {
-            progress(done);
-            ControlFlow::Continue(())
-        };
-        let recording = run_robot(&robot, scenario, service, self.mode, progress)?;
-        print_missing_answers(&recording, &label(scenario))?;
-        Ok(Run { scenario: scenario.clone(), robot: robot_answer(&robot), recording })
+        let run = run_with(&robot, scenario, &self.service, self.mode, |done| bar.set_position(done))?;
+        bar.finish();
+        Ok(run)
     }
 }
 
-fn label(scenario: &Scenario) -> String {
+/// Runs a scenario against a service and counts its requests.
+pub fn run_with(
+    robot: &Arc<RobotModel>,
+    scenario: &Scenario,
+    service: &CalledService,
+    mode: CallMode,
+    mut progress: impl FnMut(u64),
+) -> Result<Run, CliError> {
+    let progress = |done| {
+        progress(done);
+        ControlFlow::Continue(())
+    };
+    let before = service.requests();
+    let recording = run_robot(robot, scenario, service.calls(), mode, progress)?;
+    print_missing_answers(&recording, &label(scenario))?;
+    let count = service.requests().zip(before).map(|(after, before)| after - before);
+    let requests = count.map(|count| Requests::new(count, &recording.timings));
+    Ok(Run { scenario: scenario.clone(), robot: robot_answer(robot), recording, requests })
+}
+
+/// Returns scenario, method and solver of a run.
+pub fn label(scenario: &Scenario) -> String {
     format!("{}, {}, {}", scenario.name, scenario.controller.method, scenario.controller.solver)
 }
 
 /// Returns a progress bar. Without a terminal there is no bar, so the log gets a line.
-fn visible_bar(periods: u64, label: &str) -> ProgressBar {
+pub fn visible_bar(periods: u64, label: &str) -> ProgressBar {
     let bar = progress_bar(periods, label);
     if bar.is_hidden() {
         let _ = writeln!(stderr(), "running {label}");

@@ -6,12 +6,14 @@ mod demo;
 mod experiment;
 mod one_of;
 mod openapi;
+mod parallel_runs;
 mod replay;
 mod report;
 mod resolve;
 mod robot;
 mod scenarios;
 mod serve;
+mod service_choice;
 mod settings;
 mod simulate;
 mod stability;
@@ -50,7 +52,7 @@ pub struct Cli {
 }
 
 const EXAMPLES: &str = "Examples:
-  revprio demo                                       run the paper's experiments, write figures to ./revprio-out
+  revprio demo                                       run the paper's experiments over HTTP, figures in ./revprio-out
   revprio serve                                      serve on 127.0.0.1:8080
   revprio serve --listen 0.0.0.0:8443 --token-file token --tls-cert cert.pem --tls-key key.pem
   revprio config --config service.toml               print the settings in force and who set them
@@ -68,7 +70,7 @@ const EXAMPLES: &str = "Examples:
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Reproduce the experiments of the paper: table, figures, recordings and an HTML page.
+    /// Reproduce the experiments of the paper over HTTP: table, figures, recordings and an HTML page.
     Demo(demo::Options),
     /// Serve HTTP/JSON.
     Serve(settings::Options),
@@ -167,6 +169,17 @@ pub enum CliError {
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] revprio_lab::report::Error),
+    /// Requests of a run were lost, or its service had another client.
+    #[error("the client sent {sent} requests, but its own service answered {answered}")]
+    Requests {
+        /// Requests of the client.
+        sent: u64,
+        /// Answers of the service.
+        answered: u64,
+    },
+    /// The demonstration is not valid.
+    #[error("the demonstration failed: {}", .0.join("; "))]
+    Demo(Vec<String>),
     /// No run finished.
     #[error("no run finished, so there is nothing to compare: {0}")]
     NothingToCompare(String),
@@ -276,7 +289,7 @@ impl Cli {
 /// The service that a command calls: a given one, or its own service that runs as long as this value exists.
 struct Target {
     client: Client,
-    _own: Option<RunningServer>,
+    own: Option<RunningServer>,
 }
 
 impl Target {
@@ -287,7 +300,7 @@ impl Target {
             let token = file.map(|file| Token::read(Path::new(&file))).transpose().map_err(SettingsError::from)?;
             let client = Client::new(url);
             let with_token = token.and_then(|token| client.clone().with_token(token.secret()));
-            return Ok(Self { client: with_token.unwrap_or(client), _own: None });
+            return Ok(Self { client: with_token.unwrap_or(client), own: None });
         }
         Ok(Self::own(Robots::built_in())?)
     }
@@ -295,7 +308,12 @@ impl Target {
     /// Starts an own service with these robots.
     fn own(robots: Robots) -> Result<Self, ServeError> {
         let own = RunningServer::start(router(AppState::new(robots)))?;
-        Ok(Self { client: Client::new(&own.url()), _own: Some(own) })
+        Ok(Self { client: Client::new(&own.url()), own: Some(own) })
+    }
+
+    /// Returns the number of requests that the own service has answered, or that this client has sent to a given one.
+    fn requests(&self) -> u64 {
+        self.own.as_ref().map_or_else(|| self.client.requests(), RunningServer::answered)
     }
 }
 

@@ -11,15 +11,15 @@ use revprio_lab::simulator::{CallMode, Scenario};
 use super::experiment::{ExperimentRunner, make_directory, program, write_results};
 use super::one_of::one_of;
 use super::robot::RobotArgument;
+use super::service_choice::ServiceChoice;
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Name of a built-in scenario, or a file (.toml or .json)
     scenario: String,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
-    #[arg(long)]
-    server: Option<String>,
+    #[command(flatten)]
+    service: ServiceChoice,
     /// Your own robot instead of the robot of the scenario
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
@@ -44,7 +44,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     Scenario::find(&options.scenario)?;
     make_directory(&options.out)?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
-    let runner = ExperimentRunner::open(options.server.as_deref(), options.robot.as_ref(), mode)?;
+    let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), mode)?;
     let mut scenario = runner.scenario(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
@@ -68,5 +68,6 @@ fn command(options: &Options, scenario: &Scenario) -> String {
     let (method, solver) = (scenario.controller.method, scenario.controller.solver);
     let stateless = if options.stateless { " --stateless" } else { "" };
     let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
-    format!("revprio simulate {}{robot} --method {method} --solver {solver}{stateless}", options.scenario)
+    let service = options.service.repeated();
+    format!("revprio simulate {}{robot} --method {method} --solver {solver}{stateless}{service}", options.scenario)
 }

@@ -35,7 +35,7 @@ pub struct Options {
     /// Run each combination with each of these seeds, for example 0..99
     #[arg(long)]
     seeds: Option<Seeds>,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, each cell starts its own
+    /// Service to call over HTTP, for example http://127.0.0.1:8080; if left out, each cell starts its own on a free port
     #[arg(long)]
     server: Option<String>,
     /// Number of threads; 0 means one per core

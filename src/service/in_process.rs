@@ -103,12 +103,22 @@ mod tests {
     fn joint_velocities_equal_those_over_http_to_the_last_bit() {
         let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
         let over_http = Client::new(&server.url());
-        let mut scenario = Scenario::find("stiff_wall").unwrap();
+        let mut scenario = Scenario::find("stiff_wall_singular").unwrap();
         scenario.duration_s = 0.45;
-        for mode in [CallMode::Session, CallMode::Stateless] {
+        for (solver, mode) in [
+            (wire::Solver::Auto, CallMode::Session),
+            (wire::Solver::Qp, CallMode::Session),
+            (wire::Solver::ClosedForm, CallMode::Session),
+            (wire::Solver::Auto, CallMode::Stateless),
+            (wire::Solver::Qp, CallMode::Stateless),
+        ] {
+            scenario.controller.solver = solver;
+            let (sent, answered) = (over_http.requests(), server.answered());
             let in_process = joint_velocities(&scenario, &InProcess::new(Robots::built_in()), mode);
-            assert!(in_process.len() > 100 && in_process.iter().flatten().any(|bits| *bits != 0));
-            assert!(in_process == joint_velocities(&scenario, &over_http, mode), "{mode:?}");
+            assert!(in_process.len() == 450 && in_process.iter().flatten().any(|bits| *bits != 0));
+            assert_eq!((over_http.requests(), server.answered()), (sent, answered));
+            assert!(in_process == joint_velocities(&scenario, &over_http, mode), "{solver} {mode:?}");
+            assert!(over_http.requests() >= sent + 450 && server.answered() >= answered + 450);
         }
     }
 

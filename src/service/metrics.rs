@@ -149,6 +149,16 @@ impl Metrics {
         by_status.push((status, counter));
     }
 
+    /// Returns the number of answers of all routes.
+    pub fn answers(&self) -> u64 {
+        let routes = self.routes.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_route = |route: &Arc<Route>| -> u64 {
+            let by_status = route.by_status.lock().unwrap_or_else(PoisonError::into_inner);
+            by_status.iter().map(|(_, counter)| counter.get()).sum()
+        };
+        routes.values().map(of_route).sum()
+    }
+
     /// Counts an answer, an item of a batch or a message of a stream that is a problem.
     pub fn count_problem(&self, kind: &'static str) {
         self.problems.get_or_create(&TypeLabel { r#type: kind }).inc();

@@ -29,6 +29,7 @@ use super::error::connection_refusal;
 use super::gate::{LocalAddress, PeerAddress};
 use super::heartbeat::{Heartbeat, Supervisor};
 use super::listener::{Accepted, Listener};
+use super::metrics::Metrics;
 
 type RouterResult = Result<Response, Infallible>;
 
@@ -298,6 +299,7 @@ fn cause(error: &hyper::Error) -> &'static str {
 pub struct RunningServer {
     address: SocketAddr,
     encrypted: bool,
+    metrics: Arc<Metrics>,
     workers: Vec<Worker>,
 }
 
@@ -320,7 +322,13 @@ impl RunningServer {
         let listener = bind(SocketAddr::from(([127, 0, 0, 1], 0)))?;
         let (address, encrypted) = (listener.local_addr()?, service.app.config.tls.is_some());
         let worker = |_| Worker::start(listener.try_clone()?, service.clone());
-        Ok(Self { address, encrypted, workers: (0..threads).map(worker).collect::<io::Result<_>>()? })
+        let metrics = Arc::clone(&service.app.metrics);
+        Ok(Self { address, encrypted, metrics, workers: (0..threads).map(worker).collect::<io::Result<_>>()? })
+    }
+
+    /// Returns the number of requests that the service has answered, as `/metrics` reports it.
+    pub fn answered(&self) -> u64 {
+        self.metrics.answers()
     }
 
     /// Returns the base of all URLs, such as `http://127.0.0.1:40123`.

@@ -33,7 +33,7 @@ const MAY_NAME: [(&str, &[&str]); 23] = [
     ("parquet", &["crates/lab/src/simulator/recording/", "crates/lab/src/sweep/"]),
     ("plotters", &["crates/lab/src/report/"]),
     ("prometheus_client", &["src/service/"]),
-    ("rayon", &["src/cli/experiment.rs", "src/cli/sweep.rs"]),
+    ("rayon", &["src/cli/parallel_runs.rs", "src/cli/sweep.rs"]),
     ("resvg", &["crates/lab/src/report/"]),
     ("rmp_serde", &["src/service/format/", "tools/fuzz/src/"]),
     ("rustix", &["src/service/background.rs", "tools/bench/src/http/affinity.rs", "tools/fuzz/src/budget.rs"]),

@@ -47,6 +47,34 @@ fn compare_prints_runs_side_by_side_and_writes_a_directory() {
 }
 
 #[test]
+fn runs_in_the_process_have_the_recordings_of_runs_over_http_and_no_requests() {
+    let scratch = Scratch::new("compare_in_process");
+    let file = scratch.write("mine.toml", &short("stiff_wall_singular", 0.1));
+    let compare = |out: &str, more: &[&str]| {
+        let options = ["--solvers", "auto,qp", "--write", "traces,page", "--out", out];
+        success(&[&["compare", &file][..], &options, more].concat())
+    };
+    let [http, in_process] = ["http", "in_process"].map(|out| scratch.argument(out));
+    let [printed, printed_in_process] = [compare(&http, &[]), compare(&in_process, &["--in-process"])];
+    let requests = |printed: &str| -> Vec<String> {
+        let line = printed.lines().find(|line| line.trim_start().starts_with("requests"));
+        line.unwrap_or_default().split_whitespace().skip(1).map(str::to_owned).collect()
+    };
+    assert_eq!(requests(&printed), ["102"; 4]);
+    assert!(printed.contains("round trip") && !printed_in_process.contains("round trip"), "{printed_in_process}");
+    assert!(requests(&printed_in_process).is_empty());
+    for method in ["damped_least_squares", "reverse_priority"] {
+        for solver in ["auto", "qp"] {
+            let trace = format!("stiff_wall_singular-{method}-{solver}.csv");
+            let [one, other] = [&http, &in_process].map(|out| std::fs::read(Path::new(out).join(&trace)).unwrap());
+            assert!(one == other, "{trace}");
+        }
+    }
+    let page = std::fs::read_to_string(Path::new(&in_process).join("index.html")).unwrap();
+    assert!(page.contains("--solvers auto,qp --in-process"));
+}
+
+#[test]
 fn json_output_has_the_metrics_of_every_run() {
     let scratch = Scratch::new("compare_json");
     let file = scratch.write("mine.toml", &short("force_tracking", 0.1));
@@ -59,6 +87,7 @@ fn json_output_has_the_metrics_of_every_run() {
     assert_eq!((&run["method"], &run["solver"]), (&"task_priority".into(), &"qp".into()));
     assert_eq!(run["metrics"]["statuses"]["optimal"], 100);
     assert_eq!(run["metrics"]["paths"]["qp"], 100);
+    assert_eq!(run["requests"]["count"], 102);
     let trace = Trace::read(&scratch.path().join("out/force_tracking-task_priority-qp.csv"));
     let largest = trace.numbers("residual_task_2").into_iter().fold(0.0, f64::max);
     assert_eq!(run["metrics"]["residuals"][1]["largest"], largest);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::program::{Scratch, files, success};
+use crate::program::{Scratch, files, program};
 use crate::trace::Trace;
 
 const SCENARIOS: [&str; 4] = ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
@@ -58,10 +58,15 @@ fn stiff_wall_singular(runs: &Runs) {
     assert_eq!(classical.peak_fx(), 0.0);
 }
 
+/// Returns the numbers of a method in the table, one line per scenario; a dash is `None`.
+fn lines(table: &str, method: &str) -> Vec<Vec<Option<f64>>> {
+    let lines = table.lines().filter_map(|line| line.trim_start().strip_prefix(method));
+    lines.map(|line| line.split_whitespace().map(|cell| cell.parse().ok()).collect()).collect()
+}
+
 /// In every scenario the solvers that know limits give the commands of the closed form. No limit is active.
 fn solvers_agree(table: &str, page: &str) {
-    let lines = table.lines().filter(|line| line.contains("reverse priority"));
-    let differences: Vec<f64> = lines.map(|line| line.split_whitespace().last().unwrap().parse().unwrap()).collect();
+    let differences: Vec<f64> = lines(table, "reverse priority").iter().map(|cells| cells[4].unwrap()).collect();
     assert_eq!(differences.len(), SCENARIOS.len());
     assert!(differences.iter().all(|difference| *difference <= COINCIDE), "{differences:?}");
     for periods in ["20000 of 20000", "5000 of 5000"] {
@@ -69,14 +74,40 @@ fn solvers_agree(table: &str, page: &str) {
     }
 }
 
+/// The table has the requests that the servers counted: one per period and run, and two that open and close each session.
+fn every_period_was_a_request(table: &str) {
+    for (method, runs) in [("reverse priority", 3.0), ("damped least squares", 1.0)] {
+        let lines = lines(table, method);
+        let requests: Vec<f64> = lines.iter().map(|cells| cells[5].expect("no requests")).collect();
+        let periods = [20_000.0, 20_000.0, 5000.0, 5000.0];
+        assert_eq!(requests, periods.map(|periods| runs * (periods + 2.0)));
+        assert!(lines.iter().all(|cells| 0.0 < cells[6].unwrap() && cells[6] <= cells[7]), "{table}");
+    }
+}
+
+/// Without a terminal, standard error has a line when a run starts and when it ends.
+fn progress_is_printed(lines: &str) {
+    for scenario in SCENARIOS {
+        for solver in ["closed_form", "qp", "auto"] {
+            for event in ["started", "finished"] {
+                let line = format!("{scenario}, reverse_priority, {solver}: {event}");
+                assert!(lines.lines().any(|printed| printed == line), "no `{line}` in {lines}");
+            }
+        }
+    }
+}
+
 #[test]
 fn demo_reproduces_the_experiments_of_the_paper() {
     let scratch = Scratch::new("demo");
     let out = scratch.path();
-    let table = success(&["demo", "--traces", "csv,parquet", "--out", out.to_str().unwrap()]);
+    let demo = program(&["demo", "--traces", "csv,parquet", "--out", out.to_str().unwrap()]).output().unwrap();
+    let [table, progress] = [demo.stdout, demo.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(demo.status.success(), "{progress}");
+    progress_is_printed(&progress);
     // The last line is the path of the page, of any length.
     let (lines, page) = table.trim_end().rsplit_once('\n').unwrap();
-    assert!(lines.lines().count() <= 12 && lines.lines().all(|line| line.chars().count() <= 100), "{table}");
+    assert!(lines.lines().count() <= 18 && lines.lines().all(|line| line.chars().count() <= 100), "{table}");
     assert_eq!(std::path::Path::new(page), out.join("index.html"));
     let files = files(out);
     let with_ending = |ending: &str| files.iter().filter(|name| name.ends_with(ending)).collect::<Vec<_>>();
@@ -90,6 +121,8 @@ fn demo_reproduces_the_experiments_of_the_paper() {
     assert!(page.contains("<svg") && page.contains("does not reach the wall"));
     assert!(!page.contains("src=\"http"), "the page must not load anything");
     solvers_agree(&table, &page);
+    every_period_was_a_request(&table);
+    assert!(page.contains("to the service over HTTP") && page.contains("round trip") && page.contains("20002"));
     let checks = [force_tracking, force_tracking_singular, stiff_wall, stiff_wall_singular];
     for (scenario, check) in SCENARIOS.iter().zip(checks) {
         check(&Runs::read(out, scenario));

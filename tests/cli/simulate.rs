@@ -41,6 +41,55 @@ fn stateless_run_gives_the_same_recording() {
     assert!(trace("session", &[]) == trace("stateless", &["--stateless"]), "the two traces differ");
 }
 
+/// Returns the number of answered steps of all sessions that a server reports.
+fn steps(server: &Server) -> u64 {
+    let text = ureq::get(format!("{}/metrics", server.url)).call().unwrap().body_mut().read_to_string().unwrap();
+    let start = r#"revprio_requests_total{route="/v1/controllers/{id}/step",status="200"} "#;
+    text.lines().find_map(|line| line.strip_prefix(start)).map_or(0, |count| count.parse().unwrap())
+}
+
+#[test]
+fn table_has_the_number_of_requests_that_the_server_answered() {
+    let (scratch, server) = (Scratch::new("simulate_requests"), Server::start());
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.1"));
+    let table = success(&["simulate", &file, "--server", &server.url, "--out", &scratch.argument("out")]);
+    let line = table.lines().find(|line| line.trim_start().starts_with("requests")).unwrap();
+    let count: u64 = line.split_whitespace().last().unwrap().parse().unwrap();
+    assert_eq!(steps(&server), 100);
+    // Two more open and close the session.
+    assert_eq!(count, 102);
+}
+
+#[test]
+fn run_in_the_process_gives_the_same_recording_without_requests() {
+    let scratch = Scratch::new("simulate_in_process");
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.4"));
+    for more in [&["--solver", "auto"][..], &["--solver", "qp"], &["--stateless", "--solver", "auto"]] {
+        let run = |out: &str, in_process: &[&str]| {
+            let table = success(&[&["simulate", &file, "--out", &scratch.argument(out)], more, in_process].concat());
+            let trace = format!("stiff_wall-reverse_priority-{}.csv", more.last().unwrap());
+            (table.contains("requests"), std::fs::read(scratch.path().join(out).join(trace)).unwrap())
+        };
+        let ((has_requests, trace), (in_process_has, in_process)) = (run("http", &[]), run("own", &["--in-process"]));
+        assert!(has_requests && !in_process_has);
+        assert!(trace == in_process, "{more:?}");
+    }
+}
+
+#[test]
+fn in_process_is_explained_and_excludes_a_server() {
+    for command in ["simulate", "compare"] {
+        let help = success(&[command, "--help"]).split_whitespace().collect::<Vec<_>>().join(" ");
+        for words in ["--in-process", "there are no requests", "are not measured", "the same to the last bit"] {
+            assert!(help.contains(words), "no `{words}` in {help}");
+        }
+        let both = [command, "stiff_wall", "--in-process", "--server", "http://127.0.0.1:9"];
+        let output = program(&both).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("--in-process"));
+    }
+}
+
 #[test]
 fn errors_name_the_scenario_the_line_and_the_server() {
     let scratch = Scratch::new("simulate_failures");

@@ -1,16 +1,19 @@
 //! The calls of a control loop as a trait, and the typed, blocking HTTP client that implements it.
 
 use std::hash::{BuildHasher, RandomState};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use ureq::config::ConfigBuilder;
-use ureq::http::header::{AUTHORIZATION, HeaderValue};
+use ureq::http::header::{AUTHORIZATION, CONTENT_TYPE, HeaderValue};
 use ureq::http::{Request, Response};
 use ureq::middleware::MiddlewareNext;
-use ureq::typestate::AgentScope;
-use ureq::{Agent, Body, SendBody};
+use ureq::typestate::WithBody;
+use ureq::unversioned::transport::DefaultConnector;
+use ureq::{Agent, Body, RequestBuilder, SendBody};
 
+use crate::address::AddressResolver;
 use crate::wire;
 
 /// Maximum wait for an answer, so that a dead server does not block a loop. A step takes about 0.1 ms.
@@ -65,12 +68,21 @@ pub struct Client {
     agent: Agent,
     base: String,
     owner: String,
+    sent: Arc<AtomicU64>,
 }
 
 impl Client {
     /// Builds a client of the service at a base address such as `http://127.0.0.1:8080`.
     pub fn new(base: &str) -> Self {
-        Self { agent: config().build().into(), base: base.trim_end_matches('/').to_owned(), owner: random_word() }
+        let sent = Arc::default();
+        let base = base.trim_end_matches('/').to_owned();
+        Self { agent: agent(&sent, None), base, owner: random_word(), sent }
+    }
+
+    /// Returns the number of requests that this client and its clones have sent.
+    #[must_use]
+    pub fn requests(&self) -> u64 {
+        self.sent.load(Ordering::Relaxed)
     }
 
     /// Returns the same client with another owner token, 1 to 128 letters, digits and `-_.~`. Clients with the same token
@@ -84,11 +96,7 @@ impl Client {
     /// have.
     pub fn with_token(self, token: &str) -> Option<Self> {
         let authorization = HeaderValue::from_str(&format!("Bearer {token}")).ok()?;
-        let authorize = move |mut request: Request<SendBody>, next: MiddlewareNext| {
-            request.headers_mut().insert(AUTHORIZATION, authorization.clone());
-            next.handle(request)
-        };
-        Some(Self { agent: config().middleware(authorize).build().into(), ..self })
+        Some(Self { agent: agent(&self.sent, Some(authorization)), ..self })
     }
 
     /// Resolves tasks at one posture. `POST /v1/resolve`
@@ -125,7 +133,7 @@ impl Client {
     ) -> Result<wire::CreatedController, ClientError> {
         let url = format!("{}/v1/controllers/{id}", self.base);
         let request = self.agent.put(&url).header(OWNER, &self.owner);
-        read(check_sent(request.send_json(controller), &url)?, &url)
+        read(check_sent(send(request, controller), &url)?, &url)
     }
 
     fn delete(&self, path: &str) -> Result<(), ClientError> {
@@ -147,7 +155,7 @@ impl Client {
         let url = format!("{}{path}", self.base);
         let request = self.agent.post(&url).header(OWNER, &self.owner);
         let request = headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
-        read(check_sent(request.send_json(body), &url)?, &url)
+        read(check_sent(send(request, body), &url)?, &url)
     }
 }
 
@@ -196,8 +204,25 @@ impl Service for Client {
     }
 }
 
-fn config() -> ConfigBuilder<AgentScope> {
-    Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT))
+/// Returns an agent that counts its requests.
+fn agent(sent: &Arc<AtomicU64>, authorization: Option<HeaderValue>) -> Agent {
+    let sent = Arc::clone(sent);
+    let count_and_authorize = move |mut request: Request<SendBody>, next: MiddlewareNext| {
+        sent.fetch_add(1, Ordering::Relaxed);
+        if let Some(authorization) = &authorization {
+            request.headers_mut().insert(AUTHORIZATION, authorization.clone());
+        }
+        next.handle(request)
+    };
+    let config = Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT));
+    let config = config.middleware(count_and_authorize).build();
+    Agent::with_parts(config, DefaultConnector::default(), AddressResolver::default())
+}
+
+/// Sends a body without spaces and line breaks, which ureq would add.
+fn send<Q: Serialize>(request: RequestBuilder<WithBody>, body: &Q) -> Result<Response<Body>, ureq::Error> {
+    let body = serde_json::to_vec(body)?;
+    request.header(CONTENT_TYPE, "application/json").send(&body[..])
 }
 
 fn check_sent(result: Result<Response<Body>, ureq::Error>, url: &str) -> Result<Response<Body>, ClientError> {
@@ -209,7 +234,9 @@ fn read<A: DeserializeOwned>(mut response: Response<Body>, url: &str) -> Result<
         return Err(refused(&mut response, url));
     }
     let status = response.status().as_u16();
-    response.body_mut().read_json().map_err(|_| ClientError::UnexpectedAnswer { url: url.to_owned(), status })
+    let body = response.body_mut().read_to_vec().ok();
+    let answer = body.and_then(|body| serde_json::from_slice(&body).ok());
+    answer.ok_or_else(|| ClientError::UnexpectedAnswer { url: url.to_owned(), status })
 }
 
 fn refused(response: &mut Response<Body>, url: &str) -> ClientError {

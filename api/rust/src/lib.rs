@@ -22,6 +22,7 @@
 //! # }
 //! ```
 
+mod address;
 mod client;
 pub mod wire;
 

@@ -13,6 +13,7 @@
 
 mod answer_gap;
 mod axis;
+pub mod checks;
 pub mod claims;
 pub mod comparison;
 pub mod comparison_figure;
@@ -34,6 +35,7 @@ pub mod number;
 mod output;
 pub mod paper_figures;
 mod png;
+pub mod requests;
 pub mod run;
 pub mod run_figure;
 pub mod scenario_summary;

@@ -3,6 +3,7 @@
 use revprio_api::wire;
 use serde::{Deserialize, Serialize};
 
+use super::requests::Requests;
 use crate::simulator::Scenario;
 use crate::simulator::recording::Recording;
 
@@ -15,6 +16,8 @@ pub struct Run {
     pub robot: wire::Robot,
     /// The recorded samples.
     pub recording: Recording,
+    /// The HTTP requests; `None` if the service was called as a function.
+    pub requests: Option<Requests>,
 }
 
 /// The program that made the runs.
@@ -38,6 +41,6 @@ impl Run {
             joints: Vec::new(),
             chain: None,
         };
-        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording }
+        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording, requests: None }
     }
 }

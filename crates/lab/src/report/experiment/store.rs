@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Experiment;
 use crate::report::Error;
+use crate::report::requests::Requests;
 use crate::report::run::{Program, Run};
 use crate::simulator::Scenario;
 use crate::simulator::recording::{self, Recording};
@@ -33,6 +34,8 @@ struct StoredRun {
     /// File names of the same recording in several formats; the first is read.
     traces: Vec<String>,
     wall_time_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    requests: Option<Requests>,
     scenario: Scenario,
     robot: wire::Robot,
 }
@@ -50,6 +53,7 @@ pub fn write(
     let run = |run: &Run| StoredRun {
         traces: trace_names(&run.recording),
         wall_time_s: run.recording.wall_time_s,
+        requests: run.requests,
         scenario: run.scenario.clone(),
         robot: run.robot.clone(),
     };
@@ -77,11 +81,11 @@ pub fn read(directory: &Path) -> Result<(Experiment, Vec<String>), Error> {
     let text = fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
     let stored: Stored = serde_json::from_str(&text).map_err(|source| Error::Parse { path, source })?;
     let traces = stored.runs.iter().flat_map(|run| run.traces.clone()).collect();
-    let run = |StoredRun { traces, wall_time_s, scenario, robot }: StoredRun| {
+    let run = |StoredRun { traces, wall_time_s, requests, scenario, robot }: StoredRun| {
         let path = directory.join(traces.first().map_or("", String::as_str));
         let recording = recording::read(&path).map_err(|source| Error::Trace { path, source: Box::new(source) })?;
         let recording = Recording { wall_time_s, ..recording };
-        Ok(Run { scenario, robot, recording })
+        Ok(Run { scenario, robot, recording, requests })
     };
     let Stored { title, question, command, program, runs, failures } = stored;
     let runs = runs.into_iter().map(run).collect::<Result<Vec<_>, Error>>()?;

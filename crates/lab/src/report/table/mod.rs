@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::metrics::limits::LimitUse;
 use super::metrics::{Metrics, Overshoot, Residual, largest_difference, main_axis};
 use super::number::significant;
+use super::requests::Requests;
 use super::run::Run;
 use crate::simulator::recording::Recording;
 
@@ -41,6 +42,8 @@ pub struct Row {
     /// Largest difference of the commands (rad/s) from the closed form of the same scenario and method; `None` for the
     /// closed form itself and if it was not run.
     pub largest_difference: Option<f64>,
+    /// The HTTP requests; `None` if the service was called as a function.
+    pub requests: Option<Requests>,
 }
 
 impl Row {
@@ -83,12 +86,12 @@ pub enum Place {
     Everywhere,
     /// Tables with one column per run only.
     SideBySide,
-    /// All tables except in Markdown, because the value depends on the machine.
+    /// All tables except in Markdown, because the value depends on the machine or on the connection to the service.
     Machine,
 }
 
 /// All quantities; rows are grouped by the first one.
-pub static QUANTITIES: [Quantity; 24] = [
+pub static QUANTITIES: [Quantity; 26] = [
     identifier("scenario", |row| row.scenario.clone()),
     identifier("method", Row::method_name),
     identifier("solver", Row::solver_name),
@@ -116,6 +119,8 @@ pub static QUANTITIES: [Quantity; 24] = [
         place: Place::Machine,
         ..detail("calls", "1/s", CALLS, |row| optional(row.metrics.calls_per_second, 3))
     },
+    Quantity { place: Place::Machine, ..detail("requests", "", REQUESTS, |row| request_count(row.requests)) },
+    Quantity { place: Place::Machine, ..detail("round trip", "µs", ROUND_TRIP, |row| round_trip(row.requests)) },
 ];
 
 /// Heading of the excess over the limits, a quantity that is shown even if no run has it.
@@ -145,6 +150,9 @@ const PATHS: &str = "number of control periods solved by each path: the closed f
 const STATUS: &str = "status of the answers: `optimal` is certified by the optimality conditions";
 const KKT: &str = "largest relative residual of the optimality conditions in any answer";
 const CALLS: &str = "control periods per second of real time, including simulation and transport";
+
+const REQUESTS: &str = "answered HTTP requests: one per control period, and those that open and close the session";
+const ROUND_TRIP: &str = "real time from sending a state to its answer over HTTP: median / 99th percentile";
 
 const fn identifier(heading: &'static str, cell: fn(&Row) -> String) -> Quantity {
     Quantity { heading, unit: "", meaning: "", is_number: false, place: Place::Head, cell }
@@ -179,6 +187,7 @@ pub fn rows(runs: &[Run]) -> Vec<Row> {
             metrics: Metrics::along(recording, axis),
             limits: LimitUse::of(recording, &run.robot.joints, &run.scenario.controller.limits),
             largest_difference: reference(recording, runs).map(|other| largest_difference(recording, other)),
+            requests: run.requests,
         }
     };
     runs.iter().map(row).collect()
@@ -221,6 +230,15 @@ fn reference<'a>(run: &Recording, runs: &'a [Run]) -> Option<&'a Recording> {
             && run.solver != REFERENCE_SOLVER
     };
     runs.iter().map(|run| &run.recording).find(same)
+}
+
+fn request_count(requests: Option<Requests>) -> String {
+    requests.map_or_else(|| MISSING.to_owned(), |requests| requests.count.to_string())
+}
+
+fn round_trip(requests: Option<Requests>) -> String {
+    let times = |requests: Requests| format!("{:.0} / {:.0}", requests.median_us, requests.p99_us);
+    requests.map_or_else(|| MISSING.to_owned(), times)
 }
 
 fn words(word: impl Display) -> String {

@@ -1,35 +1,71 @@
-//! The result in short: one row per scenario and method, and how much its solvers differ. It fits into 100 columns.
+//! The result in short: one row per scenario and method, how much its solvers differ, and the HTTP requests of all its
+//! solvers. It fits into 100 columns.
 
-use super::{MISSING, Row, optional, padded};
+use revprio_api::wire::Method;
+
+use super::{MISSING, Row, optional, padded, request_count, rows};
 use crate::report::number::significant;
+use crate::report::requests::Requests;
+use crate::report::run::Run;
 
-/// Formats the table as aligned text. The first two lines are headings and units. `rows`: grouped by scenario and method.
+const COLUMNS: usize = 9;
+
+const HEADS: [[&str; COLUMNS]; 2] = [
+    ["scenario, method", "RMSE F_x", "peak F", "settling", "final F", "solvers differ", "requests", "median", "p99"],
+    ["", "N", "N", "s", "N", "rad/s", "", "µs", "µs"],
+];
+
+/// Formats the table as aligned text: two lines of headings and units, then a line per scenario, followed by a row for each
+/// of its methods. `runs`: grouped by scenario and method.
 #[must_use]
-pub fn text(rows: &[Row]) -> String {
-    let lines: Vec<[String; 7]> =
-        rows.chunk_by(|a, b| (&a.scenario, a.method) == (&b.scenario, b.method)).map(line).collect();
-    let heads = [
-        ["scenario", "method", "RMSE F_x", "peak F", "settling", "final F", "solvers differ"],
-        ["", "", "N", "N", "s", "N", "rad/s"],
-    ];
-    let heads = heads.map(|head| head.map(str::to_owned));
-    let column = |i: usize| padded(heads.iter().chain(&lines).map(|line| line[i].clone()).collect(), i > 1);
-    let columns: Vec<Vec<String>> = (0..7).map(column).collect();
+pub fn text(runs: &[Run]) -> String {
+    let groups: Vec<&[Run]> = runs.chunk_by(|a, b| group(a) == group(b)).collect();
+    let head = HEADS.map(|head| head.map(str::to_owned));
+    let lines: Vec<[String; COLUMNS]> = head.into_iter().chain(groups.iter().map(|runs| method(runs))).collect();
+    let column = |i: usize| padded(lines.iter().map(|line| line[i].clone()).collect(), i > 0);
+    let columns: Vec<Vec<String>> = (0..COLUMNS).map(column).collect();
     let line = |i: usize| columns.iter().map(|column| column[i].as_str()).collect::<Vec<_>>().join("  ");
-    (0..lines.len() + 2).map(|i| line(i).trim_end().to_owned() + "\n").collect()
+    let mut text = String::new();
+    let mut scenario = "";
+    for i in 0..lines.len() {
+        let next = i.checked_sub(HEADS.len()).map_or("", |i| group(&groups[i][0]).0);
+        if next != scenario {
+            text += next;
+            text.push('\n');
+            scenario = next;
+        }
+        text += line(i).trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+fn group(run: &Run) -> (&str, Method) {
+    (&run.recording.scenario, run.recording.method)
 }
 
 /// Returns the cells of the runs of one scenario and method with several solvers.
-fn line(runs: &[Row]) -> [String; 7] {
-    let row = &runs[0];
-    let difference = runs.iter().filter_map(|run| run.largest_difference).reduce(f64::max);
+fn method(runs: &[Run]) -> [String; COLUMNS] {
+    let all: Vec<Row> = rows(runs);
+    let row = &all[0];
+    let difference = all.iter().filter_map(|run| run.largest_difference).reduce(f64::max);
+    let requests = requests(runs);
+    let time = |of: fn(Requests) -> f64| requests.map_or_else(|| MISSING.to_owned(), |it| format!("{:.0}", of(it)));
     [
-        row.scenario.clone(),
-        row.method_name(),
+        format!("  {}", row.method_name()),
         optional(row.metrics.rmse_fx, 3),
         significant(row.metrics.peak_force, 4),
         optional(row.metrics.settling_time_s, 3),
         optional(row.metrics.final_force, 5),
         difference.map_or_else(|| MISSING.to_owned(), |difference| significant(difference, 2)),
+        request_count(requests),
+        time(|requests| requests.median_us),
+        time(|requests| requests.p99_us),
     ]
+}
+
+/// Returns the requests of several runs together; `None` if a run had none.
+fn requests(runs: &[Run]) -> Option<Requests> {
+    let counts: Option<Vec<u64>> = runs.iter().map(|run| run.requests.map(|requests| requests.count)).collect();
+    Some(Requests::new(counts?.iter().sum(), runs.iter().flat_map(|run| &run.recording.timings)))
 }

@@ -1,7 +1,7 @@
 //! Tables of runs with known cells.
 
 use super::*;
-use crate::simulator::recording::Sample;
+use crate::simulator::recording::{Sample, Timing};
 
 fn run(method: Method, solver: Solver, velocity: f64) -> Run {
     let sample = Sample {
@@ -49,20 +49,46 @@ fn cells_show_the_metrics_of_the_row() {
     assert_eq!(["steady error F", "peak F", "limit excess"].map(cell), ["3.0", "33.00", "–"]);
 }
 
+/// The same run with this number of requests, each with this round trip (µs).
+fn over_http(run: Run, count: u64, round_trip_us: f64) -> Run {
+    let timings = vec![Timing { round_trip_us, elapsed_us: 1.0 }];
+    let requests = Some(Requests::new(count, &timings));
+    Run { recording: Recording { timings, ..run.recording }, requests, ..run }
+}
+
+/// Returns the words of each line.
+fn words_of(text: &str) -> Vec<Vec<&str>> {
+    text.lines().map(|line| line.split_whitespace().collect()).collect()
+}
+
 #[test]
-fn summary_has_one_line_per_method_with_the_largest_difference_of_its_solvers() {
+fn summary_has_one_line_per_method_with_the_largest_difference_and_all_requests_of_its_solvers() {
     let runs = [
-        run(Method::ReversePriority, Solver::ClosedForm, 0.5),
-        run(Method::ReversePriority, Solver::Qp, 0.75),
-        run(Method::ReversePriority, Solver::Auto, 0.5),
+        over_http(run(Method::ReversePriority, Solver::ClosedForm, 0.5), 20_002, 120.4),
+        over_http(run(Method::ReversePriority, Solver::Qp, 0.75), 20_002, 1210.0),
+        over_http(run(Method::ReversePriority, Solver::Auto, 0.5), 20_002, 99.0),
         run(Method::DampedLeastSquares, Solver::ClosedForm, 9.0),
     ];
-    let text = summary::text(&rows(&runs));
-    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
-    assert_eq!(lines.len(), 4);
-    assert_eq!(lines[2], ["stiff_wall", "reverse", "priority", "3.00", "33.00", "–", "33.000", "0.25"]);
-    assert_eq!(lines[3].last(), Some(&"–"));
+    let text = summary::text(&runs);
+    let lines = words_of(&text);
+    assert_eq!(lines.len(), 5);
+    assert_eq!(lines[2], ["stiff_wall"]);
+    let reverse = ["reverse", "priority", "3.00", "33.00", "–", "33.000", "0.25", "60006", "120", "1210"];
+    assert_eq!(lines[3], reverse);
+    assert_eq!(lines[4][3..], ["3.00", "33.00", "–", "33.000", "–", "–", "–", "–"]);
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+}
+
+#[test]
+fn requests_are_on_the_page_if_there_were_any() {
+    let cells = |run: Run| -> Vec<String> {
+        let lines = side_by_side::lines(&rows(&[run]));
+        let of_http = lines.iter().filter(|line| ["requests", "round trip"].contains(&line.heading.as_str()));
+        of_http.flat_map(|line| line.cells.clone()).collect()
+    };
+    let run = run(Method::ReversePriority, Solver::Qp, 0.0);
+    assert!(cells(run.clone()).is_empty());
+    assert_eq!(cells(over_http(run, 3, 99.6)), ["3", "100 / 100"]);
 }
 
 #[test]
