@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import hypot, inf, isfinite
 from operator import mul
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
 FINE = 1e-4  # An error is rounding, too, below TOLERANCE * FINE of the coarse size, which contains all that was rounded.
@@ -133,7 +133,7 @@ class Problem:
             length, norm, coarse = (hypot(*zeta), 1.0, reach) if k == last else (hypot(*w[starts[k]:]), level_norms[k], sizes[k])
             amount = length * norm + sum(abs(w[i]) * level_norms[self.rows[i].level] for i in range(starts[k]))
             size = amount * (1.0 + FINE * coarse / length) if length else amount + coarse * norm
-            bounds, zero = [], NOT_ZERO * amount
+            bounds, proofs, wrong = [], set(), 0.0
             for j in range(n):
                 terms = [entry * row.a[j] for entry, row in zip(w, self.rows)] + [zeta[j]] * (k == last)
                 total, rounded = sum(terms), hypot(*terms, *[self.x[j]] * (k == last))
@@ -144,16 +144,16 @@ class Problem:
                 if row.ends[0] != row.ends[1]:
                     bounds.append(("row signs" if row.level < k else None, n + i, -entry * norms[i], values[i], row.ends))
                     self.forces[n + i].append((-float(entry), *((size / norms[i], amount / norms[i]) if norms[i] else (0.0, 0.0))))
-            proofs = set()
             for check, place, force, value, ends in bounds:
                 side = 1 if force > 0 else -1
                 away = relative(max(0, side * (ends[force > 0] - value)), self.sizes[place])
                 if check and (place, -side) not in proven:  # Otherwise every optimum of a higher level is at the other bound.
                     note(check, min(relative(force, size), away))
-                    zero = max(zero, abs(force) if away > TOLERANCE else 0.0)
+                    wrong = max(wrong, abs(force) if away > TOLERANCE else 0.0)
                 if away <= TOLERANCE and (check or abs(force) > NOT_ZERO * sizes[k] * norms[place - n]):
                     proofs.add((place, side, abs(force)))
-            proven |= {(place, side) for place, side, force in proofs if force > zero}
+            if wrong <= TOLERANCE * amount:  # Otherwise the multipliers are rounding, which proves nothing.
+                proven |= {(place, side) for place, side, force in proofs if force > max(wrong, NOT_ZERO * amount)}
 
 
 def planned_problems(request, names, is_closed):
@@ -220,7 +220,8 @@ class Check:
             plan, problems = plan[-1:], [problem for problem in problems if keys(problem.levels(scaled)) == keys(plan[-1])][:1]
         elif len(problems) < len(plan):  # Lower stages may be left out if all rows are independent, so that they can be met.
             plan = [[[row._replace(is_kept=False) for row in level] for level in plan[-1]]]
-            is_right = all(row.ends[0] == row.ends[1] for row in self.main.rows) and are_independent([row.a for row in self.main.rows])
+            rows = [row for row in self.main.rows if isinstance(row.key, tuple)]
+            is_right = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
             self.note("plan", not is_right or request.get("method", "reverse_priority") != "reverse_priority")
         self.main = problems[-1] if problems else self.main
         self.note("plan", [keys(problem.levels(scaled)) for problem in problems] != list(map(keys, plan)))
@@ -241,7 +242,8 @@ class Check:
             before = problem.x
         for row, wanted in ((row, wanted) for problem, levels in zip(problems, plan)
                             for row, wanted in zip(sum(problem.levels(scaled), []), sum(levels, [])) if wanted.a):
-            self.note("rows", relative(hypot(*map(Fraction.__sub__, row.a, wanted.a)), hypot(*wanted.a)))
+            errors = (a - b for a, b in zip(row.a, wanted.a + [0] * (len(row.a) - len(wanted.a)), strict=True))
+            self.note("rows", relative(hypot(*errors), hypot(*wanted.a)))
 
     def check_velocity(self):
         """Checks the joint velocity and what follows from it alone."""
@@ -308,8 +310,10 @@ class Check:
     def mismatch(self, place, given, value, ends, norm=1.0):
         """Returns how far an active bound is from being reached and from its multiplier, the first one that is not zero."""
         side, multiplier, best = (1 if given["side"] == "upper" else -1), given["multiplier"] * norm, inf
+        is_pinned = ends[0] == ends[1] and multiplier == 0.0  # Zero, too, if only the last objective presses against it.
         for problem in [problem for problem, _ in self.parts] if place < len(self.velocity) else [self.main]:
-            for force, size, rounded in problem.forces[place]:
+            forces = problem.forces[place]
+            for force, size, rounded in forces[:-1] if is_pinned and problem.multipliers[-1] else forces:
                 if force * side >= 0.0:
                     best = min(best, difference(multiplier, abs(force), abs(force) + FINE * rounded))
                 if abs(force) > TOLERANCE * size:
@@ -324,14 +328,14 @@ def examine(texts):
     def refuse(name):
         raise ValueError(f"{name} is not JSON")
 
-    start = perf_counter()
+    start = process_time()
     try:
         values = [json.loads(text, parse_constant=refuse) for text in texts]
         check = Check(*(values if len(values) == 2 else (values[0]["request"], values[0]["answer"])))
-        return None, check.largest, check.failed, check.notes, perf_counter() - start
+        return None, check.largest, check.failed, check.notes, process_time() - start
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         words = f"the field {error} is missing" if isinstance(error, KeyError) else f"no request and answer: {error}"
-        return words, {}, [], {}, perf_counter() - start
+        return words, {}, [], {}, process_time() - start
 
 
 def report(results):
