@@ -1,21 +1,21 @@
 """Checks that an answer of `POST /v1/resolve` is right: check.py REQUEST ANSWER [REQUEST ANSWER ...], or check.py LINES.
 
-The request has `"certificate": true`. LINES is a file with one {"request": ..., "answer": ...} on each line. Prints what was
-checked and the largest relative error of each check. Exit status: 0 the certificate holds, 1 it does not, 2 unreadable input.
+The request has `"certificate": true`. LINES is a file with one {"request": ..., "answer": ...} on each line. Prints the largest
+relative error of each check. Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read.
 
-docs/certificate.md explains the conditions. This program shares no code with revprio. It computes with fractions, so that all
-sums and products are exact. Only the sizes that errors are compared with are rounded.
+docs/certificate.md explains the conditions. This program shares no code with revprio. It computes with fractions, so all sums
+and products are exact. Only the sizes that errors are compared with are rounded.
 """
 
 import json
 import multiprocessing
 import sys
+import time
 from collections import namedtuple
 from fractions import Fraction
 from math import hypot, inf, isfinite
-from operator import mul
+from operator import mul, sub
 from pathlib import Path
-from time import process_time
 
 TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
 FINE = 1e-4  # An error is rounding, too, below TOLERANCE * FINE of the coarse size, which contains all that was rounded.
@@ -34,16 +34,15 @@ CHECKS = {  # name: (what is compared, tolerance)
     "inside": ("`joint_velocity` is inside the limits, or these are listed as violated", 0.0),
     "achieved": ("`achieved` and `residual_norm` belong to `joint_velocity`", 1e-12),
     "active": ("active limits, rows and inequalities are reached and have their multipliers", TOLERANCE),
-    "complete": ("no limit or row with a multiplier is left out of them", TOLERANCE),
-}
-Row = namedtuple("Row", "level key a ends")  # key: (task, row), the name of an inequality, or None
-Planned = namedtuple("Planned", "key a ends is_kept")  # a row as the request states it; a and ends are None where it does not
+    "complete": ("no limit or row with a multiplier is left out of them", TOLERANCE)}
+# key: (task, row), the name of an inequality, or None. A row of a request has None for what the request does not state.
+Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))
 
 
-def numbers(value, count=None, what="list", none=None):
+def numbers(value, count=None, what="a list", none=None):
     """Returns a list of finite numbers as fractions, with `none` in the place of null."""
     if not isinstance(value, list) or count not in (None, len(value)):
-        raise ValueError(f"{what}: expected a list of {count} numbers")
+        raise ValueError(f"{what}: not a list of {'' if count is None else count} numbers")
     if not all(type(entry) in (int, float) and isfinite(entry) or none and entry is None for entry in value):
         raise ValueError(f"{what}: an entry is not a finite number")
     return [none if entry is None else Fraction(entry) for entry in value]
@@ -53,10 +52,8 @@ def bounds_of(stated, what):
     """Returns the bounds (lower, upper) that a task, the limits or a problem states; infinite where it does not."""
     lower, upper = (stated.get("velocity") or stated.get(side) or [] for side in ("lower", "upper"))
     count = max(len(lower), len(upper))
-    lower, upper = (numbers(side or [None] * count, count, what, end) for side, end in ((lower, -inf), (upper, inf)))
-    if any(low > high for low, high in zip(lower, upper)):
-        raise ValueError(f"{what}: a lower bound is above its upper bound")
-    return list(zip(lower, upper))
+    bounds = zip(numbers(lower or [None] * count, count, what, -inf), numbers(upper or [None] * count, count, what, inf))
+    return [ends if ends[0] <= ends[1] else numbers(ends, what=f"{what}, a lower bound above its upper bound") for ends in bounds]
 
 
 def relative(error, size):
@@ -81,12 +78,10 @@ def dot(a, x):
 
 def are_independent(rows):
     """Returns whether rows are linearly independent, by elimination."""
-    while rows:
-        pivot = rows[-1]
-        j = next((j for j, entry in enumerate(pivot) if entry), None)
-        if j is None:
-            return False
-        rows = [[b - a * (row[j] / pivot[j]) for a, b in zip(pivot, row)] for row in rows[:-1]]
+    for row in rows[-1:]:
+        j = next((j for j, entry in enumerate(row) if entry), None)
+        rest = [] if j is None else [[b - a * (other[j] / row[j]) for a, b in zip(row, other)] for other in rows[:-1]]
+        return j is not None and are_independent(rest)
     return True
 
 
@@ -99,7 +94,7 @@ class Problem:
         for k, level in enumerate(raw["levels"]):
             for a, ends, name in zip(level["rows"], bounds_of(level, what), level["names"], strict=True):
                 key = (name["task"], name["row"]) if "task" in name else name.get("inequality")
-                self.rows.append(Row(k, key, numbers(a, len(self.x), what), ends))
+                self.rows.append(Row(key, numbers(a, len(self.x), what), ends, k))
             self.starts.append(len(self.rows))
         given = zip(raw["multipliers"], [*self.starts[1:], len(self.rows)], strict=True)
         self.multipliers = [pair and (numbers(pair["rows"], end), numbers(pair["unknowns"], len(self.x))) for pair, end in given]
@@ -112,7 +107,7 @@ class Problem:
     def check(self, note):
         """Checks the optimality of each level given those above it."""
         n, starts, last, norms = len(self.x), self.starts, len(self.starts) - 1, [hypot(*row.a) for row in self.rows]
-        speed, values, zeta = hypot(*self.x), [dot(row.a, self.x) for row in self.rows], list(map(Fraction.__sub__, self.reference, self.x))
+        speed, values, zeta = hypot(*self.x), [dot(row.a, self.x) for row in self.rows], list(map(sub, self.reference, self.x))
         reach, level_norms, sizes, self.sizes = speed + hypot(*self.reference), [], [], [speed] * n
         for value, ends in zip(self.x, self.box, strict=True):
             note("box", relative(excess(value, *ends), speed))
@@ -126,8 +121,7 @@ class Problem:
             self.sizes += [norms[i] * speed + FINE * sizes[k] for i in own]
             for i, r in zip(own, missing):
                 note("residuals", relative((pair[0][i] if pair else 0) - r, self.sizes[n + i]))
-        if self.multipliers[last] is None:
-            note("residuals", relative(hypot(*zeta), reach))
+        note("residuals", 0.0 if self.multipliers[last] else relative(hypot(*zeta), reach))
         self.forces, proven = [[] for _ in self.x + self.rows], set()  # the multipliers of each unknown and row, level by level
         for k, (w, h) in ((k, pair) for k, pair in enumerate(self.multipliers) if pair):
             length, norm, coarse = (hypot(*zeta), 1.0, reach) if k == last else (hypot(*w[starts[k]:]), level_norms[k], sizes[k])
@@ -143,7 +137,7 @@ class Problem:
             for i, (entry, row) in enumerate(zip(w, self.rows)):
                 if row.ends[0] != row.ends[1]:
                     bounds.append(("row signs" if row.level < k else None, n + i, -entry * norms[i], values[i], row.ends))
-                    self.forces[n + i].append((-float(entry), *((size / norms[i], amount / norms[i]) if norms[i] else (0.0, 0.0))))
+                    self.forces[n + i].append((-float(entry), size / (norms[i] or inf), amount / (norms[i] or inf)))
             for check, place, force, value, ends in bounds:
                 side = 1 if force > 0 else -1
                 away = relative(max(0, side * (ends[force > 0] - value)), self.sizes[place])
@@ -156,129 +150,128 @@ class Problem:
                 proven |= {(place, side) for place, side, force in proofs if force > max(wrong, NOT_ZERO * amount)}
 
 
-def planned_problems(request, names, is_closed):
-    """Returns the problems of the method as levels of rows, where the request states these."""
-    rows, hard, method = [], [], request.get("method", "reverse_priority")
-    for name, task in zip(names, request["tasks"]):
-        ends, own = bounds_of(task, name), task.get("jacobian")
-        if not is_closed or all(low == high for low, high in ends):
-            given = [] if task.get("scale") else zip(map(numbers, own) if own else [None] * len(ends), ends, strict=True)
-            rows.append([Planned((name, i), a, b, False) for i, (a, b) in enumerate(given)])
-    for i, given in enumerate([] if is_closed else request.get("inequalities", [])):
-        a, norm = given.get("coefficients"), hypot(*given.get("coefficients", [])) or 1.0
-        ends = (-inf, Fraction(given["upper"] / norm)) if a else None
-        hard.append(Planned(given.get("name") or f"inequality {i + 1}", a and [Fraction(entry / norm) for entry in a], ends, False))
-    if method in ("pseudoinverse", "damped_least_squares"):
-        problems = [[sum(rows, [])]]
-    elif method in ("task_priority", "strict_reverse_priority"):
-        problems = [rows]
-    else:
-        lower = [[row._replace(is_kept=True) for row in sum(rows[k + 1:], [])] for k in range(len(rows))]
-        problems = [[rows[k], lower[k] if method == "reverse_priority" else []] for k in reversed(range(len(rows)))] or [[]]
-    problems[-1] = [hard, *problems[-1]]
-    return [[level for level in levels if level] for levels in problems]
-
-
 class Check:
     """The checks of one answer: `largest` relative error of each, `failed` ones, and `notes` on what is not checked."""
 
     def __init__(self, request, answer):
         self.request, self.answer, self.notes, self.largest = request, answer, {}, {}
-        self.names = [task.get("name") or f"task {k + 1}" for k, task in enumerate(request["tasks"])]
-        self.velocity, solver = numbers(answer["joint_velocity"]), answer["solver"]
-        self.is_closed, certificate = request.get("solver") == "closed_form", answer.get("certificate")
+        self.tasks = {task.get("name") or f"task {k + 1}": task for k, task in enumerate(request["tasks"])}
+        self.hard = {row.get("name") or f"inequality {i + 1}": row for i, row in enumerate(request.get("inequalities") or [])}
+        self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
+        # A scaled task has rows without names; where all tasks are one level, all equations have.
+        is_one_level = self.method in ("pseudoinverse", "damped_least_squares")
+        self.scaled = [name for name, task in self.tasks.items() if task.get("scale") or is_one_level and task.get("velocity")]
+        self.scaled = self.scaled if any(task.get("scale") for task in request["tasks"]) else []
+        self.velocity, solver, certificate = numbers(answer["joint_velocity"]), answer["solver"], answer.get("certificate")
         is_optimal = ["optimal", "not_certified", "failed"].index(solver["status"]) == 0
         if certificate is None and solver["status"] != "failed":
             raise ValueError('the answer has no `certificate`; the request needs "certificate": true')
-        problems = [Problem(raw, f"problem {i}") for i, raw in enumerate(certificate["problems"])] if certificate else []
-        self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in certificate["answer"]] if certificate else []
+        certificate = certificate or {"problems": [], "answer": []}
+        problems = [Problem(raw, f"problem {i}") for i, raw in enumerate(certificate["problems"])]
+        self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in certificate["answer"]]
         for problem in problems:
             problem.check(self.note)
         if self.parts:
             self.check_plan(problems)
             self.check_active()
         self.check_velocity()
-        if is_optimal:
-            self.note("status", not (solver["kkt_residual"] is not None and solver["kkt_residual"] <= TOLERANCE))
-        else:
+        kkt_residual = inf if solver["kkt_residual"] is None else solver["kkt_residual"]
+        self.note("status", is_optimal and not kkt_residual <= TOLERANCE)
+        if not is_optimal:
             self.notes[f"status `{solver['status']}`: only a finite velocity inside the limits is claimed"] = True
-        claimed = CHECKS if is_optimal else ["inside"]
-        self.failed = [check for check in claimed if self.largest.get(check, 0.0) > CHECKS[check][1]]
+        self.failed = [check for check in (CHECKS if is_optimal else ["inside"]) if self.largest.get(check, 0.0) > CHECKS[check][1]]
 
     def note(self, check, error):
         """Keeps the largest error of a check."""
         self.largest[check] = max(self.largest.get(check, 0.0), float(error))
 
+    def planned(self):
+        """Returns the problems of the method as levels of rows, where the request states these."""
+        rows, hard = [], []
+        for name, task in self.tasks.items():
+            ends, own = bounds_of(task, name), task.get("jacobian")
+            if not self.is_closed or all(low == high for low, high in ends):
+                given = [] if name in self.scaled else zip(map(numbers, own) if own else [None] * len(ends), ends, strict=True)
+                rows.append([Row((name, i), a, b) for i, (a, b) in enumerate(given)])
+        for name, given in {} if self.is_closed else self.hard.items():
+            a, norm = given.get("coefficients"), hypot(*given.get("coefficients", [])) or 1.0
+            hard.append(Row(name, [Fraction(c / norm) for c in a], (-inf, Fraction(given["upper"] / norm))) if a else Row(name, None, None))
+        lower = [[row._replace(is_kept=True) for row in sum(rows[k + 1:], [])] for k in range(len(rows))]
+        stages = [[rows[k], lower[k] if self.method == "reverse_priority" else []] for k in reversed(range(len(rows)))] or [[]]
+        if self.method not in ("reverse_priority", "singularity_robust"):
+            stages = [rows] if self.method in ("strict_reverse_priority", "task_priority") else [[sum(rows, [])]]
+        stages[-1] = [hard, *stages[-1]]
+        return [[level for level in levels if level] for levels in stages]
+
     def check_plan(self, problems):
         """Checks that the problems are those of the request, where it states them."""
-        request, plan = self.request, planned_problems(self.request, self.names, self.is_closed)
-        scaled = [name for name, task in zip(self.names, request["tasks"]) if task.get("scale")]
-        keys = lambda levels: [[row.key for row in level] for level in levels]
-        is_exact, self.main = not (request.get("damping") or scaled), self.parts[0][0]
+        plan, keys = self.planned(), lambda levels: [[row.key for row in level] for level in levels]
+        is_exact, self.main = not (self.request.get("damping") or self.scaled), self.parts[0][0]
         if not is_exact:
-            self.notes["damping or scaling: velocities, references and scaled rows are taken from the certificate"] = True
-            plan, problems = plan[-1:], [problem for problem in problems if keys(problem.levels(scaled)) == keys(plan[-1])][:1]
+            self.notes["damping or scaling: velocities, references and rows without names are taken from the certificate"] = True
+            plan, problems = plan[-1:], [part for part, _ in self.parts if keys(part.levels(self.scaled)) == keys(plan[-1])][:1]
         elif len(problems) < len(plan):  # Lower stages may be left out if all rows are independent, so that they can be met.
             plan = [[[row._replace(is_kept=False) for row in level] for level in plan[-1]]]
             rows = [row for row in self.main.rows if isinstance(row.key, tuple)]
             is_right = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
-            self.note("plan", not is_right or request.get("method", "reverse_priority") != "reverse_priority")
+            self.note("plan", not is_right or self.method != "reverse_priority")
         self.main = problems[-1] if problems else self.main
-        self.note("plan", [keys(problem.levels(scaled)) for problem in problems] != list(map(keys, plan)))
+        self.note("plan", [keys(problem.levels(self.scaled)) for problem in problems] != list(map(keys, plan)))
         self.note("plan", is_exact and self.parts != [(self.main, 1)])
-        before = request.get("null_space_velocity") or [0] * len(self.velocity)
+        self.note("plan", is_exact and any(row.key is None for problem in problems for row in problem.rows))
+        before = self.request.get("null_space_velocity") or [0] * len(self.velocity)
         before = numbers(before, len(self.velocity)) if isinstance(before, list) else None
-        for problem, levels in zip(problems, plan) if is_exact else ():
-            if before:
-                errors = map(Fraction.__sub__, before, problem.reference)
-                self.note("stages", relative(hypot(*errors), hypot(*before, *problem.reference)))
-            for row, wanted in zip(sum(problem.levels(), []), sum(levels, [])):
-                value = dot(row.a, before) if wanted.is_kept else None
-                low, high = wanted.ends or row.ends
-                kept = (value, value) if low == high else (min(low, value), max(high, value)) if wanted.is_kept else (low, high)
-                for end, bound in zip(row.ends, kept if wanted.is_kept else (low, high)):
-                    size = hypot(*row.a) * hypot(*before) if wanted.is_kept else abs(float(bound))
-                    self.note("stages" if wanted.is_kept else "rows", difference(end, bound, size))
+        if not before and is_exact:
+            self.notes["the null-space velocity is taken from the certificate"] = True
+        for problem, levels in zip(problems, plan):
+            if is_exact and before:
+                self.note("stages", relative(hypot(*map(sub, before, problem.reference)), hypot(*before, *problem.reference)))
+            for row, wanted in zip(sum(problem.levels(self.scaled), []), sum(levels, [])):
+                a, ends = wanted.a or row.a, wanted.ends if wanted.ends and is_exact else row.ends
+                errors = map(sub, row.a, a + [0] * (len(row.a) - len(a)))
+                self.note("rows", relative(hypot(*errors), hypot(*a)))
+                value, check, sizes = None, "rows", [abs(float(end)) for end in ends]
+                if wanted.is_kept and is_exact:
+                    value, check, sizes = dot(row.a, before), "stages", [hypot(*row.a) * hypot(*before)] * 2
+                    ends = (value, value) if ends[0] == ends[1] else (min(ends[0], value), max(ends[1], value))
+                self.note(check, max(map(difference, row.ends, ends, sizes)))
             before = problem.x
-        for row, wanted in ((row, wanted) for problem, levels in zip(problems, plan)
-                            for row, wanted in zip(sum(problem.levels(scaled), []), sum(levels, [])) if wanted.a):
-            errors = (a - b for a, b in zip(row.a, wanted.a + [0] * (len(row.a) - len(wanted.a)), strict=True))
-            self.note("rows", relative(hypot(*errors), hypot(*wanted.a)))
 
     def check_velocity(self):
         """Checks the joint velocity and what follows from it alone."""
-        n, answer, stated = len(self.velocity), self.answer, self.request.get("limits")
-        free = [(-inf, inf)] * n
-        box = free if stated == "none" or not (stated or self.request.get("robot")) else None
+        n, answer, stated, free = len(self.velocity), self.answer, self.request.get("limits"), (-inf, inf)
+        box = [free] * n if stated == "none" or not (stated or self.request.get("robot")) else None
         box = bounds_of(stated, "limits") if isinstance(stated, dict) else box
         if self.parts:
-            moved = [sum(weight * problem.x[j] for problem, weight in self.parts) for j in range(n)]
-            moved = [value - excess(value, *ends) for value, ends in zip(moved, self.parts[0][0].box)]
-            for j, (a, b) in enumerate(zip(self.velocity, moved)):
-                self.note("velocity", relative(a - b, max(abs(float(problem.x[j])) for problem, _ in self.parts)))
-            self.note("velocity", relative(sum(weight for _, weight in self.parts) - 1, 1.0))
-            self.note("velocity", any(weight < 0 for _, weight in self.parts))
-            solved = free if self.is_closed else box or self.parts[0][0].box[:n]
+            solved = [free] * n if self.is_closed else box or self.parts[0][0].box[:n]
             self.note("rows", any(problem.box[:n] != solved for problem, _ in self.parts))
-            box = box or (None if self.is_closed else solved)
+            for j, value in enumerate(self.velocity):
+                total = sum(weight * problem.x[j] for problem, weight in self.parts)
+                size = max(abs(float(problem.x[j])) for problem, _ in self.parts)
+                self.note("velocity", relative(value - total + excess(total, *solved[j]), size))
+            self.note("velocity", difference(sum(weight for _, weight in self.parts), 1, 1.0))
+            self.note("velocity", any(weight < 0 for _, weight in self.parts))
+            if not box and not self.is_closed:
+                self.notes["the limits of the robot are taken from the certificate"] = True
+                box = solved
         if box is None:
             self.notes["the limits of the robot are not in the input: they are not checked"] = True
         listed = [(found["side"], found["limit"], found["value"]) for found in answer["violated_limits"]] if self.is_closed else []
         for value, ends in zip(self.velocity, box or []):
             beyond = excess(value, *ends)
-            if beyond and ("lower" if beyond < 0 else "upper", ends[beyond > 0], value) not in listed:
-                self.note("inside", relative(beyond, abs(float(value))))
+            is_listed = ("lower" if beyond < 0 else "upper", ends[beyond > 0], value) in listed
+            self.note("inside", 0.0 if is_listed else relative(beyond, abs(float(value))))
         rows = {row.key: row.a for row in self.main.rows} if self.parts else {}
-        for name, task, found in zip(self.names, self.request["tasks"], answer["tasks"], strict=True):
+        for (name, task), found in zip(self.tasks.items(), answer["tasks"], strict=True):
             ends, own, missing = bounds_of(task, name), task.get("jacobian"), []
             achieved = numbers(found["achieved"], len(ends), name)
             for i, value in enumerate(achieved):
-                a = numbers(own[i], n, name) if own else rows.get((name, i))
-                if a is None:
-                    self.notes[f"task `{name}`: its Jacobian is not in the input, so `achieved` is not checked"] = True
-                else:
-                    self.note("achieved", difference(value, dot(a, self.velocity), hypot(*map(mul, a, self.velocity))))
                 missing.append(excess(value, *ends[i]))
+                a = numbers(own[i], n, name) if own else rows.get((name, i))
+                if not own:
+                    self.notes[f"task `{name}`: its rows are {'taken from' if a else 'not in'} the certificate"] = True
+                if a:
+                    self.note("achieved", difference(value, dot(a, self.velocity), hypot(*map(mul, a, self.velocity))))
             size = hypot(*achieved, *(end for pair in ends for end in pair if isfinite(end)))
             self.note("achieved", difference(found["residual_norm"], hypot(*missing), size))
 
@@ -287,35 +280,35 @@ class Check:
         n, main, seen = len(self.velocity), self.main, 0
         unlisted = {place: forces for place, forces in enumerate(main.forces) if not n <= place < len(main.x)}
         for given in self.answer["active_limits"]:  # The names of a robot's joints are not in the input, but their order is.
-            joints = range(seen, n) if self.request.get("robot") else [int(given["joint"][1:]) - 1]
-            errors = [max(self.mismatch(j, given, self.velocity[j], main.box[j]),
-                          difference(given["value"], main.box[j][given["side"] == "upper"], 1.0)) for j in joints]
-            self.note("active", min(errors, default=inf))
-            seen = joints[errors.index(min(errors))] + 1 if errors else n
-            unlisted.pop(seen - 1, None)
-        places = {row.key: len(main.x) + i for i, row in enumerate(main.rows)}
-        listed = [((task["name"], given["row"]), given, 1.0) for task in self.answer["tasks"] for given in task.get("active_rows", [])]
-        for given in self.answer.get("active_inequalities", []):  # Their rows have length one in the certificate.
-            high = main.rows[places[given["name"]] - len(main.x)].ends[1]
-            stated = [hypot(*i["coefficients"]) for k, i in enumerate(self.request["inequalities"])
-                      if "coefficients" in i and given["name"] == (i.get("name") or f"inequality {k + 1}")]
-            listed.append((given["name"], {**given, "side": "upper"}, stated[0] if stated else float(given["bound"] / high)))
-        for key, given, norm in listed:
-            row = main.rows[places[key] - len(main.x)]
-            self.note("active", self.mismatch(places[key], given, dot(row.a, self.velocity), row.ends, norm))
-            unlisted.pop(places[key], None)
+            joints = [j for j in range(seen, n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"]
+            error, j = min(((max(self.mismatch(j, given, self.velocity[j], main.box[j]), difference(
+                given["value"], main.box[j][given["side"] == "upper"], 1.0)), j) for j in joints), default=(inf, n))
+            self.note("active", error)
+            unlisted.pop(j, None)
+            seen = j + 1
+        places = {row.key: i for i, row in enumerate(main.rows)}
+        listed = [((task["name"], given["row"]), given) for task in self.answer["tasks"] for given in task.get("active_rows", [])]
+        listed += [(given["name"], {**given, "side": "upper"}) for given in self.answer.get("active_inequalities", [])]
+        for key, given in listed:
+            if key not in places:
+                self.note("active", inf)
+                continue
+            row, i, norm = main.rows[places[key]], places[key] + len(main.x), 1.0
+            if key in self.hard:  # Its row has length one in the certificate.
+                norm = hypot(*self.hard[key].get("coefficients", [])) or float(given["bound"] / row.ends[1])
+            self.note("active", self.mismatch(i, given, dot(row.a, self.velocity), row.ends, norm))
+            unlisted.pop(i, None)
         for forces in unlisted.values() if len(self.parts) == 1 else ():
             self.note("complete", max((relative(force, size) for force, size, _ in forces), default=0.0))
 
     def mismatch(self, place, given, value, ends, norm=1.0):
         """Returns how far an active bound is from being reached and from its multiplier, the first one that is not zero."""
         side, multiplier, best = (1 if given["side"] == "upper" else -1), given["multiplier"] * norm, inf
-        is_pinned = ends[0] == ends[1] and multiplier == 0.0  # Zero, too, if only the last objective presses against it.
+        is_pinned = ends[0] == ends[1] and multiplier == 0.0  # It may have a multiplier at the last objective.
         for problem in [problem for problem, _ in self.parts] if place < len(self.velocity) else [self.main]:
-            forces = problem.forces[place]
-            for force, size, rounded in forces[:-1] if is_pinned and problem.multipliers[-1] else forces:
-                if force * side >= 0.0:
-                    best = min(best, difference(multiplier, abs(force), abs(force) + FINE * rounded))
+            forces = problem.forces[place][:-1 if is_pinned and problem.multipliers[-1] else None]
+            for force, size, rounded in forces:
+                best = min(best, difference(multiplier, abs(force), abs(force) + FINE * rounded) if force * side >= 0.0 else inf)
                 if abs(force) > TOLERANCE * size:
                     break
             else:
@@ -324,41 +317,36 @@ class Check:
 
 
 def examine(texts):
-    """Checks a request and its answer, or a line with both; returns what is wrong with the input, and the check."""
-    def refuse(name):
-        raise ValueError(f"{name} is not JSON")
-
-    start = process_time()
+    """Checks a request and its answer, or a line with both. Returns what is wrong with the input, then the parts of a `Check`."""
+    start = time.process_time()
     try:
-        values = [json.loads(text, parse_constant=refuse) for text in texts]
+        values = [json.loads(text) for text in texts]
         check = Check(*(values if len(values) == 2 else (values[0]["request"], values[0]["answer"])))
-        return None, check.largest, check.failed, check.notes, process_time() - start
+        return None, check.largest, check.failed, check.notes, time.process_time() - start
+    except KeyError as error:
+        return f"the field {error} is missing", {}, [], {}, 0.0
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        words = f"the field {error} is missing" if isinstance(error, KeyError) else f"no request and answer: {error}"
-        return words, {}, [], {}, process_time() - start
+        return f"not a request and its answer: {error}", {}, [], {}, 0.0
 
 
 def report(results):
     """Prints the results; returns the exit status."""
-    largest, failures, unread, is_one = {}, {}, 0, len(results) == 1
+    is_one, largest, failures = len(results) == 1, {}, {}
     for place, (wrong, found, failed, notes, _) in enumerate(results, 1):
-        for check, error in found.items():
-            largest[check] = max(largest.get(check, 0.0), error)
-        failures |= dict.fromkeys(failed, True)
-        unread += wrong is not None
         if wrong or failed and not is_one:
             print(f"answer {place}: " + (f"cannot be read: {wrong}" if wrong else "does not hold: " + ", ".join(failed)))
-        for note in notes if is_one else ():
-            print(f"note: {note}")
-    for check, (what, tolerance) in CHECKS.items():
-        if check in largest:
-            verdict = "holds" if largest[check] <= tolerance else "fails"
-            print(f"{verdict} by {largest[check]:7.1e}, allowed {tolerance:5.0e}  {check}: {what}")
-    broken = sum(bool(failed) for _, _, failed, _, _ in results)
-    time = 1e3 * sum(seconds for *_, seconds in results) / max(1, len(results))
+        print(*(f"note: {note}\n" for note in notes if is_one), sep="", end="")
+        largest |= {check: max(error, largest.get(check, 0.0)) for check, error in found.items()}
+        failures |= dict.fromkeys(failed)
+    for check in filter(largest.__contains__, CHECKS):
+        what, allowed = CHECKS[check]
+        verdict = "holds" if largest[check] <= allowed else "FAILS"
+        print(f"{verdict} {largest[check]:8.1e} (allowed {allowed:5.0e})  {check}: {what}")
+    unread, broken = sum(bool(result[0]) for result in results), sum(bool(result[2]) for result in results)
     if not is_one:
-        print(f"{len(results)} answers: {broken} do not hold, {unread} cannot be read; {time:.2f} ms for each")
-    print("certificate does not hold: " + ", ".join(failures) if broken else "certificate not read" if unread else "certificate holds")
+        cpu = 1e3 * sum(result[4] for result in results) / max(1, len(results))
+        print(f"{len(results)} answers: {broken} do not hold, {unread} cannot be read; {cpu:.2f} ms of CPU time for each")
+    print("certificate does not hold: " + ", ".join(failures) if broken else "not checked" if unread else "certificate holds")
     return 1 if broken else 2 if unread else 0
 
 
