@@ -19,6 +19,7 @@ from pathlib import Path
 
 TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
 FINE = 1e-4  # An error is rounding, too, below TOLERANCE * FINE of the coarse size, which contains all that was rounded.
+ONE_LEVEL, LEVELS = ("pseudoinverse", "damped_least_squares"), ("strict_reverse_priority", "task_priority")  # methods
 NOT_ZERO = 1e-14  # A multiplier above this part of its terms is not zero.
 CHECKS = {  # name: (what is compared, tolerance)
     "status": ("the status belongs to `kkt_residual`", 0.0),
@@ -41,10 +42,9 @@ Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))
 
 def numbers(value, count=None, what="a list", none=None):
     """Returns a list of finite numbers as fractions, with `none` in the place of null."""
-    if not isinstance(value, list) or count not in (None, len(value)):
-        raise ValueError(f"{what}: not a list of {'' if count is None else count} numbers")
-    if not all(type(entry) in (int, float) and isfinite(entry) or none and entry is None for entry in value):
-        raise ValueError(f"{what}: an entry is not a finite number")
+    is_finite = [type(entry) in (int, float) and isfinite(entry) or none and entry is None for entry in value]
+    if not all(is_finite) or count not in (None, len(value)):
+        raise ValueError(f"{what}: not a list of {'' if count is None else count} finite numbers")
     return [none if entry is None else Fraction(entry) for entry in value]
 
 
@@ -159,25 +159,23 @@ class Check:
         self.hard = {row.get("name") or f"inequality {i + 1}": row for i, row in enumerate(request.get("inequalities") or [])}
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
         # A scaled task has rows without names; where all tasks are one level, all equations have.
-        is_one_level = self.method in ("pseudoinverse", "damped_least_squares")
-        self.scaled = [name for name, task in self.tasks.items() if task.get("scale") or is_one_level and task.get("velocity")]
-        self.scaled = self.scaled if any(task.get("scale") for task in request["tasks"]) else []
-        self.velocity, solver, certificate = numbers(answer["joint_velocity"]), answer["solver"], answer.get("certificate")
+        scales, is_one_level = any(task.get("scale") for task in self.tasks.values()), self.method in ONE_LEVEL
+        self.scaled = [name for name, task in self.tasks.items()
+                       if task.get("scale") or scales and is_one_level and task.get("velocity")]
+        self.velocity, solver = numbers(answer["joint_velocity"]), answer["solver"]
         is_optimal = ["optimal", "not_certified", "failed"].index(solver["status"]) == 0
-        if certificate is None and solver["status"] != "failed":
-            raise ValueError('the answer has no `certificate`; the request needs "certificate": true')
-        certificate = certificate or {"problems": [], "answer": []}
-        problems = [Problem(raw, f"problem {i}") for i, raw in enumerate(certificate["problems"])]
-        self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in certificate["answer"]]
+        certificate = answer.get("certificate") or {} if solver["status"] == "failed" else answer["certificate"]
+        problems = [Problem(raw, f"problem {i}") for i, raw in enumerate(certificate.get("problems", []))]
+        self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in certificate.get("answer", [])]
         for problem in problems:
             problem.check(self.note)
         if self.parts:
             self.check_plan(problems)
             self.check_active()
         self.check_velocity()
-        kkt_residual = inf if solver["kkt_residual"] is None else solver["kkt_residual"]
-        self.note("status", is_optimal and not kkt_residual <= TOLERANCE)
-        if not is_optimal:
+        if is_optimal:
+            self.note("status", solver["kkt_residual"] is None or solver["kkt_residual"] > TOLERANCE)
+        else:
             self.notes[f"status `{solver['status']}`: only a finite velocity inside the limits is claimed"] = True
         self.failed = [check for check in (CHECKS if is_optimal else ["inside"]) if self.largest.get(check, 0.0) > CHECKS[check][1]]
 
@@ -198,8 +196,7 @@ class Check:
             hard.append(Row(name, [Fraction(c / norm) for c in a], (-inf, Fraction(given["upper"] / norm))) if a else Row(name, None, None))
         lower = [[row._replace(is_kept=True) for row in sum(rows[k + 1:], [])] for k in range(len(rows))]
         stages = [[rows[k], lower[k] if self.method == "reverse_priority" else []] for k in reversed(range(len(rows)))] or [[]]
-        if self.method not in ("reverse_priority", "singularity_robust"):
-            stages = [rows] if self.method in ("strict_reverse_priority", "task_priority") else [[sum(rows, [])]]
+        stages = [rows] if self.method in LEVELS else [[sum(rows, [])]] if self.method in ONE_LEVEL else stages
         stages[-1] = [hard, *stages[-1]]
         return [[level for level in levels if level] for levels in stages]
 
@@ -290,9 +287,6 @@ class Check:
         listed = [((task["name"], given["row"]), given) for task in self.answer["tasks"] for given in task.get("active_rows", [])]
         listed += [(given["name"], {**given, "side": "upper"}) for given in self.answer.get("active_inequalities", [])]
         for key, given in listed:
-            if key not in places:
-                self.note("active", inf)
-                continue
             row, i, norm = main.rows[places[key]], places[key] + len(main.x), 1.0
             if key in self.hard:  # Its row has length one in the certificate.
                 norm = hypot(*self.hard[key].get("coefficients", [])) or float(given["bound"] / row.ends[1])
@@ -323,10 +317,8 @@ def examine(texts):
         values = [json.loads(text) for text in texts]
         check = Check(*(values if len(values) == 2 else (values[0]["request"], values[0]["answer"])))
         return None, check.largest, check.failed, check.notes, time.process_time() - start
-    except KeyError as error:
-        return f"the field {error} is missing", {}, [], {}, 0.0
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        return f"not a request and its answer: {error}", {}, [], {}, 0.0
+        return f"{error} is missing" if isinstance(error, KeyError) else f"{error}", {}, [], {}, 0.0
 
 
 def report(results):
@@ -335,32 +327,30 @@ def report(results):
     for place, (wrong, found, failed, notes, _) in enumerate(results, 1):
         if wrong or failed and not is_one:
             print(f"answer {place}: " + (f"cannot be read: {wrong}" if wrong else "does not hold: " + ", ".join(failed)))
-        print(*(f"note: {note}\n" for note in notes if is_one), sep="", end="")
         largest |= {check: max(error, largest.get(check, 0.0)) for check, error in found.items()}
         failures |= dict.fromkeys(failed)
     for check in filter(largest.__contains__, CHECKS):
         what, allowed = CHECKS[check]
-        verdict = "holds" if largest[check] <= allowed else "FAILS"
-        print(f"{verdict} {largest[check]:8.1e} (allowed {allowed:5.0e})  {check}: {what}")
+        print(f"{'holds' if largest[check] <= allowed else 'FAILS'} {largest[check]:8.1e} of {allowed:5.0e}  {check}: {what}")
     unread, broken = sum(bool(result[0]) for result in results), sum(bool(result[2]) for result in results)
-    if not is_one:
-        cpu = 1e3 * sum(result[4] for result in results) / max(1, len(results))
-        print(f"{len(results)} answers: {broken} do not hold, {unread} cannot be read; {cpu:.2f} ms of CPU time for each")
+    cpu = 1e3 * sum(result[4] for result in results) / max(1, len(results))
+    print("\n".join(f"note: {note}" for note in results[0][3]) if is_one else
+          f"{len(results)} answers: {broken} do not hold, {unread} cannot be read; {cpu:.2f} ms of CPU time for each")
     print("certificate does not hold: " + ", ".join(failures) if broken else "not checked" if unread else "certificate holds")
     return 1 if broken else 2 if unread else 0
 
 
 def main(paths):
     """Runs the program; returns its exit status."""
-    if len(paths) != 1 and (len(paths) % 2 or not paths):
-        print(__doc__, file=sys.stderr)
-        return 2
     try:
         texts = [Path(path).read_text(encoding="utf-8") for path in paths]
     except (OSError, ValueError) as error:
         print(f"cannot be read: {error}", file=sys.stderr)
         return 2
-    items = list(zip(texts[::2], texts[1::2])) or [[line] for line in texts[0].splitlines() if line.strip()]
+    items = list(zip(texts[::2], texts[1::2])) or [[line] for text in texts for line in text.splitlines() if line.strip()]
+    if not items or len(texts) > 1 and len(texts) % 2:
+        print(__doc__, file=sys.stderr)
+        return 2
     if len(items) > 1 and "fork" in multiprocessing.get_all_start_methods():
         with multiprocessing.get_context("fork").Pool() as pool:
             return report(pool.map(examine, items, chunksize=16))
