@@ -1,5 +1,6 @@
 //! The command line.
 
+mod check;
 mod compare;
 mod config;
 mod demo;
@@ -38,6 +39,7 @@ use revprio_lab::simulator::replay::ReplayError;
 use revprio_lab::simulator::{RunError, ScenarioError};
 use revprio_robot::RobotFileError;
 
+use self::check::CheckError;
 use self::settings::SettingsError;
 use crate::service::{
     AppState, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
@@ -66,7 +68,8 @@ const EXAMPLES: &str = "Examples:
   revprio serve --robot my_arm.urdf,tip=flange       serve your own robot
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio bench --only core,http                     measure speed next to other programs
-  revprio resolve api/examples/resolve.json          resolve one problem and explain the answer";
+  revprio resolve api/examples/resolve.json          resolve one problem and explain the answer
+  revprio check request.json answer.json             check the certificate of an answer, with Python";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -97,6 +100,8 @@ enum Command {
     Stability(stability::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
+    /// Check the certificate of an answer with a program that shares no code with revprio.
+    Check(check::Options),
     /// Measure speed next to other programs (`cargo run --release -p revprio-bench -- bench --help`).
     #[command(disable_help_flag = true)]
     Bench(tool::Arguments),
@@ -121,6 +126,9 @@ pub enum CliError {
     /// The benchmark program cannot be run.
     #[error(transparent)]
     Tool(#[from] tool::ToolError),
+    /// An answer is not checked, or its certificate does not hold.
+    #[error(transparent)]
+    Check(#[from] CheckError),
     /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),
@@ -252,6 +260,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     match cli.run() {
         Ok(()) => 0,
+        // The program that checks has printed why.
+        Err(CliError::Check(CheckError::Ended(status))) => status,
         Err(error) => {
             let _ = writeln!(std::io::stderr(), "error: {error}");
             FAILURE
@@ -279,6 +289,7 @@ impl Cli {
             Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
+            Command::Check(options) => check::run(&options),
             Command::Bench(arguments) => Ok(tool::run("bench", &arguments)?),
             Command::Openapi => openapi::run(&openapi_document()),
             Command::Asyncapi => openapi::run(&asyncapi_document()),

@@ -1,5 +1,6 @@
 //! Tests of the program on the command line.
 
+mod check;
 mod compare;
 mod demo;
 mod openapi;

@@ -1,0 +1,51 @@
+//! `revprio check`.
+
+use crate::program::{Scratch, program, success};
+
+const REQUEST: &str = "tests/cli/certificate/request.json";
+const ANSWER: &str = "tests/cli/certificate/answer.json";
+
+/// Runs `revprio check` and returns its exit status, standard output and standard error.
+fn check(files: &[&str]) -> (Option<i32>, String, String) {
+    let output = program(&[&["check"], files].concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn certificate_of_a_right_answer_holds() {
+    let printed = success(&["check", REQUEST, ANSWER]);
+    assert!(printed.ends_with("certificate holds\n"), "{printed}");
+}
+
+#[test]
+fn changed_answer_is_refused() {
+    let scratch = Scratch::new("check-changed");
+    let answer = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/certificate/answer.json"));
+    let changed = scratch.write("answer.json", &answer.unwrap().replace(r#""multiplier": 3.0"#, r#""multiplier": 3.000003"#));
+    let (status, printed, errors) = check(&[REQUEST, &changed]);
+    assert_eq!((status, errors.as_str()), (Some(1), ""), "{printed}");
+    assert!(printed.ends_with("certificate does not hold: active\n"), "{printed}");
+}
+
+#[test]
+fn unreadable_input_is_explained() {
+    let (status, printed, errors) = check(&["no_such.json", ANSWER]);
+    assert_eq!((status, printed.as_str()), (Some(2), ""));
+    assert!(errors.contains("cannot be read") && !errors.contains("Traceback"), "{errors}");
+    let (status, printed, errors) = check(&["rustfmt.toml", ANSWER]);
+    assert_eq!((status, errors.as_str()), (Some(2), ""), "{printed}");
+}
+
+#[test]
+fn missing_python_is_explained() {
+    let output = program(&["check", REQUEST, ANSWER]).env("PATH", "").output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("Install Python") && errors.contains("revprio check --script"), "{errors}");
+}
+
+#[test]
+fn script_is_printed_as_it_is_in_the_repository() {
+    assert_eq!(success(&["check", "--script"]), include_str!("../../tools/check/check.py"));
+}

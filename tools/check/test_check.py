@@ -1,0 +1,245 @@
+"""Tests of check.py: right answers pass, changed ones do not. Run `python3 tools/check/test_check.py`."""
+
+import copy
+import io
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import redirect_stderr, redirect_stdout
+from fractions import Fraction
+from math import hypot
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import check
+from reference import certificate, dot, solve
+
+METHODS = ["strict_reverse_priority", "reverse_priority", "task_priority", "singularity_robust", "pseudoinverse"]
+SIZE = 1e-6
+"""By how much a number is changed, relative to its size."""
+
+
+def random_request(random):
+    """Returns a problem of up to four joints with own Jacobians: dependent and zero rows, pinned joints, infinite bounds."""
+    n, method = random.choice([2, 3, 3, 4]), random.choice(METHODS)
+    whole = random.random() < 0.3
+    entry = (lambda: random.randint(-2, 2)) if whole else (lambda: round(random.uniform(-2, 2), 3))
+    tasks, rows = [], 0
+    for _ in range(random.randint(1, 3)):
+        scale = 1 if whole else random.choice([1, 1, 1e-3, 1e3])
+        jacobian = [[entry() * scale for _ in range(n)] for _ in range(random.choice([1, 1, 2]))]
+        if random.random() < 0.2 and tasks:
+            nearly = random.choice([0, 0, 1e-6])
+            jacobian[0] = [a + nearly * entry() for a in random.choice(tasks)["jacobian"][0]]
+        target = [entry() * scale * random.choice([1, 1, 1e-6, 1e6] if not whole else [1]) for _ in jacobian]
+        task = {"jacobian": jacobian, "velocity": target}
+        if random.random() < 0.25 and rows < 1:
+            rows += 1
+            ends = {"lower": [target[0]], "upper": [target[0] + scale]}
+            task = {"jacobian": jacobian[:1], random.choice(["lower", "upper"]): [target[0]], **random.choice([ends, {}, {}])}
+        if random.random() < 0.3:
+            task["name"] = f"own {len(tasks)}"
+        tasks.append(task)
+    width = lambda: random.choice([0, 1]) if whole else round(random.uniform(0, 1), 2) * random.choice([1, 1, 1, 0])
+    limits = random.choice(["none", *[{"lower": [-width() for _ in range(n)], "upper": [width() for _ in range(n)]}] * 4])
+    request = {"certificate": True, "method": method, "tasks": tasks, "limits": limits}
+    if random.random() < 0.2 and rows < 1:
+        request["inequalities"] = [{"kind": "joints", "coefficients": [entry() for _ in range(n)], "upper": abs(entry())}]
+    if random.random() < 0.3:
+        request["null_space_velocity"] = [entry() for _ in range(n)]
+    return request
+
+
+def planned(request, stage, before):
+    """Returns a problem of the method in fractions and the names of its rows. `stage`: the task, or None for all."""
+    tasks, n, levels = request["tasks"], len(request["tasks"][0]["jacobian"][0]), []
+    for k, task in enumerate(tasks):
+        count, name = len(task["jacobian"]), task.get("name", f"task {k + 1}")
+        low, high = (task.get("velocity") or task.get(side) or [None] * count for side in ("lower", "upper"))
+        exact = lambda value: None if value is None else Fraction(value)
+        levels.append([(list(map(Fraction, a)), exact(b), exact(c), {"task": name, "row": i})
+                       for i, (a, b, c) in enumerate(zip(task["jacobian"], low, high))])
+    if request["method"] == "pseudoinverse":
+        levels = [sum(levels, [])]
+    elif stage is not None:
+        lower = []
+        for a, b, c, name in sum(levels[stage + 1:], []):
+            value = Fraction(float(dot(a, before)))
+            ends = (value, value) if b == c else (b and min(b, value), c and max(c, value))
+            lower.append((a, *ends, name))
+        levels = [levels[stage], lower if request["method"] == "reverse_priority" else []]
+    box = [(None, None)] * n
+    if not stage:
+        hard = []
+        for given in request.get("inequalities", []):
+            norm = hypot(*given["coefficients"]) or 1.0
+            row = [Fraction(a / norm) for a in given["coefficients"]]
+            hard.append((row, None, Fraction(given["upper"] / norm), {"inequality": "inequality 1"}))
+        levels.insert(0, hard)
+        if request["limits"] != "none":
+            box = list(zip(*(map(Fraction, request["limits"][side]) for side in ("lower", "upper"))))
+    levels = [level for level in levels if level]
+    problem = {"box": box, "reference": before, "levels": [[row[:3] for row in level] for level in levels]}
+    return problem, [[row[3] for row in level] for level in levels]
+
+
+def answer_to(request):
+    """Returns the answer to a request, with its certificate."""
+    n = len(request["tasks"][0]["jacobian"][0])
+    x, problems = list(map(Fraction, request.get("null_space_velocity", [0] * n))), []
+    staged = request["method"] in ("reverse_priority", "singularity_robust")
+    for stage in reversed(range(len(request["tasks"]))) if staged else [None]:
+        problem, names = planned(request, stage, x)
+        x, multipliers = solve(problem)
+        x = list(map(Fraction, map(float, x)))
+        problems.append(certificate(problem, names, x, multipliers))
+    given = [pair for pair in multipliers if pair]
+    first = lambda values: next((value for value in values if value), 0)
+    tasks = []
+    for k, task in enumerate(request["tasks"]):
+        values = [dot(map(Fraction, a), x) for a in task["jacobian"]]
+        low, high = (task.get("velocity") or task.get(side) or [None] * len(values) for side in ("lower", "upper"))
+        missing = [max(0, 0 if b is None else b - v, 0 if c is None else v - c) for v, b, c in zip(values, low, high)]
+        tasks.append({"name": task.get("name", f"task {k + 1}"), "achieved": list(map(float, values)),
+                      "residual_norm": hypot(*missing), "active_rows": []})
+    active, inequalities = [], []
+    for j, (low, high) in enumerate(problem["box"]):
+        multiplier = first(h[j] for _, h in given)
+        if multiplier or low == high is not None:
+            side = "lower" if multiplier < 0 else "upper"
+            value = float(low if multiplier < 0 else high)
+            active.append({"joint": f"j{j + 1}", "side": side, "value": value, "multiplier": abs(float(multiplier))})
+    rows = [(row, name) for level, own in zip(problem["levels"], names) for row, name in zip(level, own)]
+    for i, ((_, low, high), name) in enumerate(rows):
+        multiplier = -first(w.get(i, 0) for w, _ in given)
+        if low != high and multiplier:
+            entry = {"side": "lower" if multiplier < 0 else "upper", "multiplier": abs(float(multiplier))}
+            if "inequality" in name:
+                stated = request["inequalities"][0]
+                entry["multiplier"] /= hypot(*stated["coefficients"])
+                inequalities.append({"name": name["inequality"], "bound": stated["upper"], "multiplier": entry["multiplier"]})
+            else:
+                next(task for task in tasks if task["name"] == name["task"])["active_rows"].append({"row": name["row"], **entry})
+    return {"joint_velocity": list(map(float, x)), "tasks": tasks, "active_limits": active, "active_inequalities": inequalities,
+            "violated_limits": [], "solver": {"status": "optimal", "kkt_residual": 1e-16},
+            "certificate": {"problems": problems, "answer": [{"problem": len(problems) - 1, "weight": 1.0}]}}
+
+
+def verdict(request, answer):
+    """Returns the failed checks."""
+    message, found, failed, _, _ = check.examine([json.dumps(request), json.dumps(answer)])
+    return [message] if message else [f"{name} {found[name]:.1e}" for name in failed]
+
+
+def move(answer, j, step):
+    """Moves a joint and computes residuals, the multipliers of unknowns and the achieved velocities again."""
+    problem = answer["certificate"]["problems"][-1]
+    problem["solution"][j] += step
+    answer["joint_velocity"] = x = problem["solution"]
+    rows = [row for level in problem["levels"] for row in zip(level["rows"], level["lower"], level["upper"])]
+    start = 0
+    for k, (level, pair) in enumerate(zip(problem["levels"] + [None], problem["multipliers"])):
+        end = start + len(level["rows"]) if level else start
+        if pair:
+            for i in range(start, end):
+                a, low, high = rows[i]
+                value = dot(a, x)
+                pair["rows"][i] = low - value if low is not None and value < low else min(0, high - value) if high is not None else 0
+            pair["unknowns"] = [sum(w * row[0][i] for w, row in zip(pair["rows"], rows)) for i in range(len(x))]
+            if not level:
+                pair["unknowns"] = [h + a - b for h, a, b in zip(pair["unknowns"], problem["reference"], x)]
+        start = end
+    for task in answer["tasks"]:
+        found = {name["row"]: a for level in problem["levels"] for a, name in zip(level["rows"], level["names"]) if name.get("task") == task["name"]}
+        task["achieved"] = [dot(found[i], x) if i in found else value for i, value in enumerate(task["achieved"])]
+
+
+def matters(problem, pair, part, i):
+    """Returns whether a multiplier is more than rounding in the sums that it is a part of."""
+    rows = [row for level in problem["levels"] for row in level["rows"]]
+    terms = [[w * row[j] for w, row in zip(pair["rows"], rows)] + [problem["reference"][j], problem["solution"][j]]
+             for j in range(len(problem["solution"]))]
+    if part == "unknowns":
+        return abs(pair[part][i]) > 1e-5 * hypot(*terms[i])
+    return any(abs(own[i]) > 1e-5 * hypot(*own) for own in terms)
+
+
+def changes(random, request, answer):
+    """Yields (what, request, answer) with one change that makes the answer wrong."""
+    copies = lambda: (copy.deepcopy(request), copy.deepcopy(answer))
+    n, speed = len(answer["joint_velocity"]), hypot(*answer["joint_velocity"])
+    step = SIZE * speed * random.choice([-1, 1])
+    if speed:
+        j = random.randrange(n)
+        asked, given = copies()
+        given["joint_velocity"][j] += step
+        yield "joint velocity", asked, given
+        asked, given = copies()
+        given["certificate"]["problems"][-1]["solution"][j] += step
+        given["joint_velocity"][j] += step
+        yield "joint velocity and solution", asked, given
+        asked, given = copies()
+        move(given, j, step)
+        yield "joint velocity, and all that follows from it", asked, given
+    for k, pair in enumerate(answer["certificate"]["problems"][-1]["multipliers"]):
+        for part in ("rows", "unknowns") if pair else ():
+            i = random.randrange(len(pair[part]) or 1)
+            if pair[part] and matters(answer["certificate"]["problems"][-1], pair, part, i):
+                asked, given = copies()
+                given["certificate"]["problems"][-1]["multipliers"][k][part][i] *= 1 + SIZE
+                yield f"multiplier of {part}", asked, given
+    for i, limit in enumerate(answer["active_limits"]):
+        if limit["multiplier"] > 0:
+            asked, given = copies()
+            j = int(limit["joint"][1:]) - 1
+            given["certificate"]["problems"][-1][limit["side"]][j] += step or SIZE
+            yield "bound in the certificate", asked, given
+            asked["limits"][limit["side"]][j] += step or SIZE
+            yield "active bound", asked, given
+            asked, given = copies()
+            given["active_limits"][i]["multiplier"] *= 1 + SIZE
+            yield "multiplier of a limit", asked, given
+            asked, given = copies()
+            del given["active_limits"][i]
+            yield "limit not listed", asked, given
+    levels = answer["certificate"]["problems"][-1]["levels"]
+    asked, given = copies()
+    problem = given["certificate"]["problems"][-1]
+    del problem["levels"][-1], problem["multipliers"][-2]
+    problem["multipliers"][-1] = problem["multipliers"][-1] and {
+        **problem["multipliers"][-1], "rows": problem["multipliers"][-1]["rows"][:sum(len(level["rows"]) for level in levels[:-1])]}
+    yield "level left out", asked, given
+    if len(levels) > 1 and len(levels[0]["rows"]) == len(levels[1]["rows"]):
+        asked, given = copies()
+        given["certificate"]["problems"][-1]["levels"][:2] = levels[1::-1]
+        yield "levels swapped", asked, given
+    asked, given = copies()
+    given["solver"]["kkt_residual"] = 1e-8
+    yield "status", asked, given
+
+
+class Answers(unittest.TestCase):
+    """Answers of the reference."""
+
+    def test_right_answers_pass_and_changed_ones_do_not(self):
+        missed, made = {}, {}
+        for seed in range(COUNT):
+            source = random.Random(seed)
+            request = random_request(source)
+            answer = answer_to(request)
+            if COUNT <= 1000: self.assertEqual(verdict(request, answer), [], f"seed {seed}")
+            elif verdict(request, answer): print(seed, verdict(request, answer))
+            for what, asked, given in changes(source, request, answer):
+                made[what] = made.get(what, 0) + 1
+                if not verdict(asked, given):
+                    missed.setdefault(what, []).append(seed)
+        print({what: (count, missed.get(what, [])[:12]) for what, count in made.items()})
+
+
+COUNT = int(sys.argv.pop()) if sys.argv[-1].isdigit() else 120
+
+if __name__ == "__main__":
+    unittest.main()
