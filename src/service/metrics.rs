@@ -61,6 +61,7 @@ pub struct Metrics {
     resolutions: [[Counter; STATUSES.len()]; PATHS.len()],
     clarabel_iterations: Counter,
     clarabel_failures: Counter,
+    last_resorts: Counter,
     /// Handlers that panicked.
     pub panics: Counter,
     /// Steps of sessions more than 1.5 periods after the previous step.
@@ -93,8 +94,10 @@ impl Metrics {
         let help = "Resolved problems by solver path and status";
         let resolutions: Family<SolverLabels, Counter> = register(all, "resolutions", help, Family::default());
         let clarabel_iterations = register(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
-        let help = "Levels that Clarabel failed to solve and an exact method solved instead";
+        let help = "Levels that Clarabel failed to solve, with the solver qp";
         let clarabel_failures = register(all, "clarabel_failures", help, Counter::default());
+        let help = "Problems for which the solver auto needed its last resort, active limits from Clarabel";
+        let last_resorts = register(all, "last_resorts", help, Counter::default());
         let panics = register(all, "panics", "Handlers that panicked", Counter::default());
         let help = "Steps of sessions more than 1.5 periods after the previous step";
         let missed_periods = register(all, "missed_periods", help, Counter::default());
@@ -114,6 +117,7 @@ impl Metrics {
             resolutions,
             clarabel_iterations,
             clarabel_failures,
+            last_resorts,
             panics,
             missed_periods,
             log_lines_dropped,
@@ -184,6 +188,7 @@ impl Metrics {
         self.resolutions[path][status].inc();
         self.clarabel_iterations.inc_by(u64::from(report.iterations));
         self.clarabel_failures.inc_by(u64::from(report.failures));
+        self.last_resorts.inc_by(u64::from(report.last_resorts));
     }
 
     /// Returns all metrics in the OpenMetrics text format. `sessions`, `connections`: those that are open now.

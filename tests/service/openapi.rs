@@ -229,7 +229,14 @@ fn the_examples_of_the_document_get_their_committed_answers() {
         assert_committed(name, &answer);
         answer
     };
-    for name in ["resolve", "resolve_bounds", "resolve_closed_form", "resolve_everything", "resolve_limits"] {
+    for name in [
+        "resolve",
+        "resolve_bounds",
+        "resolve_certificate",
+        "resolve_closed_form",
+        "resolve_everything",
+        "resolve_limits",
+    ] {
         call("/v1/resolve", name);
     }
     call("/v1/resolve/batch", "batch");

@@ -25,6 +25,7 @@ REQUESTS: dict[str, type[Body]] = {
     "kinematics": models.KinematicsRequest,
     "resolve": models.ResolveRequest,
     "resolve_bounds": models.ResolveRequest,
+    "resolve_certificate": models.ResolveRequest,
     "resolve_closed_form": models.ResolveRequest,
     "resolve_everything": models.ResolveRequest,
     "resolve_limits": models.ResolveRequest,

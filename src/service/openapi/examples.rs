@@ -28,12 +28,13 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 31] = examples! {
+const EXAMPLES: [Example; 32] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
     post "/v1/resolve" "resolve_bounds" => "resolve_bounds";
     post "/v1/resolve" "resolve_closed_form" => "resolve_closed_form";
+    post "/v1/resolve" "resolve_certificate" => "resolve_certificate";
     post "/v1/resolve/batch" "batch" => "batch";
     post "/v1/step" "step" => "step";
     post "/v1/step" "step_inequality" => "step_inequality";

@@ -199,6 +199,8 @@ fn answer_ranges() -> Vec<FieldRange> {
         wire::TaskOutcome { residual_norm: NotNegative, rank: UpTo(MAX_ROWS), scale: Between(0.0, 1.0) }
         wire::ActiveRow { row: UpTo(MAX_ROWS), multiplier: NotNegative }
         wire::SolverReport { kkt_residual: NotNegative }
+        wire::SolverLevel { clarabel_residual: NotNegative, residual: NotNegative }
+        wire::CertificatePart { weight: Between(0.0, 1.0) }
         wire::Singularity { smallest_singular_value: NotNegative, manipulability: NotNegative }
         wire::ResolveAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
         wire::StepAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }

@@ -20,7 +20,7 @@ pub struct Controller {
     /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
+    /// Solver of each period's problem. Keep the default on an arm: `qp` is a second, slower solver to compare with, and
     /// `closed_form` ignores limits. Default `auto`.
     #[serde(default)]
     pub solver: Solver,

@@ -98,9 +98,9 @@ impl Method {
 pub enum Solver {
     /// Pseudo-inverses. Do not use it on a real arm. It ignores limits.
     ClosedForm,
-    /// The quadratic-program solver Clarabel at every level.
+    /// The answer of the quadratic-program solver Clarabel at every level, to compare with.
     Qp,
-    /// The same answer as `qp`, by the fastest certified path; default.
+    /// The hierarchical solver, which knows limits and is the fastest one; default.
     #[default]
     Auto,
 }
@@ -118,7 +118,7 @@ pub enum Path {
     ClosedForm,
     /// Active sets, starting from the last one, until one is certified.
     ActiveSet,
-    /// Clarabel, refined to full accuracy.
+    /// Clarabel at every level, each answer polished by one linear solve.
     Qp,
 }
 

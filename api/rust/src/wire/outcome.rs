@@ -114,9 +114,10 @@ pub struct SolverReport {
     pub path: Path,
     /// Whether the answer is certified optimal.
     pub status: Status,
-    /// Number of iterations of Clarabel over all levels.
+    /// Number of iterations of Clarabel over all levels; 0 unless the solver is `qp`.
     pub iterations: u32,
-    /// Number of levels that Clarabel failed to solve. The answer then keeps what the levels above achieved.
+    /// Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the levels above
+    /// achieved, and `status` is not `optimal`.
     #[serde(default)]
     pub failures: u32,
     /// Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
@@ -126,7 +127,7 @@ pub struct SolverReport {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schema(example = true)]
     pub rank_uncertain: bool,
-    /// Number of working sets (sets of active limits) that the solver tried.
+    /// Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others.
     #[serde(default)]
     pub working_sets: u32,
     /// Number of problems for which the solver `auto` needed its last resort, active limits from Clarabel; absent if 0.
@@ -150,7 +151,8 @@ pub struct SolverLevel {
     pub iterations: u32,
     /// Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an answer.
     pub clarabel_residual: Option<f64>,
-    /// The same after the polish, one linear solve on Clarabel's active limits.
+    /// The same after the polish, one linear solve on Clarabel's active limits; equal to `clarabel_residual` where the
+    /// polish was no better.
     pub residual: Option<f64>,
 }
 

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Axis, Certificate, Contradiction, Damping, Frame, Inequality, JointVector, Limits, Method,
-    NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
+    ActiveInequality, ActiveLimit, Axis, Certificate, Contradiction, Damping, Frame, Inequality, JointVector, Limits,
+    Method, NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
     ViolatedLimit,
 };
 use super::{bounds, object};
@@ -32,8 +32,8 @@ pub struct ResolveRequest {
     /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
     #[serde(default)]
     pub method: Method,
-    /// Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores limits.
-    /// Default `auto`.
+    /// Solver. Keep the default on an arm: `qp` is a second, slower solver to compare with, and `closed_form` ignores
+    /// limits. Default `auto`.
     #[serde(default)]
     pub solver: Solver,
     /// Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with robot,
