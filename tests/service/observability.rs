@@ -56,6 +56,7 @@ fn solver_paths_statuses_and_iterations_are_counted() {
     assert_eq!(metric(&service, &solved("qp")), 1.0);
     assert_eq!(metric(&service, &solved("active_set")), 0.0);
     assert_eq!(metric(&service, "revprio_clarabel_iterations_total"), iterations);
+    assert_eq!(metric(&service, "revprio_last_resorts_total"), 0.0);
 }
 
 #[test]

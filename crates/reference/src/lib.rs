@@ -42,6 +42,7 @@ mod recorder;
 mod report;
 mod scaled;
 mod singularity;
+mod step;
 mod svd;
 mod targets;
 

@@ -6,11 +6,12 @@ use crate::blend::blend;
 use crate::cascade::Cascade;
 use crate::contradiction::contradictions;
 use crate::hierarchy::{Hierarchy, Solution};
-use crate::plan::{Aim, Step, pose};
+use crate::plan::{Aim, pose};
 use crate::recorder::Recorder;
 use crate::report::{status, write_bounds, write_velocity};
 use crate::scaled::ScaledTask;
 use crate::singularity::Singularities;
+use crate::step::Step;
 use crate::targets::damp;
 
 /// Clarabel's answer at every level, bounded or not, damped or not.
@@ -89,7 +90,7 @@ impl<'a> Run<'a> {
         let tasks = self.problem.tasks.tasks();
         let reaches = |k: usize| !matches!(step, Step::Stage { task, .. } if task != k);
         for k in (0..tasks.len()).filter(|&k| step.is_last() && tasks[k].scaled && reaches(k)) {
-            let scaled = ScaledTask::new(self.problem, step, k, &self.aim);
+            let scaled = ScaledTask::new(self.problem, step, k, &self.aim.targets);
             if scaled.keeps_direction(&solved.1.x, 1.0) {
                 self.set_scale(step, k, 1.0);
             } else if scaled.speed > 0.0 {

@@ -3,10 +3,10 @@
 //! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits and
 //! d = ẋ_k/‖ẋ_k‖, the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible.
 
-use revprio_problem::{Matrix, Problem, Vector};
+use revprio_problem::{Matrix, Problem, Task, Vector};
 
-use crate::plan::{Aim, Step, equation_rows};
-use crate::svd::{RANK_TOLERANCE, Svd};
+use crate::step::Step;
+use crate::svd::{RANK_TOLERANCE, Svd, stack};
 
 /// Residual, relative to the speed of the task, up to which its direction counts as kept.
 const KEPT: f64 = 1e-9;
@@ -31,15 +31,15 @@ pub struct ScaledTask {
 }
 
 impl ScaledTask {
-    /// Examines task k; all tasks together in a step of one level.
-    pub fn new(problem: &Problem, step: Step, k: usize, aim: &Aim) -> Self {
+    /// Examines task k, all tasks together in a step of one level; `targets`: the velocities of the equation rows, per task.
+    pub fn new(problem: &Problem, step: Step, k: usize, targets: &[Vector]) -> Self {
         let tasks = problem.tasks.tasks();
         let n = problem.tasks.joint_count();
         let own = if step == Step::OneLevel { 0..tasks.len() } else { k..k + 1 };
         let higher = if step == Step::Levels { 0..k } else { 0..0 };
         let jacobian = equation_rows(&tasks[own.clone()], n);
         let above = equation_rows(&tasks[higher], n);
-        let velocity = own.filter(|&task| tasks[task].is_equation()).flat_map(|task| aim.targets[task].iter().copied());
+        let velocity = own.filter(|&task| tasks[task].is_equation()).flat_map(|task| targets[task].iter().copied());
         let velocity = Vector::from_vec(velocity.collect());
         let (norm, speed) = (jacobian.norm(), velocity.norm());
         let svd = Svd::new(&above);
@@ -55,6 +55,13 @@ impl ScaledTask {
         let qdot = x.rows(0, self.rows.ncols());
         let along = scale * self.speed;
         let off = &self.rows * qdot + &self.direction * along;
-        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
+        off.amax()
+            <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
     }
+}
+
+/// Returns the rows of the equations among tasks, highest priority on top.
+fn equation_rows<'a>(tasks: impl IntoIterator<Item = &'a Task>, n: usize) -> Matrix {
+    let equations = tasks.into_iter().filter(|task| task.is_equation());
+    equations.fold(Matrix::zeros(0, n), |above, task| stack(&above, &task.jacobian))
 }

@@ -7,8 +7,9 @@ use revprio_problem::{Damping, Matrix, Problem, RowName, Task, Vector};
 
 use crate::damping::{factor, kept_directions};
 use crate::hierarchy::{Hierarchy, Level};
-use crate::plan::{Aim, Step};
+use crate::plan::Aim;
 use crate::singularity::Singularities;
+use crate::step::Step;
 use crate::svd::{RANK_TOLERANCE, Svd};
 
 /// Error of a projector along a direction of length one.
