@@ -13,7 +13,7 @@ use crate::polish::LevelPoint;
 use crate::svd::{RANK_TOLERANCE, Svd};
 
 /// Relative residual of the optimality conditions up to which an answer is sure.
-pub const CERTIFIED: f64 = 1e-9;
+pub const CERTIFIED: f64 = 1e-11;
 
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
 const EXACT: f64 = 1e-12;
@@ -87,19 +87,24 @@ impl Cascade {
     /// Returns the better one of Clarabel's answer and its polish. Clarabel tries harder where neither is certified.
     fn solve_program(&mut self, program: &LevelProgram) -> Result<(LevelPoint, LevelReport), LevelReport> {
         let mut best: Option<(LevelPoint, LevelReport)> = None;
-        let mut iterations = 0;
+        let (mut iterations, mut before) = (0, None);
         for effort in [Effort::Quick, Effort::Careful] {
             match self.clarabel.solve(&program.quadratic_program(effort), effort) {
                 Ok(answer) => {
                     iterations += answer.iterations;
                     let own = LevelPoint::of_clarabel(program, &answer);
                     let clarabel_residual = own.residual;
-                    let polished = LevelPoint::polished(program, &answer);
+                    let polished = LevelPoint::polished(program, &answer, before.as_ref());
+                    if std::env::var("DEBUG").is_ok() && own.residual.min(polished.residual) > 1e-12 {
+                        let pairs: Vec<_> = program.constraints.iter().enumerate().filter(|(i, _)| answer.slacks[*i] < 1e-2).map(|(i, c)| format!("{:?}{:?} z {:.1e} s {:.1e} -> {:.1e} ({:.1e})", c.bounded, c.side, answer.multipliers[i], answer.slacks[i], polished.multipliers[i], (&program.rooms - &program.G * &polished.z)[i])).collect();
+                        eprintln!("{effort:?} iterations {} own {:.1e} polished {:.1e} sigma {:?} size {:.1e} scale {:.1e} speed {:.1e}\n   {}", answer.iterations, own.residual, polished.residual, Svd::new(&program.C).singular_values().iter().map(|s| format!("{s:.1e}")).collect::<Vec<_>>(), program.size, program.scale, program.speed, pairs.join("\n   "));
+                    }
                     let point = if polished.residual <= own.residual { polished } else { own };
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
                         best = Some((point, report));
                     }
+                    before = Some(answer);
                 }
                 Err(tried) => iterations += tried,
             }

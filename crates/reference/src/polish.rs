@@ -13,6 +13,9 @@ const DEPENDENT: f64 = 1e-11;
 /// Slack and ratio of multiplier and slack of a constraint that is met without a force: both go to zero together.
 const WEAK: f64 = 1e-3;
 
+/// Ratio of the slacks of an accurate and a less accurate answer below which the slack goes to zero.
+const VANISHING: f64 = 0.2;
+
 /// A point of a level with its multipliers, and how far they are from the optimality conditions.
 #[derive(Debug, Clone)]
 pub struct LevelPoint {
@@ -35,8 +38,10 @@ impl LevelPoint {
     /// Solves the level on Clarabel's active set, as near to Clarabel's answer as possible:
     ///
     /// min ‖C z − d‖² subject to G_a z = rooms_a, then the multipliers ν of G_aᵀ ν = Cᵀ(d − C z).
-    pub fn polished(program: &LevelProgram, answer: &QpAnswer) -> Self {
-        let active = active_set(program, answer);
+    ///
+    /// `before`: a less accurate answer of Clarabel to the same program, if there is one.
+    pub fn polished(program: &LevelProgram, answer: &QpAnswer, before: Option<&QpAnswer>) -> Self {
+        let active = active_set(program, answer, before);
         let (own, bounds): (Vec<usize>, Vec<usize>) = active.into_iter().partition(|&i| program.is_own(i));
         let start = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
         // A violated row of the level itself is an equation.
@@ -66,12 +71,14 @@ impl LevelPoint {
     }
 }
 
-/// Returns the constraints whose multipliers exceed their slacks; of the two sides of one row or unknown the stronger one.
-fn active_set(program: &LevelProgram, answer: &QpAnswer) -> Vec<usize> {
+/// Returns the constraints whose multipliers exceed their slacks, and those whose slack goes to zero without a multiplier; of the
+/// two sides of one row or unknown the stronger one.
+fn active_set(program: &LevelProgram, answer: &QpAnswer, before: Option<&QpAnswer>) -> Vec<usize> {
     let mut active: Vec<usize> = Vec::new();
     let is_active = |i: &usize| {
         let (multiplier, slack) = (answer.multipliers[*i], answer.slacks[*i]);
-        multiplier > slack || (slack < WEAK && multiplier > slack * WEAK)
+        let vanishes = before.is_some_and(|before| slack < VANISHING * before.slacks[*i]);
+        multiplier > slack || (slack < WEAK && (multiplier > slack * WEAK || vanishes))
     };
     for i in (0..program.constraints.len()).filter(is_active) {
         match active.last().copied() {
