@@ -15,6 +15,9 @@ use crate::svd::{RANK_TOLERANCE, Svd};
 /// Relative residual of the optimality conditions up to which an answer is sure.
 pub const CERTIFIED: f64 = 1e-11;
 
+/// Relative error of a level's answer, estimated from its residual and conditioning, up to which an answer is sure.
+pub const CERTAIN: f64 = 1e-6;
+
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
 const EXACT: f64 = 1e-12;
 
@@ -72,13 +75,13 @@ impl Cascade {
         }
         match self.solve_program(&program) {
             Ok((point, report)) => {
-                run.solution.residual = run.solution.residual.max(report.residual);
+                run.solution.is_unsure |= !(point.error <= CERTAIN && point.residual <= CERTIFIED);
                 run.solution.reports.push(report);
                 run.advance(level, &program, &point);
             }
             Err(report) => {
                 run.solution.failures += 1;
-                run.solution.residual = f64::INFINITY;
+                run.solution.is_unsure = true;
                 run.solution.reports.push(report);
             }
         }
@@ -91,14 +94,11 @@ impl Cascade {
         for effort in [Effort::Quick, Effort::Careful] {
             match self.clarabel.solve(&program.quadratic_program(effort), effort) {
                 Ok(answer) => {
+                    let answer = program.complete(answer);
                     iterations += answer.iterations;
                     let own = LevelPoint::of_clarabel(program, &answer);
                     let clarabel_residual = own.residual;
                     let polished = LevelPoint::polished(program, &answer, before.as_ref());
-                    if std::env::var("DEBUG").is_ok() && own.residual.min(polished.residual) > 1e-12 {
-                        let pairs: Vec<_> = program.constraints.iter().enumerate().filter(|(i, _)| answer.slacks[*i] < 1e-2).map(|(i, c)| format!("{:?}{:?} z {:.1e} s {:.1e} -> {:.1e} ({:.1e})", c.bounded, c.side, answer.multipliers[i], answer.slacks[i], polished.multipliers[i], (&program.rooms - &program.G * &polished.z)[i])).collect();
-                        eprintln!("{effort:?} iterations {} own {:.1e} polished {:.1e} sigma {:?} size {:.1e} scale {:.1e} speed {:.1e}\n   {}", answer.iterations, own.residual, polished.residual, Svd::new(&program.C).singular_values().iter().map(|s| format!("{s:.1e}")).collect::<Vec<_>>(), program.size, program.scale, program.speed, pairs.join("\n   "));
-                    }
                     let point = if polished.residual <= own.residual { polished } else { own };
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
@@ -133,7 +133,7 @@ impl<'a> Run<'a> {
             active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
             reports: Vec::new(),
             failures: 0,
-            residual: 0.0,
+            is_unsure: false,
             rank_uncertain: false,
             certificate: Vec::new(),
         };
