@@ -5,8 +5,8 @@
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Resolution, Solve};
 use revprio_core::task::{Task, TaskStack};
-use revprio_reference::ClosedForm;
 use revprio_lab::report::figure::{Colour, Curve, Figure, Panel, Stroke};
+use revprio_reference::ClosedForm;
 
 /// Largest speed in the figure, rad/s. Undamped speeds grow like 1/ε.
 const MAX_SPEED: f64 = 60.0;

@@ -69,7 +69,8 @@ fn the_package_is_small_and_complete_for_its_users() {
     }
     // Tests, and golden data of several MB, stay in the repository. `revprio check` needs one of the tools.
     let is_for_contributors = |path: &PathBuf| {
-        ["tests", "tools", "api/python"].iter().any(|dir| path.starts_with(dir)) && !path.ends_with("tools/check/check.py")
+        ["tests", "tools", "api/python"].iter().any(|dir| path.starts_with(dir))
+            && !path.ends_with("tools/check/check.py")
     };
     assert!(!packaged.iter().any(is_for_contributors));
     let bytes: u64 = packaged.iter().filter_map(|path| Some(root().join(path).metadata().ok()?.len())).sum();

@@ -134,7 +134,7 @@ pub struct Solution {
     pub reports: Vec<LevelReport>,
     /// Levels without an answer.
     pub failures: u32,
-    /// Whether the residuals of some level allow a larger error than [`CERTAIN`](crate::cascade::CERTAIN).
+    /// Whether some level is not solved surely.
     pub is_unsure: bool,
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,

@@ -41,6 +41,8 @@ pub struct LevelProgram {
     pub scale: f64,
     /// Size of velocities, in units of `size`.
     pub speed: f64,
+    /// Size of z relative to what the level misses.
+    pub zoom: f64,
     /// Whether nothing that is open improves the level.
     pub is_decided: bool,
 }
@@ -70,7 +72,10 @@ pub struct Decided<'a> {
 
 impl LevelProgram {
     /// Poses level k of a problem; k = number of levels: min ‖x − ζ‖².
-    pub fn new(problem: &Hierarchy, k: usize, decided: &Decided) -> Self {
+    ///
+    /// `zoom`: the size of z relative to what the level misses; less than 1 where x is nearly the answer, so that small distances
+    /// from bounds are seen.
+    pub fn new(problem: &Hierarchy, k: usize, decided: &Decided, zoom: f64) -> Self {
         let Decided { x, basis, .. } = decided;
         let open = basis.ncols();
         let last = (k == problem.levels.len()).then(|| last_objective(problem));
@@ -89,7 +94,7 @@ impl LevelProgram {
         let has_rounding_alone = size <= ROUNDING * (target + x.norm());
         let keeps_own = own.iter().all(|row| missing(row) == 0.0);
         let is_decided = has_rounding_alone || (keeps_own && C.norm() <= DECIDED);
-        let size = if size.is_normal() { size } else { 1.0 };
+        let size = zoom * if size.is_normal() { size } else { 1.0 };
         let (target, speed) = (target / size, (x.norm() / size).max(1.0));
         let mut program = Self {
             C,
@@ -100,6 +105,7 @@ impl LevelProgram {
             size,
             scale: target + speed,
             speed,
+            zoom,
             is_decided,
         };
         if !is_decided {

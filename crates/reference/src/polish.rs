@@ -7,6 +7,12 @@ use crate::clarabel::QpAnswer;
 use crate::level_program::LevelProgram;
 use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 
+/// Relative residual of the optimality conditions up to which an answer is sure.
+pub const CERTIFIED: f64 = 1e-11;
+
+/// Relative error of a level's answer, estimated from its residual and conditioning, up to which an answer is sure.
+pub const CERTAIN: f64 = 1e-6;
+
 /// Singular values of active constraints below this count as zero: their rows, of length one at most, depend.
 const DEPENDENT: f64 = 1e-11;
 
@@ -36,6 +42,11 @@ pub struct LevelPoint {
 }
 
 impl LevelPoint {
+    /// Returns whether the level is solved surely.
+    pub fn is_sure(&self) -> bool {
+        self.error <= CERTAIN && self.residual <= CERTIFIED
+    }
+
     /// Returns Clarabel's answer as it is.
     pub fn of_clarabel(program: &LevelProgram, answer: &QpAnswer) -> Self {
         let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
@@ -123,4 +134,3 @@ fn active_set(program: &LevelProgram, answer: &QpAnswer, before: Option<&QpAnswe
     }
     active
 }
-

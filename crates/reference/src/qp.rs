@@ -23,12 +23,7 @@ pub struct Qp {
 }
 
 impl Solve for Qp {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        _guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
         let mut run = Run::new(problem, &mut self.cascade);

@@ -55,6 +55,7 @@ impl ScaledTask {
         let qdot = x.rows(0, self.rows.ncols());
         let along = scale * self.speed;
         let off = &self.rows * qdot + &self.direction * along;
-        off.amax() <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
+        off.amax()
+            <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
     }
 }

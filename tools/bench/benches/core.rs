@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use divan::{Bencher, black_box};
 use revprio::service::{solver, stepper};
-use revprio_core::controller::{
-    Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows,
-};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows};
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
 use revprio_core::linalg::Vector;

@@ -31,9 +31,7 @@ mod streaming;
 pub mod string_or_map;
 mod string_tags;
 
-pub use certificate::{
-    Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName,
-};
+pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{
@@ -47,7 +45,8 @@ pub use law::{Law, PostureTarget};
 pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
 pub use outcome::{
-    ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverLevel, SolverReport, TaskOutcome, ViolatedLimit,
+    ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverLevel, SolverReport, TaskOutcome,
+    ViolatedLimit,
 };
 pub use pose::{Frame, Orientation, Pose, TargetPose};
 pub use problem::Problem;

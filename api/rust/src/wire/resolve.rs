@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Axis, Certificate, Contradiction, Damping, Frame, Inequality, JointVector, Limits, Method,
-    NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
+    ActiveInequality, ActiveLimit, Axis, Certificate, Contradiction, Damping, Frame, Inequality, JointVector, Limits,
+    Method, NullSpaceVelocity, Pose, Problem, Singularity, Solver, SolverReport, TaskOutcome, ViolatedInequality,
     ViolatedLimit,
 };
 use super::{bounds, object};
