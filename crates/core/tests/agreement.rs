@@ -49,14 +49,24 @@ fn table() {
                 auto.solve(&problem, &[], &mut b).unwrap();
                 let size = a.joint_velocity.amax().max(b.joint_velocity.amax()).max(speed(&problem)).max(1e-5);
                 let error = (&a.joint_velocity - &b.joint_velocity).amax() / size;
-                if b.solver.status != Status::Optimal { auto_unsure += 1; }
+                if b.solver.status != Status::Optimal {
+                    auto_unsure += 1;
+                }
                 if a.solver.status != Status::Optimal {
                     unsure += 1;
                     kinds[0] += i32::from(problem.damping.is_some());
                     kinds[1] += i32::from(!problem.inequalities.is_empty());
                     kinds[2] += i32::from(problem.tasks.tasks().iter().any(|t| t.scaled));
                     kinds[3] += i32::from(a.solver.failures > 0);
-                    if std::env::var("SHOW").is_ok() && unsure < 4 { println!("   unsure {seed} {:?} damping {} ineq {} {:?}", a.solver, problem.damping.is_some(), problem.inequalities.len(), a.levels); }
+                    if std::env::var("SHOW").is_ok() && unsure < 4 {
+                        println!(
+                            "   unsure {seed} {:?} damping {} ineq {} {:?}",
+                            a.solver,
+                            problem.damping.is_some(),
+                            problem.inequalities.len(),
+                            a.levels
+                        );
+                    }
                     continue;
                 }
                 if a.solver.rank_uncertain || b.solver.rank_uncertain {
@@ -72,8 +82,13 @@ fn table() {
             let above = |bar: f64| errors.iter().filter(|e| **e > bar).count();
             println!(
                 "{name} {method:?}: median {:.1e} p99 {:.1e} worst {:.1e}; above 1e-9 {} 1e-7 {} 1e-5 {}; unsure {unsure} {kinds:?} rank uncertain {uncertain} auto unsure {auto_unsure}; {:?}",
-                percentile(&errors, 0.5), percentile(&errors, 0.99), percentile(&errors, 1.0),
-                above(1e-9), above(1e-7), above(1e-5), &wrong[..wrong.len().min(5)]
+                percentile(&errors, 0.5),
+                percentile(&errors, 0.99),
+                percentile(&errors, 1.0),
+                above(1e-9),
+                above(1e-7),
+                above(1e-5),
+                &wrong[..wrong.len().min(5)]
             );
         }
     }
@@ -83,21 +98,41 @@ fn table() {
 #[ignore]
 fn show() {
     let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
-    let family = match std::env::var("FAMILY").unwrap().as_str() { "small" => SMALL, "wide" => WIDE, _ => EXTREME };
+    let family = match std::env::var("FAMILY").unwrap().as_str() {
+        "small" => SMALL,
+        "wide" => WIDE,
+        _ => EXTREME,
+    };
     let method = match std::env::var("METHOD").unwrap().as_str() {
-        "rp" => Method::ReversePriority, "strict" => Method::StrictReversePriority, "dls" => Method::DampedLeastSquares,
-        "pinv" => Method::Pseudoinverse, "sr" => Method::SingularityRobust, _ => Method::TaskPriority };
+        "rp" => Method::ReversePriority,
+        "strict" => Method::StrictReversePriority,
+        "dls" => Method::DampedLeastSquares,
+        "pinv" => Method::Pseudoinverse,
+        "sr" => Method::SingularityRobust,
+        _ => Method::TaskPriority,
+    };
     let problem = any_problem(&mut Random::new(seed), family, method);
     println!("damping {:?} zeta {:?}", problem.damping, problem.null_space_velocity);
     println!("lower {:?}\nupper {:?}", problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
     for t in problem.tasks.tasks() {
         println!("task scaled {} J {} v {:?}", t.scaled, t.jacobian, t.lower.as_slice());
     }
-    for i in &problem.inequalities { println!("ineq {:?}", i); }
+    for i in &problem.inequalities {
+        println!("ineq {:?}", i);
+    }
     let (mut a, mut b) = (Resolution::default(), Resolution::default());
     Qp::default().solve(&problem, &[], &mut a).unwrap();
     Resolver::default().solve(&problem, &[], &mut b).unwrap();
     for (n, r) in [("qp", &a), ("auto", &b)] {
-        println!("{n} {:?}\n  residuals {:?} scales {:?}\n  {:?}\n  active {:?} broken {:?}\n levels {:?}", r.joint_velocity.as_slice(), r.tasks.iter().map(|t| t.residual_norm).collect::<Vec<_>>(), r.tasks.iter().map(|t| t.scale).collect::<Vec<_>>(), r.solver, r.active_limits, r.violated_inequalities, r.levels.iter().filter(|l| l.residual > 1e-13).collect::<Vec<_>>());
+        println!(
+            "{n} {:?}\n  residuals {:?} scales {:?}\n  {:?}\n  active {:?} broken {:?}\n levels {:?}",
+            r.joint_velocity.as_slice(),
+            r.tasks.iter().map(|t| t.residual_norm).collect::<Vec<_>>(),
+            r.tasks.iter().map(|t| t.scale).collect::<Vec<_>>(),
+            r.solver,
+            r.active_limits,
+            r.violated_inequalities,
+            r.levels.iter().filter(|l| l.residual > 1e-13).collect::<Vec<_>>()
+        );
     }
 }

@@ -75,9 +75,7 @@ fn strict_reverse_priority_in_the_box_equals_enumeration() {
 
 #[test]
 fn some_cases_have_active_limits_and_some_have_none() {
-    let inside = cases()
-        .iter()
-        .filter(|case| case.solve(Method::ReversePriority).solver.path == Path::ClosedForm)
-        .count();
+    let inside =
+        cases().iter().filter(|case| case.solve(Method::ReversePriority).solver.path == Path::ClosedForm).count();
     assert!((10..=48).contains(&inside), "{inside} of 58 cases inside the limits");
 }

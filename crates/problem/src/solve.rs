@@ -7,12 +7,7 @@ pub trait Solve: Send {
     /// Solves a problem and overwrites `answer`; `guess` are the active limits of the period before (empty: none).
     ///
     /// A numerical failure is not an error but an answer with a status: the control loop needs a safe command either way.
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError>;
+    fn solve(&mut self, problem: &Problem, guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError>;
 
     /// Returns whether answers keep the limits. If not, do not move an arm with them.
     fn keeps_limits(&self) -> bool;

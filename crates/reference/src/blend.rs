@@ -52,12 +52,7 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
 }
 
 /// Averages the parts, X_K first. A part has its weight in what the parts before leave.
-fn average(
-    hierarchy: &Hierarchy,
-    parts: &[(Vector, usize, f64)],
-    recorder: &mut Recorder,
-    solution: &mut Solution,
-) {
+fn average(hierarchy: &Hierarchy, parts: &[(Vector, usize, f64)], recorder: &mut Recorder, solution: &mut Solution) {
     let (mut rest, mut x, mut answer) = (1.0, Vector::zeros(solution.x.len()), Vec::new());
     for (part, problem, weight) in parts {
         x.axpy(rest * weight, part, 1.0);
@@ -97,7 +92,8 @@ fn regularity(hierarchy: &Hierarchy, kept: usize, x: &Vector, threshold: f64) ->
         (0..level.rows.nrows()).filter(|&row| level.is_equation(row)).map(|row| level.rows.row(row).into_owned())
     });
     let equations: Vec<_> = equations.collect();
-    let columns = if equations.is_empty() { Matrix::zeros(0, hierarchy.unknowns()) } else { Matrix::from_rows(&equations) };
+    let columns =
+        if equations.is_empty() { Matrix::zeros(0, hierarchy.unknowns()) } else { Matrix::from_rows(&equations) };
     let smallest = if equations.len() < hierarchy.unknowns() { 0.0 } else { Svd::new(&columns).smallest() };
     let above = if kept == 1 { 1.0 } else { by_rows(&levels[..kept - 1]) };
     independent.max(smoothstep(smallest / threshold) * above)
@@ -221,7 +217,8 @@ fn push_weighted(reaching: &mut Level, level: &Level, weight: f64, point: &Vecto
     };
     let rows = 0..level.rows.nrows();
     let lower: Vec<f64> = rows.clone().map(|row| bound(row, level.lower[row], true)).collect();
-    let upper: Vec<f64> = rows.map(|row| if level.is_equation(row) { lower[row] } else { bound(row, level.upper[row], false) }).collect();
+    let upper: Vec<f64> =
+        rows.map(|row| if level.is_equation(row) { lower[row] } else { bound(row, level.upper[row], false) }).collect();
     reaching.push(&(&level.rows * weight), &lower, &upper, |_| RowName::Auxiliary);
 }
 

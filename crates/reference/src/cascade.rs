@@ -12,11 +12,11 @@ use crate::level_program::{Bounded, Decided, LevelProgram};
 use crate::polish::LevelPoint;
 use crate::svd::{RANK_TOLERANCE, Svd};
 
-/// Relative residual of the optimality conditions up to which an answer is sure.
-pub const CERTIFIED: f64 = 1e-9;
-
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
 const EXACT: f64 = 1e-12;
+
+/// Size of a level's program, relative to what the level misses, where its first answer is not sure.
+const CLOSER: f64 = 1e-4;
 
 /// Multipliers above this hold their bound for all lower levels, in units in which the level has size one. Smaller ones are
 /// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
@@ -64,22 +64,49 @@ impl Cascade {
     }
 
     fn solve_level(&mut self, run: &mut Run, level: usize) {
-        let decided = Decided { x: &run.solution.x, basis: &run.basis, fixed: &run.fixed, kept: &run.kept };
-        let program = LevelProgram::new(run.problem, level, &decided);
+        let program = run.program(level, 1.0);
         if program.is_decided || run.basis.ncols() == 0 {
             run.solution.reports.push(LevelReport::default());
             return;
         }
         match self.solve_program(&program) {
-            Ok((point, report)) => {
-                run.solution.residual = run.solution.residual.max(report.residual);
+            Ok((point, report)) if point.is_sure() => {
                 run.solution.reports.push(report);
                 run.advance(level, &program, &point);
             }
+            Ok((point, report)) => self.look_closer(run, level, &program, point, report),
             Err(report) => {
                 run.solution.failures += 1;
-                run.solution.residual = f64::INFINITY;
+                run.solution.is_unsure = true;
                 run.solution.reports.push(report);
+            }
+        }
+    }
+
+    /// Poses a level again from the answer that is not sure, in smaller units, so that Clarabel sees small distances from bounds.
+    fn look_closer(
+        &mut self,
+        run: &mut Run,
+        level: usize,
+        program: &LevelProgram,
+        point: LevelPoint,
+        report: LevelReport,
+    ) {
+        let start = run.solution.x.clone();
+        run.step(program, &point);
+        let closer = run.program(level, CLOSER);
+        match self.solve_program(&closer) {
+            Ok((better, found)) if better.residual <= point.residual => {
+                run.solution.is_unsure |= !better.is_sure();
+                let iterations = report.iterations + found.iterations;
+                run.solution.reports.push(LevelReport { iterations, residual: found.residual, ..report });
+                run.advance(level, &closer, &better);
+            }
+            _ => {
+                run.solution.is_unsure = true;
+                run.solution.reports.push(report);
+                run.solution.x = start;
+                run.advance(level, program, &point);
             }
         }
     }
@@ -87,19 +114,21 @@ impl Cascade {
     /// Returns the better one of Clarabel's answer and its polish. Clarabel tries harder where neither is certified.
     fn solve_program(&mut self, program: &LevelProgram) -> Result<(LevelPoint, LevelReport), LevelReport> {
         let mut best: Option<(LevelPoint, LevelReport)> = None;
-        let mut iterations = 0;
+        let (mut iterations, mut before) = (0, None);
         for effort in [Effort::Quick, Effort::Careful] {
             match self.clarabel.solve(&program.quadratic_program(effort), effort) {
                 Ok(answer) => {
+                    let answer = program.complete(answer);
                     iterations += answer.iterations;
                     let own = LevelPoint::of_clarabel(program, &answer);
                     let clarabel_residual = own.residual;
-                    let polished = LevelPoint::polished(program, &answer);
+                    let polished = LevelPoint::polished(program, &answer, before.as_ref());
                     let point = if polished.residual <= own.residual { polished } else { own };
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
                         best = Some((point, report));
                     }
+                    before = Some(answer);
                 }
                 Err(tried) => iterations += tried,
             }
@@ -128,7 +157,7 @@ impl<'a> Run<'a> {
             active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
             reports: Vec::new(),
             failures: 0,
-            residual: 0.0,
+            is_unsure: false,
             rank_uncertain: false,
             certificate: Vec::new(),
         };
@@ -137,17 +166,28 @@ impl<'a> Run<'a> {
         Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
     }
 
+    /// Poses a level from x on.
+    fn program(&self, level: usize, zoom: f64) -> LevelProgram {
+        let decided = Decided { x: &self.solution.x, basis: &self.basis, fixed: &self.fixed, kept: &self.kept };
+        LevelProgram::new(self.problem, level, &decided, zoom)
+    }
+
+    /// Moves to the point of a level.
+    fn step(&mut self, program: &LevelProgram, point: &LevelPoint) {
+        let x = &self.solution.x + &self.basis * &point.z * program.size;
+        self.solution.x = self.problem.clamp(&x);
+    }
+
     /// Moves to the point of a level; bounds with multipliers become active.
     fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint) {
+        self.step(program, point);
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
-        *x += &self.basis * &point.z * program.size;
-        *x = self.problem.clamp(x);
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
             if multiplier <= NEGLIGIBLE * program.scale {
                 continue;
             }
             let (side, signed) = (constraint.side, constraint.side.sign() * multiplier * constraint.unit);
-            let holds = multiplier > SIGNIFICANT;
+            let holds = multiplier * program.zoom > SIGNIFICANT;
             match constraint.bounded {
                 Bounded::Unknown(j) => {
                     set_first(&mut multipliers[j], signed);

@@ -16,12 +16,7 @@ use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 pub struct ClosedForm;
 
 impl Solve for ClosedForm {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        _guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
         let Formula { joint_velocity, kkt_residual } = evaluate(problem);
@@ -169,7 +164,7 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
 /// Paper: Eqs. (22), (25), (29), (32), which are this without damping.
 fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>) -> Formula {
     let n = zeta.len();
-        let (mut qdot, mut low, mut kkt_residual) = (zeta, Matrix::zeros(0, n), 0.0_f64);
+    let (mut qdot, mut low, mut kkt_residual) = (zeta, Matrix::zeros(0, n), 0.0_f64);
     for Equations { J, xdot } in tasks.iter().rev() {
         let all = stack(J, &low);
         let own_svd = Svd::new(J);

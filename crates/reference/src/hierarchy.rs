@@ -134,8 +134,8 @@ pub struct Solution {
     pub reports: Vec<LevelReport>,
     /// Levels without an answer.
     pub failures: u32,
-    /// Largest relative residual of the optimality conditions of all levels.
-    pub residual: f64,
+    /// Whether some level is not solved surely.
+    pub is_unsure: bool,
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,
     /// The multipliers of each level and of the last objective, if they are wanted.

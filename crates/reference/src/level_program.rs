@@ -3,7 +3,7 @@
 
 use revprio_problem::{Matrix, Side, Vector};
 
-use crate::clarabel::{Effort, QuadraticProgram};
+use crate::clarabel::{Effort, QpAnswer, QuadraticProgram};
 use crate::hierarchy::{Hierarchy, Level};
 
 /// What a constraint bounds.
@@ -41,12 +41,20 @@ pub struct LevelProgram {
     pub scale: f64,
     /// Size of velocities, in units of `size`.
     pub speed: f64,
+    /// Size of z relative to what the level misses.
+    pub zoom: f64,
     /// Whether nothing that is open improves the level.
     pub is_decided: bool,
 }
 
 /// A level that moves by less than this fraction is decided by the levels above.
 const DECIDED: f64 = 1e-10;
+
+/// Room, in units of what the level misses, beyond which a constraint is left out at first. [`LevelProgram::residual`] checks it.
+const FAR: f64 = 1e6;
+
+/// What a level misses, relative to its velocities, that is rounding.
+const ROUNDING: f64 = 4e-15;
 
 /// An unknown that moves by less than this along the open directions is decided by the levels above.
 const UNMOVED: f64 = 1e-11;
@@ -64,7 +72,10 @@ pub struct Decided<'a> {
 
 impl LevelProgram {
     /// Poses level k of a problem; k = number of levels: min ‖x − ζ‖².
-    pub fn new(problem: &Hierarchy, k: usize, decided: &Decided) -> Self {
+    ///
+    /// `zoom`: the size of z relative to what the level misses; less than 1 where x is nearly the answer, so that small distances
+    /// from bounds are seen.
+    pub fn new(problem: &Hierarchy, k: usize, decided: &Decided, zoom: f64) -> Self {
         let Decided { x, basis, .. } = decided;
         let open = basis.ncols();
         let last = (k == problem.levels.len()).then(|| last_objective(problem));
@@ -77,12 +88,14 @@ impl LevelProgram {
         let C = moved.select_rows(&equations);
         let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
         let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
-        let is_decided = own.iter().all(|row| missing(row) == 0.0) && (C.norm() <= DECIDED || d.amax() == 0.0);
         let size = own.iter().map(missing).fold(d.norm(), |size, missing| size.max(missing.abs()));
-        let size = if size.is_normal() { size } else { 1.0 };
         let targets = level.lower.iter().chain(&level.upper).filter(|bound| bound.is_finite());
-        let target = targets.fold(0.0_f64, |size, bound| size.max(bound.abs() * unit)) / size;
-        let speed = (x.norm() / size).max(1.0);
+        let target = targets.fold(0.0_f64, |size, bound| size.max(bound.abs() * unit));
+        let has_rounding_alone = size <= ROUNDING * (target + x.norm());
+        let keeps_own = own.iter().all(|row| missing(row) == 0.0);
+        let is_decided = has_rounding_alone || (keeps_own && C.norm() <= DECIDED);
+        let size = zoom * if size.is_normal() { size } else { 1.0 };
+        let (target, speed) = (target / size, (x.norm() / size).max(1.0));
         let mut program = Self {
             C,
             d: d / size,
@@ -92,6 +105,7 @@ impl LevelProgram {
             size,
             scale: target + speed,
             speed,
+            zoom,
             is_decided,
         };
         if !is_decided {
@@ -176,21 +190,38 @@ impl LevelProgram {
         let gradient = if is_squared { -self.C.tr_mul(&self.d) } else { Vector::zeros(open) };
         let one_if = |is_one: bool| f64::from(u8::from(is_one));
         let P = |i: usize, j: usize| if i < open && j < open { hessian[(i, j)] } else { one_if(i == j) };
+        let posed = self.posed();
         let A = |i: usize, j: usize| match i.checked_sub(equations) {
             None if j < open => self.C[(i, j)],
             None => -one_if(j == first_residual + i),
-            Some(i) if j < open => self.G[(i, j)],
-            Some(i) => -one_if(excess[i] == Some(j - open)),
+            Some(i) if j < open => self.G[(posed[i], j)],
+            Some(i) => -one_if(excess[posed[i]] == Some(j - open)),
         };
-        let constraints = equations + self.constraints.len();
+        let constraints = equations + posed.len();
         QuadraticProgram {
             unknowns,
             equations,
             P: (0..unknowns).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|(i, j)| P(i, j)).collect(),
             q: (0..unknowns).map(|j| if j < open { gradient[j] } else { 0.0 }).collect(),
             A: (0..unknowns).flat_map(|j| (0..constraints).map(move |i| (i, j))).map(|(i, j)| A(i, j)).collect(),
-            b: self.d.iter().take(equations).chain(self.rooms.iter()).copied().collect(),
+            b: self.d.iter().take(equations).copied().chain(posed.iter().map(|&i| self.rooms[i])).collect(),
         }
+    }
+
+    /// Returns the constraints that Clarabel gets: those near enough to matter.
+    fn posed(&self) -> Vec<usize> {
+        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= FAR || self.is_own(i)).collect()
+    }
+
+    /// Returns Clarabel's answer with the constraints that were left out: no multiplier, and the slack that is left.
+    pub fn complete(&self, answer: QpAnswer) -> QpAnswer {
+        let z = Vector::from_row_slice(&answer.v[..self.C.ncols()]);
+        let mut slacks = (&self.rooms - &self.G * z).as_slice().to_vec();
+        let mut multipliers = vec![0.0; slacks.len()];
+        for (place, i) in self.posed().into_iter().enumerate() {
+            (multipliers[i], slacks[i]) = (answer.multipliers[place], answer.slacks[place]);
+        }
+        QpAnswer { multipliers, slacks, ..answer }
     }
 
     /// Returns whether a constraint is a row of the level itself.

@@ -24,12 +24,7 @@ pub struct Qp {
 }
 
 impl Solve for Qp {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        _guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
         let mut run = Run::new(problem, &mut self.cascade);
@@ -133,7 +128,7 @@ impl<'a> Run<'a> {
         report.iterations = self.recorder.levels.iter().map(|level| level.iterations).sum();
         report.failures = self.recorder.failures;
         if report.status != Status::Failed {
-            report.status = if self.recorder.failures > 0 { Status::NotCertified } else { status(residual) };
+            report.status = if self.recorder.is_unsure { Status::NotCertified } else { status(residual) };
             report.kkt_residual = Some(residual).filter(|residual| residual.is_finite());
             report.rank_uncertain = known.rank_uncertain || self.recorder.rank_uncertain;
             write_bounds(self.problem, hierarchy, solution, answer);

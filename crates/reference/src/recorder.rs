@@ -14,6 +14,8 @@ pub struct Recorder<'a> {
     pub levels: Vec<LevelReport>,
     /// Levels that Clarabel failed to solve.
     pub failures: u32,
+    /// Whether a level is not solved surely.
+    pub is_unsure: bool,
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,
 }
@@ -22,7 +24,7 @@ impl<'a> Recorder<'a> {
     /// Starts an answer; `is_recorded`: with a certificate.
     pub fn new(cascade: &'a mut Cascade, is_recorded: bool) -> Self {
         let record = is_recorded.then(Record::default);
-        Self { cascade, record, levels: Vec::new(), failures: 0, rank_uncertain: false }
+        Self { cascade, record, levels: Vec::new(), failures: 0, is_unsure: false, rank_uncertain: false }
     }
 
     /// Solves a problem and notes how sure its solution is.
@@ -30,6 +32,7 @@ impl<'a> Recorder<'a> {
         let solution = self.cascade.solve(hierarchy, self.record.is_some());
         self.levels.extend_from_slice(&solution.reports);
         self.failures += solution.failures;
+        self.is_unsure |= solution.is_unsure;
         self.rank_uncertain |= solution.rank_uncertain;
         if let Some(record) = &mut self.record {
             record.push(hierarchy, &solution);

@@ -5,8 +5,8 @@ use revprio_problem::{
     RowName, Side, SolverReport, Status, TaskOutcome, Vector,
 };
 
-use crate::cascade::CERTIFIED;
 use crate::hierarchy::{Hierarchy, Solution};
+use crate::polish::CERTIFIED;
 use crate::singularity::Singularities;
 
 /// Writes the velocity and what follows from it alone. A velocity that is not finite is replaced by the slowest one inside the
@@ -14,15 +14,18 @@ use crate::singularity::Singularities;
 pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answer: &mut Resolution) {
     let n = problem.tasks.joint_count();
     let is_finite = x.iter().take(n).all(|velocity| velocity.is_finite());
-    answer.joint_velocity =
-        if is_finite { x.rows(0, n).into_owned() } else { problem.limits.clamp(&Vector::zeros(n)) };
+    answer.joint_velocity = if is_finite { x.rows(0, n).into_owned() } else { problem.limits.clamp(&Vector::zeros(n)) };
     let velocity = &answer.joint_velocity;
     let outcome = |(task, known): (&revprio_problem::Task, &crate::singularity::TaskSingularity)| {
         let achieved = &task.jacobian * velocity;
         let bounds = task.lower.iter().zip(task.upper.iter());
         let missing = achieved.iter().zip(bounds).map(|(value, (lower, upper))| (lower - value).max(value - upper));
         TaskOutcome {
-            residual_norm: missing.filter(|missing| *missing > 0.0).map(|missing| missing * missing).fold(0.0, |sum, square| sum + square).sqrt(),
+            residual_norm: missing
+                .filter(|missing| *missing > 0.0)
+                .map(|missing| missing * missing)
+                .fold(0.0, |sum, square| sum + square)
+                .sqrt(),
             achieved,
             rank: if is_finite { known.rank } else { 0 },
             algorithmic: is_finite && known.algorithmic,

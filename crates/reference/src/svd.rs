@@ -125,7 +125,8 @@ mod tests {
             let a = matrix(m, n, m + n);
             let svd = Svd::new(&a);
             let count = m.min(n);
-            let back = svd.range(count) * Matrix::from_diagonal(&Vector::from_row_slice(svd.singular_values()))
+            let back = svd.range(count)
+                * Matrix::from_diagonal(&Vector::from_row_slice(svd.singular_values()))
                 * svd.row_space(count).transpose();
             assert!((back - &a).amax() < 1e-14, "{m} × {n}");
             assert!((a * svd.null_space(count)).amax().max(0.0) < 1e-14);

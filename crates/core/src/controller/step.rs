@@ -161,7 +161,9 @@ impl Controller {
         config.write_barriers(configuration, ahead, braking, &mut problem.inequalities);
         let resolution = &mut command.resolution;
         match approach {
-            Some(approach) => approach.resolve(config, (problem, &mut **solver), limited, motion, previous, resolution)?,
+            Some(approach) => {
+                approach.resolve(config, (problem, &mut **solver), limited, motion, previous, resolution)?
+            }
             None => solver.solve(problem, &previous.active_set, resolution)?,
         }
         config.remove_weights(&mut command.resolution.tasks, &command.targets);

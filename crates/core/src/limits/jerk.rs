@@ -208,9 +208,9 @@ impl JerkLimit {
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::LimitKind;
     use super::super::braking::NOISE_TOLERANCE;
     use super::super::limited_box::{Interval, JointMotion};
-    use super::super::LimitKind;
     use super::*;
 
     fn interval(limits: &JointLimits, q: f64, last: f64, acceleration: f64, period: f64) -> Interval {

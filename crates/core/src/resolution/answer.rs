@@ -1,8 +1,8 @@
 //! Writing the answer: joint velocities with their explanation.
 
 use revprio_problem::{
-    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Inequality, InequalityViolation, Path, Problem, Resolution, Side,
-    Singularity, SolverReport, Status, Task, TaskOutcome,
+    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Inequality, InequalityViolation, Path, Problem, Resolution,
+    Side, Singularity, SolverReport, Status, Task, TaskOutcome,
 };
 
 use super::engine::Engine;
@@ -76,7 +76,13 @@ pub fn write_unlimited(
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
 /// status `failed`. `achieved`: as for [`report_tasks`].
-fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, x: &[f64], achieved: &[f64]) {
+fn report_velocity(
+    answer: &mut Resolution,
+    problem: &Problem,
+    singularities: &Singularities,
+    x: &[f64],
+    achieved: &[f64],
+) {
     let x = &x[..problem.tasks.joint_count()];
     let is_finite = all_finite(x);
     if is_finite {
@@ -183,7 +189,13 @@ fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
 }
 
 /// Sets the outcome at q̇, whose product with the Jacobian may be known; a scaled task that no limit cuts has the scale 1.
-fn report_task(outcome: &mut TaskOutcome, task: &Task, known: TaskSingularity, joint_velocity: &[f64], achieved: Option<&[f64]>) {
+fn report_task(
+    outcome: &mut TaskOutcome,
+    task: &Task,
+    known: TaskSingularity,
+    joint_velocity: &[f64],
+    achieved: Option<&[f64]>,
+) {
     let rows = task.jacobian.nrows();
     if outcome.achieved.len() != rows {
         outcome.achieved = Vector::zeros(rows);

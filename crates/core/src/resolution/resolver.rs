@@ -70,12 +70,7 @@ impl Resolver {
 }
 
 impl Solve for Resolver {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         self.resolve(problem, guess, answer)
     }
 

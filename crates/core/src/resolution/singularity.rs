@@ -4,9 +4,7 @@ use revprio_problem::{Damping, EquationRows, Singularity, Task, TaskStack};
 
 use super::level::refill;
 use super::solver::{HierarchicalSolver, SizedSolver};
-use crate::linalg::{
-    DampingFactor, RANK_TOLERANCE, SingularValues, distance_square, dot, smallest_and_product,
-};
+use crate::linalg::{DampingFactor, RANK_TOLERANCE, SingularValues, distance_square, dot, smallest_and_product};
 
 /// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
 const INDEPENDENT: f64 = 1e-6;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError,
-    TaskConfig, TaskRows, ToolRows,
+    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError, TaskConfig,
+    TaskRows, ToolRows,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_core::limits::{Drive, LimitKind, braking_deceleration};

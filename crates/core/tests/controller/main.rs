@@ -1,7 +1,5 @@
 //! Tests of the controller and its laws in closed loop with a simulated arm.
 
-#[path = "../solvers/mod.rs"]
-mod solvers;
 mod anti_windup;
 mod arms;
 mod barriers;
@@ -21,6 +19,8 @@ mod memory;
 mod outstretched;
 mod planes;
 mod positions;
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod stalls;
 mod streaming;
 mod stuck;

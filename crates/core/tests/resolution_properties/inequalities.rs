@@ -87,8 +87,7 @@ fn an_active_inequality_is_named_with_its_multiplier() {
 #[test]
 fn the_closed_form_reports_the_inequalities_that_it_violates() {
     let inequalities = vec![Inequality::new("wall", vec![1.0, 0.0], 0.5).unwrap()];
-    let answer =
-        resolve_with(Solver::ClosedForm, &Problem { inequalities, ..Problem::new(push(2.0)) }, &[]).unwrap();
+    let answer = resolve_with(Solver::ClosedForm, &Problem { inequalities, ..Problem::new(push(2.0)) }, &[]).unwrap();
     assert_eq!(answer.violated_inequalities.len(), 1);
     let violated = &answer.violated_inequalities[0];
     assert!(&*violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");

@@ -3,8 +3,6 @@
 //! Every problem is a function of a seed. A failure prints the seed.
 #![allow(non_snake_case)]
 
-#[path = "../solvers/mod.rs"]
-mod solvers;
 mod bulk;
 mod clarabel;
 mod continuity;
@@ -19,3 +17,5 @@ mod ranks;
 mod reference;
 mod scaling;
 mod smooth_paths;
+#[path = "../solvers/mod.rs"]
+mod solvers;

@@ -5,7 +5,7 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::problems::{Random};
+use crate::problems::Random;
 use crate::solvers::resolve_with;
 
 /// Returns two tasks of Gaussian-like rows, the last of which depends on the first one up to `nearness`, within limits.

@@ -5,8 +5,8 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Side, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
-use crate::{N, limits, problem};
 use crate::solvers::resolve_with;
+use crate::{N, limits, problem};
 
 /// Two tasks of one row each on two joints: everything about the answer is known.
 #[test]
@@ -61,11 +61,8 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
     let stack = TaskStack::new(vec![inequality, goal]).unwrap();
     let limits = limits([-3.0, -3.0, -3.0, 0.0, 0.1], [3.0, 3.0, 0.4, 0.0, 3.0]);
     for solver in [Solver::Auto, Solver::Qp] {
-        let problem = Problem {
-            limits: limits.clone(),
-            method: Method::StrictReversePriority,
-            ..Problem::new(stack.clone())
-        };
+        let problem =
+            Problem { limits: limits.clone(), method: Method::StrictReversePriority, ..Problem::new(stack.clone()) };
         let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - vector(&[0.2, 0.3, 0.4, 0.0, 0.1])).amax() < 1e-12, "{answer:?}");
         assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.violated_limits.is_empty());

@@ -3,8 +3,8 @@
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Solver, Status};
 
-use crate::{N, problem};
 use crate::solvers::resolve_with;
+use crate::{N, problem};
 
 /// The second row is below the tolerance for ranks, so that its velocity is missing, which the certificate states: σ_2 ẋ_2
 /// relative to ‖J‖ (‖J‖ · speeds + ‖ẋ‖).

@@ -1,9 +1,9 @@
 //! Every method with and without damping against the solver, what answers report, and what is refused.
 
-#[path = "../solvers/mod.rs"]
-mod solvers;
 mod answers;
 mod formulas;
+#[path = "../solvers/mod.rs"]
+mod solvers;
 
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;

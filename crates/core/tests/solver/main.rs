@@ -5,8 +5,6 @@
 
 #![allow(non_snake_case)]
 
-#[path = "../solvers/mod.rs"]
-mod solvers;
 mod contradictions;
 mod enumeration;
 mod feasibility;
@@ -15,5 +13,7 @@ mod hierarchy;
 mod published;
 mod random;
 mod sizes;
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod warm;
 mod work;

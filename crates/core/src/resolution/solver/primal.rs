@@ -5,7 +5,7 @@ use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::{WorkingSet};
+use crate::resolution::level::WorkingSet;
 
 /// What blocks a step.
 #[derive(Clone, Copy)]
