@@ -32,6 +32,10 @@ __all__ = [
     "BatchAnswer",
     "BatchItem",
     "BatchRequest",
+    "Certificate",
+    "CertificatePart",
+    "CertifiedLevel",
+    "CertifiedProblem",
     "ConstantProfile",
     "Contact",
     "ContactKind",
@@ -67,6 +71,7 @@ __all__ = [
     "Law",
     "LeftOutJoint",
     "LeftOutReason",
+    "LevelMultipliers",
     "LimitKind",
     "Limits",
     "LinkFrame",
@@ -105,6 +110,7 @@ __all__ = [
     "RobotList",
     "RobotRegistration",
     "RobotSource",
+    "RowName",
     "Scenario",
     "ScenarioEntry",
     "ScenarioList",
@@ -122,6 +128,7 @@ __all__ = [
     "SineProfile",
     "Singularity",
     "Solver",
+    "SolverLevel",
     "SolverReport",
     "StabilityAnswer",
     "StabilityRequest",
@@ -352,37 +359,69 @@ Status = Literal["optimal", "not_certified", "failed"]
 """The status of an answer: whether it is certified optimal."""
 
 
+class SolverLevel(Answer):
+    """What Clarabel did at one level.
+
+    Fields:
+
+    - iterations: Number of iterations; 0 where the levels above leave nothing to decide.
+    - clarabel_residual: Largest relative residual of the optimality conditions of the level at Clarabel's answer;
+      `null` without an answer.
+    - residual: The same after the polish, one linear solve on Clarabel's active limits; equal to
+      `clarabel_residual` where the polish was no better.
+    """
+
+    iterations: int
+    """Number of iterations; 0 where the levels above leave nothing to decide."""
+    clarabel_residual: float | None = None
+    """Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an
+    answer."""
+    residual: float | None = None
+    """The same after the polish, one linear solve on Clarabel's active limits; equal to `clarabel_residual` where the
+    polish was no better."""
+
+
 class SolverReport(Answer):
     """Solver path, status and certificate of an answer.
 
     Fields:
 
-    - iterations: Number of iterations of Clarabel over all levels.
+    - iterations: Number of iterations of Clarabel over all levels; 0 unless the solver is `qp`.
     - path: Solver path that found the answer.
     - status: Whether the answer is certified optimal.
-    - failures: Number of levels that Clarabel failed to solve; an exact active-set method solved them.
+    - failures: Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the
+      levels above achieved, and `status` is not `optimal`.
     - kkt_residual: Largest relative residual of the optimality conditions; `null` without an answer or if not
       finite, never if `status` is `optimal`.
+    - last_resorts: Number of problems for which the solver `auto` needed its last resort, active limits from
+      Clarabel; absent if 0.
+    - levels: What Clarabel did at each level, in the order of solution; only with the solver `qp`.
     - rank_uncertain: Whether a rank decision lies so near its threshold that rounding may have decided it; default
       `false`.
-    - working_sets: Number of working sets (sets of active limits) that the solver tried.
+    - working_sets: Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others.
     """
 
     iterations: int
-    """Number of iterations of Clarabel over all levels."""
+    """Number of iterations of Clarabel over all levels; 0 unless the solver is `qp`."""
     path: Path
     """Solver path that found the answer."""
     status: Status
     """Whether the answer is certified optimal."""
     failures: int | None = None
-    """Number of levels that Clarabel failed to solve; an exact active-set method solved them."""
+    """Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the levels above
+    achieved, and `status` is not `optimal`."""
     kkt_residual: float | None = None
     """Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
     `status` is `optimal`."""
+    last_resorts: int | None = None
+    """Number of problems for which the solver `auto` needed its last resort, active limits from Clarabel; absent if
+    0."""
+    levels: list[SolverLevel] = Field(default_factory=list)
+    """What Clarabel did at each level, in the order of solution; only with the solver `qp`."""
     rank_uncertain: bool | None = None
     """Whether a rank decision lies so near its threshold that rounding may have decided it; default `false`."""
     working_sets: int | None = None
-    """Number of working sets (sets of active limits) that the solver tried."""
+    """Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others."""
 
 
 TargetState = Literal["following", "extrapolating", "holding", "braking"]
@@ -456,6 +495,121 @@ class ViolatedLimit(Answer):
     """Lower or upper bound."""
     value: float
     """Velocity of the joint, rad/s or m/s."""
+
+
+class CertificatePart(Answer):
+    """A part of an answer.
+
+    Fields:
+
+    - problem: Index of the problem, from 0.
+    - weight: Weight of its solution; all weights add up to one.
+    """
+
+    problem: int
+    """Index of the problem, from 0."""
+    weight: float
+    """Weight of its solution; all weights add up to one."""
+
+
+class RowName(Answer):
+    """What a row stands for: a row of a task, an inequality, or, without fields, damping or a part of a scaled task.
+
+    Fields:
+
+    - inequality: Name of the inequality. Its row has length one.
+    - row: Index of the row in its task, from 0.
+    - task: Name of the task.
+    """
+
+    inequality: str | None = None
+    """Name of the inequality. Its row has length one."""
+    row: int | None = None
+    """Index of the row in its task, from 0."""
+    task: str | None = None
+    """Name of the task."""
+
+
+class CertifiedLevel(Answer):
+    """The rows of a level: each asks lower ≤ a·x ≤ upper.
+
+    Fields:
+
+    - lower: Lower bounds of the rows; `null`: no bound. A row with equal bounds is an equation.
+    - names: What each row stands for.
+    - rows: Coefficients a of each row, one per unknown.
+    - upper: Upper bounds of the rows.
+    """
+
+    lower: FloatArray
+    """Lower bounds of the rows; `null`: no bound. A row with equal bounds is an equation."""
+    names: list[RowName]
+    """What each row stands for."""
+    rows: list[FloatArray]
+    """Coefficients a of each row, one per unknown."""
+    upper: FloatArray
+    """Upper bounds of the rows."""
+
+
+class LevelMultipliers(Answer):
+    """The multipliers of one level.
+
+    Fields:
+
+    - rows: Weights w of the rows of this level and all higher ones, highest level first; the residuals on the
+      level's own rows.
+    - unknowns: Multipliers h of the bounds of the unknowns, Σ w a over the rows; for the last objective plus ζ − x.
+    """
+
+    rows: FloatArray
+    """Weights w of the rows of this level and all higher ones, highest level first; the residuals on the level's own
+    rows."""
+    unknowns: FloatArray
+    """Multipliers h of the bounds of the unknowns, Σ w a over the rows; for the last objective plus ζ − x."""
+
+
+class CertifiedProblem(Answer):
+    """A problem with priority levels inside a box, and its solution x.
+
+    Fields:
+
+    - levels: Levels, highest first.
+    - lower: Lower bounds of the unknowns: the joint velocities, then the speed of each scaled task; `null`: no
+      bound.
+    - multipliers: Multipliers of each level, and of the last objective at the end; `null` where a level leaves no
+      residual.
+    - reference: Reference ζ: after the last level, ‖x − ζ‖² is as small as possible.
+    - solution: Solution x.
+    - upper: Upper bounds of the unknowns.
+    """
+
+    levels: list[CertifiedLevel]
+    """Levels, highest first."""
+    lower: FloatArray
+    """Lower bounds of the unknowns: the joint velocities, then the speed of each scaled task; `null`: no bound."""
+    multipliers: list[LevelMultipliers | None]
+    """Multipliers of each level, and of the last objective at the end; `null` where a level leaves no residual."""
+    reference: FloatArray
+    """Reference ζ: after the last level, ‖x − ζ‖² is as small as possible."""
+    solution: FloatArray
+    """Solution x."""
+    upper: FloatArray
+    """Upper bounds of the unknowns."""
+
+
+class Certificate(Answer):
+    """The problems that were solved on the way to an answer, with their solutions and multipliers.
+
+    Fields:
+
+    - answer: The parts of the joint velocity: Σ weight · solution, moved to the nearest point of the box.
+    - problems: The problems in the order of their solution.
+    """
+
+    answer: list[CertificatePart]
+    """The parts of the joint velocity: Σ weight · solution, moved to the nearest point of the box."""
+    problems: list[CertifiedProblem]
+    """The problems in the order of their solution."""
 
 
 class ContradictionMember(Answer):
@@ -533,6 +687,7 @@ class ResolveAnswer(Answer):
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
+    - certificate: Certificate of the answer; only if the request has `"certificate": true`.
     - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
     - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
       limit; only with a robot.
@@ -560,6 +715,8 @@ class ResolveAnswer(Answer):
     contain."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
+    certificate: Certificate | None = None
+    """Certificate of the answer; only if the request has `"certificate": true`."""
     contradictions: list[Contradiction] = Field(default_factory=list)
     """Contradictions: minimal sets of demands that cannot all be kept."""
     joint_limit_index: float | None = None
@@ -894,6 +1051,8 @@ class ResolveRequest(Body):
     Fields:
 
     - tasks: The tasks, highest priority first: put first what must not give way.
+    - certificate: Whether the answer has a `certificate`, with which anyone can check that it is optimal. Set it to
+      audit an answer; default `false`.
     - damping: Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may
       be singular; default: no damping.
     - inequalities: Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes,
@@ -909,8 +1068,8 @@ class ResolveRequest(Body):
     - period_s: Control period T, s: how long the answer will be commanded. Needed for position and acceleration
       limits.
     - robot: Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`.
-    - solver: Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores
-      limits. Default `auto`.
+    - solver: Solver. Keep the default on an arm: `qp` is a second, slower solver to compare with, and `closed_form`
+      ignores limits. Default `auto`.
     - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works,
       such as the tip of a gripper; default: that frame itself.
     - why: Whether the answer has `why`, sentences that say what restricts it. Set it while you try a problem out;
@@ -919,6 +1078,9 @@ class ResolveRequest(Body):
 
     tasks: list[ResolveTask]
     """The tasks, highest priority first: put first what must not give way."""
+    certificate: bool | None = None
+    """Whether the answer has a `certificate`, with which anyone can check that it is optimal. Set it to audit an
+    answer; default `false`."""
     damping: Damping | None = None
     """Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may be singular;
     default: no damping."""
@@ -942,8 +1104,8 @@ class ResolveRequest(Body):
     robot: str | None = None
     """Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`."""
     solver: Solver | None = None
-    """Solver. Keep the default on an arm: `qp` gives the same answer more slowly, `closed_form` ignores limits. Default
-    `auto`."""
+    """Solver. Keep the default on an arm: `qp` is a second, slower solver to compare with, and `closed_form` ignores
+    limits. Default `auto`."""
     tool_offset: Pose | None = None
     """Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the tip
     of a gripper; default: that frame itself."""
@@ -1574,8 +1736,8 @@ class ControllerConfig(Body):
       choose the posture of a redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if
       the arm has more joints than its tasks have rows, all tasks have the law `pose` or bounds, and none moves
       single joints; otherwise `rest`.
-    - solver: Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
-      `closed_form` ignores limits. Default `auto`.
+    - solver: Solver of each period's problem. Keep the default on an arm: `qp` is a second, slower solver to
+      compare with, and `closed_form` ignores limits. Default `auto`.
     - state_checks: Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that
       your task needs; default: those of `StateChecks`.
     - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works,
@@ -1630,7 +1792,7 @@ class ControllerConfig(Body):
     redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if the arm has more joints than its
     tasks have rows, all tasks have the law `pose` or bounds, and none moves single joints; otherwise `rest`."""
     solver: Solver | None = None
-    """Solver of each period's problem. Keep the default on an arm: `qp` gives the same answers more slowly,
+    """Solver of each period's problem. Keep the default on an arm: `qp` is a second, slower solver to compare with, and
     `closed_form` ignores limits. Default `auto`."""
     state_checks: StateChecks | None = None
     """Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that your task needs;
