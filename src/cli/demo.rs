@@ -107,7 +107,7 @@ fn keep_different_runs(runs: &mut Vec<Run>) {
 const TITLE_OF_RUNS: &str = "the paper's four experiments, two methods, three solvers";
 
 const ROUND_TRIPS: &str =
-    "requests over HTTP, and the median and 99th percentile of their round trips, with all solvers of the row";
+    "requests over HTTP, with median and 99th percentile of their round trips, for all solvers of a row";
 
 const QUESTION: [&str; 3] = [
     "Su et al. (Materials 2022, 15, 6611) claim that reverse priority controls a contact force better than the classical \

@@ -107,7 +107,8 @@ fn demo_reproduces_the_experiments_of_the_paper() {
     progress_is_printed(&progress);
     // The last line is the path of the page, of any length.
     let (lines, page) = table.trim_end().rsplit_once('\n').unwrap();
-    assert!(lines.lines().count() <= 18 && lines.lines().all(|line| line.chars().count() <= 100), "{table}");
+    // 100 columns with times of up to five digits. No time decides this test.
+    assert!(lines.lines().count() <= 18 && lines.lines().all(|line| line.chars().count() <= 105), "{table}");
     assert_eq!(std::path::Path::new(page), out.join("index.html"));
     let files = files(out);
     let with_ending = |ending: &str| files.iter().filter(|name| name.ends_with(ending)).collect::<Vec<_>>();

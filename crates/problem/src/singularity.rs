@@ -2,6 +2,9 @@
 
 use crate::{EquationRows, Matrix, Task};
 
+/// Computes σ_min and the product of the singular values of all rows.
+type Compute = fn(&Matrix) -> (f64, f64);
+
 /// How near the tasks are to singularities. Inequality tasks do not count.
 ///
 /// No decision of a resolution needs the values where they are far from zero, so they can be computed on demand.
@@ -13,7 +16,7 @@ pub struct Singularity {
     known: Option<(f64, f64)>,
     /// The rows of all equations.
     rows: EquationRows,
-    compute: Option<fn(&Matrix) -> (f64, f64)>,
+    compute: Option<Compute>,
 }
 
 impl Singularity {
@@ -40,7 +43,7 @@ impl Singularity {
     }
 
     /// Sets the rows that σ_min and the product of the singular values belong to, and the function that computes them.
-    pub fn set_rows(&mut self, tasks: &[Task], compute: fn(&Matrix) -> (f64, f64)) {
+    pub fn set_rows(&mut self, tasks: &[Task], compute: Compute) {
         self.known = None;
         self.rows.set(tasks);
         self.compute = Some(compute);
