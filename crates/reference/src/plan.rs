@@ -64,7 +64,6 @@ impl<'a> Posed<'a> {
     fn new(problem: &'a Problem, step: Step, aim: &'a Aim, limits: bool) -> Self {
         let mut hierarchy = Hierarchy::new(aim.before.clone());
         let mut speeds = vec![None; aim.scaled.len()];
-        let mut posed_inequalities = None;
         if limits && step.is_last() {
             hierarchy.lower = problem.limits.lower().as_slice().to_vec();
             hierarchy.upper = problem.limits.upper().as_slice().to_vec();
@@ -76,9 +75,8 @@ impl<'a> Posed<'a> {
                     hierarchy.reference = hierarchy.reference.push(0.0);
                 }
             }
-            posed_inequalities = Some(inequalities(problem, hierarchy.unknowns()));
+            hierarchy.push(inequalities(problem, hierarchy.unknowns()));
         }
-        posed_inequalities.into_iter().for_each(|level| hierarchy.push(level));
         Self { problem, aim, knows_inequalities: limits, speeds, hierarchy }
     }
 
@@ -93,13 +91,12 @@ impl<'a> Posed<'a> {
         for k in (0..tasks.len()).filter(|&k| scaled.is_none() || !tasks[k].is_equation()) {
             self.add_task(&mut level, k);
         }
-        match scaled {
+        if let Some(k) = scaled {
             // A stack has one velocity, so that it is scaled as a whole.
-            Some(k) => self.push_scaled(k, level),
-            None => {
-                level.push_damping(self.aim.lambda, &self.aim.before);
-                self.hierarchy.push(level);
-            }
+            self.push_scaled(k, level);
+        } else {
+            level.push_damping(self.aim.lambda, &self.aim.before);
+            self.hierarchy.push(level);
         }
     }
 

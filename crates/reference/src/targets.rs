@@ -131,7 +131,9 @@ fn lower_hierarchy(problem: &Problem, damping: Damping, aim: &mut Aim, solve: So
         chains.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         chains.truncate(MAX_CHAINS);
         let total: f64 = chains.iter().map(|chain| chain.weight).sum();
-        chains.iter_mut().for_each(|chain| chain.weight /= total);
+        for chain in &mut chains {
+            chain.weight /= total;
+        }
     }
     let parts = chains.iter().map(|chain| (&chain.point + &chain.N * &aim.before) * chain.weight);
     let average = parts.fold(Vector::zeros(n), |sum, part| sum + part);

@@ -159,12 +159,10 @@ impl Controller {
             look_ahead.as_mut().map(|look_ahead| look_ahead.update(config, arm.rest, last_command)).transpose()?;
         let braking = Some(capability.joint_braking());
         config.write_barriers(configuration, ahead, braking, &mut problem.inequalities);
-        let resolution = &mut command.resolution;
-        match approach {
-            Some(approach) => {
-                approach.resolve(config, (problem, &mut **solver), limited, motion, previous, resolution)?
-            }
-            None => solver.solve(problem, &previous.active_set, resolution)?,
+        if let Some(approach) = approach {
+            approach.resolve(config, (problem, &mut **solver), limited, motion, previous, &mut command.resolution)?;
+        } else {
+            solver.solve(problem, &previous.active_set, &mut command.resolution)?;
         }
         config.remove_weights(&mut command.resolution.tasks, &command.targets);
         command.report_bounds(&config.tasks);

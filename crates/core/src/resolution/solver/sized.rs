@@ -6,8 +6,6 @@ use super::ActiveSetSolver;
 use crate::linalg::{Matrix, smallest_from_inverse, write_inverse};
 use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
-/// The largest number of unknowns.
-
 /// A solver, whatever its width is, and what its last factorisation can tell.
 pub trait SizedSolver {
     /// Solves a problem in at most `max_sets` working sets; `guess` is the one to start from.
