@@ -136,3 +136,22 @@ fn show() {
         );
     }
 }
+
+#[test]
+#[ignore]
+fn show_plain() {
+    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
+    let problem = problem(
+        &mut Random::new(seed),
+        SMALL,
+        [Method::ReversePriority, Method::StrictReversePriority][(seed % 2) as usize],
+    );
+    let (mut a, mut b) = (Resolution::default(), Resolution::default());
+    println!("{:?} {:?}", problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
+    for t in problem.tasks.tasks() {
+        println!("{} {:?}", t.jacobian, t.lower.as_slice());
+    }
+    Qp::default().solve(&problem, &[], &mut a).unwrap();
+    Resolver::default().solve(&problem, &[], &mut b).unwrap();
+    println!("qp {:?} {:?}\nauto {:?}", a.joint_velocity.as_slice(), a.solver, b.joint_velocity.as_slice());
+}

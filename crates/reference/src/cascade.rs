@@ -118,7 +118,7 @@ impl Cascade {
         for effort in [Effort::Quick, Effort::Careful] {
             match self.clarabel.solve(&program.quadratic_program(effort), effort) {
                 Ok(answer) => {
-                    let answer = program.complete(answer);
+                    let answer = program.complete(answer, effort);
                     iterations += answer.iterations;
                     let own = LevelPoint::of_clarabel(program, &answer);
                     let clarabel_residual = own.residual;

@@ -50,8 +50,10 @@ pub struct LevelProgram {
 /// A level that moves by less than this fraction is decided by the levels above.
 const DECIDED: f64 = 1e-10;
 
-/// Room, in units of what the level misses, beyond which a constraint is left out at first. [`LevelProgram::residual`] checks it.
-const FAR: f64 = 1e6;
+/// Rooms, in units of what the level misses, beyond which constraints are left out: Clarabel converges slowly, or not at all, where
+/// far constraints stand next to near ones. [`LevelProgram::residual`] checks them all the same.
+const FAR: f64 = 30.0;
+const FAR_CAREFUL: f64 = 1e6;
 
 /// What a level misses, relative to its velocities, that is rounding.
 const ROUNDING: f64 = 4e-15;
@@ -190,7 +192,7 @@ impl LevelProgram {
         let gradient = if is_squared { -self.C.tr_mul(&self.d) } else { Vector::zeros(open) };
         let one_if = |is_one: bool| f64::from(u8::from(is_one));
         let P = |i: usize, j: usize| if i < open && j < open { hessian[(i, j)] } else { one_if(i == j) };
-        let posed = self.posed();
+        let posed = self.posed(effort);
         let A = |i: usize, j: usize| match i.checked_sub(equations) {
             None if j < open => self.C[(i, j)],
             None => -one_if(j == first_residual + i),
@@ -209,16 +211,17 @@ impl LevelProgram {
     }
 
     /// Returns the constraints that Clarabel gets: those near enough to matter.
-    fn posed(&self) -> Vec<usize> {
-        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= FAR || self.is_own(i)).collect()
+    fn posed(&self, effort: Effort) -> Vec<usize> {
+        let far = if effort == Effort::Careful { FAR_CAREFUL } else { FAR };
+        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= far || self.is_own(i)).collect()
     }
 
     /// Returns Clarabel's answer with the constraints that were left out: no multiplier, and the slack that is left.
-    pub fn complete(&self, answer: QpAnswer) -> QpAnswer {
+    pub fn complete(&self, answer: QpAnswer, effort: Effort) -> QpAnswer {
         let z = Vector::from_row_slice(&answer.v[..self.C.ncols()]);
         let mut slacks = (&self.rooms - &self.G * z).as_slice().to_vec();
         let mut multipliers = vec![0.0; slacks.len()];
-        for (place, i) in self.posed().into_iter().enumerate() {
+        for (place, i) in self.posed(effort).into_iter().enumerate() {
             (multipliers[i], slacks[i]) = (answer.multipliers[place], answer.slacks[place]);
         }
         QpAnswer { multipliers, slacks, ..answer }

@@ -34,9 +34,15 @@ struct Findings {
     residual: Error,
     /// Excess over a limit, relative to the limit where it is above 1 rad/s.
     excess: Error,
-    /// Distance of `auto`, with any initial active set, from `qp`.
+    /// Distance of `auto` with other initial active sets from `auto` without one.
     auto: Error,
-    /// Distance of `qp` from the closed form inside the limits.
+    /// Distance of `qp` from `auto`, where both say that they are sure.
+    qp: Error,
+    /// Number of answers of `qp` that say that they are not sure.
+    unsure: u32,
+    /// Number of problems.
+    problems: u32,
+    /// Distance of `auto` from the closed form inside the limits.
     closed_form: Error,
     /// Difference between the residual of task 1 and its residual without lower tasks.
     first_task: Error,
@@ -105,15 +111,27 @@ impl Findings {
         let qp = answer(Solver::Qp, &[]);
         let initial = any_initial_set(&mut random, problem.tasks.joint_count());
         let autos = [answer(Solver::Auto, &[]), answer(Solver::Auto, &qp.active_set), answer(Solver::Auto, &initial)];
-        for resolution in autos.iter().chain([&qp]) {
-            self.certificate(seed, &problem, resolution);
-        }
         for auto in &autos {
-            self.auto.add(seed, distance(&auto.joint_velocity, &qp.joint_velocity, requested), EXACT);
+            self.certificate(seed, &problem, auto);
+            self.auto.add(seed, distance(&auto.joint_velocity, &autos[0].joint_velocity, requested), EXACT);
         }
+        self.against_qp(seed, &problem, &qp, &autos[0]);
         self.warm_started += u32::from(autos[1].solver.path == Path::ActiveSet);
-        self.against_closed_form(seed, &problem, &qp);
-        self.first_task(seed, &problem, &qp);
+        self.against_closed_form(seed, &problem, &autos[0]);
+        self.first_task(seed, &problem, &autos[0]);
+    }
+
+    /// Compares two solvers that share no arithmetic. An answer of `qp` that is not sure counts as such.
+    fn against_qp(&mut self, seed: u64, problem: &Problem, qp: &Resolution, auto: &Resolution) {
+        self.problems += 1;
+        assert!(qp.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}");
+        self.excess.add(seed, problem.limits.violation(&qp.joint_velocity), 1e-12);
+        if qp.solver.status != Status::Optimal {
+            self.unsure += 1;
+        } else if !qp.solver.rank_uncertain && !auto.solver.rank_uncertain {
+            assert!(qp.solver.kkt_residual.is_some_and(|residual| residual <= 1e-9), "seed {seed}");
+            self.qp.add(seed, distance(&auto.joint_velocity, &qp.joint_velocity, speed(problem)), EXACT);
+        }
     }
 
     fn certificate(&mut self, seed: u64, problem: &Problem, resolution: &Resolution) {
@@ -124,27 +142,27 @@ impl Findings {
         self.excess.add(seed, problem.limits.violation(&resolution.joint_velocity), 1e-12);
     }
 
-    fn against_closed_form(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
+    fn against_closed_form(&mut self, seed: u64, problem: &Problem, auto: &Resolution) {
         let closed = resolve_with(Solver::ClosedForm, problem, &[]).unwrap();
         if closed.violated_limits.is_empty() && closed.violated_inequalities.is_empty() {
             self.inside += 1;
-            let error = distance(&closed.joint_velocity, &qp.joint_velocity, speed(problem));
+            let error = distance(&closed.joint_velocity, &auto.joint_velocity, speed(problem));
             let limit = rounding_of_formulas(problem).max(EXACT);
             self.ill_conditioned += u32::from(limit > EXACT);
             self.closed_form.add(seed, error, limit);
         }
     }
 
-    fn first_task(&mut self, seed: u64, problem: &Problem, qp: &Resolution) {
+    fn first_task(&mut self, seed: u64, problem: &Problem, auto: &Resolution) {
         let priorities = matches!(problem.method, Method::ReversePriority | Method::StrictReversePriority);
         let first = &problem.tasks.tasks()[0];
         if !priorities || problem.damping.is_some() || first.scaled {
             return;
         }
         let tasks = TaskStack::new(vec![first.clone()]).unwrap();
-        let alone = resolve_with(Solver::Qp, &Problem { tasks, ..problem.clone() }, &[]).unwrap();
-        let size = first.lower.norm() + first.jacobian.norm() * (qp.joint_velocity.norm() + speed(problem)) + 1e-5;
-        let error = (qp.tasks[0].residual_norm - alone.tasks[0].residual_norm).abs() / size;
+        let alone = resolve_with(Solver::Auto, &Problem { tasks, ..problem.clone() }, &[]).unwrap();
+        let size = first.lower.norm() + first.jacobian.norm() * (auto.joint_velocity.norm() + speed(problem)) + 1e-5;
+        let error = (auto.tasks[0].residual_norm - alone.tasks[0].residual_norm).abs() / size;
         self.first_task.add(seed, error, EXACT);
     }
 }
@@ -158,7 +176,9 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
     findings
 }
 
-/// Asserts all properties. Of the closed forms, at least seven in eight must be exact.
+/// Asserts all properties. Of the closed forms, at least seven in eight must be exact. Of the answers of `qp`, one in a hundred may
+/// be unsure, and one in a thousand inexact: those with a damped or nearly dependent level (`cargo test -p revprio-core --test
+/// agreement` prints the distribution).
 fn assert_all_properties(findings: &Findings) {
     for (what, error) in [
         ("not certified", findings.residual),
@@ -170,6 +190,8 @@ fn assert_all_properties(findings: &Findings) {
         assert_eq!(error.beyond, 0, "{what}: {error:?}");
     }
     assert!(8 * findings.ill_conditioned <= findings.inside, "{findings:?}");
+    assert!(100 * findings.unsure <= findings.problems, "unsure: {findings:?}");
+    assert!(1000 * findings.qp.beyond <= findings.problems && findings.qp.worst <= 1e-5, "qp: {:?}", findings.qp);
 }
 
 /// Runs a quarter of the 10⁵ problems, so that the test harness can run the quarters in parallel.
@@ -225,6 +247,6 @@ fn every_property_holds_in_1e6_problems() {
 fn no_limit_is_exceeded_by_extreme_problems() {
     let findings = examine(EXTREME, 0..10_000);
     assert_eq!(findings.excess.beyond, 0, "limit exceeded: {:?}", findings.excess);
-    // Multipliers of 1e-12 of the sizes that they are differences of: 12 of the 10 000 problems, four answers each.
-    assert!(findings.residual.beyond <= 50, "not certified: {:?}", findings.residual);
+    // Multipliers of 1e-12 of the sizes that they are differences of: 12 of the 10 000 problems, three answers each.
+    assert!(findings.residual.beyond <= 38, "not certified: {:?}", findings.residual);
 }

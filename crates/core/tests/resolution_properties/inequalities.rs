@@ -80,7 +80,8 @@ fn an_active_inequality_is_named_with_its_multiplier() {
         let active = &answer.active_inequalities[..];
         assert!(active.len() == 1 && &*active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
         let again = resolve_with(Solver::Auto, &problem, &answer.active_set).unwrap();
-        assert_eq!((again.solver.iterations, &again.joint_velocity), (0, &answer.joint_velocity));
+        assert_eq!(again.solver.iterations, 0);
+        assert!((&again.joint_velocity - &answer.joint_velocity).amax() <= 1e-15, "{solver:?}");
     }
 }
 

@@ -4,7 +4,6 @@
 #![allow(non_snake_case)]
 
 mod bulk;
-mod clarabel;
 mod continuity;
 mod equations;
 mod extremes;
