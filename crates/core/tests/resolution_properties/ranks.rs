@@ -41,14 +41,14 @@ fn auto_and_qp_agree_unless_they_say_that_a_rank_is_uncertain() {
             format!("seed {seed}, {method:?}, {nearness:e}: {difference:e}, {:?}, {:?}", auto.solver, qp.solver);
         let is_uncertain = auto.solver.rank_uncertain || qp.solver.rank_uncertain;
         assert!(difference <= 1e-9 || is_uncertain, "{context}");
-        apart += u32::from(difference > 1e-6);
+        apart += u32::from(difference > 1e-6 && qp.solver.status == Status::Optimal);
         assert!(auto.solver.status == Status::Optimal || is_uncertain, "{context}");
         uncertain += u32::from(auto.solver.rank_uncertain);
         uncertified += u32::from(auto.solver.status != Status::Optimal);
     }
     assert!(uncertain > 100, "few ranks are uncertain: {uncertain}");
-    println!("{apart} of 3000 answers are far apart, where a rank is uncertain");
-    assert!(apart <= 150, "{apart} of 3000 answers are far apart");
+    println!("{apart} of 3000 answers are far apart, although qp is sure but for the rank");
+    assert!(apart <= 40, "{apart} of 3000 answers are far apart");
     assert!(uncertified <= 15, "of 3000 answers, {uncertified} are not certified");
 }
 
