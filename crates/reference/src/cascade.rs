@@ -120,18 +120,7 @@ impl<'a> Run<'a> {
         let fixed: Vec<bool> = (0..n).map(|j| problem.is_pinned(j)).collect();
         let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
         let basis = Matrix::identity(n, n).select_columns(&open);
-        let solution = Solution {
-            x: problem.clamp(&Vector::zeros(n)),
-            multipliers: vec![0.0; n],
-            row_multipliers: problem.levels.iter().map(|level| vec![0.0; rows(level)]).collect(),
-            active: vec![None; n],
-            active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
-            reports: Vec::new(),
-            failures: 0,
-            residual: 0.0,
-            rank_uncertain: false,
-            certificate: Vec::new(),
-        };
+        let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
         Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
