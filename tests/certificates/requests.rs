@@ -41,7 +41,7 @@ pub fn random_request(seed: u64) -> Map<String, Value> {
     let n = problem.tasks.joint_count();
     let (has_bounds, has_scales) = (random.one_in(3), random.one_in(4));
     let tasks: Vec<Value> = (0..problem.tasks.tasks().len())
-        .map(|k| task(random, &problem, k, has_bounds && random_half(random), has_scales))
+        .map(|k| task(random, &problem, k, has_bounds, has_scales))
         .collect();
     let mut request = object(&json!({"certificate": true, "tasks": tasks, "limits": limits(&problem)}));
     if let Some(zeta) = &problem.null_space_velocity {
@@ -62,18 +62,14 @@ pub fn random_request(seed: u64) -> Map<String, Value> {
     request
 }
 
-fn random_half(random: &mut Random) -> bool {
-    random.one_in(2)
-}
-
-fn task(random: &mut Random, problem: &Problem, k: usize, is_bounded: bool, may_scale: bool) -> Value {
+fn task(random: &mut Random, problem: &Problem, k: usize, has_bounds: bool, has_scales: bool) -> Value {
     let task = &problem.tasks.tasks()[k];
     let jacobian: Vec<Vec<f64>> = task.jacobian.row_iter().map(|row| row.iter().copied().collect()).collect();
     let mut stated = object(&json!({"jacobian": jacobian}));
     if random.one_in(3) {
         stated.insert("name".to_owned(), json!(format!("own {k}")));
     }
-    if is_bounded {
+    if has_bounds && random.one_in(2) {
         let bound = |random: &mut Random, value: f64| match random.below(4) {
             0 => (None, Some(value)),
             1 => (Some(value), None),
@@ -86,7 +82,7 @@ fn task(random: &mut Random, problem: &Problem, k: usize, is_bounded: bool, may_
         stated.extend([("lower".to_owned(), json!(lower)), ("upper".to_owned(), json!(upper))]);
     } else {
         stated.insert("velocity".to_owned(), json!(task.lower.as_slice()));
-        stated.insert("scale".to_owned(), json!(may_scale && random_half(random)));
+        stated.insert("scale".to_owned(), json!(has_scales && random.one_in(2)));
     }
     Value::Object(stated)
 }
