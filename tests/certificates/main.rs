@@ -56,8 +56,7 @@ fn assert_all_hold(path: &std::path::Path) {
 }
 
 fn random_lines() -> (PathBuf, usize) {
-    let requests =
-        (0..PROBLEMS).flat_map(|seed| requests::of_every_method_and_solver(&requests::random_request(seed)));
+    let requests = (0..PROBLEMS).flat_map(|seed| requests::of_every_method_and_solver(&requests::random_request(seed)));
     write_lines("random.jsonl", requests.collect())
 }
 

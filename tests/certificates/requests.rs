@@ -40,17 +40,14 @@ pub fn random_request(seed: u64) -> Map<String, Value> {
     let problem = problems::problem(random, family, Method::ReversePriority);
     let n = problem.tasks.joint_count();
     let (has_bounds, has_scales) = (random.one_in(3), random.one_in(4));
-    let tasks: Vec<Value> = (0..problem.tasks.tasks().len())
-        .map(|k| task(random, &problem, k, has_bounds, has_scales))
-        .collect();
+    let tasks: Vec<Value> =
+        (0..problem.tasks.tasks().len()).map(|k| task(random, &problem, k, has_bounds, has_scales)).collect();
     let mut request = object(&json!({"certificate": true, "tasks": tasks, "limits": limits(&problem)}));
     if let Some(zeta) = &problem.null_space_velocity {
         request.insert("null_space_velocity".to_owned(), json!(zeta.as_slice()));
     }
     if random.one_in(3) {
-        let inequality = |inequality: &revprio_core::limits::Inequality| {
-            json!({"kind": "joints", "coefficients": inequality.coefficients().as_slice(), "upper": inequality.bound()})
-        };
+        let inequality = |inequality: &revprio_core::limits::Inequality| json!({"kind": "joints", "coefficients": inequality.coefficients().as_slice(), "upper": inequality.bound()});
         let inequalities: Vec<Value> = problems::inequalities(random, n).iter().map(inequality).collect();
         request.insert("inequalities".to_owned(), json!(inequalities));
     }
@@ -98,8 +95,7 @@ fn limits(problem: &Problem) -> Value {
 
 /// Returns the golden cases: `fixtures/golden/README.md`.
 pub fn golden_requests() -> Vec<Map<String, Value>> {
-    let cases: Vec<Value> =
-        serde_json::from_str(include_str!("../../fixtures/golden/resolution_cases.json")).unwrap();
+    let cases: Vec<Value> = serde_json::from_str(include_str!("../../fixtures/golden/resolution_cases.json")).unwrap();
     let request = |case: &Value| {
         let limits = json!({"lower": case["lower"], "upper": case["upper"]});
         object(&json!({"certificate": true, "tasks": case["tasks"], "limits": limits}))

@@ -1,9 +1,8 @@
 """Checks that an answer of `POST /v1/resolve` is right: check.py REQUEST ANSWER, or check.py LINES.
 
 The request has `"certificate": true`. LINES is a file with an object {"request": ..., "answer": ...} on each line.
-Prints the largest relative error of each check. Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot
-be read. docs/certificate.md explains the conditions. This program shares no code with revprio. It computes with
-fractions, so all sums and products are exact. Only the sizes that errors are compared with are rounded.
+Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains the checks.
+This program shares no code with revprio. Its numbers are fractions: sums and products are exact, sizes are rounded.
 """
 
 import json
@@ -79,9 +78,9 @@ class Problem:
         key = lambda name: (name["task"], name["row"]) if "task" in name else name.get("inequality")
         self.rows = [Row(key(name), numbers(a), ends, k) for k, level in enumerate(raw["levels"])
                      for a, ends, name in zip(level["rows"], bounds_of(level), level["names"], strict=True)]
-        bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
+        self.bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
         values = self.x + [dot(row.a, self.x) for row in self.rows]
-        missing = [-excess(value, *ends) for value, ends in zip(values, bounds, strict=True)]
+        missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
         self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
         self.forces = [[] for _ in values]  # (multiplier, size of its error, size of its terms) of each level
         speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
@@ -108,7 +107,7 @@ class Problem:
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
             found, wrong = set(), 0.0
             for i, (force, rounded) in enumerate(forces):
-                side, (low, high), is_own = 1 if force > 0 else -1, bounds[i], i >= own.start
+                side, (low, high), is_own = 1 if force > 0 else -1, self.bounds[i], i >= own.start
                 if i < n or low < high:  # An equation has any multiplier.
                     self.forces[i].append((force, size, rounded))
                     away = relative(max(0, side * ((high if force > 0 else low) - values[i])), self.sizes[i])
@@ -151,20 +150,22 @@ class Check:
 
     def planned(self):
         """Returns the problems of the method as levels of rows, with None for what the request does not state."""
-        tasks, hard, is_one_level = [], [], self.method in ("pseudoinverse", "damped_least_squares")
+        tasks, hard = [], []
         for name, task in self.tasks.items():
             a, bounds = task.get("jacobian"), bounds_of(task)
-            rows = [Row((name, i), a and numbers(a[i]), ends, None) for i, ends in enumerate(bounds)]
-            tasks += [rows] if not self.is_closed or all(low == high for low, high in bounds) else []
+            if not self.is_closed or all(low == high for low, high in bounds):
+                tasks.append([Row((name, i), a and numbers(a[i]), ends, None) for i, ends in enumerate(bounds)])
         for name, given in {} if self.is_closed else self.hard.items():  # Their rows have length one.
             a, norm = given.get("coefficients"), Fraction(hypot(*given.get("coefficients", [])) or 1.0)
             hard.append(Row(name, [p / norm for p in numbers(a)], (-inf, Fraction(given["upper"]) / norm), None) if a
                         else Row(name, None, None, None))
-        lower = [sum(tasks[k:], []) if self.method == "reverse_priority" else [] for k in range(1, len(tasks) + 1)]
-        stages = [[rows, rest] for rows, rest in zip(tasks, lower)][::-1] or [[]]
-        stages = [tasks] if self.method in ("strict_reverse_priority", "task_priority") else stages
-        stages = [[sum(tasks, [])]] if is_one_level else stages
-        return stages[:-1] + [[hard, *stages[-1]]]
+        if self.method in ("pseudoinverse", "damped_least_squares"):
+            return [[hard, sum(tasks, [])]]
+        if self.method in ("strict_reverse_priority", "task_priority"):
+            return [[hard, *tasks]]
+        keeps = self.method == "reverse_priority"
+        stages = [[rows, sum(tasks[k:] if keeps else [], [])] for k, rows in enumerate(tasks, 1)] or [[]]
+        return [*stages[:0:-1], [hard, *stages[0]]]
 
     def check_plan(self, problems):
         """Checks that the problems are those of the request, where it states them."""
@@ -181,22 +182,25 @@ class Check:
             self.note("plan", not (is_met and keeps))
             plan, keeps = plan[-1:], False
         self.main = problems[-1] if problems else self.parts[0][0]
-        self.note("plan", list(map(of, problems)) != list(map(names, plan)) or is_exact and self.parts != [(self.main, 1)])
-        self.note("plan", is_exact and any(row.key is None for problem in problems for row in problem.rows))
+        has_unnamed = any(row.key is None for problem in problems for row in problem.rows)
+        self.note("plan", is_exact and (has_unnamed or self.parts != [(self.main, 1)]))
+        self.note("plan", list(map(of, problems)) != list(map(names, plan)))
         before = numbers(before or [0] * n) if is_exact and isinstance(before, list) else self.main.reference
         for problem, levels in zip(problems, plan):
-            self.note("rows", relative(hypot(*map(sub, before, problem.reference)), hypot(*before, *problem.reference)))
-            wanted = {row.key: row for level in levels for row in level}
+            wanted, size = {row.key: row for level in levels for row in level}, hypot(*before)
             kept = {row.key for row in levels[-1]} if keeps and is_exact and len(levels) > 1 else {}
+            self.note("rows", relative(hypot(*map(sub, before, problem.reference)), size + hypot(*problem.reference)))
             for row in named(problem.rows):
-                a, ends = (wanted[row.key].a or row.a[:n]) + [0] * (len(row.a) - n), wanted[row.key].ends
-                self.note("rows", relative(hypot(*map(sub, row.a, a)), hypot(*a)))
-                ends = ends if ends and is_exact else row.ends
-                sizes = [abs(float(end)) for end in ends]
+                a, ends = wanted[row.key].a, wanted[row.key].ends
                 if row.key in kept:  # A stage keeps what the stage before achieved.
-                    value, sizes = dot(row.a, before), [hypot(*row.a) * hypot(*before)] * 2
+                    value = dot(row.a, before)
                     ends = (value, value) if ends[0] == ends[1] else (min(ends[0], value), max(ends[1], value))
-                self.note("rows", max(map(relative, row.ends, sizes, ends)))
+                if a:
+                    errors = map(sub, row.a, a + [0] * (len(row.a) - n))
+                    self.note("rows", relative(hypot(*errors), hypot(*a)))
+                if ends and is_exact:
+                    sizes = [abs(float(end)) + hypot(*row.a) * size * (row.key in kept) for end in ends]
+                    self.note("rows", max(map(relative, row.ends, sizes, ends)))
             before = problem.x
 
     def check_velocity(self):
@@ -223,38 +227,34 @@ class Check:
 
     def check_active(self):
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
-        main, n = self.main, len(self.velocity)
-        unlisted = {i: forces for i, forces in enumerate(main.forces) if not n <= i < len(main.x)}
+        main, n, answer = self.main, len(self.velocity), self.answer
+        unlisted = [i for i in range(len(main.bounds)) if not n <= i < len(main.x)]
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
-                  for given in self.answer["active_limits"]]  # A robot's joints have names that are not in the input.
+                  for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
         listed += [([i := places[task["name"], given["row"]]], given, main.norms[i])
-                   for task in self.answer["tasks"] for given in task.get("active_rows", [])]
-        listed += [([places[given["name"]]], given | {"side": "upper"}, hypot(*self.hard[given["name"]].get("coefficients", [])))
-                   for given in self.answer.get("active_inequalities", [])]
+                   for task in answer["tasks"] for given in task.get("active_rows", [])]
+        listed += [([places[given["name"]]], given, hypot(*self.hard[given["name"]].get("coefficients", [])))
+                   for given in answer.get("active_inequalities", [])]
         for candidates, given, norm in listed:
-            error, i = min(((self.mismatch(i, given, norm), i) for i in candidates if i in unlisted), default=(inf, n))
+            error, i = min(((self.mismatch(i, given, norm), i) for i in candidates if i in unlisted), default=(inf, -1))
             self.note("active", error)
-            unlisted.pop(i, None)
-        for force, size, _ in (entry for forces in unlisted.values() for entry in forces if len(self.parts) == 1):
+            unlisted = [other for other in unlisted if other != i]
+        for force, size, _ in (entry for i in unlisted for entry in main.forces[i] if len(self.parts) == 1):
             self.note("active", relative(force, size))
 
     def mismatch(self, i, given, norm):
         """Returns how far an active bound is from being reached and from its multiplier, the first that is not zero."""
-        row, multiplier, best = None if i < len(self.velocity) else self.main.rows[i - len(self.main.x)], given["multiplier"] * norm, inf
-        low, high = row.ends if row else self.main.box[i]
-        value = dot(row.a[:len(self.velocity)], self.velocity) if row else self.velocity[i]
-        side, bound = (1, high) if given["side"] == "upper" else (-1, low)
-        for problem in [self.main] if row else [problem for problem, _ in self.parts]:
-            for force, size, rounded in problem.forces[i]:
-                error = relative(multiplier, abs(float(force)) + FINE * rounded, abs(force)) if norm else 0.0
-                best = min(best, error if force * side >= 0 else inf)
-                if abs(force) > TOLERANCE * size and (multiplier or low < high):
-                    break
-            else:
-                best = best if multiplier else 0.0
-        reached = relative(max(0, side * (bound - value)), self.main.sizes[i])
-        return max(best, reached, relative(given.get("value", bound), 1.0, bound))
+        n, side, forces, (low, high) = len(self.velocity), given.get("side"), self.main.forces[i], self.main.bounds[i]
+        value = self.velocity[i] if i < n else dot(self.main.rows[i - len(self.main.x)].a[:n], self.velocity)
+        sign, bound = (-1, low) if side == "lower" else (1, high)
+        first = next((k for k, (force, size, _) in enumerate(forces) if abs(force) > TOLERANCE * size), len(forces))
+        errors = [relative(given["multiplier"] * norm, abs(float(force)) + FINE * rounded, abs(force))
+                  for force, _, rounded in forces[:first + 1] if force * sign >= 0]
+        if not norm or given["multiplier"] == 0.0 and (low == high or first == len(forces)):
+            errors = [0.0]  # A plane's norm is not in the input. A pinned joint is active without a multiplier, too.
+        away = relative(max(0, sign * (bound - value)), self.main.sizes[i])
+        return max(min(errors, default=inf), away, relative(given.get("value", bound), 1.0, bound))
 
 
 def examine(texts):

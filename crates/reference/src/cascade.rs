@@ -5,7 +5,7 @@
 
 use revprio_problem::{LevelReport, Matrix, Vector};
 
-use crate::certified::level_multipliers;
+use crate::certified::{Known, level_multipliers};
 use crate::clarabel::{Clarabel, Effort};
 use crate::hierarchy::{Hierarchy, Level, Solution};
 use crate::level_program::{Bounded, Decided, LevelProgram};
@@ -49,21 +49,37 @@ struct Run<'a> {
     wants_multipliers: bool,
 }
 
+/// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
+struct Forces {
+    unknowns: Vec<f64>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Forces {
+    fn new(problem: &Hierarchy) -> Self {
+        let rows = problem.levels.iter().map(|level| vec![0.0; level.rows.nrows()]).collect();
+        Self { unknowns: vec![0.0; problem.unknowns()], rows }
+    }
+}
+
 impl Cascade {
     /// Solves a problem; `wants_multipliers`: with the multipliers of all levels.
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
         let mut run = Run::new(problem, wants_multipliers);
         for level in 0..=problem.levels.len() {
+            let (fixed, kept) = (run.fixed.clone(), run.kept.clone());
+            let mut forces = Forces::new(problem);
             if run.solution.failures == 0 {
-                self.solve_level(&mut run, level);
+                self.solve_level(&mut run, level, &mut forces);
             }
-            run.write_multipliers(level);
+            let Forces { unknowns, rows } = &forces;
+            run.write_multipliers(level, &Known { unknowns, rows, fixed: &fixed, kept: &kept });
             run.keep(level);
         }
         run.solution
     }
 
-    fn solve_level(&mut self, run: &mut Run, level: usize) {
+    fn solve_level(&mut self, run: &mut Run, level: usize, forces: &mut Forces) {
         let decided = Decided { x: &run.solution.x, basis: &run.basis, fixed: &run.fixed, kept: &run.kept };
         let program = LevelProgram::new(run.problem, level, &decided);
         if program.is_decided || run.basis.ncols() == 0 {
@@ -74,7 +90,7 @@ impl Cascade {
             Ok((point, report)) => {
                 run.solution.residual = run.solution.residual.max(report.residual);
                 run.solution.reports.push(report);
-                run.advance(level, &program, &point);
+                run.advance(level, &program, &point, forces);
             }
             Err(report) => {
                 run.solution.failures += 1;
@@ -127,7 +143,7 @@ impl<'a> Run<'a> {
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
-    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint) {
+    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint, forces: &mut Forces) {
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         *x += &self.basis * &point.z * program.size;
         *x = self.problem.clamp(x);
@@ -139,6 +155,7 @@ impl<'a> Run<'a> {
             let holds = multiplier > SIGNIFICANT;
             match constraint.bounded {
                 Bounded::Unknown(j) => {
+                    forces.unknowns[j] += signed;
                     set_first(&mut multipliers[j], signed);
                     active[j] = Some(side);
                     if holds {
@@ -147,6 +164,7 @@ impl<'a> Run<'a> {
                     }
                 }
                 Bounded::Higher { level, row } => {
+                    forces.rows[level][row] += signed;
                     set_first(&mut row_multipliers[level][row], signed);
                     active_rows[level][row] = Some(side);
                     self.kept[level][row] |= holds;
@@ -200,11 +218,11 @@ impl<'a> Run<'a> {
     }
 
     /// Computes the multipliers of a level, if they are wanted, and those of pinned unknowns.
-    fn write_multipliers(&mut self, level: usize) {
+    fn write_multipliers(&mut self, level: usize, known: &Known) {
         if !self.wants_multipliers {
             return;
         }
-        let found = level_multipliers(self.problem, level, &self.solution, &self.kept);
+        let found = level_multipliers(self.problem, level, &self.solution.x, known);
         if let Some(found) = &found {
             for j in (0..self.problem.unknowns()).filter(|&j| self.problem.is_pinned(j)) {
                 let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use revprio_problem::{Certificate, Problem, Vector};
 
-use crate::certified::{Record, level_multipliers};
+use crate::certified::{Known, Record, level_multipliers};
 use crate::hierarchy::{Hierarchy, Solution};
 use crate::plan::{Aim, Step, pose};
 
@@ -44,7 +44,9 @@ pub fn certificate(problem: &Problem, stages: &[Stage]) -> Certificate {
 fn push(record: &mut Record, hierarchy: &Hierarchy, joint_velocity: &Vector) {
     let mut solution = Solution::new(hierarchy, joint_velocity.clone());
     let kept: Vec<Vec<bool>> = hierarchy.levels.iter().map(|level| vec![true; level.rows.nrows()]).collect();
+    let n = hierarchy.unknowns();
+    let known = Known { unknowns: &vec![0.0; n], rows: &[], fixed: &vec![false; n], kept: &kept };
     let levels = 0..=hierarchy.levels.len();
-    solution.certificate = levels.map(|level| level_multipliers(hierarchy, level, &solution, &kept)).collect();
+    solution.certificate = levels.map(|level| level_multipliers(hierarchy, level, joint_velocity, &known)).collect();
     record.push(hierarchy, &solution);
 }
