@@ -2,7 +2,7 @@
 
 The request has `"certificate": true`. LINES is a file with an object {"request": ..., "answer": ...} on each line.
 Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains the checks.
-This program shares no code with revprio. Its numbers are fractions: sums and products are exact, sizes are rounded.
+This program shares no code with revprio. All its sums and products are exact; only the sizes of errors are rounded.
 """
 
 import json
@@ -10,28 +10,27 @@ import multiprocessing
 import sys
 from collections import namedtuple
 from fractions import Fraction
-from itertools import accumulate, groupby
 from math import hypot, inf
 from operator import mul, sub
 from pathlib import Path
 
 TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
-FINE = 1e-4  # An error is rounding, too, below TOLERANCE * FINE of the size of all that was rounded.
+FINE = 1e-4  # Rounding: errors below TOLERANCE * FINE, or below `kkt_residual`, of the size of all that was added up.
 NOT_ZERO = 1e-14  # A multiplier above this part of its terms is not zero.
 CHECKS = {  # name: (what is compared, tolerance)
-    "status": ("the status belongs to `kkt_residual`", 0.0),
+    "status": ("`kkt_residual` is small enough for the status", 0.0),
     "plan": ("problems and levels are those of the method, in its order", 0.0),
     "rows": ("rows, bounds and references are those of the request, or what the stage before achieved", 1e-12),
     "box": ("solutions are inside their box", TOLERANCE),
     "residuals": ("multipliers of a level's own rows are their residuals; without any, it is met", TOLERANCE),
     "sums": ("multipliers of unknowns are the sums of rows times multipliers", 1e-12),
     "signs": ("multipliers are zero inside the bounds and have the right sign at a bound", TOLERANCE),
-    "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box", 1e-12),
-    "inside": ("`joint_velocity` is inside the limits, or these are listed as violated", 0.0),
+    "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box, and inside the limits", 1e-12),
     "achieved": ("`achieved` and `residual_norm` belong to `joint_velocity`", 1e-12),
     "active": ("active limits and rows are reached and have their multipliers; none is left out", TOLERANCE)}
-Row = namedtuple("Row", "key a ends level")  # key: (task, row), the name of an inequality, or None; a·x in ends
-FREE = (-inf, inf)
+STATED = ("status", "kkt_residual")
+Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))
+# ends[0] <= a·x <= ends[1]; key: (task, row), an inequality's name or None
 
 
 def numbers(values, none=None):
@@ -56,54 +55,53 @@ def excess(value, low, high):
     return value - low if value < low else value - high if value > high else 0
 
 
-def dot(a, x):
-    """Returns a·x."""
-    return sum(p * q for p, q in zip(a, x, strict=True))
-
-
 def are_independent(rows):
     """Returns whether rows are linearly independent, by elimination."""
-    *others, row = rows or [[]]
-    pivot = next((j for j, entry in enumerate(row) if entry), None)
-    rest = [[b - a * (c[pivot] / row[pivot]) for a, b in zip(row, c)] for c in others if pivot is not None]
-    return not rows or pivot is not None and are_independent(rest)
+    while rows:
+        *rows, row = rows
+        pivot = next((j for j, entry in enumerate(row) if entry), None)
+        if pivot is None:
+            return False
+        rows = [[b - a * (other[pivot] / row[pivot]) for a, b in zip(row, other)] for other in rows]
+    return True
 
 
 class Problem:
     """One hierarchical problem of a certificate. A place is an unknown or a row; both have bounds."""
 
-    def __init__(self, raw, note):
+    def __init__(self, raw, note, fine):
         """Checks the optimality of each level given those above it; docs/certificate.md defines the sizes."""
         self.x, self.reference, self.box = numbers(raw["solution"]), numbers(raw["reference"]), bounds_of(raw)
         key = lambda name: (name["task"], name["row"]) if "task" in name else name.get("inequality")
         self.rows = [Row(key(name), numbers(a), ends, k) for k, level in enumerate(raw["levels"])
                      for a, ends, name in zip(level["rows"], bounds_of(level), level["names"], strict=True)]
+        if {len(entry) for entry in (self.reference, self.box, *(row.a for row in self.rows))} != {len(self.x)}:
+            raise ValueError("lists of different lengths")
         self.bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
-        values = self.x + [dot(row.a, self.x) for row in self.rows]
-        missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
+        values = self.x + [sum(map(mul, row.a, self.x)) for row in self.rows]
+        missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds)]
         self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
         self.forces = [[] for _ in values]  # (multiplier, size of its error, size of its terms) of each level
-        speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
+        speed, zeta = hypot(*self.x), list(map(sub, self.reference, self.x))
         reach, self.sizes, level_norms = speed + hypot(*self.reference), [speed] * n, []
         start, proven = n, set()  # proven: bounds whose multiplier is not zero at a higher level
-        note("box", relative(max(map(abs, missing[:n])), speed))
+        note("box", *(relative(r, speed) for r in missing[:n]))
         for level, pair in zip([*raw["levels"], None], raw["multipliers"], strict=True):
             own = range(start, start + len(level["rows"]) if level else start)
-            rows, (start, is_last) = self.rows[:own.stop - n], (own.stop, level is None)
+            rows, start, is_last = self.rows[:own.stop - n], own.stop, level is None
             w, h = (numbers(pair[part]) for part in ("rows", "unknowns")) if pair else ([0] * len(rows), [0] * n)
             aim, norm = hypot(*(values[i] + missing[i] for i in own)), hypot(*(self.norms[i] for i in own)) or 1.0
             reach = max(reach, aim / norm if pair else 0.0)
             coarse = aim + norm * reach  # the size of all that was rounded
-            self.sizes += [self.norms[i] * speed + FINE * coarse for i in own]
+            self.sizes += [self.norms[i] * speed + fine * coarse for i in own]
             level_norms.append(norm)
-            for i in own:
-                note("residuals", relative(w[i - n], self.sizes[i], missing[i]))
+            note("residuals", 0.0, *(relative(w[i - n], self.sizes[i], missing[i]) for i in own))
             length = hypot(*zeta) if is_last else hypot(*w[own.start - n:])
             amount = length * norm + sum(abs(a) * level_norms[row.level] for a, row in zip(w[:own.start - n], rows))
-            size = amount * (1.0 + FINE * coarse / length) if length else coarse * norm
+            size = amount * (1.0 + fine * coarse / length) if length else coarse * norm
             terms = [[a * row.a[j] for a, row in zip(w, rows, strict=True)] + [zeta[j]] * is_last for j in range(n)]
             forces = [(sum(parts), hypot(*parts, x)) for parts, x in zip(terms, self.x)]
-            note("sums", max(relative(a, rounded, b) for a, (b, rounded) in zip(h, forces, strict=True)))
+            note("sums", *(relative(a, rounded, b) for a, (b, rounded) in zip(h, forces, strict=True)))
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
             found, wrong = set(), 0.0
             for i, (force, rounded) in enumerate(forces):
@@ -125,105 +123,96 @@ class Check:
 
     def __init__(self, request, answer):
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(CHECKS, 0.0)
-        self.velocity, status = numbers(answer["joint_velocity"]), answer["solver"]["status"]
-        self.is_closed, self.method = request.get("solver") == "closed_form", request.get("method", "reverse_priority")
+        self.velocity, (status, residual) = numbers(answer["joint_velocity"]), map(answer["solver"].get, STATED)
+        self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
         self.tasks = {task.get("name") or f"task {k}": task for k, task in enumerate(request["tasks"], 1)}
-        self.hard = {given.get("name") or f"inequality {i}": given for i, given
-                     in enumerate(request.get("inequalities", []), 1)}
-        # With scaled tasks, rows of equations need not have names.
-        has_scaled = any(task.get("scale") for task in self.tasks.values())
+        self.hard = enumerate(request.get("inequalities", []), 1)
+        self.hard = {given.get("name") or f"inequality {k}": given for k, given in self.hard}
+        has_scaled = any(task.get("scale") for task in self.tasks.values())  # Then equations need not have names.
         self.scaled = {name for name, task in self.tasks.items() if has_scaled and task.get("velocity")}
+        self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
         given = answer.get("certificate") or {"problems": [], "answer": []}
-        problems = [Problem(raw, self.note) for raw in given["problems"]]
+        problems = [Problem(raw, self.note, self.fine) for raw in given["problems"]]
         self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in given["answer"]]
         if self.parts:
             self.check_plan(problems)
             self.check_velocity()
             self.check_active()
+        self.note("status", not self.parts or residual is None or residual > TOLERANCE)
         is_claimed = {"optimal": True, "not_certified": False, "failed": False}[status]
-        self.note("status", not self.parts or not (answer["solver"]["kkt_residual"] or 0.0) <= TOLERANCE)
-        self.failed = [check for check, error in self.largest.items() if error > CHECKS[check][1] and is_claimed]
+        self.failed = [check for check, error in self.largest.items() if is_claimed and error > CHECKS[check][1]]
 
-    def note(self, check, error):
+    def note(self, check, *errors):
         """Keeps the largest error of a check."""
-        self.largest[check] = max(self.largest[check], float(error))
+        self.largest[check] = max(self.largest[check], *map(float, errors))
 
     def planned(self):
-        """Returns the problems of the method as levels of rows, with None for what the request does not state."""
-        tasks, hard = [], []
+        """Returns the rows of the method's problems, with None for what the request does not state."""
+        tasks, hard, keeps, stages = [], [], self.method == "reverse_priority", []
         for name, task in self.tasks.items():
             a, bounds = task.get("jacobian"), bounds_of(task)
             if not self.is_closed or all(low == high for low, high in bounds):
-                tasks.append([Row((name, i), a and numbers(a[i]), ends, None) for i, ends in enumerate(bounds)])
+                tasks.append([Row((name, i), a and numbers(a[i]), ends) for i, ends in enumerate(bounds)])
         for name, given in {} if self.is_closed else self.hard.items():  # Their rows have length one.
             a, norm = given.get("coefficients"), Fraction(hypot(*given.get("coefficients", [])) or 1.0)
-            hard.append(Row(name, [p / norm for p in numbers(a)], (-inf, Fraction(given["upper"]) / norm), None) if a
-                        else Row(name, None, None, None))
-        if self.method in ("pseudoinverse", "damped_least_squares"):
-            return [[hard, sum(tasks, [])]]
-        if self.method in ("strict_reverse_priority", "task_priority"):
-            return [[hard, *tasks]]
-        keeps = self.method == "reverse_priority"
-        stages = [[rows, sum(tasks[k:] if keeps else [], [])] for k, rows in enumerate(tasks, 1)] or [[]]
-        return [*stages[:0:-1], [hard, *stages[0]]]
+            hard.append(Row(name, a and [p / norm for p in numbers(a)], a and (-inf, Fraction(given["upper"]) / norm)))
+        for k, rows in reversed(list(enumerate(tasks, 1))):
+            stages.append([rows, [row._replace(is_kept=True) for row in sum(tasks[k:], []) if keeps]])
+        if self.method in ("strict_reverse_priority", "task_priority", "pseudoinverse", "damped_least_squares"):
+            stages = [tasks if self.method in ("strict_reverse_priority", "task_priority") else [sum(tasks, [])]]
+        stages = [*stages[:-1], [hard, *(stages or [[]])[-1]]]
+        return [[row._replace(level=k) for k, level in enumerate(filter(None, levels)) for row in level] for levels in stages]
 
     def check_plan(self, problems):
         """Checks that the problems are those of the request, where it states them."""
-        plan, n, before = self.planned(), len(self.velocity), self.request.get("null_space_velocity") or []
-        is_exact, keeps = not (self.request.get("damping") or self.scaled), self.method == "reverse_priority"
+        plan, before = self.planned(), self.request.get("null_space_velocity") or [0] * len(self.velocity)
+        is_exact, is_whole = not (self.request.get("damping") or self.scaled), len(problems) == len(plan)
         named = lambda rows: [row for row in rows if row.key and row.key[0] not in self.scaled]
-        names = lambda levels: [keys for level in levels if (keys := [row.key for row in named(level)])]
-        of = lambda problem: names([list(rows) for _, rows in groupby(problem.rows, lambda row: row.level)])
+        names = lambda rows: [(row.key, self.scaled or row.level) for row in named(rows)]
         if not is_exact:  # Targets and references are those of the certificate. The other parts are not named.
-            plan, problems = plan[-1:], [problem for problem, _ in self.parts if of(problem) == names(plan[-1])][:1]
-        elif len(problems) < len(plan):  # Lower stages may be left out if all rows are independent: they can be met.
-            rows = [row for row in problems[-1].rows if row.key not in self.hard]
+            plan, problems = plan[-1:], [part for part, _ in self.parts if names(part.rows) == names(plan[-1])][:1]
+        elif not is_whole:  # Lower stages may be left out if all rows are independent: they can be met.
+            plan, rows = plan[-1:], [row for row in problems[-1].rows if row.key not in self.hard]
             is_met = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
-            self.note("plan", not (is_met and keeps))
-            plan, keeps = plan[-1:], False
+            self.note("plan", not is_met or self.method != "reverse_priority")
         self.main = problems[-1] if problems else self.parts[0][0]
         has_unnamed = any(row.key is None for problem in problems for row in problem.rows)
         self.note("plan", is_exact and (has_unnamed or self.parts != [(self.main, 1)]))
-        self.note("plan", list(map(of, problems)) != list(map(names, plan)))
-        before = numbers(before or [0] * n) if is_exact and isinstance(before, list) else self.main.reference
-        for problem, levels in zip(problems, plan):
-            wanted, size = {row.key: row for level in levels for row in level}, hypot(*before)
-            kept = {row.key for row in levels[-1]} if keeps and is_exact and len(levels) > 1 else {}
-            self.note("rows", relative(hypot(*map(sub, before, problem.reference)), size + hypot(*problem.reference)))
-            for row in named(problem.rows):
-                a, ends = wanted[row.key].a, wanted[row.key].ends
-                if row.key in kept:  # A stage keeps what the stage before achieved.
-                    value = dot(row.a, before)
+        self.note("plan", [names(problem.rows) for problem in problems] != list(map(names, plan)))
+        before = numbers(before) if is_exact and isinstance(before, list) else self.main.reference
+        for problem, rows in zip(problems, plan):
+            size, errors = hypot(*before), map(sub, before, problem.reference)
+            self.note("rows", relative(hypot(*errors), size + hypot(*problem.reference)))
+            for row, (_, a, ends, _, is_kept) in zip(named(problem.rows), named(rows)):
+                errors = map(sub, row.a, a + [0] * (len(row.a) - len(a))) if a else []
+                self.note("rows", relative(hypot(*errors), hypot(*row.a)))
+                if is_kept and is_whole:  # A stage keeps what the stage before achieved.
+                    value = sum(map(mul, row.a, before))
                     ends = (value, value) if ends[0] == ends[1] else (min(ends[0], value), max(ends[1], value))
-                if a:
-                    errors = map(sub, row.a, a + [0] * (len(row.a) - n))
-                    self.note("rows", relative(hypot(*errors), hypot(*a)))
-                if ends and is_exact:
-                    sizes = [abs(float(end)) + hypot(*row.a) * size * (row.key in kept) for end in ends]
-                    self.note("rows", max(map(relative, row.ends, sizes, ends)))
+                for end, wanted in zip(row.ends, ends or []):
+                    scale = abs(float(wanted)) + (hypot(*row.a) * size if is_kept else 0.0)
+                    self.note("rows", relative(end, scale, wanted) if is_exact else 0.0)
             before = problem.x
 
     def check_velocity(self):
         """Checks the joint velocity and what follows from it alone."""
         n, limits, (parts, weights) = len(self.velocity), self.request.get("limits"), zip(*self.parts)
-        box = self.main.box[:n] if self.request.get("robot") and limits != "none" else [FREE] * n
-        box = [FREE] * n if self.is_closed else bounds_of(limits) if isinstance(limits, dict) else box
+        box = self.main.box[:n] if self.request.get("robot") and limits != "none" else [(-inf, inf)] * n
+        box = [(-inf, inf)] * n if self.is_closed else bounds_of(limits) if isinstance(limits, dict) else box
         self.note("rows", any(problem.box[:n] != box for problem in parts))
-        self.note("velocity", relative(sum(weights), 1.0, 1) if min(weights) >= 0 else inf)
+        self.note("velocity", relative(sum(weights), 1.0, 1), inf if min(weights) < 0 else 0.0)
         for j, (value, ends) in enumerate(zip(self.velocity, box, strict=True)):
-            total, size = dot(weights, [part.x[j] for part in parts]), max(abs(float(part.x[j])) for part in parts)
-            self.note("velocity", relative(value, size, total - excess(total, *ends)))
-            self.note("inside", excess(value, *ends) != 0)
+            total, size = sum(weight * part.x[j] for part, weight in self.parts), max(abs(float(part.x[j])) for part in parts)
+            self.note("velocity", relative(value, size, total - excess(total, *ends)), excess(value, *ends) and inf)
         rows = {row.key: row.a[:n] for row in self.main.rows}
         for (name, task), found in zip(self.tasks.items(), self.answer["tasks"], strict=True):
-            ends, achieved = bounds_of(task), numbers(found["achieved"])
+            achieved, ends = numbers(found["achieved"]), bounds_of(task)
+            missing = [excess(value, *pair) for value, pair in zip(achieved, ends, strict=True)]
+            self.note("achieved", relative(found["residual_norm"], hypot(*achieved, *missing), hypot(*missing)))
             for i, value in enumerate(achieved):
                 a = numbers(task["jacobian"][i]) if task.get("jacobian") else rows.get((name, i))
                 terms = list(map(mul, a, self.velocity)) if a else [value]
                 self.note("achieved", relative(value, hypot(*terms), sum(terms)))
-            missing = hypot(*(excess(value, *pair) for value, pair in zip(achieved, ends, strict=True)))
-            size = hypot(*achieved, *(end for pair in ends for end in pair if abs(end) < inf))
-            self.note("achieved", relative(found["residual_norm"], size, missing))
 
     def check_active(self):
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
@@ -240,21 +229,22 @@ class Check:
             error, i = min(((self.mismatch(i, given, norm), i) for i in candidates if i in unlisted), default=(inf, -1))
             self.note("active", error)
             unlisted = [other for other in unlisted if other != i]
-        for force, size, _ in (entry for i in unlisted for entry in main.forces[i] if len(self.parts) == 1):
-            self.note("active", relative(force, size))
+        forces = [entry for i in unlisted for entry in main.forces[i] if len(self.parts) == 1]
+        self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces))
 
     def mismatch(self, i, given, norm):
         """Returns how far an active bound is from being reached and from its multiplier, the first that is not zero."""
-        n, side, forces, (low, high) = len(self.velocity), given.get("side"), self.main.forces[i], self.main.bounds[i]
-        value = self.velocity[i] if i < n else dot(self.main.rows[i - len(self.main.x)].a[:n], self.velocity)
-        sign, bound = (-1, low) if side == "lower" else (1, high)
-        first = next((k for k, (force, size, _) in enumerate(forces) if abs(force) > TOLERANCE * size), len(forces))
-        errors = [relative(given["multiplier"] * norm, abs(float(force)) + FINE * rounded, abs(force))
-                  for force, _, rounded in forces[:first + 1] if force * sign >= 0]
-        if not norm or given["multiplier"] == 0.0 and (low == high or first == len(forces)):
-            errors = [0.0]  # A plane's norm is not in the input. A pinned joint is active without a multiplier, too.
-        away = relative(max(0, sign * (bound - value)), self.main.sizes[i])
-        return max(min(errors, default=inf), away, relative(given.get("value", bound), 1.0, bound))
+        main, n, multiplier, errors, (low, high) = self.main, len(self.velocity), given["multiplier"] * norm, [inf], self.main.bounds[i]
+        value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
+        sign, bound = (-1, low) if given.get("side") == "lower" else (1, high)
+        for forces in [part.forces[i] for part, _ in self.parts] if i < n else [main.forces[i]]:
+            first = next((k for k, (force, size, _) in enumerate(forces) if abs(force) > TOLERANCE * size), len(forces))
+            errors += [relative(multiplier, abs(float(force)) + self.fine * rounded, abs(force))
+                       for force, _, rounded in forces[:first + 1] if force * sign >= 0]
+            # A pinned joint is active without a multiplier, too. The size of a plane's row is not in the input.
+            errors += [0.0] if not norm or multiplier == 0.0 and (low == high or first == len(forces)) else []
+        away = relative(max(0, sign * (bound - value)), main.sizes[i])
+        return max(min(errors), away, relative(given.get("value", bound), 1.0, bound))
 
 
 def examine(texts):
@@ -264,7 +254,7 @@ def examine(texts):
         check = Check(*(values if len(values) == 2 else (values[0]["request"], values[0]["answer"])))
         return "", check.largest, check.failed
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        return f"{type(error).__name__}: {error}", {}, []
+        return f"cannot be read: {type(error).__name__}: {error}", {}, []
 
 
 def main(paths):
@@ -275,13 +265,13 @@ def main(paths):
         print(f"cannot be read: {error}", file=sys.stderr)
         return 2
     items = [texts] if len(texts) == 2 else [[line] for line in texts[0].splitlines() if line.strip()]
-    with multiprocessing.Pool(min(len(items), multiprocessing.cpu_count())) as pool:
+    with multiprocessing.Pool() as pool:
         results = pool.map(examine, items, chunksize=16)
-    for place, (wrong, _, failed) in enumerate(results, 1):
-        if wrong or failed:
-            print(f"answer {place}: " + (f"cannot be read: {wrong}" if wrong else f"fails {', '.join(failed)}"))
+    for place, (unread, _, failed) in enumerate(results, 1):
+        if unread or failed:
+            print(f"answer {place}: {unread or 'fails ' + ', '.join(failed)}")
     for check, (what, allowed) in CHECKS.items():
-        largest = max((errors.get(check, 0.0) for _, errors, _ in results))
+        largest = max(errors.get(check, 0.0) for _, errors, _ in results)
         print(f"{'holds' if largest <= allowed else 'FAILS'} {largest:8.1e} of {allowed:5.0e}  {check}: {what}")
     unread, broken = (sum(bool(result[part]) for result in results) for part in (0, 2))
     print(f"{len(results)} answers: {broken} certificates do not hold, {unread} cannot be read")

@@ -3,7 +3,7 @@
 //! A level minimises its squared slack over what the levels above left open, x + Z z, with all bounds as inequalities. Then
 //! its rows are kept: Z loses the directions that change them, and bounds with a multiplier hold their unknowns.
 
-use revprio_problem::{LevelReport, Matrix, Vector};
+use revprio_problem::{LevelReport, Matrix, Side, Vector};
 
 use crate::certified::{Known, level_multipliers};
 use crate::clarabel::{Clarabel, Effort};
@@ -47,6 +47,8 @@ struct Run<'a> {
     /// Smallest relative singular value that is kept.
     weakest: f64,
     wants_multipliers: bool,
+    /// Index and a·x of the rows that each level keeps, after its solution.
+    values: Vec<Vec<(usize, f64)>>,
 }
 
 /// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
@@ -76,6 +78,7 @@ impl Cascade {
             run.write_multipliers(level, &Known { unknowns, rows, fixed: &fixed, kept: &kept });
             run.keep(level);
         }
+        run.note_drift();
         run.solution
     }
 
@@ -83,6 +86,7 @@ impl Cascade {
         let decided = Decided { x: &run.solution.x, basis: &run.basis, fixed: &run.fixed, kept: &run.kept };
         let program = LevelProgram::new(run.problem, level, &decided);
         if program.is_decided || run.basis.ncols() == 0 {
+            run.list_violated(level);
             run.solution.reports.push(LevelReport::default());
             return;
         }
@@ -139,7 +143,7 @@ impl<'a> Run<'a> {
         let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
-        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
+        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers, values: Vec::new() }
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
@@ -177,6 +181,34 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level.
+    fn note_drift(&mut self) {
+        let Solution { x, reports, residual, .. } = &mut self.solution;
+        for (k, (level, kept)) in self.problem.levels.iter().zip(&self.values).enumerate() {
+            let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();
+            let change = kept.iter().map(change).fold(0.0, f64::max);
+            let size = kept.iter().fold(0.0_f64, |norm, (_, value)| norm.hypot(*value)) + level.rows.norm() * x.norm();
+            if change > 0.0 && change.is_finite() {
+                reports[k].residual = reports[k].residual.max(change / size);
+                *residual = residual.max(change / size);
+            }
+        }
+    }
+
+    /// Lists the inequality rows that a level violates although nothing is left to move.
+    fn list_violated(&mut self, level: usize) {
+        let Solution { x, row_multipliers, active_rows, .. } = &mut self.solution;
+        let Some(own) = self.problem.levels.get(level) else { return };
+        for row in (0..own.rows.nrows()).filter(|&row| !own.is_equation(row)) {
+            let value = own.value(row, x);
+            let missing = own.missing(row, value);
+            if missing.abs() > NEGLIGIBLE * (value.abs() + own.rows.row(row).norm() * x.norm()) {
+                row_multipliers[level][row] = -missing;
+                active_rows[level][row] = Some(if missing > 0.0 { Side::Lower } else { Side::Upper });
+            }
+        }
+    }
+
     /// Keeps what a solved level decides: its equations, its violated rows, and the bounds that hold it back.
     fn keep(&mut self, level: usize) {
         let n = self.problem.unknowns();
@@ -188,6 +220,8 @@ impl<'a> Run<'a> {
             let has_multiplier = self.solution.row_multipliers[level][row] != 0.0;
             self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
         }
+        let kept = (0..own.rows.nrows()).filter(|&row| self.kept[level][row]);
+        self.values.push(kept.map(|row| (row, own.value(row, &self.solution.x))).collect());
         for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
             let rows = 0..level_rows.rows.nrows();
             // Equations of higher levels are kept already.

@@ -17,7 +17,12 @@ use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 pub struct ClosedForm;
 
 impl Solve for ClosedForm {
-    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
+    fn solve(
+        &mut self,
+        problem: &Problem,
+        _guess: &[ActiveSet],
+        answer: &mut Resolution,
+    ) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
         let Formula { joint_velocity, kkt_residual, stages } = evaluate(problem);
@@ -41,9 +46,6 @@ impl Solve for ClosedForm {
 
 /// Error of a projector along a direction of length one.
 const PROJECTION_ERROR: f64 = 4e-15;
-
-/// Part of the size of a level that its residual counts at least: an error below 1e-9 · 1e-4 of the size is rounding.
-const ROUNDING: f64 = 1e-4;
 
 /// Length of the rows of J_k in J_k^RP, relative to the lower rows.
 const ROW_LENGTH: f64 = 10.0;
@@ -97,10 +99,8 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     let lambda = factor(damping, svd.smallest());
     let delta = svd.solve(svd.rank(RANK_TOLERANCE * J.norm()), lambda, &(&xdot - &J * zeta));
     let joint_velocity = zeta + &delta;
-    let missing = &J * &joint_velocity - &xdot;
-    let gradient = J.tr_mul(&missing) + lambda * lambda * &delta;
-    let left = missing.norm() + lambda * delta.norm();
-    let kkt_residual = relative(&gradient, left, J.norm() + lambda, joint_velocity.norm() + zeta.norm(), xdot.norm());
+    let gradient = J.tr_mul(&(&J * &joint_velocity - &xdot)) + lambda * lambda * &delta;
+    let kkt_residual = relative(&gradient, J.norm() + lambda, joint_velocity.norm() + zeta.norm(), xdot.norm());
     let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda }];
     Formula { joint_velocity, kkt_residual, stages }
 }
@@ -115,6 +115,7 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     // Averaged with these weights: q̇, N, and the smallest singular value that N leaves out.
     let mut answers = vec![(1.0_f64, Vector::zeros(n), Matrix::identity(n, n), 1.0_f64)];
     let mut kkt_residual = 0.0_f64;
+    let mut projected = Vec::new();
     for (place, Equations { J, xdot }) in tasks.iter().enumerate() {
         let fades = place + 1 < tasks.len() || zeta.amax() > 0.0;
         for (total, mut qdot, N, weakest) in std::mem::take(&mut answers) {
@@ -127,11 +128,10 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
             let lambda = factor(damping, smallest);
             let delta = svd.solve(rank, lambda, &(xdot - J * &qdot));
             qdot += &delta;
-            let missing = J * &qdot - xdot;
-            let gradient = JN.tr_mul(&missing) + lambda * lambda * &delta;
-            let left = missing.norm() + lambda * delta.norm();
-            let size = qdot.norm() + delta.norm();
-            kkt_residual = kkt_residual.max(relative(&gradient, left, J.norm() + lambda, size, xdot.norm()));
+            let gradient = JN.tr_mul(&(J * &qdot - xdot)) + lambda * lambda * &delta;
+            kkt_residual =
+                kkt_residual.max(relative(&gradient, J.norm() + lambda, qdot.norm() + delta.norm(), xdot.norm()));
+            projected.push(JN);
             for (kept, share) in kept_directions(svd.singular_values(), rank, damping.filter(|_| fades)) {
                 let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / J.norm()) } else { weakest };
                 answers.push((total * share, qdot.clone(), &N - svd.row_projector(kept), weakest));
@@ -140,6 +140,14 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     }
     let joint_velocity =
         answers.iter().fold(Vector::zeros(n), |sum, (weight, qdot, N, _)| sum + (qdot + N * zeta) * *weight);
+    if damping.is_none() {
+        // What lower tasks have changed of higher ones.
+        for (Equations { J, xdot }, JN) in tasks.iter().zip(&projected) {
+            let gradient = JN.tr_mul(&(J * &joint_velocity - xdot));
+            let size = joint_velocity.norm() + zeta.norm();
+            kkt_residual = kkt_residual.max(relative(&gradient, J.norm(), size, xdot.norm()));
+        }
+    }
     let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda: 0.0 }];
     Formula { joint_velocity, kkt_residual, stages }
 }
@@ -160,10 +168,8 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
         let mu = factor(damping, svd.smallest());
         let delta = svd.solve(svd.rank(RANK_TOLERANCE * J.norm()), mu, &(xdot - J * &joint_velocity));
         let qdot = joint_velocity + &delta;
-        let missing = J * &qdot - xdot;
-        let gradient = J.tr_mul(&missing) + mu * mu * &delta;
-        let left = missing.norm() + mu * delta.norm();
-        let residual = relative(&gradient, left, J.norm() + mu, qdot.norm() + delta.norm(), xdot.norm());
+        let gradient = J.tr_mul(&(J * &qdot - xdot)) + mu * mu * &delta;
+        let residual = relative(&gradient, J.norm() + mu, qdot.norm() + delta.norm(), xdot.norm());
         stages.push(Stage { joint_velocity: qdot.clone(), lambda: 0.0 });
         Formula { joint_velocity: qdot, kkt_residual: kkt_residual.max(residual), stages }
     })
@@ -216,11 +222,9 @@ fn released(projector: &Matrix, low: &Matrix, lambda: f64, reach: &Vector) -> (V
     let base = projector * reach;
     let svd = Svd::new(&(low - low * projector));
     let delta = &base - svd.solve(svd.rank(RANK_TOLERANCE * low.norm()), lambda, &(low * &base));
-    let changed = low * &delta;
-    let gradient = low.tr_mul(&changed) + lambda * lambda * &delta;
+    let gradient = low.tr_mul(&(low * &delta)) + lambda * lambda * &delta;
     let open = &gradient - projector * &gradient;
-    let left = changed.norm() + lambda * delta.norm();
-    let residual = relative(&open, left, low.norm() + lambda, reach.norm() + delta.norm(), 0.0);
+    let residual = relative(&open, low.norm() + lambda, reach.norm() + delta.norm(), 0.0);
     (delta, residual)
 }
 
@@ -237,13 +241,12 @@ fn stage_residual(
     reach: &Vector,
     delta: &Vector,
 ) -> f64 {
-    let (missing, changed) = (J * (before + delta) - xdot, low * delta);
-    let reached = J.tr_mul(&missing) + mu * mu * reach;
-    let gradient = low.tr_mul(&changed) + lambda * lambda * delta;
+    let reached = J.tr_mul(&(J * (before + delta) - xdot)) + mu * mu * reach;
+    let gradient = low.tr_mul(&(low * delta)) + lambda * lambda * delta;
     let kept = &gradient - own_svd.inverse(rank, 0.0) * (J * &gradient);
     let size = before.norm() + reach.norm() + delta.norm();
-    let reaching = relative(&reached, missing.norm() + mu * reach.norm(), J.norm() + mu, size, xdot.norm());
-    reaching.max(relative(&kept, changed.norm() + lambda * delta.norm(), low.norm() + lambda, size, 0.0))
+    let reaching = relative(&reached, J.norm() + mu, size, xdot.norm());
+    reaching.max(relative(&kept, low.norm() + lambda, size, 0.0))
 }
 
 /// All rows and velocities, highest priority on top.
@@ -252,10 +255,9 @@ fn stacked(tasks: &[Equations], n: usize) -> (Matrix, Vector) {
     tasks.iter().fold(empty, |(J, xdot), task| (stack(&J, &task.J), concatenate(&xdot, &task.xdot)))
 }
 
-/// Returns ‖gradient‖_∞ of a level with rows of size `a` and the residual `left`, relative to their product. A residual counts
-/// at least as [`ROUNDING`] of what was added up for it: rows times the velocity `x`, and the target `b`.
-fn relative(gradient: &Vector, left: f64, a: f64, x: f64, b: f64) -> f64 {
-    match (gradient.amax(), a * (left + ROUNDING * (a * x + b))) {
+/// Returns ‖gradient‖_∞ relative to the size that it can have by scale alone.
+fn relative(gradient: &Vector, a: f64, x: f64, b: f64) -> f64 {
+    match (gradient.amax(), a * (a * x + b)) {
         (0.0, _) => 0.0,
         (size, scale) if scale.is_finite() => size / scale.max(f64::MIN_POSITIVE),
         _ => f64::INFINITY,
