@@ -1,8 +1,8 @@
 """Checks that an answer of `POST /v1/resolve` is right: check.py REQUEST ANSWER, or check.py LINES.
 
 The request has `"certificate": true`. LINES is a file with an object {"request": ..., "answer": ...} on each line.
-Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains the checks.
-This program shares no code with revprio. All its sums and products are exact; only the sizes of errors are rounded.
+Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains it.
+This program shares no code with revprio. All its sums and products are exact; the sizes of errors are rounded.
 """
 
 import json
@@ -28,7 +28,6 @@ CHECKS = {  # name: (what is compared, tolerance)
     "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box, and inside the limits", 1e-12),
     "achieved": ("`achieved` and `residual_norm` belong to `joint_velocity`", 1e-12),
     "active": ("active limits and rows are reached and have their multipliers; none is left out", TOLERANCE)}
-STATED = ("status", "kkt_residual")
 Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))
 # ends[0] <= a·x <= ends[1]; key: (task, row), an inequality's name or None
 
@@ -57,32 +56,26 @@ def excess(value, low, high):
 
 def are_independent(rows):
     """Returns whether rows are linearly independent, by elimination."""
-    while rows:
-        *rows, row = rows
-        pivot = next((j for j, entry in enumerate(row) if entry), None)
-        if pivot is None:
-            return False
-        rows = [[b - a * (other[pivot] / row[pivot]) for a, b in zip(row, other)] for other in rows]
-    return True
+    *others, row = rows or [[]]
+    pivot = next((j for j, entry in enumerate(row) if entry), None)
+    rest = [[b - a * (c[pivot] / row[pivot]) for a, b in zip(row, c)] for c in others if pivot is not None]
+    return not rows or pivot is not None and are_independent(rest)
 
 
 class Problem:
     """One hierarchical problem of a certificate. A place is an unknown or a row; both have bounds."""
-
     def __init__(self, raw, note, fine):
         """Checks the optimality of each level given those above it; docs/certificate.md defines the sizes."""
         self.x, self.reference, self.box = numbers(raw["solution"]), numbers(raw["reference"]), bounds_of(raw)
         key = lambda name: (name["task"], name["row"]) if "task" in name else name.get("inequality")
         self.rows = [Row(key(name), numbers(a), ends, k) for k, level in enumerate(raw["levels"])
                      for a, ends, name in zip(level["rows"], bounds_of(level), level["names"], strict=True)]
-        if {len(entry) for entry in (self.reference, self.box, *(row.a for row in self.rows))} != {len(self.x)}:
-            raise ValueError("lists of different lengths")
         self.bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
-        values = self.x + [sum(map(mul, row.a, self.x)) for row in self.rows]
-        missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds)]
+        values = self.x + [sum(a * x for a, x in zip(row.a, self.x, strict=True)) for row in self.rows]
+        missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
         self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
         self.forces = [[] for _ in values]  # (multiplier, size of its error, size of its terms) of each level
-        speed, zeta = hypot(*self.x), list(map(sub, self.reference, self.x))
+        speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
         reach, self.sizes, level_norms = speed + hypot(*self.reference), [speed] * n, []
         start, proven = n, set()  # proven: bounds whose multiplier is not zero at a higher level
         note("box", *(relative(r, speed) for r in missing[:n]))
@@ -103,7 +96,7 @@ class Problem:
             forces = [(sum(parts), hypot(*parts, x)) for parts, x in zip(terms, self.x)]
             note("sums", *(relative(a, rounded, b) for a, (b, rounded) in zip(h, forces, strict=True)))
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
-            found, wrong = set(), 0.0
+            found = set()
             for i, (force, rounded) in enumerate(forces):
                 side, (low, high), is_own = 1 if force > 0 else -1, self.bounds[i], i >= own.start
                 if i < n or low < high:  # An equation has any multiplier.
@@ -111,23 +104,19 @@ class Problem:
                     away = relative(max(0, side * ((high if force > 0 else low) - values[i])), self.sizes[i])
                     if not is_own and (i, -side) not in proven:  # Otherwise higher optima are at the other bound.
                         note("signs", min(relative(force, size), away))
-                        wrong = max(wrong, abs(force) if away > TOLERANCE else 0.0)
-                    if away <= TOLERANCE and abs(force) > NOT_ZERO * max(amount, coarse * self.norms[i] * is_own):
-                        found.add((i, side, abs(force)))
-            if wrong <= TOLERANCE * amount:  # Otherwise the multipliers are rounding, which proves nothing.
-                proven |= {(i, side) for i, side, force in found if force > wrong}
+                    found |= {(i, side)} if away <= TOLERANCE and abs(force) > NOT_ZERO * amount else set()
+            proven |= found if length > NOT_ZERO * coarse else set()  # Smaller residuals are rounding.
 
 
 class Check:
     """The checks of one answer: `largest` relative error of each, and `failed` ones."""
-
     def __init__(self, request, answer):
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(CHECKS, 0.0)
-        self.velocity, (status, residual) = numbers(answer["joint_velocity"]), map(answer["solver"].get, STATED)
+        self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
         self.tasks = {task.get("name") or f"task {k}": task for k, task in enumerate(request["tasks"], 1)}
-        self.hard = enumerate(request.get("inequalities", []), 1)
-        self.hard = {given.get("name") or f"inequality {k}": given for k, given in self.hard}
+        hard = enumerate(request.get("inequalities", []), 1)
+        self.hard = {given.get("name") or f"inequality {k}": given for k, given in hard}
         has_scaled = any(task.get("scale") for task in self.tasks.values())  # Then equations need not have names.
         self.scaled = {name for name, task in self.tasks.items() if has_scaled and task.get("velocity")}
         self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
@@ -139,8 +128,8 @@ class Check:
             self.check_velocity()
             self.check_active()
         self.note("status", not self.parts or residual is None or residual > TOLERANCE)
-        is_claimed = {"optimal": True, "not_certified": False, "failed": False}[status]
-        self.failed = [check for check, error in self.largest.items() if is_claimed and error > CHECKS[check][1]]
+        claimed = {"optimal": CHECKS, "not_certified": ["velocity"], "failed": []}[answer["solver"]["status"]]
+        self.failed = [check for check in claimed if self.largest[check] > CHECKS[check][1]]
 
     def note(self, check, *errors):
         """Keeps the largest error of a check."""
@@ -148,7 +137,7 @@ class Check:
 
     def planned(self):
         """Returns the rows of the method's problems, with None for what the request does not state."""
-        tasks, hard, keeps, stages = [], [], self.method == "reverse_priority", []
+        tasks, hard, keeps = [], [], self.method == "reverse_priority"
         for name, task in self.tasks.items():
             a, bounds = task.get("jacobian"), bounds_of(task)
             if not self.is_closed or all(low == high for low, high in bounds):
@@ -156,18 +145,19 @@ class Check:
         for name, given in {} if self.is_closed else self.hard.items():  # Their rows have length one.
             a, norm = given.get("coefficients"), Fraction(hypot(*given.get("coefficients", [])) or 1.0)
             hard.append(Row(name, a and [p / norm for p in numbers(a)], a and (-inf, Fraction(given["upper"]) / norm)))
-        for k, rows in reversed(list(enumerate(tasks, 1))):
-            stages.append([rows, [row._replace(is_kept=True) for row in sum(tasks[k:], []) if keeps]])
-        if self.method in ("strict_reverse_priority", "task_priority", "pseudoinverse", "damped_least_squares"):
-            stages = [tasks if self.method in ("strict_reverse_priority", "task_priority") else [sum(tasks, [])]]
-        stages = [*stages[:-1], [hard, *(stages or [[]])[-1]]]
-        return [[row._replace(level=k) for k, level in enumerate(filter(None, levels)) for row in level] for levels in stages]
+        lower = [[row._replace(is_kept=True) for row in sum(tasks[k + 1:], []) if keeps] for k in range(len(tasks))]
+        stages = list(zip(tasks, lower))[::-1] or [[]]
+        stages = [tasks] if self.method in ("strict_reverse_priority", "task_priority") else stages
+        stages = [[sum(tasks, [])]] if self.method in ("pseudoinverse", "damped_least_squares") else stages
+        stages[-1] = [hard, *stages[-1]]
+        return [[row._replace(level=k) for k, level in enumerate(filter(None, levels)) for row in level]
+                for levels in stages]
 
     def check_plan(self, problems):
         """Checks that the problems are those of the request, where it states them."""
         plan, before = self.planned(), self.request.get("null_space_velocity") or [0] * len(self.velocity)
         is_exact, is_whole = not (self.request.get("damping") or self.scaled), len(problems) == len(plan)
-        named = lambda rows: [row for row in rows if row.key and row.key[0] not in self.scaled]
+        named = lambda rows: [row for row in rows if is_exact or row.key and row.key[0] not in self.scaled]
         names = lambda rows: [(row.key, self.scaled or row.level) for row in named(rows)]
         if not is_exact:  # Targets and references are those of the certificate. The other parts are not named.
             plan, problems = plan[-1:], [part for part, _ in self.parts if names(part.rows) == names(plan[-1])][:1]
@@ -176,13 +166,12 @@ class Check:
             is_met = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
             self.note("plan", not is_met or self.method != "reverse_priority")
         self.main = problems[-1] if problems else self.parts[0][0]
-        has_unnamed = any(row.key is None for problem in problems for row in problem.rows)
-        self.note("plan", is_exact and (has_unnamed or self.parts != [(self.main, 1)]))
-        self.note("plan", [names(problem.rows) for problem in problems] != list(map(names, plan)))
+        is_right = [names(problem.rows) for problem in problems] == list(map(names, plan))
+        self.note("plan", not is_right or is_exact and self.parts != [(self.main, 1)])
         before = numbers(before) if is_exact and isinstance(before, list) else self.main.reference
         for problem, rows in zip(problems, plan):
-            size, errors = hypot(*before), map(sub, before, problem.reference)
-            self.note("rows", relative(hypot(*errors), size + hypot(*problem.reference)))
+            size = hypot(*before, *problem.reference)
+            self.note("rows", relative(hypot(*map(sub, before, problem.reference)), size))
             for row, (_, a, ends, _, is_kept) in zip(named(problem.rows), named(rows)):
                 errors = map(sub, row.a, a + [0] * (len(row.a) - len(a))) if a else []
                 self.note("rows", relative(hypot(*errors), hypot(*row.a)))
@@ -217,7 +206,7 @@ class Check:
     def check_active(self):
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
         main, n, answer = self.main, len(self.velocity), self.answer
-        unlisted = [i for i in range(len(main.bounds)) if not n <= i < len(main.x)]
+        unlisted = {i for i in range(len(main.bounds)) if not n <= i < len(main.x)}
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
                   for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
@@ -226,24 +215,24 @@ class Check:
         listed += [([places[given["name"]]], given, hypot(*self.hard[given["name"]].get("coefficients", [])))
                    for given in answer.get("active_inequalities", [])]
         for candidates, given, norm in listed:
-            error, i = min(((self.mismatch(i, given, norm), i) for i in candidates if i in unlisted), default=(inf, -1))
+            error, i = min(((self.mismatch(i, given, norm), i) for i in unlisted.intersection(candidates)), default=(inf, -1))
             self.note("active", error)
-            unlisted = [other for other in unlisted if other != i]
+            unlisted.discard(i)
         forces = [entry for i in unlisted for entry in main.forces[i] if len(self.parts) == 1]
         self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces))
 
     def mismatch(self, i, given, norm):
         """Returns how far an active bound is from being reached and from its multiplier, the first that is not zero."""
-        main, n, multiplier, errors, (low, high) = self.main, len(self.velocity), given["multiplier"] * norm, [inf], self.main.bounds[i]
-        value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
+        n, multiplier, errors, (low, high) = len(self.velocity), given["multiplier"] * norm, [], self.main.bounds[i]
+        value = self.velocity[i] if i < n else sum(map(mul, self.main.rows[i - len(self.main.x)].a, self.velocity))
         sign, bound = (-1, low) if given.get("side") == "lower" else (1, high)
-        for forces in [part.forces[i] for part, _ in self.parts] if i < n else [main.forces[i]]:
+        for forces in [part.forces[i] for part, _ in self.parts] if i < n else [self.main.forces[i]]:
             first = next((k for k, (force, size, _) in enumerate(forces) if abs(force) > TOLERANCE * size), len(forces))
             errors += [relative(multiplier, abs(float(force)) + self.fine * rounded, abs(force))
                        for force, _, rounded in forces[:first + 1] if force * sign >= 0]
             # A pinned joint is active without a multiplier, too. The size of a plane's row is not in the input.
-            errors += [0.0] if not norm or multiplier == 0.0 and (low == high or first == len(forces)) else []
-        away = relative(max(0, sign * (bound - value)), main.sizes[i])
+            errors += [0.0] if not norm or multiplier == 0.0 and (low == high or first == len(forces)) else [inf]
+        away = relative(max(0, sign * (bound - value)), self.main.sizes[i])
         return max(min(errors), away, relative(given.get("value", bound), 1.0, bound))
 
 
@@ -259,24 +248,23 @@ def examine(texts):
 
 def main(paths):
     """Runs the program; returns its exit status."""
-    try:
-        texts = [Path(path).read_text(encoding="utf-8") for path in paths]
-    except (OSError, ValueError) as error:
-        print(f"cannot be read: {error}", file=sys.stderr)
-        return 2
+    texts = [Path(path).read_text(encoding="utf-8") for path in paths]
     items = [texts] if len(texts) == 2 else [[line] for line in texts[0].splitlines() if line.strip()]
     with multiprocessing.Pool() as pool:
         results = pool.map(examine, items, chunksize=16)
     for place, (unread, _, failed) in enumerate(results, 1):
         if unread or failed:
-            print(f"answer {place}: {unread or 'fails ' + ', '.join(failed)}")
+            print(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}")
     for check, (what, allowed) in CHECKS.items():
         largest = max(errors.get(check, 0.0) for _, errors, _ in results)
         print(f"{'holds' if largest <= allowed else 'FAILS'} {largest:8.1e} of {allowed:5.0e}  {check}: {what}")
     unread, broken = (sum(bool(result[part]) for result in results) for part in (0, 2))
-    print(f"{len(results)} answers: {broken} certificates do not hold, {unread} cannot be read")
+    print(f"answers: {len(results)}, certificate does not hold: {broken}, cannot be read: {unread}")
     return 1 if broken else 2 if unread else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]) if len(sys.argv) in (2, 3) else print(__doc__) or 2)
+    try:
+        sys.exit(main(sys.argv[1:]) if len(sys.argv) in (2, 3) else print(__doc__) or 2)
+    except (OSError, ValueError) as error:
+        sys.exit(print(f"cannot be read: {error}", file=sys.stderr) or 2)
