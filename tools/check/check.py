@@ -105,7 +105,7 @@ class Problem:
                     if not is_own and (i, -side) not in proven:  # Otherwise higher optima are at the other bound.
                         note("signs", min(relative(force, size), away))
                     found |= {(i, side)} if away <= TOLERANCE and abs(force) > NOT_ZERO * amount else set()
-            proven |= found if length > NOT_ZERO * coarse else set()  # Smaller residuals are rounding.
+            proven |= found if amount > NOT_ZERO * coarse * norm else set()  # Smaller multipliers are rounding.
 
 
 class Check:
@@ -129,7 +129,8 @@ class Check:
             self.check_active()
         self.note("status", not self.parts or residual is None or residual > TOLERANCE)
         claimed = {"optimal": CHECKS, "not_certified": ["velocity"], "failed": []}[answer["solver"]["status"]]
-        self.failed = [check for check in claimed if self.largest[check] > CHECKS[check][1]]
+        self.largest = {check: self.largest[check] for check in claimed}
+        self.failed = [check for check, error in self.largest.items() if error > CHECKS[check][1]]
 
     def note(self, check, *errors):
         """Keeps the largest error of a check."""

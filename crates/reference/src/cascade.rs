@@ -47,6 +47,8 @@ struct Run<'a> {
     /// Smallest relative singular value that is kept.
     weakest: f64,
     wants_multipliers: bool,
+    /// x as a level was solved, before it is moved to bounds that it misses by rounding.
+    solved: Vector,
     /// Index and a·x of the rows that each level keeps, after its solution.
     values: Vec<Vec<(usize, f64)>>,
 }
@@ -87,6 +89,7 @@ impl Cascade {
         let program = LevelProgram::new(run.problem, level, &decided);
         if program.is_decided || run.basis.ncols() == 0 {
             run.list_violated(level);
+            run.solved.clone_from(&run.solution.x);
             run.solution.reports.push(LevelReport::default());
             return;
         }
@@ -143,13 +146,14 @@ impl<'a> Run<'a> {
         let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
-        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers, values: Vec::new() }
+        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers, solved: Vector::zeros(n), values: Vec::new() }
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
     fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint, forces: &mut Forces) {
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         *x += &self.basis * &point.z * program.size;
+        self.solved.clone_from(x);
         *x = self.problem.clamp(x);
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
             if multiplier <= NEGLIGIBLE * program.scale {
@@ -221,7 +225,7 @@ impl<'a> Run<'a> {
             self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
         }
         let kept = (0..own.rows.nrows()).filter(|&row| self.kept[level][row]);
-        self.values.push(kept.map(|row| (row, own.value(row, &self.solution.x))).collect());
+        self.values.push(kept.map(|row| (row, own.value(row, &self.solved))).collect());
         for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
             let rows = 0..level_rows.rows.nrows();
             // Equations of higher levels are kept already.
