@@ -21,8 +21,7 @@ CHECKS = {  # name: (what is compared, tolerance)
     "status": ("`kkt_residual` is small enough for the status", 0.0),
     "plan": ("problems and levels are those of the method, in its order", 0.0),
     "rows": ("rows, bounds and references are those of the request, or what the stage before achieved", 1e-12),
-    "box": ("solutions are inside their box", TOLERANCE),
-    "residuals": ("multipliers of a level's own rows are their residuals; without any, it is met", TOLERANCE),
+    "residuals": ("solutions are inside their box; multipliers of a level's own rows are their residuals", TOLERANCE),
     "sums": ("multipliers of unknowns are the sums of rows times multipliers", 1e-12),
     "signs": ("multipliers are zero inside the bounds and have the right sign at a bound", TOLERANCE),
     "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box, and inside the limits", 1e-12),
@@ -74,17 +73,16 @@ class Problem:
         values = self.x + [sum(a * x for a, x in zip(row.a, self.x, strict=True)) for row in self.rows]
         missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
         self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
-        self.forces = [[] for _ in values]  # (multiplier, size of its error, size of its terms) of each level
+        self.forces = [[] for _ in values]  # (multiplier, size of its error, of its terms), up to the first not zero
         speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
         reach, self.sizes, level_norms = speed + hypot(*self.reference), [speed] * n, []
         start, proven = n, set()  # proven: bounds whose multiplier is not zero at a higher level
-        note("box", *(relative(r, speed) for r in missing[:n]))
+        note("residuals", *(relative(r, speed) for r in missing[:n]))
         for level, pair in zip([*raw["levels"], None], raw["multipliers"], strict=True):
             own = range(start, start + len(level["rows"]) if level else start)
             rows, start, is_last = self.rows[:own.stop - n], own.stop, level is None
             w, h = (numbers(pair[part]) for part in ("rows", "unknowns")) if pair else ([0] * len(rows), [0] * n)
             aim, norm = hypot(*(values[i] + missing[i] for i in own)), hypot(*(self.norms[i] for i in own)) or 1.0
-            reach = max(reach, aim / norm if pair else 0.0)
             coarse = aim + norm * reach  # the size of all that was rounded
             self.sizes += [self.norms[i] * speed + fine * coarse for i in own]
             level_norms.append(norm)
@@ -96,16 +94,16 @@ class Problem:
             forces = [(sum(parts), hypot(*parts, x)) for parts, x in zip(terms, self.x)]
             note("sums", *(relative(a, rounded, b) for a, (b, rounded) in zip(h, forces, strict=True)))
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
-            found = set()
             for i, (force, rounded) in enumerate(forces):
                 side, (low, high), is_own = 1 if force > 0 else -1, self.bounds[i], i >= own.start
                 if i < n or low < high:  # An equation has any multiplier.
-                    self.forces[i].append((force, size, rounded))
+                    if all(abs(a) <= TOLERANCE * b for a, b, _ in self.forces[i]):
+                        self.forces[i].append((force, size, rounded))
                     away = relative(max(0, side * ((high if force > 0 else low) - values[i])), self.sizes[i])
                     if not is_own and (i, -side) not in proven:  # Otherwise higher optima are at the other bound.
                         note("signs", min(relative(force, size), away))
-                    found |= {(i, side)} if away <= TOLERANCE and abs(force) > NOT_ZERO * amount else set()
-            proven |= found if amount > NOT_ZERO * coarse * norm else set()  # Smaller multipliers are rounding.
+                    if away <= TOLERANCE and abs(force) > NOT_ZERO * max(amount, NOT_ZERO * coarse * norm):
+                        proven.add((i, side))
 
 
 class Check:
@@ -114,9 +112,8 @@ class Check:
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(CHECKS, 0.0)
         self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
-        self.tasks = {task.get("name") or f"task {k}": task for k, task in enumerate(request["tasks"], 1)}
-        hard = enumerate(request.get("inequalities", []), 1)
-        self.hard = {given.get("name") or f"inequality {k}": given for k, given in hard}
+        named = lambda what, items: {item.get("name") or f"{what} {k}": item for k, item in enumerate(items, 1)}
+        self.tasks, self.hard = named("task", request["tasks"]), named("inequality", request.get("inequalities", []))
         has_scaled = any(task.get("scale") for task in self.tasks.values())  # Then equations need not have names.
         self.scaled = {name for name, task in self.tasks.items() if has_scaled and task.get("velocity")}
         self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
@@ -167,8 +164,8 @@ class Check:
             is_met = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
             self.note("plan", not is_met or self.method != "reverse_priority")
         self.main = problems[-1] if problems else self.parts[0][0]
-        is_right = [names(problem.rows) for problem in problems] == list(map(names, plan))
-        self.note("plan", not is_right or is_exact and self.parts != [(self.main, 1)])
+        self.note("plan", [names(problem.rows) for problem in problems] != list(map(names, plan)))
+        self.note("plan", is_exact and self.parts != [(self.main, 1)])
         before = numbers(before) if is_exact and isinstance(before, list) else self.main.reference
         for problem, rows in zip(problems, plan):
             size = hypot(*before, *problem.reference)
@@ -179,9 +176,8 @@ class Check:
                 if is_kept and is_whole:  # A stage keeps what the stage before achieved.
                     value = sum(map(mul, row.a, before))
                     ends = (value, value) if ends[0] == ends[1] else (min(ends[0], value), max(ends[1], value))
-                for end, wanted in zip(row.ends, ends or []):
-                    scale = abs(float(wanted)) + (hypot(*row.a) * size if is_kept else 0.0)
-                    self.note("rows", relative(end, scale, wanted) if is_exact else 0.0)
+                scale, ends = hypot(*row.a) * size if is_kept else 0.0, ends if ends and is_exact else row.ends
+                self.note("rows", *(relative(a, abs(float(b)) + scale, b) for a, b in zip(row.ends, ends)))
             before = problem.x
 
     def check_velocity(self):
@@ -207,7 +203,7 @@ class Check:
     def check_active(self):
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
         main, n, answer = self.main, len(self.velocity), self.answer
-        unlisted = {i for i in range(len(main.bounds)) if not n <= i < len(main.x)}
+        unlisted = {i for i, forces in enumerate(main.forces) if forces and not n <= i < len(main.x)}
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
                   for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
@@ -216,25 +212,22 @@ class Check:
         listed += [([places[given["name"]]], given, hypot(*self.hard[given["name"]].get("coefficients", [])))
                    for given in answer.get("active_inequalities", [])]
         for candidates, given, norm in listed:
-            error, i = min(((self.mismatch(i, given, norm), i) for i in unlisted.intersection(candidates)), default=(inf, -1))
-            self.note("active", error)
-            unlisted.discard(i)
-        forces = [entry for i in unlisted for entry in main.forces[i] if len(self.parts) == 1]
-        self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces))
+            error, i = min(((self.mismatch(i, given, norm), i) for i in candidates), default=(inf, -1))
+            self.note("active", error if given["multiplier"] else 0.0)
+            unlisted -= {i} if given["multiplier"] or main.bounds[i][0] == main.bounds[i][1] else set()
+        forces = [main.forces[i][-1] for i in unlisted if len(self.parts) == 1]
+        self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces if force))
 
     def mismatch(self, i, given, norm):
         """Returns how far an active bound is from being reached and from its multiplier, the first that is not zero."""
-        n, multiplier, errors, (low, high) = len(self.velocity), given["multiplier"] * norm, [], self.main.bounds[i]
-        value = self.velocity[i] if i < n else sum(map(mul, self.main.rows[i - len(self.main.x)].a, self.velocity))
-        sign, bound = (-1, low) if given.get("side") == "lower" else (1, high)
-        for forces in [part.forces[i] for part, _ in self.parts] if i < n else [self.main.forces[i]]:
-            first = next((k for k, (force, size, _) in enumerate(forces) if abs(force) > TOLERANCE * size), len(forces))
-            errors += [relative(multiplier, abs(float(force)) + self.fine * rounded, abs(force))
-                       for force, _, rounded in forces[:first + 1] if force * sign >= 0]
-            # A pinned joint is active without a multiplier, too. The size of a plane's row is not in the input.
-            errors += [0.0] if not norm or multiplier == 0.0 and (low == high or first == len(forces)) else [inf]
-        away = relative(max(0, sign * (bound - value)), self.main.sizes[i])
-        return max(min(errors), away, relative(given.get("value", bound), 1.0, bound))
+        n, main = len(self.velocity), self.main
+        value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
+        sign, bound = (-1, main.bounds[i][0]) if given.get("side") == "lower" else (1, main.bounds[i][1])
+        forces = [entry for part, _ in self.parts if i < n or part is main for entry in part.forces[i]]
+        errors = [relative(given["multiplier"] * norm, abs(float(force)) + self.fine * rounded, abs(force))
+                  for force, _, rounded in forces if force * sign >= 0 and norm]  # A plane's norm is not in the input.
+        away = relative(max(0, sign * (bound - value)), main.sizes[i])
+        return max(min(errors, default=inf if norm else 0.0), away, relative(given.get("value", bound), 1.0, bound))
 
 
 def examine(texts):

@@ -188,12 +188,12 @@ impl<'a> Run<'a> {
     /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level.
     fn note_drift(&mut self) {
         let Solution { x, reports, residual, .. } = &mut self.solution;
-        for (k, (level, kept)) in self.problem.levels.iter().zip(&self.values).enumerate() {
+        for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
             let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();
             let change = kept.iter().map(change).fold(0.0, f64::max);
             let size = kept.iter().fold(0.0_f64, |norm, (_, value)| norm.hypot(*value)) + level.rows.norm() * x.norm();
             if change > 0.0 && change.is_finite() {
-                reports[k].residual = reports[k].residual.max(change / size);
+                report.residual = report.residual.max(change / size);
                 *residual = residual.max(change / size);
             }
         }
