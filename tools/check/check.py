@@ -2,8 +2,7 @@
 
 The request has `"certificate": true`. LINES is a file with an object {"request": ..., "answer": ...} on each line.
 Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains it.
-This program shares no code with revprio. All its sums and products are exact; the sizes of errors are rounded.
-"""
+This program shares no code with revprio. All sums and products are exact; only the sizes of errors are rounded."""
 
 import json
 import multiprocessing
@@ -12,7 +11,6 @@ from collections import namedtuple
 from fractions import Fraction
 from math import hypot, inf
 from operator import mul, sub
-from pathlib import Path
 
 TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
 FINE = 1e-4  # Rounding: errors below TOLERANCE * FINE, or below `kkt_residual`, of the size of all that was added up.
@@ -27,8 +25,7 @@ CHECKS = {  # name: (what is compared, tolerance)
     "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box, and inside the limits", 1e-12),
     "achieved": ("`achieved` and `residual_norm` belong to `joint_velocity`", 1e-12),
     "active": ("active limits and rows are reached and have their multipliers; none is left out", TOLERANCE)}
-Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))
-# ends[0] <= a·x <= ends[1]; key: (task, row), an inequality's name or None
+Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))  # key: (task, row), an inequality or None
 
 
 def numbers(values, none=None):
@@ -55,16 +52,14 @@ def excess(value, low, high):
 
 def are_independent(rows):
     """Returns whether rows are linearly independent, by elimination."""
-    *others, row = rows or [[]]
-    pivot = next((j for j, entry in enumerate(row) if entry), None)
-    rest = [[b - a * (c[pivot] / row[pivot]) for a, b in zip(row, c)] for c in others if pivot is not None]
-    return not rows or pivot is not None and are_independent(rest)
+    pivot = next((j for j, entry in enumerate(rows[-1]) if entry), None) if rows else None
+    return not rows or pivot is not None and are_independent(
+        [[b - a * (row[pivot] / rows[-1][pivot]) for a, b in zip(rows[-1], row)] for row in rows[:-1]])
 
 
 class Problem:
-    """One hierarchical problem of a certificate. A place is an unknown or a row; both have bounds."""
+    """A problem of a certificate. Checks the optimality of each level given those above it."""
     def __init__(self, raw, note, fine):
-        """Checks the optimality of each level given those above it; docs/certificate.md defines the sizes."""
         self.x, self.reference, self.box = numbers(raw["solution"]), numbers(raw["reference"]), bounds_of(raw)
         key = lambda name: (name["task"], name["row"]) if "task" in name else name.get("inequality")
         self.rows = [Row(key(name), numbers(a), ends, k) for k, level in enumerate(raw["levels"])
@@ -72,18 +67,17 @@ class Problem:
         self.bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
         values = self.x + [sum(a * x for a, x in zip(row.a, self.x, strict=True)) for row in self.rows]
         missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
+        self.forces = [[] for _ in values]  # (multiplier, size of its error, of its terms), to the first not zero
         self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
-        self.forces = [[] for _ in values]  # (multiplier, size of its error, of its terms), up to the first not zero
         speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
-        reach, self.sizes, level_norms = speed + hypot(*self.reference), [speed] * n, []
-        start, proven = n, set()  # proven: bounds whose multiplier is not zero at a higher level
+        start, reach, self.sizes, level_norms, proven = n, speed + hypot(*self.reference), [speed] * n, [], set()
         note("residuals", *(relative(r, speed) for r in missing[:n]))
         for level, pair in zip([*raw["levels"], None], raw["multipliers"], strict=True):
             own = range(start, start + len(level["rows"]) if level else start)
             rows, start, is_last = self.rows[:own.stop - n], own.stop, level is None
             w, h = (numbers(pair[part]) for part in ("rows", "unknowns")) if pair else ([0] * len(rows), [0] * n)
-            aim, norm = hypot(*(values[i] + missing[i] for i in own)), hypot(*(self.norms[i] for i in own)) or 1.0
-            coarse = aim + norm * reach  # the size of all that was rounded
+            norm = hypot(*(self.norms[i] for i in own)) or 1.0
+            coarse = hypot(*(values[i] + missing[i] for i in own)) + norm * reach  # the size of all that was rounded
             self.sizes += [self.norms[i] * speed + fine * coarse for i in own]
             level_norms.append(norm)
             note("residuals", 0.0, *(relative(w[i - n], self.sizes[i], missing[i]) for i in own))
@@ -103,48 +97,45 @@ class Problem:
                     if not is_own and (i, -side) not in proven:  # Otherwise higher optima are at the other bound.
                         note("signs", min(relative(force, size), away))
                     if away <= TOLERANCE and abs(force) > NOT_ZERO * max(amount, NOT_ZERO * coarse * norm):
-                        proven.add((i, side))
+                        proven.add((i, side))  # No optimum of this level leaves the bound.
 
 
 class Check:
-    """The checks of one answer: `largest` relative error of each, and `failed` ones."""
+    """The checks of one answer. `largest`: the relative error of each check that the status claims."""
     def __init__(self, request, answer):
-        self.request, self.answer, self.largest = request, answer, dict.fromkeys(CHECKS, 0.0)
+        claimed = {"optimal": CHECKS, "not_certified": ["velocity"], "failed": []}[answer["solver"]["status"]]
+        self.request, self.answer, self.largest = request, answer, dict.fromkeys(claimed, 0.0)
         self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
         named = lambda what, items: {item.get("name") or f"{what} {k}": item for k, item in enumerate(items, 1)}
         self.tasks, self.hard = named("task", request["tasks"]), named("inequality", request.get("inequalities", []))
-        has_scaled = any(task.get("scale") for task in self.tasks.values())  # Then equations need not have names.
+        has_scaled = any(task.get("scale") for task in request["tasks"])  # Then equations need not have names.
         self.scaled = {name for name, task in self.tasks.items() if has_scaled and task.get("velocity")}
         self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
         given = answer.get("certificate") or {"problems": [], "answer": []}
         problems = [Problem(raw, self.note, self.fine) for raw in given["problems"]]
         self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in given["answer"]]
+        self.note("status", not self.parts or residual is None or residual > TOLERANCE)
         if self.parts:
             self.check_plan(problems)
             self.check_velocity()
             self.check_active()
-        self.note("status", not self.parts or residual is None or residual > TOLERANCE)
-        claimed = {"optimal": CHECKS, "not_certified": ["velocity"], "failed": []}[answer["solver"]["status"]]
-        self.largest = {check: self.largest[check] for check in claimed}
-        self.failed = [check for check, error in self.largest.items() if error > CHECKS[check][1]]
 
     def note(self, check, *errors):
         """Keeps the largest error of a check."""
-        self.largest[check] = max(self.largest[check], *map(float, errors))
+        self.largest |= {check: max(self.largest[check], *map(float, errors))} if check in self.largest else {}
 
     def planned(self):
         """Returns the rows of the method's problems, with None for what the request does not state."""
-        tasks, hard, keeps = [], [], self.method == "reverse_priority"
-        for name, task in self.tasks.items():
-            a, bounds = task.get("jacobian"), bounds_of(task)
-            if not self.is_closed or all(low == high for low, high in bounds):
-                tasks.append([Row((name, i), a and numbers(a[i]), ends) for i, ends in enumerate(bounds)])
+        rows_of = lambda name, task: [Row((name, i), "jacobian" in task and numbers(task["jacobian"][i]), ends)
+                                      for i, ends in enumerate(bounds_of(task))]
+        is_solved = lambda rows: not self.is_closed or all(row.ends[0] == row.ends[1] for row in rows)
+        tasks, hard = list(filter(is_solved, map(rows_of, self.tasks, self.tasks.values()))), []
         for name, given in {} if self.is_closed else self.hard.items():  # Their rows have length one.
             a, norm = given.get("coefficients"), Fraction(hypot(*given.get("coefficients", [])) or 1.0)
             hard.append(Row(name, a and [p / norm for p in numbers(a)], a and (-inf, Fraction(given["upper"]) / norm)))
-        lower = [[row._replace(is_kept=True) for row in sum(tasks[k + 1:], []) if keeps] for k in range(len(tasks))]
-        stages = list(zip(tasks, lower))[::-1] or [[]]
+        lower = [[row._replace(is_kept=True) for row in sum(tasks[k + 1:], [])] for k in range(len(tasks))]
+        stages = [[a, b if self.method == "reverse_priority" else []] for a, b in zip(tasks, lower)][::-1] or [[]]
         stages = [tasks] if self.method in ("strict_reverse_priority", "task_priority") else stages
         stages = [[sum(tasks, [])]] if self.method in ("pseudoinverse", "damped_least_squares") else stages
         stages[-1] = [hard, *stages[-1]]
@@ -188,7 +179,7 @@ class Check:
         self.note("rows", any(problem.box[:n] != box for problem in parts))
         self.note("velocity", relative(sum(weights), 1.0, 1), inf if min(weights) < 0 else 0.0)
         for j, (value, ends) in enumerate(zip(self.velocity, box, strict=True)):
-            total, size = sum(weight * part.x[j] for part, weight in self.parts), max(abs(float(part.x[j])) for part in parts)
+            total, size = sum(weight * part.x[j] for part, weight in self.parts), hypot(*(part.x[j] for part in parts))
             self.note("velocity", relative(value, size, total - excess(total, *ends)), excess(value, *ends) and inf)
         rows = {row.key: row.a[:n] for row in self.main.rows}
         for (name, task), found in zip(self.tasks.items(), self.answer["tasks"], strict=True):
@@ -203,52 +194,47 @@ class Check:
     def check_active(self):
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
         main, n, answer = self.main, len(self.velocity), self.answer
-        unlisted = {i for i, forces in enumerate(main.forces) if forces and not n <= i < len(main.x)}
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
+        unlisted = {i for i in (*range(n), *places.values()) if main.bounds[i][0] < main.bounds[i][1]}
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
                   for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
         listed += [([i := places[task["name"], given["row"]]], given, main.norms[i])
                    for task in answer["tasks"] for given in task.get("active_rows", [])]
         listed += [([places[given["name"]]], given, hypot(*self.hard[given["name"]].get("coefficients", [])))
                    for given in answer.get("active_inequalities", [])]
-        for candidates, given, norm in listed:
-            error, i = min(((self.mismatch(i, given, norm), i) for i in candidates), default=(inf, -1))
-            self.note("active", error if given["multiplier"] else 0.0)
-            unlisted -= {i} if given["multiplier"] or main.bounds[i][0] == main.bounds[i][1] else set()
-        forces = [main.forces[i][-1] for i in unlisted if len(self.parts) == 1]
+        for candidates, given, norm in (entry for entry in listed if entry[1]["multiplier"]):
+            found = {inf: -1}
+            for i in candidates:
+                value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
+                sign, bound = (-1, main.bounds[i][0]) if given.get("side") == "lower" else (1, main.bounds[i][1])
+                forces = [entry for part, _ in self.parts if i < n or part is main for entry in part.forces[i]]
+                errors = [relative(given["multiplier"] * norm, abs(float(force)) + self.fine * rounded, abs(force))
+                          for force, _, rounded in forces if force * sign >= 0] if norm else [0.0]
+                away = relative(max(0, sign * (bound - value)), main.sizes[i])
+                found[max(min(errors, default=inf), away, relative(given.get("value", bound), 1.0, bound))] = i
+            self.note("active", min(found))
+            unlisted.discard(found[min(found)])
+        forces = [main.forces[i][-1] for i in unlisted if main.forces[i] and len(self.parts) == 1]
         self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces if force))
 
-    def mismatch(self, i, given, norm):
-        """Returns how far an active bound is from being reached and from its multiplier, the first that is not zero."""
-        n, main = len(self.velocity), self.main
-        value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
-        sign, bound = (-1, main.bounds[i][0]) if given.get("side") == "lower" else (1, main.bounds[i][1])
-        forces = [entry for part, _ in self.parts if i < n or part is main for entry in part.forces[i]]
-        errors = [relative(given["multiplier"] * norm, abs(float(force)) + self.fine * rounded, abs(force))
-                  for force, _, rounded in forces if force * sign >= 0 and norm]  # A plane's norm is not in the input.
-        away = relative(max(0, sign * (bound - value)), main.sizes[i])
-        return max(min(errors, default=inf if norm else 0.0), away, relative(given.get("value", bound), 1.0, bound))
 
-
-def examine(texts):
-    """Checks a request and its answer, or a line with both. Returns why it cannot be read, errors and failed checks."""
+def examine(line):
+    """Checks a line with a request and its answer. Returns why it cannot be read, the errors and the failed checks."""
     try:
-        values = [json.loads(text) for text in texts]
-        check = Check(*(values if len(values) == 2 else (values[0]["request"], values[0]["answer"])))
-        return "", check.largest, check.failed
+        largest = Check(**json.loads(line)).largest
+        return "", largest, [check for check, error in largest.items() if error > CHECKS[check][1]]
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         return f"cannot be read: {type(error).__name__}: {error}", {}, []
 
 
 def main(paths):
     """Runs the program; returns its exit status."""
-    texts = [Path(path).read_text(encoding="utf-8") for path in paths]
-    items = [texts] if len(texts) == 2 else [[line] for line in texts[0].splitlines() if line.strip()]
+    texts = [open(path, encoding="utf-8").read() for path in paths]
+    lines = texts[0].splitlines() if len(texts) == 1 else ['{"request": %s, "answer": %s}' % tuple(texts)]
     with multiprocessing.Pool() as pool:
-        results = pool.map(examine, items, chunksize=16)
-    for place, (unread, _, failed) in enumerate(results, 1):
-        if unread or failed:
-            print(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}")
+        results = pool.map(examine, filter(str.strip, lines), chunksize=16)
+    print(end="".join(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}\n"
+                      for place, (unread, _, failed) in enumerate(results, 1) if unread or failed))
     for check, (what, allowed) in CHECKS.items():
         largest = max(errors.get(check, 0.0) for _, errors, _ in results)
         print(f"{'holds' if largest <= allowed else 'FAILS'} {largest:8.1e} of {allowed:5.0e}  {check}: {what}")

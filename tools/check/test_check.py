@@ -128,7 +128,7 @@ def answer_to(request):
 
 def verdict(request, answer):
     """Returns the failed checks."""
-    message, found, failed = check.examine([json.dumps(request), json.dumps(answer)])
+    message, found, failed = check.examine(json.dumps({"request": request, "answer": answer}))
     return [message] if message else [f"{name} {found[name]:.1e}" for name in failed]
 
 

@@ -47,8 +47,8 @@ struct Run<'a> {
     /// Smallest relative singular value that is kept.
     weakest: f64,
     wants_multipliers: bool,
-    /// x as a level was solved, before it is moved to bounds that it misses by rounding.
-    solved: Vector,
+    /// A_k x as the program of the level gives it; empty if the level was not solved.
+    promised: Vec<f64>,
     /// Index and a·x of the rows that each level keeps, after its solution.
     values: Vec<Vec<(usize, f64)>>,
 }
@@ -89,7 +89,7 @@ impl Cascade {
         let program = LevelProgram::new(run.problem, level, &decided);
         if program.is_decided || run.basis.ncols() == 0 {
             run.list_violated(level);
-            run.solved.clone_from(&run.solution.x);
+            run.promised.clear();
             run.solution.reports.push(LevelReport::default());
             return;
         }
@@ -146,14 +146,33 @@ impl<'a> Run<'a> {
         let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
-        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers, solved: Vector::zeros(n), values: Vec::new() }
+        Self {
+            problem,
+            solution,
+            basis,
+            fixed,
+            kept,
+            weakest: 1.0,
+            wants_multipliers,
+            promised: Vec::new(),
+            values: Vec::new(),
+        }
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
     fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint, forces: &mut Forces) {
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         *x += &self.basis * &point.z * program.size;
-        self.solved.clone_from(x);
+        if let Some(own) = self.problem.levels.get(level) {
+            // As the program promises it: x is rounded, and moved to bounds that it misses by rounding.
+            let missing = (&program.d - &program.C * &point.z) * (program.size * own.rows.norm());
+            let mut equations = missing.iter();
+            let value = |row: usize| match own.is_equation(row) {
+                true => own.lower[row] - equations.next().unwrap_or(&0.0),
+                false => own.value(row, x),
+            };
+            self.promised = (0..own.rows.nrows()).map(value).collect();
+        }
         *x = self.problem.clamp(x);
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
             if multiplier <= NEGLIGIBLE * program.scale {
@@ -225,7 +244,10 @@ impl<'a> Run<'a> {
             self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
         }
         let kept = (0..own.rows.nrows()).filter(|&row| self.kept[level][row]);
-        self.values.push(kept.map(|row| (row, own.value(row, &self.solved))).collect());
+        self.values.push(
+            kept.map(|row| (row, self.promised.get(row).copied().unwrap_or_else(|| own.value(row, &self.solution.x))))
+                .collect(),
+        );
         for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
             let rows = 0..level_rows.rows.nrows();
             // Equations of higher levels are kept already.
