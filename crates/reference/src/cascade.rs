@@ -3,13 +3,13 @@
 //! A level minimises its squared slack over what the levels above left open, x + Z z, with all bounds as inequalities. Then
 //! its rows are kept: Z loses the directions that change them, and bounds with a multiplier hold their unknowns.
 
-use revprio_problem::{LevelReport, Matrix, Vector};
+use revprio_problem::{LevelReport, Matrix, Side, Vector};
 
-use crate::certified::level_multipliers;
+use crate::certified::{Known, level_multipliers};
 use crate::clarabel::{Clarabel, Effort};
 use crate::hierarchy::{Hierarchy, Level, Solution};
 use crate::level_program::{Bounded, Decided, LevelProgram};
-use crate::polish::LevelPoint;
+use crate::polish::{CERTIFIED, LevelPoint};
 use crate::svd::{RANK_TOLERANCE, Svd};
 
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
@@ -47,6 +47,23 @@ struct Run<'a> {
     /// Smallest relative singular value that is kept.
     weakest: f64,
     wants_multipliers: bool,
+    /// A_k x as the program of the level gives it; empty if the level was not solved.
+    promised: Vec<f64>,
+    /// Index and a·x of the rows that each level keeps, after its solution.
+    values: Vec<Vec<(usize, f64)>>,
+}
+
+/// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
+struct Forces {
+    unknowns: Vec<f64>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Forces {
+    fn new(problem: &Hierarchy) -> Self {
+        let rows = problem.levels.iter().map(|level| vec![0.0; level.rows.nrows()]).collect();
+        Self { unknowns: vec![0.0; problem.unknowns()], rows }
+    }
 }
 
 impl Cascade {
@@ -54,27 +71,33 @@ impl Cascade {
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
         let mut run = Run::new(problem, wants_multipliers);
         for level in 0..=problem.levels.len() {
+            let (fixed, kept) = (run.fixed.clone(), run.kept.clone());
+            let mut forces = Forces::new(problem);
             if run.solution.failures == 0 {
-                self.solve_level(&mut run, level);
+                self.solve_level(&mut run, level, &mut forces);
             }
-            run.write_multipliers(level);
+            let Forces { unknowns, rows } = &forces;
+            run.write_multipliers(level, &Known { unknowns, rows, fixed: &fixed, kept: &kept });
             run.keep(level);
         }
+        run.note_drift();
         run.solution
     }
 
-    fn solve_level(&mut self, run: &mut Run, level: usize) {
+    fn solve_level(&mut self, run: &mut Run, level: usize, forces: &mut Forces) {
         let program = run.program(level, 1.0);
         if program.is_decided || run.basis.ncols() == 0 {
+            run.list_violated(level);
+            run.promised.clear();
             run.solution.reports.push(LevelReport::default());
             return;
         }
         match self.solve_program(&program) {
             Ok((point, report)) if point.is_sure() => {
                 run.solution.reports.push(report);
-                run.advance(level, &program, &point);
+                run.advance(level, &program, &point, forces);
             }
-            Ok((point, report)) => self.look_closer(run, level, &program, point, report),
+            Ok((point, report)) => self.look_closer(run, level, (&program, &point, report), forces),
             Err(report) => {
                 run.solution.failures += 1;
                 run.solution.is_unsure = true;
@@ -88,25 +111,24 @@ impl Cascade {
         &mut self,
         run: &mut Run,
         level: usize,
-        program: &LevelProgram,
-        point: LevelPoint,
-        report: LevelReport,
+        (program, point, report): (&LevelProgram, &LevelPoint, LevelReport),
+        forces: &mut Forces,
     ) {
         let start = run.solution.x.clone();
-        run.step(program, &point);
+        run.step(program, point);
         let closer = run.program(level, CLOSER);
         match self.solve_program(&closer) {
             Ok((better, found)) if better.residual <= point.residual => {
                 run.solution.is_unsure |= !better.is_sure();
                 let iterations = report.iterations + found.iterations;
                 run.solution.reports.push(LevelReport { iterations, residual: found.residual, ..report });
-                run.advance(level, &closer, &better);
+                run.advance(level, &closer, &better, forces);
             }
             _ => {
                 run.solution.is_unsure = true;
                 run.solution.reports.push(report);
                 run.solution.x = start;
-                run.advance(level, program, &point);
+                run.advance(level, program, point, forces);
             }
         }
     }
@@ -149,21 +171,20 @@ impl<'a> Run<'a> {
         let fixed: Vec<bool> = (0..n).map(|j| problem.is_pinned(j)).collect();
         let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
         let basis = Matrix::identity(n, n).select_columns(&open);
-        let solution = Solution {
-            x: problem.clamp(&Vector::zeros(n)),
-            multipliers: vec![0.0; n],
-            row_multipliers: problem.levels.iter().map(|level| vec![0.0; rows(level)]).collect(),
-            active: vec![None; n],
-            active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
-            reports: Vec::new(),
-            failures: 0,
-            is_unsure: false,
-            rank_uncertain: false,
-            certificate: Vec::new(),
-        };
+        let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
-        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
+        Self {
+            problem,
+            solution,
+            basis,
+            fixed,
+            kept,
+            weakest: 1.0,
+            wants_multipliers,
+            promised: Vec::new(),
+            values: Vec::new(),
+        }
     }
 
     /// Poses a level from x on.
@@ -179,7 +200,18 @@ impl<'a> Run<'a> {
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
-    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint) {
+    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint, forces: &mut Forces) {
+        if let Some(own) = self.problem.levels.get(level) {
+            // As the program promises it: x is rounded, and moved to bounds that it misses by rounding.
+            let reached = &self.solution.x + &self.basis * &point.z * program.size;
+            let missing = (&program.d - &program.C * &point.z) * (program.size * own.rows.norm());
+            let mut equations = missing.iter();
+            let value = |row: usize| match own.is_equation(row) {
+                true => own.lower[row] - equations.next().unwrap_or(&0.0),
+                false => own.value(row, &reached),
+            };
+            self.promised = (0..own.rows.nrows()).map(value).collect();
+        }
         self.step(program, point);
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
@@ -190,6 +222,7 @@ impl<'a> Run<'a> {
             let holds = multiplier * program.zoom > SIGNIFICANT;
             match constraint.bounded {
                 Bounded::Unknown(j) => {
+                    forces.unknowns[j] += signed;
                     set_first(&mut multipliers[j], signed);
                     active[j] = Some(side);
                     if holds {
@@ -198,6 +231,7 @@ impl<'a> Run<'a> {
                     }
                 }
                 Bounded::Higher { level, row } => {
+                    forces.rows[level][row] += signed;
                     set_first(&mut row_multipliers[level][row], signed);
                     active_rows[level][row] = Some(side);
                     self.kept[level][row] |= holds;
@@ -206,6 +240,34 @@ impl<'a> Run<'a> {
                     set_first(&mut row_multipliers[level][row], signed);
                     active_rows[level][row] = Some(side);
                 }
+            }
+        }
+    }
+
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level.
+    fn note_drift(&mut self) {
+        let Solution { x, reports, is_unsure, .. } = &mut self.solution;
+        for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
+            let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();
+            let change = kept.iter().map(change).fold(0.0, f64::max);
+            let size = kept.iter().fold(0.0_f64, |norm, (_, value)| norm.hypot(*value)) + level.rows.norm() * x.norm();
+            if change > 0.0 && change.is_finite() {
+                report.residual = report.residual.max(change / size);
+                *is_unsure |= change / size > CERTIFIED;
+            }
+        }
+    }
+
+    /// Lists the inequality rows that a level violates although nothing is left to move.
+    fn list_violated(&mut self, level: usize) {
+        let Solution { x, row_multipliers, active_rows, .. } = &mut self.solution;
+        let Some(own) = self.problem.levels.get(level) else { return };
+        for row in (0..own.rows.nrows()).filter(|&row| !own.is_equation(row)) {
+            let value = own.value(row, x);
+            let missing = own.missing(row, value);
+            if missing.abs() > NEGLIGIBLE * (value.abs() + own.rows.row(row).norm() * x.norm()) {
+                row_multipliers[level][row] = -missing;
+                active_rows[level][row] = Some(if missing > 0.0 { Side::Lower } else { Side::Upper });
             }
         }
     }
@@ -221,6 +283,11 @@ impl<'a> Run<'a> {
             let has_multiplier = self.solution.row_multipliers[level][row] != 0.0;
             self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
         }
+        let kept = (0..own.rows.nrows()).filter(|&row| self.kept[level][row]);
+        self.values.push(
+            kept.map(|row| (row, self.promised.get(row).copied().unwrap_or_else(|| own.value(row, &self.solution.x))))
+                .collect(),
+        );
         for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
             let rows = 0..level_rows.rows.nrows();
             // Equations of higher levels are kept already.
@@ -251,11 +318,11 @@ impl<'a> Run<'a> {
     }
 
     /// Computes the multipliers of a level, if they are wanted, and those of pinned unknowns.
-    fn write_multipliers(&mut self, level: usize) {
+    fn write_multipliers(&mut self, level: usize, known: &Known) {
         if !self.wants_multipliers {
             return;
         }
-        let found = level_multipliers(self.problem, level, &self.solution, &self.kept);
+        let found = level_multipliers(self.problem, level, &self.solution.x, known);
         if let Some(found) = &found {
             for j in (0..self.problem.unknowns()).filter(|&j| self.problem.is_pinned(j)) {
                 let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);

@@ -94,6 +94,23 @@ impl Clarabel {
     }
 }
 
+/// Returns excess ≥ 0 of each demand a·x ≤ b with the least Σ excess², and the multipliers, which are equal to it; `None` without an
+/// answer. `rows`: the demands, one after the other, n entries each.
+pub fn least_excess(rows: &[f64], bounds: &[f64], n: usize) -> Option<Vec<f64>> {
+    let m = bounds.len();
+    // v = (x, excess); P and A have an entry in each column of the excess alone.
+    let P_columns = (0..=n + m).map(|j: usize| j.saturating_sub(n)).collect();
+    let P = CscMatrix::new(n + m, n + m, P_columns, (n..n + m).collect(), vec![1.0; m]);
+    let A_columns = (0..=n + m).map(|j| if j <= n { j * m } else { n * m + (j - n) }).collect();
+    let A_rows = (0..n).flat_map(|_| 0..m).chain(0..m).collect();
+    let entries = (0..n).flat_map(|j| (0..m).map(move |i| rows[i * n + j])).chain(std::iter::repeat_n(-1.0, m));
+    let A = CscMatrix::new(m, n + m, A_columns, A_rows, entries.collect());
+    let q = vec![0.0; n + m];
+    let mut solver = DefaultSolver::new(&P, &q, &A, bounds, &[NonnegativeConeT(m)], settings(Effort::Careful)).ok()?;
+    let answer = run(&mut solver, 0).ok()?;
+    Some(answer.multipliers)
+}
+
 fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, u32> {
     solver.solve();
     let found = &solver.solution;

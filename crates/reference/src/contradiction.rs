@@ -2,7 +2,7 @@
 
 use revprio_problem::{Contradiction, Member, RowName, Side, Vector};
 
-use crate::clarabel::{Clarabel, Effort, QuadraticProgram};
+use crate::clarabel::least_excess;
 use crate::hierarchy::{Hierarchy, Solution};
 
 /// Violation, relative to the sizes of row and velocity, up to which a row counts as kept.
@@ -13,6 +13,9 @@ const FEASIBLE: f64 = 1e-5;
 
 /// Multiplier, relative to the largest one, up to which a demand takes no part.
 const NO_PART: f64 = 1e-7;
+
+/// Programs after which the search for a minimal set ends without one.
+const MAX_PROGRAMS: usize = 100;
 
 /// A demand a·x ≤ b with a of length one.
 #[derive(Clone)]
@@ -86,52 +89,43 @@ fn demands(hierarchy: &Hierarchy, solution: &Solution, index: usize, joints: usi
     demands
 }
 
-/// Returns a set of demands that cannot hold together, and of which any one less can; empty if all can.
+/// Returns a set of demands that cannot hold together, and of which any one less can; empty if all can, or if the search takes too
+/// long.
 fn minimal(demands: Vec<Demand>) -> Vec<Member> {
-    let mut clarabel = Clarabel::default();
-    let Some(excess) = least_excess(&demands, &mut clarabel) else { return Vec::new() };
-    let (total, largest) = (norm(&excess), excess.iter().copied().fold(0.0, f64::max));
-    if total == 0.0 {
-        return Vec::new();
-    }
-    // The excess of each demand is its multiplier in a proof that they contradict each other.
-    let takes_part = |(demand, excess): (Demand, &f64)| (*excess > NO_PART * largest).then_some(demand);
-    let mut members: Vec<Demand> = demands.into_iter().zip(&excess).filter_map(takes_part).collect();
-    for place in (0..members.len()).rev() {
+    let Some((mut members, total)) = proof(demands) else { return Vec::new() };
+    let mut programs = 0;
+    let mut place = members.len();
+    while place > 0 {
+        place -= 1;
+        programs += 1;
+        if programs > MAX_PROGRAMS {
+            return Vec::new();
+        }
         let mut others = members.clone();
         others.remove(place);
-        if least_excess(&others, &mut clarabel).is_some_and(|excess| norm(&excess) > FEASIBLE * total) {
-            members = others;
+        if let Some((fewer, _)) = proof(others).filter(|(_, excess)| *excess > FEASIBLE * total) {
+            // Members behind this place are needed by every smaller set, so that the order stays.
+            let needed = |demand: &Demand| fewer.iter().any(|other| other.member == demand.member);
+            place = members[..place].iter().filter(|demand| needed(demand)).count();
+            members = fewer;
         }
     }
     members.into_iter().map(|demand| demand.member).collect()
 }
 
-/// Returns the excess of each demand where Σ excess² is least; `None` where Clarabel finds no answer.
-fn least_excess(demands: &[Demand], clarabel: &mut Clarabel) -> Option<Vec<f64>> {
-    let count = demands.len();
-    let n = demands.first().map_or(0, |demand| demand.row.len());
-    if count == 0 {
-        return Some(Vec::new());
-    }
+/// Returns the demands that take part in a proof that these cannot hold together, and the size of what they miss; `None` if they can.
+///
+/// The least excess of each demand is its multiplier in the proof: Σ excess a = 0 and Σ excess b < 0.
+fn proof(demands: Vec<Demand>) -> Option<(Vec<Demand>, f64)> {
+    let n = demands.first()?.row.len();
     let size = demands.iter().map(|demand| demand.bound.abs()).fold(0.0, f64::max);
     let size = if size.is_normal() { size } else { 1.0 };
-    let unknowns = n + count;
-    let entry = |i: usize, j: usize| {
-        if j < n { demands[i].row[j] } else { -f64::from(u8::from(j - n == i)) }
-    };
-    let program = QuadraticProgram {
-        unknowns,
-        equations: 0,
-        P: (0..unknowns).flat_map(|j| (0..=j).map(move |i| f64::from(u8::from(i == j && j >= n)))).collect(),
-        q: vec![0.0; unknowns],
-        A: (0..unknowns).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| entry(i, j)).collect(),
-        b: demands.iter().map(|demand| demand.bound / size).collect(),
-    };
-    let answer = clarabel.solve(&program, Effort::Careful).ok()?;
-    Some(answer.v[n..].iter().map(|excess| excess.max(0.0) * size).collect())
-}
-
-fn norm(entries: &[f64]) -> f64 {
-    entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    let rows: Vec<f64> = demands.iter().flat_map(|demand| demand.row.iter().copied()).collect();
+    let bounds: Vec<f64> = demands.iter().map(|demand| demand.bound / size).collect();
+    let excess = least_excess(&rows, &bounds, n)?;
+    let largest = excess.iter().copied().fold(0.0, f64::max);
+    let takes_part = |(demand, excess): (Demand, &f64)| (*excess > NO_PART * largest).then_some(demand);
+    let total = excess.iter().map(|excess| excess * excess).sum::<f64>().sqrt() * size;
+    // Less is the inaccuracy of the program.
+    (total > NEGLIGIBLE * size).then(|| (demands.into_iter().zip(&excess).filter_map(takes_part).collect(), total))
 }
