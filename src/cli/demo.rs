@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::Output;
 use revprio_lab::report::checks::solver_differences;
+use revprio_lab::report::clarabel_checks::{self, clarabel_failures};
 use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::metrics::largest_difference;
 use revprio_lab::report::run::Run;
@@ -42,8 +43,12 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let scenarios = scenarios()?;
     let (runs, mut failures) = finished(&scenarios, run_all(&scenarios, TITLE_OF_RUNS));
     failures.extend(solver_differences(&scenarios, &runs));
+    failures.extend(clarabel_failures(&runs));
     write!(stdout(), "{}", summary::text(&runs))?;
     writeln!(stdout(), "{ROUND_TRIPS}")?;
+    if let Some(levels) = clarabel_checks::of_all(&runs) {
+        writeln!(stdout(), "{}", clarabel_checks::sentence(&levels))?;
+    }
     let page = write_page(options, runs, &failures)?;
     writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
     if failures.is_empty() { Ok(()) } else { Err(CliError::Demo(failures)) }

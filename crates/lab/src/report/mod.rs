@@ -14,6 +14,7 @@
 mod answer_gap;
 mod axis;
 pub mod checks;
+pub mod clarabel_checks;
 pub mod claims;
 pub mod comparison;
 pub mod comparison_figure;
