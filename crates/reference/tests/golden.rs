@@ -70,6 +70,8 @@ fn assert_every_case_is_exact(method: Method, exact: impl Fn(&Case) -> (&[f64], 
         assert!(error < 1e-8, "{context}: off by {error:e}");
         assert_eq!(answer.solver.status, Status::Optimal, "{context}: {:?}", answer.solver);
         assert!(answer.solver.iterations > 0 && !answer.levels.is_empty(), "{context}: Clarabel was not called");
+        let residual = answer.levels.iter().map(|level| level.clarabel_residual).fold(0.0, f64::max);
+        assert!(residual < 1e-6, "{context}: Clarabel's own answer is off by {residual:e}");
         let first = answer.tasks[0].residual_norm;
         assert!((first - residuals[0]).abs() < 1e-9, "{context}: task 1 {first} instead of {}", residuals[0]);
     }
