@@ -57,14 +57,19 @@ fn clarabel_solves_each_open_level_accurately_before_the_polish() {
                 let open: Vec<_> = answer.levels.iter().filter(|level| level.iterations > 0).collect();
                 // The first task is always open.
                 assert!(answer.levels[0].iterations > 0 && !open.is_empty(), "{context}");
-                assert!(answer.levels.iter().all(|level| level.iterations > 0 || level.residual == 0.0), "{context}");
+                // Clarabel ends at once only where its start is the answer.
+                let is_idle = |residual: f64| residual <= 1e-12;
+                assert!(
+                    answer.levels.iter().all(|level| level.iterations > 0 || is_idle(level.clarabel_residual)),
+                    "{context}"
+                );
                 assert!(open.iter().all(|level| level.clarabel_residual <= PRECISE), "{context}");
             }
         }
     }
 }
 
-/// Two joints up to 1 rad/s. The first task wants their sum to be 3 rad/s, the second one the first joint at −1 rad/s.
+/// Two joints up to 1 rad/s. The first task wants their sum to be 1.5 rad/s, the second one the first joint at −1 rad/s.
 fn conflict(method: Method) -> Problem {
     let sum = Task::new("sum", Matrix::from_row_slice(1, 2, &[1.0, 1.0]), Vector::from_vec(vec![1.5]));
     let first = Task::new("first joint", Matrix::from_row_slice(1, 2, &[1.0, 0.0]), Vector::from_vec(vec![-1.0]));

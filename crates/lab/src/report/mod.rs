@@ -14,8 +14,8 @@
 mod answer_gap;
 mod axis;
 pub mod checks;
-pub mod clarabel_checks;
 pub mod claims;
+pub mod clarabel_checks;
 pub mod comparison;
 pub mod comparison_figure;
 mod decimation;
