@@ -50,7 +50,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     write!(stdout(), "{}", summary::text(&runs))?;
     writeln!(stdout(), "{ROUND_TRIPS}")?;
     if let Some(levels) = clarabel_checks::of_all(&runs) {
-        writeln!(stdout(), "{}", clarabel_checks::sentence(&levels))?;
+        write!(stdout(), "{}", clarabel_checks::text(&levels))?;
     }
     let page = write_page(options, runs, &failures)?;
     writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;

@@ -33,12 +33,12 @@ pub fn of_all(runs: &[Run]) -> Option<ClarabelLevels> {
     recordings.map(|recording| recording.clarabel.unwrap_or_default()).reduce(ClarabelLevels::and)
 }
 
-/// Returns a sentence on [`of_all`].
+/// Describes [`of_all`] in two lines of up to 100 columns.
 #[must_use]
-pub fn sentence(levels: &ClarabelLevels) -> String {
+pub fn text(levels: &ClarabelLevels) -> String {
     format!(
-        "Clarabel: {} levels of {} answers of `qp`, {} iterations per level; largest relative residual {} before the polish \
-         and {} after it; {} of the levels above {PRECISE:e} before it",
+        "Clarabel: {} levels in {} answers of qp, {} iterations per level\n  largest relative residual {} before the polish, \
+         {} after it; {} of the levels above {PRECISE:e} before it\n",
         levels.count,
         levels.answers,
         significant(levels.iterations as f64 / levels.count as f64, 2),
@@ -56,7 +56,7 @@ fn answered(recording: &Recording) -> u64 {
     recording.samples.iter().filter(|sample| sample.answered).count() as u64
 }
 
-/// Returns the number of answers without a level that Clarabel solved; `None` if there are none.
+/// Returns how many answers have no level that Clarabel solved; `None` if none.
 fn not_called(recording: &Recording) -> Option<String> {
     let (all, answered) = (answered(recording), recording.clarabel.unwrap_or_default().answers);
     (answered < all).then(|| {
@@ -160,15 +160,16 @@ mod tests {
     }
 
     #[test]
-    fn the_sentence_counts_all_runs_of_qp() {
-        let mut others = [run(4, 0), run(0, 0), run(0, 0)];
-        others[2].recording.solver = Solver::Auto;
-        let all = of_all(&others).unwrap();
+    fn the_text_counts_all_runs_of_qp() {
+        let mut runs = [run(4, 0), run(0, 0), run(0, 0)];
+        runs[2].recording.solver = Solver::Auto;
+        let text = text(&of_all(&runs).unwrap());
         assert_eq!(
-            sentence(&all),
-            "Clarabel: 800 levels of 400 answers of `qp`, 6.5 iterations per level; largest relative residual 3.0e-4 before \
-             the polish and 1.0e-15 after it; 0.50 % of the levels above 1e-6 before it"
+            text,
+            "Clarabel: 800 levels in 400 answers of qp, 6.5 iterations per level\n  largest relative residual 3.0e-4 before \
+             the polish, 1.0e-15 after it; 0.50 % of the levels above 1e-6 before it\n"
         );
-        assert_eq!(of_all(&others[2..]), None);
+        assert!(text.lines().all(|line| line.chars().count() <= 100));
+        assert_eq!(of_all(&runs[2..]), None);
     }
 }
