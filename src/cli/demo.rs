@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::Output;
 use revprio_lab::report::checks::solver_differences;
+use revprio_lab::report::clarabel_checks::{self, clarabel_failures};
 use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::metrics::largest_difference;
 use revprio_lab::report::run::Run;
@@ -22,6 +23,9 @@ pub struct Options {
     /// Directory for recordings, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
+    /// Simulate only the first second of each experiment. The forces do not settle in it, but all checks apply
+    #[arg(long)]
+    quick: bool,
     #[command(flatten)]
     traces: traces::Options,
 }
@@ -39,21 +43,31 @@ const ALIKE: f64 = 1e-9;
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     make_directory(&options.out)?;
-    let scenarios = scenarios()?;
+    let scenarios = scenarios(options.quick)?;
     let (runs, mut failures) = finished(&scenarios, run_all(&scenarios, TITLE_OF_RUNS));
     failures.extend(solver_differences(&scenarios, &runs));
+    failures.extend(clarabel_failures(&runs));
     write!(stdout(), "{}", summary::text(&runs))?;
     writeln!(stdout(), "{ROUND_TRIPS}")?;
+    if let Some(levels) = clarabel_checks::of_all(&runs) {
+        write!(stdout(), "{}", clarabel_checks::text(&levels))?;
+    }
     let page = write_page(options, runs, &failures)?;
     writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
     if failures.is_empty() { Ok(()) } else { Err(CliError::Demo(failures)) }
 }
 
-/// Returns each scenario of the paper with each method and solver.
-fn scenarios() -> Result<Vec<Scenario>, CliError> {
+/// Duration of each scenario with `--quick`, s. The tool reaches the stiff wall after 0.35 s.
+const QUICK_S: f64 = 1.0;
+
+/// Returns each scenario of the paper with each method and solver; `quick`: only its first second.
+fn scenarios(quick: bool) -> Result<Vec<Scenario>, CliError> {
     let mut scenarios = Vec::new();
     for name in PAPER_SCENARIOS {
         let mut scenario = Scenario::find(name)?;
+        if quick {
+            scenario.duration_s = scenario.duration_s.min(QUICK_S);
+        }
         for (method, solver) in VARIANTS {
             (scenario.controller.method, scenario.controller.solver) = (method, solver);
             scenarios.push(scenario.clone());
@@ -79,7 +93,7 @@ fn write_page(options: &Options, runs: Vec<Run>, failures: &[String]) -> Result<
     let mut experiment = Experiment {
         title: "Force control with reverse task priority: the paper's experiments".to_owned(),
         question: QUESTION.map(str::to_owned).to_vec(),
-        command: "cargo run --release -- demo".to_owned(),
+        command: format!("cargo run --release -- demo{}", if options.quick { " --quick" } else { "" }),
         program: program(),
         runs,
         failures: failures.to_vec(),
@@ -127,15 +141,25 @@ mod tests {
 
     #[test]
     fn each_scenario_of_the_paper_is_run_with_all_three_solvers_of_reverse_priority() {
-        let controllers = scenarios().unwrap().into_iter().map(|scenario| (scenario.name, scenario.controller));
+        let controllers = scenarios(false).unwrap().into_iter().map(|scenario| (scenario.name, scenario.controller));
         let reverse = controllers.filter(|(_, controller)| controller.method == Method::ReversePriority);
         let solvers: BTreeSet<_> = reverse.map(|(name, controller)| (name, controller.solver.to_string())).collect();
         assert_eq!(solvers.len(), PAPER_SCENARIOS.len() * Solver::ALL.len());
     }
 
     #[test]
+    fn a_quick_demo_has_the_first_second_of_each_scenario() {
+        let (whole, quick) = (scenarios(false).unwrap(), scenarios(true).unwrap());
+        assert_eq!(whole.len(), quick.len());
+        for (whole, quick) in whole.into_iter().zip(quick) {
+            assert!(whole.duration_s > quick.duration_s && quick.cycles() == 1000);
+            assert_eq!(whole, Scenario { duration_s: whole.duration_s, ..quick });
+        }
+    }
+
+    #[test]
     fn a_run_that_did_not_finish_is_a_failure_with_its_reason() {
-        let scenarios = scenarios().unwrap();
+        let scenarios = scenarios(false).unwrap();
         let lost = || Err(CliError::Requests { sent: 3, answered: 2 });
         let (runs, failures) = finished(&scenarios, scenarios.iter().map(|_| lost()).collect());
         assert!(runs.is_empty());

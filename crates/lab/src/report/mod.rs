@@ -15,6 +15,7 @@ mod answer_gap;
 mod axis;
 pub mod checks;
 pub mod claims;
+pub mod clarabel_checks;
 pub mod comparison;
 pub mod comparison_figure;
 mod decimation;

@@ -14,7 +14,7 @@ use super::field_error::FieldError;
 use super::lossy_channel::LossyChannel;
 use super::operator::{Cycle, Ending, Influence, Observed, Operator, ProgressObserver};
 use super::plant::Plant;
-use super::recording::{Recording, Timing};
+use super::recording::{ClarabelLevels, Recording, Timing};
 use super::scenario::Scenario;
 use super::watchdog::{HeldCommand, is_missing_answer, pause};
 
@@ -155,7 +155,7 @@ fn drive(
     let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
     let mut conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
     let start = Instant::now();
-    let (mut samples, mut timings) = (Vec::new(), Vec::new());
+    let (mut samples, mut timings, mut clarabel) = (Vec::new(), Vec::new(), ClarabelLevels::default());
     for period in 0..scenario.cycles() {
         let time_s = period as f64 * scenario.period_s();
         let Influence { external_force, controller, targets } = operator.influence(period);
@@ -165,6 +165,9 @@ fn drive(
         let measured = plant.measure(time_s, external_force);
         let state = wire::State { targets, ..measured.state(period, time_s) };
         let (held, cycle, round_trip) = conversation.next(state, || unit(operator.goes_on()))?;
+        if held.is_new {
+            clarabel.add(&held.answer.solver.levels);
+        }
         let sample = plant.sample(period, time_s, measured, held, &scenario.controller.tasks);
         plant.advance(&held.answer.joint_velocity, time_s)?;
         operator.see(period + 1, &Observed { sample: &sample, answer: &held.answer, round_trip, cycle });
@@ -185,6 +188,7 @@ fn drive(
         joint_names: plant.joint_names().to_vec(),
         energy: plant.energy(),
         setup: Some(Box::new(scenario.clone())),
+        clarabel: (clarabel.count > 0).then_some(clarabel),
         samples,
         timings,
     })

@@ -6,6 +6,7 @@
 //! ```
 
 mod cell;
+mod clarabel_levels;
 mod columns;
 mod csv_table;
 mod description;
@@ -27,6 +28,7 @@ use super::scenario::Scenario;
 use revprio_api::wire;
 
 pub use cell::Value;
+pub use clarabel_levels::{ClarabelLevels, PRECISE};
 pub use columns::{Column, TableLayout};
 pub use csv_table::{cell_text, cell_value};
 pub use error::{ReadError, WriteError};
@@ -56,6 +58,9 @@ pub struct Recording {
     /// The whole scenario with its controller, as it was run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<Box<Scenario>>,
+    /// What Clarabel did; `None` if no answer had a level that it solved, or if a file does not contain it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clarabel: Option<ClarabelLevels>,
     /// One sample per control period.
     #[serde(skip)]
     pub samples: Vec<Sample>,
@@ -209,6 +214,7 @@ impl Recording {
             joint_names: Vec::new(),
             energy: Energy::default(),
             setup: None,
+            clarabel: None,
             samples: Vec::new(),
             timings: Vec::new(),
         }

@@ -1,0 +1,127 @@
+//! The core's solver compared with `Qp`, which shares no arithmetic with it, and with exact answers of another origin.
+
+#[path = "resolution_properties/problems.rs"]
+#[allow(dead_code)]
+mod problems;
+
+use problems::{Random, SMALL, problem, speed};
+use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Solve, Status};
+use revprio_core::task::{Task, TaskStack};
+use revprio_core::{
+    limits::VelocityBox,
+    linalg::{Matrix, Vector},
+};
+use revprio_reference::Qp;
+use serde::Deserialize;
+
+/// Problems for each method.
+const PROBLEMS: u64 = 1000;
+
+/// Largest relative difference of two sure answers.
+const AGREE: f64 = 1e-9;
+
+/// Largest relative residual of an ordinary level at Clarabel's own answer, before the polish.
+const PRECISE: f64 = 1e-6;
+
+fn solve(solver: &mut dyn Solve, problem: &Problem) -> Resolution {
+    let mut answer = Resolution::default();
+    solver.solve(problem, &[], &mut answer).unwrap();
+    answer
+}
+
+#[test]
+fn clarabel_and_the_core_agree_on_random_problems_with_limits() {
+    let (mut qp, mut core) = (Qp::default(), Resolver::default());
+    for method in [Method::ReversePriority, Method::StrictReversePriority] {
+        let (mut unsure, mut uncertain, mut errors) = (0, 0, Vec::new());
+        let (mut levels, mut imprecise, mut active) = (0_u32, 0_u32, 0);
+        for seed in 0..PROBLEMS {
+            let problem = problem(&mut Random::new(seed), SMALL, method);
+            let (one, other) = (solve(&mut qp, &problem), solve(&mut core, &problem));
+            for level in one.levels.iter().filter(|level| level.iterations > 0) {
+                levels += 1;
+                imprecise += u32::from(!(level.clarabel_residual <= PRECISE));
+            }
+            active += u32::from(!other.active_limits.is_empty());
+            if one.solver.status != Status::Optimal || other.solver.status != Status::Optimal {
+                unsure += 1;
+            } else if one.solver.rank_uncertain || other.solver.rank_uncertain {
+                uncertain += 1;
+            } else {
+                let speeds = [one.joint_velocity.amax(), other.joint_velocity.amax(), speed(&problem), 1e-5];
+                let error =
+                    (&one.joint_velocity - &other.joint_velocity).amax() / speeds.into_iter().fold(0.0, f64::max);
+                errors.push((error, seed));
+            }
+        }
+        let largest = errors.iter().copied().fold((0.0, 0), |a, b| if a.0 > b.0 { a } else { b });
+        println!(
+            "{method:?}: {} compared, {unsure} unsure, {uncertain} uncertain, {active} at limits, {imprecise} of {levels} levels \
+             imprecise, largest difference {largest:?}",
+            errors.len()
+        );
+        assert!(largest.0 <= AGREE, "{method:?}: problem {} differs by {:e}", largest.1, largest.0);
+        assert!(
+            unsure * 100 <= PROBLEMS && uncertain * 100 <= PROBLEMS,
+            "{method:?}: {unsure} unsure, {uncertain} uncertain"
+        );
+        assert!(u64::from(active) * 3 > PROBLEMS && levels > 1000, "{method:?}: {active} at limits, {levels} levels");
+        // Some 1.5 % with Clarabel's tolerance of 1e-10, and 96 % with 1e-3.
+        assert!(imprecise * 20 <= levels, "{method:?}: {imprecise} of {levels} levels before the polish");
+    }
+}
+
+#[derive(Deserialize)]
+struct Case {
+    tasks: Vec<CaseTask>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    closed_form: Vec<f64>,
+    rp_qp: Vec<f64>,
+    strict_qp: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct CaseTask {
+    jacobian: Vec<Vec<f64>>,
+    velocity: Vec<f64>,
+}
+
+/// Solves the cases of `fixtures/golden` with the core; returns the largest difference from the exact answers.
+fn largest_error(method: Method, has_limits: bool, exact: impl Fn(&Case) -> &[f64]) -> f64 {
+    let text = include_str!("../../../fixtures/golden/resolution_cases.json");
+    let cases: Vec<Case> = serde_json::from_str(text).unwrap();
+    let mut core = Resolver::default();
+    let errors = cases.iter().map(|case| {
+        let task = |(k, task): (usize, &CaseTask)| {
+            let jacobian = Matrix::from_fn(task.jacobian.len(), task.jacobian[0].len(), |i, j| task.jacobian[i][j]);
+            Task::new(format!("task {}", k + 1), jacobian, Vector::from_row_slice(&task.velocity))
+        };
+        let tasks = TaskStack::new(case.tasks.iter().enumerate().map(task).collect()).unwrap();
+        let limits = VelocityBox::new(&case.lower, &case.upper).unwrap();
+        let stated = Problem { method, ..Problem::new(tasks) };
+        let problem = if has_limits { Problem { limits, ..stated } } else { stated };
+        let answer = solve(&mut core, &problem);
+        assert_eq!(answer.solver.status, Status::Optimal);
+        (&answer.joint_velocity - Vector::from_row_slice(exact(case))).amax()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+#[test]
+fn the_core_equals_the_recursion_of_eq_29_without_limits() {
+    let error = largest_error(Method::ReversePriority, false, |case| &case.closed_form);
+    assert!(error <= AGREE, "off by {error:e}");
+}
+
+#[test]
+fn the_core_equals_enumeration_of_active_sets_for_reverse_priority() {
+    let error = largest_error(Method::ReversePriority, true, |case| &case.rp_qp);
+    assert!(error <= AGREE, "off by {error:e}");
+}
+
+#[test]
+fn the_core_equals_enumeration_of_active_sets_for_the_strict_hierarchy() {
+    let error = largest_error(Method::StrictReversePriority, true, |case| &case.strict_qp);
+    assert!(error <= AGREE, "off by {error:e}");
+}
