@@ -206,11 +206,11 @@ impl<'a> Run<'a> {
             let reached = &self.solution.x + &self.basis * &point.z * program.size;
             let missing = (&program.d - &program.C * &point.z) * (program.size * own.rows.norm());
             let mut equations = missing.iter();
-            let value = |row: usize| match own.is_equation(row) {
-                true => own.lower[row] - equations.next().unwrap_or(&0.0),
-                false => own.value(row, &reached),
+            let mut value = |row: usize| {
+                let is_equation = own.is_equation(row);
+                if is_equation { own.lower[row] - equations.next().unwrap_or(&0.0) } else { own.value(row, &reached) }
             };
-            self.promised = (0..own.rows.nrows()).map(value).collect();
+            self.promised = (0..own.rows.nrows()).map(&mut value).collect();
         }
         self.step(program, point);
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
