@@ -11,7 +11,7 @@ mod solvers;
 
 use problems::{EXTREME, Family, Random, SMALL, WIDE, damping, inequalities, problem, scaled, speed};
 use revprio_core::linalg::{Matrix, RANK_TOLERANCE, stack};
-use revprio_core::resolution::{Method, Problem, Resolution, Solver, Status};
+use revprio_core::resolution::{Method, Path, Problem, Resolution, Solver, Status};
 use solvers::solver;
 
 const METHODS: [(&str, Method); 5] = [
@@ -65,7 +65,8 @@ impl Pair {
             weakest: weakest(problem),
             is_sure: [auto, other].iter().all(|answer| answer.solver.status == Status::Optimal),
             is_rank_uncertain: auto.solver.rank_uncertain || other.solver.rank_uncertain,
-            slows_differently: slowed(auto) != slowed(other),
+            // The formulas know no scale.
+            slows_differently: other.solver.path != Path::ClosedForm && slowed(auto) != slowed(other),
             is_damped: problem.damping.is_some(),
         }
     }

@@ -244,16 +244,18 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level.
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level, relative to the speed that the
+    /// problem asks for.
     fn note_drift(&mut self) {
+        let speed = self.problem.speed().max(self.solution.x.norm());
         let Solution { x, reports, is_unsure, .. } = &mut self.solution;
         for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
             let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();
             let change = kept.iter().map(change).fold(0.0, f64::max);
-            let size = kept.iter().fold(0.0_f64, |norm, (_, value)| norm.hypot(*value)) + level.rows.norm() * x.norm();
-            if change > 0.0 && change.is_finite() {
-                report.residual = report.residual.max(change / size);
-                *is_unsure |= change / size > CERTIFIED;
+            let drift = change / (level.rows.norm() * speed);
+            if change > 0.0 && drift.is_finite() {
+                report.residual = report.residual.max(drift);
+                *is_unsure |= drift > CERTIFIED;
             }
         }
     }

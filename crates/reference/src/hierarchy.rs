@@ -91,6 +91,16 @@ impl Hierarchy {
         self.lower.len()
     }
 
+    /// Returns the speed that the levels and the reference ask for.
+    pub fn speed(&self) -> f64 {
+        let target = |level: &Level| {
+            let bounds = level.lower.iter().chain(&level.upper).filter(|bound| bound.is_finite());
+            let size = bounds.fold(0.0_f64, |size, bound| size.max(bound.abs()));
+            if size > 0.0 { size / level.rows.norm() } else { 0.0 }
+        };
+        self.levels.iter().map(target).filter(|speed| speed.is_finite()).fold(self.reference.norm(), f64::max)
+    }
+
     /// Returns whether the bounds of an unknown coincide.
     pub fn is_pinned(&self, unknown: usize) -> bool {
         self.lower[unknown] >= self.upper[unknown]
