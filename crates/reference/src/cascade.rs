@@ -70,18 +70,15 @@ impl Cascade {
     /// Solves a problem; `wants_multipliers`: with the multipliers of all levels.
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
         let mut run = Run::new(problem, wants_multipliers);
-        let mut decided = Vec::new();
         for level in 0..=problem.levels.len() {
             let (fixed, kept) = (run.fixed.clone(), run.kept.clone());
             let mut forces = Forces::new(problem);
             if run.solution.failures == 0 {
                 self.solve_level(&mut run, level, &mut forces);
             }
-            decided.push((forces, fixed, kept));
+            let Forces { unknowns, rows } = &forces;
+            run.write_multipliers(level, &Known { unknowns, rows, fixed: &fixed, kept: &kept });
             run.keep(level);
-        }
-        for (level, (Forces { unknowns, rows }, fixed, kept)) in decided.iter().enumerate() {
-            run.write_multipliers(level, &Known { unknowns, rows, fixed, kept });
         }
         run.note_drift();
         run.solution
