@@ -167,9 +167,8 @@ impl<'a> Run<'a> {
             // As the program promises it: x is rounded, and moved to bounds that it misses by rounding.
             let missing = (&program.d - &program.C * &point.z) * (program.size * own.rows.norm());
             let mut equations = missing.iter();
-            let value = |row: usize| match own.is_equation(row) {
-                true => own.lower[row] - equations.next().unwrap_or(&0.0),
-                false => own.value(row, x),
+            let value = |row: usize| {
+                if own.is_equation(row) { own.lower[row] - equations.next().unwrap_or(&0.0) } else { own.value(row, x) }
             };
             self.promised = (0..own.rows.nrows()).map(value).collect();
         }

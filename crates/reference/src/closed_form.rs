@@ -17,12 +17,7 @@ use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 pub struct ClosedForm;
 
 impl Solve for ClosedForm {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        _guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
         let Formula { joint_velocity, kkt_residual, stages } = evaluate(problem);
