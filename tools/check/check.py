@@ -155,8 +155,8 @@ class Check:
             is_met = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
             self.note("plan", not is_met or self.method != "reverse_priority")
         self.main = problems[-1] if problems else self.parts[0][0]
-        self.note("plan", [names(problem.rows) for problem in problems] != list(map(names, plan)))
-        self.note("plan", is_exact and self.parts != [(self.main, 1)])
+        is_right = [names(problem.rows) for problem in problems] == list(map(names, plan))
+        self.note("plan", not is_right, is_exact and self.parts != [(self.main, 1)])
         before = numbers(before) if is_exact and isinstance(before, list) else self.main.reference
         for problem, rows in zip(problems, plan):
             size = hypot(*before, *problem.reference)
@@ -195,27 +195,28 @@ class Check:
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
         main, n, answer = self.main, len(self.velocity), self.answer
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
-        unlisted = {i for i in (*range(n), *places.values()) if main.bounds[i][0] < main.bounds[i][1]}
+        unlisted = {*range(n), *places.values()} if len(self.parts) == 1 else set()
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
                   for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
         listed += [([i := places[task["name"], given["row"]]], given, main.norms[i])
                    for task in answer["tasks"] for given in task.get("active_rows", [])]
         listed += [([places[given["name"]]], given, hypot(*self.hard[given["name"]].get("coefficients", [])))
                    for given in answer.get("active_inequalities", [])]
-        for candidates, given, norm in (entry for entry in listed if entry[1]["multiplier"]):
+        for candidates, given, norm in listed:
             found = {inf: -1}
             for i in candidates:
                 value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
                 sign, bound = (-1, main.bounds[i][0]) if given.get("side") == "lower" else (1, main.bounds[i][1])
                 forces = [entry for part, _ in self.parts if i < n or part is main for entry in part.forces[i]]
                 errors = [relative(given["multiplier"] * norm, abs(float(force)) + self.fine * rounded, abs(force))
-                          for force, _, rounded in forces if force * sign >= 0] if norm else [0.0]
+                          for force, _, rounded in forces if force * sign >= 0]
+                if not norm or given["multiplier"] == 0.0 and main.bounds[i][0] == main.bounds[i][1]:
+                    errors = [0.0]  # A plane's norm is not in the input. A pinned joint is listed in any case.
                 away = relative(max(0, sign * (bound - value)), main.sizes[i])
                 found[max(min(errors, default=inf), away, relative(given.get("value", bound), 1.0, bound))] = i
             self.note("active", min(found))
             unlisted.discard(found[min(found)])
-        forces = [main.forces[i][-1] for i in unlisted if main.forces[i] and len(self.parts) == 1]
-        self.note("active", 0.0, *(relative(force, size) for force, size, _ in forces if force))
+        self.note("active", 0.0, *(relative(*main.forces[i][-1][:2]) for i in unlisted if main.forces[i]))
 
 
 def examine(line):
@@ -231,8 +232,7 @@ def main(paths):
     """Runs the program; returns its exit status."""
     texts = [open(path, encoding="utf-8").read() for path in paths]
     lines = texts[0].splitlines() if len(texts) == 1 else ['{"request": %s, "answer": %s}' % tuple(texts)]
-    with multiprocessing.Pool() as pool:
-        results = pool.map(examine, filter(str.strip, lines), chunksize=16)
+    results = multiprocessing.Pool().map(examine, filter(str.strip, lines), chunksize=16)
     print(end="".join(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}\n"
                       for place, (unread, _, failed) in enumerate(results, 1) if unread or failed))
     for check, (what, allowed) in CHECKS.items():
