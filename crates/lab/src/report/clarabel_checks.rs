@@ -37,8 +37,8 @@ pub fn of_all(runs: &[Run]) -> Option<ClarabelLevels> {
 #[must_use]
 pub fn text(levels: &ClarabelLevels) -> String {
     format!(
-        "Clarabel: {} levels in {} answers of qp, {} iterations per level\n  largest relative residual {} before the polish, \
-         {} after it; {} of the levels above {PRECISE:e} before it\n",
+        "Clarabel: {} levels in {} answers of qp, {} iterations per level\n  residuals: up to {} before and {} after the \
+         polish; before it, {} are above {PRECISE:e}\n",
         levels.count,
         levels.answers,
         significant(levels.iterations as f64 / levels.count as f64, 2),
@@ -166,8 +166,8 @@ mod tests {
         let text = text(&of_all(&runs).unwrap());
         assert_eq!(
             text,
-            "Clarabel: 800 levels in 400 answers of qp, 6.5 iterations per level\n  largest relative residual 3.0e-4 before \
-             the polish, 1.0e-15 after it; 0.50 % of the levels above 1e-6 before it\n"
+            "Clarabel: 800 levels in 400 answers of qp, 6.5 iterations per level\n  residuals: up to 3.0e-4 before \
+             and 1.0e-15 after the polish; before it, 0.50 % are above 1e-6\n"
         );
         assert!(text.lines().all(|line| line.chars().count() <= 100));
         assert_eq!(of_all(&runs[2..]), None);

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Largest relative residual of a level that Clarabel solved precisely, before the polish.
 ///
-/// Clarabel's tolerance for gap and feasibility is 1e-10. Its residual is larger where a constraint is hardly active: see
-/// `docs/testing.md` for the measured shares.
+/// Clarabel's tolerance for gap and feasibility is 1e-10. Its residual is larger where a bound is hardly active.
+/// `docs/testing.md` has the measured shares.
 pub const PRECISE: f64 = 1e-6;
 
 /// The levels that Clarabel solved in a run, and how accurate its own answers were.
