@@ -71,11 +71,11 @@ fn multipliers(problem: &Hierarchy, level: usize, x: &[f64], solver: &mut dyn Si
         return None;
     }
     let has_all_rows = solver.row_count() == problem.row_count();
-    if !has_all_rows && level < count {
-        // The solver knows the equations alone, and meets them.
+    if level < count && !(has_all_rows && solver.level_count() == count) {
+        // The solver knows the equations alone, or in other levels, and meets them.
         return None;
     }
-    solver.write_level_multipliers(if has_all_rows { level } else { solver.level_count() }, &mut known, &mut unknowns);
+    solver.write_level_multipliers(if level < count { level } else { solver.level_count() }, &mut known, &mut unknowns);
     let end = if level == count { problem.row_count() } else { problem.level_ends[level] };
     debug_assert!(has_all_rows || known.len() == equations);
     let mut known = known.into_iter();
