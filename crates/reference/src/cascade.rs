@@ -3,9 +3,9 @@
 //! A level minimises its squared slack over what the levels above left open, x + Z z, with all bounds as inequalities. Then
 //! its rows are kept: Z loses the directions that change them, and bounds with a multiplier hold their unknowns.
 
-use revprio_problem::{LevelReport, Matrix, Vector};
+use revprio_problem::{LevelReport, Matrix, Side, Vector};
 
-use crate::certified::level_multipliers;
+use crate::certified::{Known, level_multipliers};
 use crate::clarabel::{Clarabel, Effort};
 use crate::hierarchy::{Hierarchy, Level, Solution};
 use crate::level_program::{Bounded, Decided, LevelProgram};
@@ -47,6 +47,23 @@ struct Run<'a> {
     /// Smallest relative singular value that is kept.
     weakest: f64,
     wants_multipliers: bool,
+    /// A_k x as the program of the level gives it; empty if the level was not solved.
+    promised: Vec<f64>,
+    /// Index and a·x of the rows that each level keeps, after its solution.
+    values: Vec<Vec<(usize, f64)>>,
+}
+
+/// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
+struct Forces {
+    unknowns: Vec<f64>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Forces {
+    fn new(problem: &Hierarchy) -> Self {
+        let rows = problem.levels.iter().map(|level| vec![0.0; level.rows.nrows()]).collect();
+        Self { unknowns: vec![0.0; problem.unknowns()], rows }
+    }
 }
 
 impl Cascade {
@@ -54,19 +71,25 @@ impl Cascade {
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
         let mut run = Run::new(problem, wants_multipliers);
         for level in 0..=problem.levels.len() {
+            let (fixed, kept) = (run.fixed.clone(), run.kept.clone());
+            let mut forces = Forces::new(problem);
             if run.solution.failures == 0 {
-                self.solve_level(&mut run, level);
+                self.solve_level(&mut run, level, &mut forces);
             }
-            run.write_multipliers(level);
+            let Forces { unknowns, rows } = &forces;
+            run.write_multipliers(level, &Known { unknowns, rows, fixed: &fixed, kept: &kept });
             run.keep(level);
         }
+        run.note_drift();
         run.solution
     }
 
-    fn solve_level(&mut self, run: &mut Run, level: usize) {
+    fn solve_level(&mut self, run: &mut Run, level: usize, forces: &mut Forces) {
         let decided = Decided { x: &run.solution.x, basis: &run.basis, fixed: &run.fixed, kept: &run.kept };
         let program = LevelProgram::new(run.problem, level, &decided);
         if program.is_decided || run.basis.ncols() == 0 {
+            run.list_violated(level);
+            run.promised.clear();
             run.solution.reports.push(LevelReport::default());
             return;
         }
@@ -74,7 +97,7 @@ impl Cascade {
             Ok((point, report)) => {
                 run.solution.residual = run.solution.residual.max(report.residual);
                 run.solution.reports.push(report);
-                run.advance(level, &program, &point);
+                run.advance(level, &program, &point, forces);
             }
             Err(report) => {
                 run.solution.failures += 1;
@@ -120,27 +143,35 @@ impl<'a> Run<'a> {
         let fixed: Vec<bool> = (0..n).map(|j| problem.is_pinned(j)).collect();
         let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
         let basis = Matrix::identity(n, n).select_columns(&open);
-        let solution = Solution {
-            x: problem.clamp(&Vector::zeros(n)),
-            multipliers: vec![0.0; n],
-            row_multipliers: problem.levels.iter().map(|level| vec![0.0; rows(level)]).collect(),
-            active: vec![None; n],
-            active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
-            reports: Vec::new(),
-            failures: 0,
-            residual: 0.0,
-            rank_uncertain: false,
-            certificate: Vec::new(),
-        };
+        let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
-        Self { problem, solution, basis, fixed, kept, weakest: 1.0, wants_multipliers }
+        Self {
+            problem,
+            solution,
+            basis,
+            fixed,
+            kept,
+            weakest: 1.0,
+            wants_multipliers,
+            promised: Vec::new(),
+            values: Vec::new(),
+        }
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
-    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint) {
+    fn advance(&mut self, level: usize, program: &LevelProgram, point: &LevelPoint, forces: &mut Forces) {
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         *x += &self.basis * &point.z * program.size;
+        if let Some(own) = self.problem.levels.get(level) {
+            // As the program promises it: x is rounded, and moved to bounds that it misses by rounding.
+            let missing = (&program.d - &program.C * &point.z) * (program.size * own.rows.norm());
+            let mut equations = missing.iter();
+            let value = |row: usize| {
+                if own.is_equation(row) { own.lower[row] - equations.next().unwrap_or(&0.0) } else { own.value(row, x) }
+            };
+            self.promised = (0..own.rows.nrows()).map(value).collect();
+        }
         *x = self.problem.clamp(x);
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
             if multiplier <= NEGLIGIBLE * program.scale {
@@ -150,6 +181,7 @@ impl<'a> Run<'a> {
             let holds = multiplier > SIGNIFICANT;
             match constraint.bounded {
                 Bounded::Unknown(j) => {
+                    forces.unknowns[j] += signed;
                     set_first(&mut multipliers[j], signed);
                     active[j] = Some(side);
                     if holds {
@@ -158,6 +190,7 @@ impl<'a> Run<'a> {
                     }
                 }
                 Bounded::Higher { level, row } => {
+                    forces.rows[level][row] += signed;
                     set_first(&mut row_multipliers[level][row], signed);
                     active_rows[level][row] = Some(side);
                     self.kept[level][row] |= holds;
@@ -166,6 +199,34 @@ impl<'a> Run<'a> {
                     set_first(&mut row_multipliers[level][row], signed);
                     active_rows[level][row] = Some(side);
                 }
+            }
+        }
+    }
+
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level.
+    fn note_drift(&mut self) {
+        let Solution { x, reports, residual, .. } = &mut self.solution;
+        for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
+            let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();
+            let change = kept.iter().map(change).fold(0.0, f64::max);
+            let size = kept.iter().fold(0.0_f64, |norm, (_, value)| norm.hypot(*value)) + level.rows.norm() * x.norm();
+            if change > 0.0 && change.is_finite() {
+                report.residual = report.residual.max(change / size);
+                *residual = residual.max(change / size);
+            }
+        }
+    }
+
+    /// Lists the inequality rows that a level violates although nothing is left to move.
+    fn list_violated(&mut self, level: usize) {
+        let Solution { x, row_multipliers, active_rows, .. } = &mut self.solution;
+        let Some(own) = self.problem.levels.get(level) else { return };
+        for row in (0..own.rows.nrows()).filter(|&row| !own.is_equation(row)) {
+            let value = own.value(row, x);
+            let missing = own.missing(row, value);
+            if missing.abs() > NEGLIGIBLE * (value.abs() + own.rows.row(row).norm() * x.norm()) {
+                row_multipliers[level][row] = -missing;
+                active_rows[level][row] = Some(if missing > 0.0 { Side::Lower } else { Side::Upper });
             }
         }
     }
@@ -181,6 +242,11 @@ impl<'a> Run<'a> {
             let has_multiplier = self.solution.row_multipliers[level][row] != 0.0;
             self.kept[level][row] |= own.is_equation(row) || (has_multiplier && is_violated());
         }
+        let kept = (0..own.rows.nrows()).filter(|&row| self.kept[level][row]);
+        self.values.push(
+            kept.map(|row| (row, self.promised.get(row).copied().unwrap_or_else(|| own.value(row, &self.solution.x))))
+                .collect(),
+        );
         for (index, level_rows) in self.problem.levels[..=level].iter().enumerate() {
             let rows = 0..level_rows.rows.nrows();
             // Equations of higher levels are kept already.
@@ -211,11 +277,11 @@ impl<'a> Run<'a> {
     }
 
     /// Computes the multipliers of a level, if they are wanted, and those of pinned unknowns.
-    fn write_multipliers(&mut self, level: usize) {
+    fn write_multipliers(&mut self, level: usize, known: &Known) {
         if !self.wants_multipliers {
             return;
         }
-        let found = level_multipliers(self.problem, level, &self.solution, &self.kept);
+        let found = level_multipliers(self.problem, level, &self.solution.x, known);
         if let Some(found) = &found {
             for j in (0..self.problem.unknowns()).filter(|&j| self.problem.is_pinned(j)) {
                 let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);

@@ -5,18 +5,23 @@ use revprio_problem::{Certificate, CertifiedLevel, CertifiedProblem, Matrix, Mul
 use crate::hierarchy::{Hierarchy, Solution};
 use crate::svd::{RANK_TOLERANCE, Svd};
 
-/// Returns the multipliers of level k at a solution, from the residuals of its rows and by least squares from the rows of
-/// higher levels that are kept; `None` where the level leaves no residual.
+/// What is known of the multipliers of a level before those of the equations above it.
+pub struct Known<'a> {
+    /// Multipliers of the bounds of unknowns.
+    pub unknowns: &'a [f64],
+    /// Multipliers of the rows of each level: positive at the upper bound.
+    pub rows: &'a [Vec<f64>],
+    /// Unknowns that are held at a bound: their multipliers are not known.
+    pub fixed: &'a [bool],
+    /// Rows of each level that are kept at their value: the same.
+    pub kept: &'a [Vec<bool>],
+}
+
+/// Returns the multipliers of level k at x, from the residuals of its rows, from the known ones, and by least squares from the
+/// rows of higher levels that are kept; `None` where the level leaves no residual.
 ///
-/// h = A_kᵀ r_k + Σ w_i a_i is zero at unknowns that no bound holds. Those that a bound holds, at this or a higher level, do
-/// not count.
-pub fn level_multipliers(
-    problem: &Hierarchy,
-    k: usize,
-    solution: &Solution,
-    kept: &[Vec<bool>],
-) -> Option<Multipliers> {
-    let x = &solution.x;
+/// h = A_kᵀ r_k + Σ w_i a_i is the known multiplier at unknowns that are not fixed.
+pub fn level_multipliers(problem: &Hierarchy, k: usize, x: &Vector, known: &Known) -> Option<Multipliers> {
     let n = problem.unknowns();
     let mut weights: Vec<f64> = Vec::new();
     let mut gradient = Vector::zeros(n);
@@ -25,25 +30,27 @@ pub fn level_multipliers(
         for row in 0..level.rows.nrows() {
             let a = level.rows.row(row).transpose();
             let place = weights.len();
-            weights.push(0.0);
-            if index == k {
-                weights[place] = level.missing(row, level.value(row, x));
-                gradient.axpy(weights[place], &a, 1.0);
-            } else if kept[index][row] || solution.active_rows[index][row].is_some() {
+            if index < k && known.kept[index][row] {
+                weights.push(0.0);
                 higher.push((place, a));
+            } else {
+                let residual = || level.missing(row, level.value(row, x));
+                weights.push(if index == k { residual() } else { -known.rows[index][row] });
+                gradient.axpy(weights[place], &a, 1.0);
             }
         }
     }
     if k == problem.levels.len() {
-        gradient = &problem.reference - x;
+        gradient += &problem.reference - x;
     }
     if gradient.amax() == 0.0 && weights.iter().all(|w| *w == 0.0) {
         return None;
     }
-    let free: Vec<usize> = (0..n).filter(|&j| solution.active[j].is_none() && !problem.is_pinned(j)).collect();
+    let free: Vec<usize> = (0..n).filter(|&j| !known.fixed[j]).collect();
     let rows = Matrix::from_fn(free.len(), higher.len(), |i, j| higher[j].1[free[i]]);
+    let missing = Vector::from_iterator(free.len(), free.iter().map(|&j| known.unknowns[j] - gradient[j]));
     let svd = Svd::new(&rows);
-    let found = svd.solve(svd.rank(RANK_TOLERANCE * rows.norm()), 0.0, &-gradient.select_rows(&free));
+    let found = svd.solve(svd.rank(RANK_TOLERANCE * rows.norm()), 0.0, &missing);
     for ((place, a), w) in higher.iter().zip(found.iter()) {
         weights[*place] = *w;
         gradient.axpy(*w, a, 1.0);

@@ -6,6 +6,7 @@ use revprio_problem::{
     ActiveSet, Damping, Matrix, Method, Path, Problem, ProblemError, Resolution, Solve, Status, Vector,
 };
 
+use crate::certified_formula::{Stage, certificate};
 use crate::damping::{factor, kept_directions};
 use crate::report::{status, write_velocity, write_violations};
 use crate::singularity::Singularities;
@@ -16,16 +17,12 @@ use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 pub struct ClosedForm;
 
 impl Solve for ClosedForm {
-    fn solve(
-        &mut self,
-        problem: &Problem,
-        _guess: &[ActiveSet],
-        answer: &mut Resolution,
-    ) -> Result<(), ProblemError> {
+    fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
-        let Formula { joint_velocity, kkt_residual } = evaluate(problem);
+        let Formula { joint_velocity, kkt_residual, stages } = evaluate(problem);
         write_velocity(problem, &known, &joint_velocity, answer);
+        answer.certificate = problem.wants_certificate.then(|| Box::new(certificate(problem, &stages)));
         let report = &mut answer.solver;
         report.path = Path::ClosedForm;
         if report.status != Status::Failed {
@@ -58,6 +55,8 @@ struct Formula {
     joint_velocity: Vector,
     /// Largest relative stationarity residual.
     kkt_residual: f64,
+    /// The stages of the formula, in the order of evaluation.
+    stages: Vec<Stage>,
 }
 
 /// A task of equations.
@@ -97,7 +96,8 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     let joint_velocity = zeta + &delta;
     let gradient = J.tr_mul(&(&J * &joint_velocity - &xdot)) + lambda * lambda * &delta;
     let kkt_residual = relative(&gradient, J.norm() + lambda, joint_velocity.norm() + zeta.norm(), xdot.norm());
-    Formula { joint_velocity, kkt_residual }
+    let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda }];
+    Formula { joint_velocity, kkt_residual, stages }
 }
 
 /// q̇ ← q̇ + (J_k N_k)^# (ẋ_k − J_k q̇) for k = 1 … l, N_k the null-space projector of all higher tasks; then N ζ̇.
@@ -110,6 +110,7 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     // Averaged with these weights: q̇, N, and the smallest singular value that N leaves out.
     let mut answers = vec![(1.0_f64, Vector::zeros(n), Matrix::identity(n, n), 1.0_f64)];
     let mut kkt_residual = 0.0_f64;
+    let mut projected = Vec::new();
     for (place, Equations { J, xdot }) in tasks.iter().enumerate() {
         let fades = place + 1 < tasks.len() || zeta.amax() > 0.0;
         for (total, mut qdot, N, weakest) in std::mem::take(&mut answers) {
@@ -125,6 +126,7 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
             let gradient = JN.tr_mul(&(J * &qdot - xdot)) + lambda * lambda * &delta;
             kkt_residual =
                 kkt_residual.max(relative(&gradient, J.norm() + lambda, qdot.norm() + delta.norm(), xdot.norm()));
+            projected.push(JN);
             for (kept, share) in kept_directions(svd.singular_values(), rank, damping.filter(|_| fades)) {
                 let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / J.norm()) } else { weakest };
                 answers.push((total * share, qdot.clone(), &N - svd.row_projector(kept), weakest));
@@ -133,7 +135,16 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     }
     let joint_velocity =
         answers.iter().fold(Vector::zeros(n), |sum, (weight, qdot, N, _)| sum + (qdot + N * zeta) * *weight);
-    Formula { joint_velocity, kkt_residual }
+    if damping.is_none() {
+        // What lower tasks have changed of higher ones.
+        for (Equations { J, xdot }, JN) in tasks.iter().zip(&projected) {
+            let gradient = JN.tr_mul(&(J * &joint_velocity - xdot));
+            let size = joint_velocity.norm() + zeta.norm();
+            kkt_residual = kkt_residual.max(relative(&gradient, J.norm(), size, xdot.norm()));
+        }
+    }
+    let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda: 0.0 }];
+    Formula { joint_velocity, kkt_residual, stages }
 }
 
 /// Returns the number of dimensions that a projector keeps, which is its trace.
@@ -146,15 +157,16 @@ fn dimension(N: &Matrix) -> usize {
 ///
 /// Paper: Eq. (13), q̇ = J_1⁺ẋ_1 + (I − J_1⁺J_1) J_2⁺ẋ_2 for two tasks.
 fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping>) -> Formula {
-    let start = Formula { joint_velocity: zeta, kkt_residual: 0.0 };
-    tasks.iter().rev().fold(start, |Formula { joint_velocity, kkt_residual }, Equations { J, xdot }| {
+    let start = Formula { joint_velocity: zeta, kkt_residual: 0.0, stages: Vec::new() };
+    tasks.iter().rev().fold(start, |Formula { joint_velocity, kkt_residual, mut stages }, Equations { J, xdot }| {
         let svd = Svd::new(J);
         let mu = factor(damping, svd.smallest());
         let delta = svd.solve(svd.rank(RANK_TOLERANCE * J.norm()), mu, &(xdot - J * &joint_velocity));
         let qdot = joint_velocity + &delta;
         let gradient = J.tr_mul(&(J * &qdot - xdot)) + mu * mu * &delta;
         let residual = relative(&gradient, J.norm() + mu, qdot.norm() + delta.norm(), xdot.norm());
-        Formula { joint_velocity: qdot, kkt_residual: kkt_residual.max(residual) }
+        stages.push(Stage { joint_velocity: qdot.clone(), lambda: 0.0 });
+        Formula { joint_velocity: qdot, kkt_residual: kkt_residual.max(residual), stages }
     })
 }
 
@@ -169,7 +181,7 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
 /// Paper: Eqs. (22), (25), (29), (32), which are this without damping.
 fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>) -> Formula {
     let n = zeta.len();
-        let (mut qdot, mut low, mut kkt_residual) = (zeta, Matrix::zeros(0, n), 0.0_f64);
+    let (mut qdot, mut low, mut kkt_residual, mut stages) = (zeta, Matrix::zeros(0, n), 0.0_f64, Vec::new());
     for Equations { J, xdot } in tasks.iter().rev() {
         let all = stack(J, &low);
         let own_svd = Svd::new(J);
@@ -194,9 +206,10 @@ fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>)
             sum += delta * share;
         }
         qdot += sum;
+        stages.push(Stage { joint_velocity: qdot.clone(), lambda: if low.nrows() > 0 { lambda } else { 0.0 } });
         low = all;
     }
-    Formula { joint_velocity: qdot, kkt_residual }
+    Formula { joint_velocity: qdot, kkt_residual, stages }
 }
 
 /// Returns argmin ‖J_{k+1}^RP Δ‖² + λ² ‖Δ‖² that equals `reach` along the directions of a projector, and its residual.

@@ -143,6 +143,24 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// Returns a solution without active bounds and multipliers.
+    pub fn new(problem: &Hierarchy, x: Vector) -> Self {
+        let n = x.len();
+        let rows = |level: &Level| level.rows.nrows();
+        Self {
+            x,
+            multipliers: vec![0.0; n],
+            row_multipliers: problem.levels.iter().map(|level| vec![0.0; rows(level)]).collect(),
+            active: vec![None; n],
+            active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
+            reports: Vec::new(),
+            failures: 0,
+            residual: 0.0,
+            rank_uncertain: false,
+            certificate: Vec::new(),
+        }
+    }
+
     /// Returns whether a bound or an inequality row is active.
     pub fn is_bounded(&self) -> bool {
         self.active.iter().chain(self.active_rows.iter().flatten()).any(Option::is_some)

@@ -29,6 +29,7 @@
 mod blend;
 mod cascade;
 mod certified;
+mod certified_formula;
 mod clarabel;
 mod closed_form;
 mod contradiction;
