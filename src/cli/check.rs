@@ -14,9 +14,9 @@ const PYTHON: &str = if cfg!(windows) { "python" } else { "python3" };
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Request and answer of POST /v1/resolve in JSON, or several such pairs; a single file has an object with `request`
-    /// and `answer` on each line. The request has `"certificate": true`
-    #[arg(required_unless_present = "script", value_names = ["REQUEST", "ANSWER"], num_args = 1..)]
+    /// Request and answer of POST /v1/resolve in JSON. A single file has an object with `request` and `answer` on each
+    /// line. The request has `"certificate": true`
+    #[arg(required_unless_present = "script", value_names = ["REQUEST", "ANSWER"], num_args = 1..=2)]
     files: Vec<PathBuf>,
     /// Print the Python program that checks, to run it without revprio
     #[arg(long)]

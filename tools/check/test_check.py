@@ -1,6 +1,5 @@
 """Tests of check.py: right answers pass, changed ones do not. Run `python3 tools/check/test_check.py`."""
 
-import copy
 import io
 import json
 import random
@@ -15,11 +14,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 import check
+from changes import changes
 from reference import certificate, dot, solve
 
 METHODS = ["strict_reverse_priority", "reverse_priority", "task_priority", "singularity_robust", "pseudoinverse"]
-SIZE = 1e-6
-"""By how much a number is changed, relative to its size."""
 
 
 def random_request(random):
@@ -130,95 +128,8 @@ def answer_to(request):
 
 def verdict(request, answer):
     """Returns the failed checks."""
-    message, found, failed, _, _ = check.examine([json.dumps(request), json.dumps(answer)])
+    message, found, failed = check.examine(json.dumps({"request": request, "answer": answer}))
     return [message] if message else [f"{name} {found[name]:.1e}" for name in failed]
-
-
-def move(answer, j, step):
-    """Moves a joint and computes residuals, the multipliers of unknowns and the achieved velocities again."""
-    problem = answer["certificate"]["problems"][-1]
-    problem["solution"][j] += step
-    answer["joint_velocity"] = x = problem["solution"]
-    rows = [row for level in problem["levels"] for row in zip(level["rows"], level["lower"], level["upper"])]
-    start = 0
-    for k, (level, pair) in enumerate(zip(problem["levels"] + [None], problem["multipliers"])):
-        end = start + len(level["rows"]) if level else start
-        if pair:
-            for i in range(start, end):
-                a, low, high = rows[i]
-                value = dot(a, x)
-                pair["rows"][i] = low - value if low is not None and value < low else min(0, high - value) if high is not None else 0
-            pair["unknowns"] = [sum(w * row[0][i] for w, row in zip(pair["rows"], rows)) for i in range(len(x))]
-            if not level:
-                pair["unknowns"] = [h + a - b for h, a, b in zip(pair["unknowns"], problem["reference"], x)]
-        start = end
-    for task in answer["tasks"]:
-        found = {name["row"]: a for level in problem["levels"] for a, name in zip(level["rows"], level["names"]) if name.get("task") == task["name"]}
-        task["achieved"] = [dot(found[i], x) if i in found else value for i, value in enumerate(task["achieved"])]
-
-
-def matters(problem, pair, part, i):
-    """Returns whether a multiplier is more than rounding in the sums that it is a part of."""
-    rows = [row for level in problem["levels"] for row in level["rows"]]
-    terms = [[w * row[j] for w, row in zip(pair["rows"], rows)] + [problem["reference"][j], problem["solution"][j]]
-             for j in range(len(problem["solution"]))]
-    if part == "unknowns":
-        return abs(pair[part][i]) > 1e-5 * hypot(*terms[i])
-    return any(abs(own[i]) > 1e-5 * hypot(*own) for own in terms)
-
-
-def changes(random, request, answer):
-    """Yields (what, request, answer) with one change that makes the answer wrong."""
-    copies = lambda: (copy.deepcopy(request), copy.deepcopy(answer))
-    n, speed = len(answer["joint_velocity"]), hypot(*answer["joint_velocity"])
-    step = SIZE * speed * random.choice([-1, 1])
-    if speed:
-        j = random.randrange(n)
-        asked, given = copies()
-        given["joint_velocity"][j] += step
-        yield "joint velocity", asked, given
-        asked, given = copies()
-        given["certificate"]["problems"][-1]["solution"][j] += step
-        given["joint_velocity"][j] += step
-        yield "joint velocity and solution", asked, given
-        asked, given = copies()
-        move(given, j, step)
-        yield "joint velocity, and all that follows from it", asked, given
-    for k, pair in enumerate(answer["certificate"]["problems"][-1]["multipliers"]):
-        for part in ("rows", "unknowns") if pair else ():
-            i = random.randrange(len(pair[part]) or 1)
-            if pair[part] and matters(answer["certificate"]["problems"][-1], pair, part, i):
-                asked, given = copies()
-                given["certificate"]["problems"][-1]["multipliers"][k][part][i] *= 1 + SIZE
-                yield f"multiplier of {part}", asked, given
-    for i, limit in enumerate(answer["active_limits"]):
-        if limit["multiplier"] > 0:
-            asked, given = copies()
-            j = int(limit["joint"][1:]) - 1
-            given["certificate"]["problems"][-1][limit["side"]][j] += step or SIZE
-            yield "bound in the certificate", asked, given
-            asked["limits"][limit["side"]][j] += step or SIZE
-            yield "active bound", asked, given
-            asked, given = copies()
-            given["active_limits"][i]["multiplier"] *= 1 + SIZE
-            yield "multiplier of a limit", asked, given
-            asked, given = copies()
-            del given["active_limits"][i]
-            yield "limit not listed", asked, given
-    levels = answer["certificate"]["problems"][-1]["levels"]
-    asked, given = copies()
-    problem = given["certificate"]["problems"][-1]
-    del problem["levels"][-1], problem["multipliers"][-2]
-    problem["multipliers"][-1] = problem["multipliers"][-1] and {
-        **problem["multipliers"][-1], "rows": problem["multipliers"][-1]["rows"][:sum(len(level["rows"]) for level in levels[:-1])]}
-    yield "level left out", asked, given
-    if len(levels) > 1 and len(levels[0]["rows"]) == len(levels[1]["rows"]):
-        asked, given = copies()
-        given["certificate"]["problems"][-1]["levels"][:2] = levels[1::-1]
-        yield "levels swapped", asked, given
-    asked, given = copies()
-    given["solver"]["kkt_residual"] = 1e-8
-    yield "status", asked, given
 
 
 class Answers(unittest.TestCase):
