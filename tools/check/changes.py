@@ -110,7 +110,9 @@ def changes(random, request, answer):
     del problem["levels"][-1], problem["multipliers"][-2]
     problem["multipliers"][-1] = problem["multipliers"][-1] and {
         **problem["multipliers"][-1], "rows": problem["multipliers"][-1]["rows"][:sum(len(level["rows"]) for level in levels[:-1])]}
-    yield "level left out", asked, given
+    # The rows of a scaled task have no names, so that its levels can be left out.
+    if not any(task.get("scale") for task in request["tasks"]):
+        yield "level left out", asked, given
     if len(levels) > 1 and len(levels[0]["rows"]) == len(levels[1]["rows"]):
         asked, given = copies()
         solved(given)["levels"][:2] = levels[1::-1]

@@ -22,6 +22,9 @@ const CLOSER: f64 = 1e-4;
 /// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
 const SIGNIFICANT: f64 = 1e-7;
 
+/// Velocities below this fraction of those that the problem asks for are rest.
+const REST: f64 = 1e-15;
+
 /// Multipliers above this are more than rounding.
 const NEGLIGIBLE: f64 = 1e-12;
 
@@ -196,7 +199,9 @@ impl<'a> Run<'a> {
     /// Moves to the point of a level.
     fn step(&mut self, program: &LevelProgram, point: &LevelPoint) {
         let x = &self.solution.x + &self.basis * &point.z * program.size;
-        self.solution.x = self.problem.clamp(&x);
+        // Rounding of the velocities that the problem asks for is rest.
+        let rest = REST * self.problem.speed();
+        self.solution.x = self.problem.clamp(&x.map(|x| if x.abs() <= rest { 0.0 } else { x }));
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
