@@ -145,10 +145,11 @@ impl Cascade {
                 Ok(answer) => {
                     let answer = program.complete(answer, effort);
                     iterations += answer.iterations;
-                    let own = LevelPoint::of_clarabel(program, &answer);
-                    let clarabel_residual = own.residual;
+                    let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
+                    let clarabel_residual = program.residual(&z, &answer.multipliers);
                     let polished = LevelPoint::polished(program, &answer, before.as_ref());
-                    let point = if polished.residual <= own.residual { polished } else { own };
+                    let own = || LevelPoint::of_clarabel(program, &answer, clarabel_residual);
+                    let point = if polished.residual <= clarabel_residual { polished } else { own() };
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
                         best = Some((point, report));

@@ -47,10 +47,9 @@ impl LevelPoint {
         self.error <= CERTAIN && self.residual <= CERTIFIED
     }
 
-    /// Returns Clarabel's answer as it is.
-    pub fn of_clarabel(program: &LevelProgram, answer: &QpAnswer) -> Self {
+    /// Returns Clarabel's answer as it is, with its residual.
+    pub fn of_clarabel(program: &LevelProgram, answer: &QpAnswer, residual: f64) -> Self {
         let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
-        let residual = program.residual(&z, &answer.multipliers);
         let reach = Svd::new(&program.C);
         let error = estimate(residual, &reach, reach.rank(RANK_TOLERANCE));
         Self { z, multipliers: answer.multipliers.clone(), residual, error }
