@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::Output;
-use revprio_lab::report::checks::solver_differences;
+use revprio_lab::report::checks::{agreement, solver_differences};
 use revprio_lab::report::clarabel_checks::{self, clarabel_failures};
 use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::metrics::largest_difference;
@@ -49,6 +49,9 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     failures.extend(clarabel_failures(&runs));
     write!(stdout(), "{}", summary::text(&runs))?;
     writeln!(stdout(), "{ROUND_TRIPS}")?;
+    for line in [Solver::Qp, Solver::ClosedForm].into_iter().filter_map(|solver| agreement(&runs, solver)) {
+        writeln!(stdout(), "{line}")?;
+    }
     if let Some(levels) = clarabel_checks::of_all(&runs) {
         write!(stdout(), "{}", clarabel_checks::text(&levels))?;
     }

@@ -1,9 +1,12 @@
 //! Checks of an experiment that must hold, by its recordings. Each returns what is wrong, in words.
 
-use super::metrics::largest_difference;
+use revprio_api::wire::Solver;
+
+use super::metrics::{differences, largest_difference};
 use super::number::significant;
 use super::run::Run;
 use crate::simulator::Scenario;
+use crate::simulator::recording::Recording;
 
 /// Largest difference between the joint velocities of two solvers in the same scenario with the same method (rad/s). They
 /// differ by rounding only, some 1e-12 rad/s, unless a solver is wrong.
@@ -23,6 +26,27 @@ pub fn solver_differences(scenarios: &[Scenario], runs: &[Run]) -> Vec<String> {
         others.filter_map(|(_, other)| difference((*run)?, (*other)?))
     });
     incomplete.chain(different).collect()
+}
+
+/// Returns the distribution of the differences between `auto` and another solver over all control periods of the same scenarios
+/// and methods, in words; `None` without such runs.
+#[must_use]
+pub fn agreement(runs: &[Run], other: Solver) -> Option<String> {
+    let of = |solver| runs.iter().filter(move |run| run.recording.solver == solver).map(|run| &run.recording);
+    let is_same = |a: &Recording, b: &Recording| (&a.scenario, a.method) == (&b.scenario, b.method);
+    let pairs = of(Solver::Auto).filter_map(|auto| Some((auto, of(other).find(|found| is_same(auto, found))?)));
+    let mut all: Vec<f64> = pairs.flat_map(|(auto, found)| differences(auto, found)).collect();
+    all.sort_by(f64::total_cmp);
+    let last = all.len().checked_sub(1)?;
+    let above = |bar: f64| all.iter().filter(|difference| **difference > bar).count();
+    Some(format!(
+        "auto and {other} over {} periods: median {}, 99 % {}, largest {} rad/s; above 1e-9: {}",
+        all.len(),
+        significant(all[last / 2], 2),
+        significant(all[last - last / 100], 2),
+        significant(all[last], 2),
+        above(1e-9),
+    ))
 }
 
 fn find<'a>(scenario: &Scenario, runs: &'a [Run]) -> Option<&'a Run> {
@@ -70,10 +94,10 @@ fn difference(one: &Run, other: &Run) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use revprio_api::wire::{Method, Solver};
+    use revprio_api::wire::Method;
 
     use super::*;
-    use crate::simulator::recording::{Recording, Sample};
+    use crate::simulator::recording::Sample;
 
     const SOLVERS: [Solver; 3] = [Solver::ClosedForm, Solver::Qp, Solver::Auto];
 
@@ -93,6 +117,15 @@ mod tests {
     fn solvers_that_differ_by_rounding_agree() {
         let (scenarios, runs) = runs_with([0.1, 0.1 + 1e-12, 0.1 - 9e-9]);
         assert!(solver_differences(&scenarios, &runs).is_empty());
+    }
+
+    #[test]
+    fn the_distribution_of_the_differences_is_stated() {
+        let (_, runs) = runs_with([0.1, 0.1, 0.1 + 2e-8]);
+        let line = agreement(&runs, Solver::Qp).unwrap();
+        assert!(line.starts_with("auto and qp over 1 periods: median 2.0e-8, 99 % 2.0e-8, largest 2.0e-8"), "{line}");
+        assert!(line.ends_with("above 1e-9: 1"), "{line}");
+        assert_eq!(agreement(&runs[..2], Solver::Qp), None);
     }
 
     #[test]

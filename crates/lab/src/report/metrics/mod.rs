@@ -132,11 +132,12 @@ pub fn largest_difference(a: &Recording, b: &Recording) -> f64 {
     if a.samples.len() != b.samples.len() {
         return f64::INFINITY;
     }
-    a.samples
-        .iter()
-        .zip(&b.samples)
-        .map(|(a, b)| command_difference(&a.joint_velocity, &b.joint_velocity))
-        .fold(0.0, larger)
+    differences(a, b).fold(0.0, larger)
+}
+
+/// Returns the difference between the commands of two runs in each control period, `‖q̇_a,i − q̇_b,i‖∞` (rad/s).
+pub fn differences<'a>(a: &'a Recording, b: &'a Recording) -> impl Iterator<Item = f64> + 'a {
+    a.samples.iter().zip(&b.samples).map(|(a, b)| command_difference(&a.joint_velocity, &b.joint_velocity))
 }
 
 /// Returns the start of the part over which the RMSE is computed (s): [`STEADY_FROM_S`] for a run longer than
