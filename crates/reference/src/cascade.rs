@@ -147,9 +147,11 @@ impl Cascade {
                     iterations += answer.iterations;
                     let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
                     let clarabel_residual = program.residual(&z, &answer.multipliers);
-                    let polished = LevelPoint::polished(program, &answer, before.as_ref());
+                    // Where a constraint that was left out is broken, Clarabel has not found the active set yet.
+                    let is_found = answer.slacks.iter().all(|slack| *slack >= 0.0);
+                    let polished = is_found.then(|| LevelPoint::polished(program, &answer, before.as_ref()));
                     let own = || LevelPoint::of_clarabel(program, &answer, clarabel_residual);
-                    let point = if polished.residual <= clarabel_residual { polished } else { own() };
+                    let point = polished.filter(|point| point.residual <= clarabel_residual).unwrap_or_else(own);
                     if best.as_ref().is_none_or(|(other, _)| point.residual < other.residual) {
                         let report = LevelReport { iterations, clarabel_residual, residual: point.residual };
                         best = Some((point, report));
