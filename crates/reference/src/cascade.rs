@@ -141,13 +141,14 @@ impl Cascade {
         let mut best: Option<(LevelPoint, LevelReport)> = None;
         let (mut iterations, mut before) = (0, None);
         for effort in [Effort::Quick, Effort::Careful] {
-            match self.clarabel.solve(&program.quadratic_program(effort), effort) {
+            let posed = program.posed(effort, before.as_ref());
+            match self.clarabel.solve(&program.quadratic_program(effort, &posed), effort) {
                 Ok(answer) => {
-                    let answer = program.complete(answer, effort);
+                    let answer = program.complete(answer, &posed);
                     iterations += answer.iterations;
                     let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
                     let clarabel_residual = program.residual(&z, &answer.multipliers);
-                    // Where a constraint that was left out is broken, Clarabel has not found the active set yet.
+                    // Where a constraint that was left out is broken, Clarabel has not found the active set.
                     let is_found = answer.slacks.iter().all(|slack| *slack >= 0.0);
                     let polished = is_found.then(|| LevelPoint::polished(program, &answer, before.as_ref()));
                     let own = || LevelPoint::of_clarabel(program, &answer, clarabel_residual);

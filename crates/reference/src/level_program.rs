@@ -168,8 +168,9 @@ impl LevelProgram {
     }
 
     /// Returns the program for Clarabel: v = (z, one excess for each constrained row of the level, and with `Effort::Careful`
-    /// the residuals ρ = C z − d). With the residuals C is not squared, so that weak directions are seen.
-    pub fn quadratic_program(&self, effort: Effort) -> QuadraticProgram {
+    /// the residuals ρ = C z − d). With the residuals C is not squared, so that weak directions are seen. `posed`: the constraints
+    /// that Clarabel gets.
+    pub fn quadratic_program(&self, effort: Effort, posed: &[usize]) -> QuadraticProgram {
         let open = self.C.ncols();
         let equations = if effort == Effort::Careful { self.C.nrows() } else { 0 };
         let mut excess = Vec::with_capacity(self.constraints.len());
@@ -192,7 +193,6 @@ impl LevelProgram {
         let gradient = if is_squared { -self.C.tr_mul(&self.d) } else { Vector::zeros(open) };
         let one_if = |is_one: bool| f64::from(u8::from(is_one));
         let P = |i: usize, j: usize| if i < open && j < open { hessian[(i, j)] } else { one_if(i == j) };
-        let posed = self.posed(effort);
         let A = |i: usize, j: usize| match i.checked_sub(equations) {
             None if j < open => self.C[(i, j)],
             None => -one_if(j == first_residual + i),
@@ -210,18 +210,19 @@ impl LevelProgram {
         }
     }
 
-    /// Returns the constraints that Clarabel gets: those near enough to matter.
-    fn posed(&self, effort: Effort) -> Vec<usize> {
+    /// Returns the constraints that Clarabel gets: those near enough to matter, and those that an answer without them breaks.
+    pub fn posed(&self, effort: Effort, before: Option<&QpAnswer>) -> Vec<usize> {
         let far = if effort == Effort::Careful { FAR_CAREFUL } else { FAR };
-        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= far || self.is_own(i)).collect()
+        let is_broken = |i: usize| before.is_some_and(|before| before.slacks[i] < 0.0);
+        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= far || self.is_own(i) || is_broken(i)).collect()
     }
 
     /// Returns Clarabel's answer with the constraints that were left out: no multiplier, and the slack that is left.
-    pub fn complete(&self, answer: QpAnswer, effort: Effort) -> QpAnswer {
+    pub fn complete(&self, answer: QpAnswer, posed: &[usize]) -> QpAnswer {
         let z = Vector::from_row_slice(&answer.v[..self.C.ncols()]);
         let mut slacks = (&self.rooms - &self.G * z).as_slice().to_vec();
         let mut multipliers = vec![0.0; slacks.len()];
-        for (place, i) in self.posed(effort).into_iter().enumerate() {
+        for (place, &i) in posed.iter().enumerate() {
             (multipliers[i], slacks[i]) = (answer.multipliers[place], answer.slacks[place]);
         }
         QpAnswer { multipliers, slacks, ..answer }

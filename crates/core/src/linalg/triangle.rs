@@ -149,45 +149,66 @@ fn reduce_width<const N: usize, const W: usize>(matrix: &mut [Row<N>], row: &Row
     square
 }
 
-/// Maximum number of Laguerre steps. About four are needed.
-const MAX_STEPS: usize = 40;
+/// Maximum number of steps. About four are needed.
+const MAX_STEPS: usize = 100;
 
-/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of a size about 1, by Laguerre's iteration from
-/// above, which never passes the largest root.
+/// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of a size about 1, to rounding.
+///
+/// Laguerre's iteration from above, for a root of the multiplicity that its derivatives show: convergence to roots that lie close
+/// together would be slow without it. A step that passes the largest eigenvalue is taken back, all but a little.
 fn largest_eigenvalue(diagonal: &[f64], off_square: &[f64]) -> f64 {
     let n = diagonal.len() as f64;
-    let mut x = upper_bound(diagonal, off_square);
-    let mut last_step = x;
+    let mut above = upper_bound(diagonal, off_square);
+    let (mut below, mut x, mut back) = (0.0, above, 4.0 * f64::EPSILON);
     for _ in 0..MAX_STEPS {
-        // p, p' and p''/2 of the characteristic polynomial by its three-term recurrence.
-        let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
-        let (mut p_before, mut dp_before, mut ddp_before) = (0.0, 0.0, 0.0);
-        let mut off = 0.0;
-        for (a, off_next) in diagonal.iter().zip(off_square) {
-            let gap = x - a;
-            let next = gap * p - off * p_before;
-            let dnext = gap * dp + p - off * dp_before;
-            let ddnext = gap * ddp + dp - off * ddp_before;
-            (p_before, dp_before, ddp_before) = (p, dp, ddp);
-            (p, dp, ddp) = (next, dnext, ddnext);
-            off = *off_next;
+        if let Some((g, h)) = log_derivatives(diagonal, off_square, x) {
+            above = x;
+            let ratio = g * g / h;
+            let multiplicity = ratio.round().clamp(1.0, n);
+            let step = n / (g + ((n - multiplicity) / multiplicity * (n * h - g * g)).max(0.0).sqrt());
+            x -= step;
+            // Convergence to a single root is cubic: its next distance is about the distance times the square of what the ratio is off.
+            let is_single = multiplicity == 1.0 && step * (ratio - 1.0).powi(2) <= 1e-17 * x;
+            if is_single || step <= 1e-16 * above {
+                return x;
+            }
+        } else {
+            below = x;
         }
-        if !(p > 0.0 && dp > 0.0) {
+        if above - below <= 1e-15 * above {
             break;
         }
-        let g = dp / p;
-        let h = g * g - 2.0 * ddp / p;
-        let root = ((n - 1.0) * (n * h - g * g)).max(0.0).sqrt();
-        let step = n / (g + root);
-        x -= step;
-        // Convergence is cubic, but linear on the way to roots that lie close together.
-        let ratio = step / last_step;
-        if step <= 1e-15 * x || (ratio < 1e-2 && ratio.powi(3) * step <= 1e-17 * x) {
-            break;
+        if x <= below {
+            x = (below + back * above).min(0.5 * (below + above));
+            back *= 16.0;
         }
-        last_step = step;
     }
-    x
+    above
+}
+
+/// Returns Σ 1/(x − λ_i) and Σ 1/(x − λ_i)² over the eigenvalues; `None` where x does not exceed all of them.
+///
+/// They are derivatives of the sum of the logarithms of the pivots of x I − T. Pivots are exact for a matrix that differs from T
+/// by rounding, however close eigenvalues are; the characteristic polynomial is not.
+fn log_derivatives(diagonal: &[f64], off_square: &[f64], x: f64) -> Option<(f64, f64)> {
+    let (mut g, mut h) = (0.0, 0.0);
+    // e²/q, its derivative, and half its second derivative, for the pivot q before.
+    let (mut carry, mut slope, mut curvature) = (0.0, 0.0, 0.0);
+    for (a, off) in diagonal.iter().zip(off_square) {
+        let q = x - a - carry;
+        if !(q > 0.0) {
+            return None;
+        }
+        let reciprocal = 1.0 / q;
+        // q'/q and q''/(2 q).
+        let (first, second) = ((1.0 - slope) * reciprocal, -curvature * reciprocal);
+        g += first;
+        h += first * first - 2.0 * second;
+        carry = off * reciprocal;
+        slope = -carry * first;
+        curvature = carry * (first * first - second);
+    }
+    Some((g, h))
 }
 
 /// Returns the least of Gershgorin's bound, the trace and the norm.
@@ -210,13 +231,16 @@ mod tests {
     use super::*;
     use crate::linalg::Matrix;
 
-    /// M = H diag(λ) H for a reflection H, with λ_min from 0 to about the trace, alone and twice.
+    /// M = H diag(λ) H for a reflection H, with λ_min from 0 to about the trace, alone, several times, and with others close to it.
     #[test]
     fn the_smallest_eigenvalue_is_exact_to_the_rounding_of_the_trace() {
         for size in [1, 2, 3, 5, 8] {
-            for smallest in [0.0, 1e-12, 1e-6, 1e-3, 0.5, 1.0] {
+            for (smallest, apart) in [0.0, 1e-12, 1e-6, 1e-3, 0.5, 1.0]
+                .into_iter()
+                .flat_map(|smallest| [0.0, 1e-12, 1e-8, 1e-6, 1e-4, 1e-2].map(|apart| (smallest, apart)))
+            {
                 for copies in 1..=size {
-                    let lambda = |i: usize| if i < copies { smallest } else { smallest + (i * i) as f64 };
+                    let lambda = |i: usize| smallest + if i < copies { apart * i as f64 } else { (i * i) as f64 };
                     let v = Matrix::from_fn(size, 1, |i, _| 1.0 + (3 * i % 5) as f64);
                     let H = Matrix::identity(size, size) - 2.0 / v.norm_squared() * &v * v.transpose();
                     let M = &H * Matrix::from_fn(size, size, |i, j| if i == j { lambda(i) } else { 0.0 }) * &H;
@@ -225,7 +249,7 @@ mod tests {
                     let found = smallest_eigenvalue(&mut rows);
                     assert!(
                         (found - smallest).abs() <= 1e-13 * (1.0 + M.trace()),
-                        "{size} {smallest} {copies}: {found:e}"
+                        "{size} {smallest} {apart} {copies}: {found:e}"
                     );
                 }
             }

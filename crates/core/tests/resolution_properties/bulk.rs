@@ -183,8 +183,8 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
 }
 
 /// Asserts all properties. Of the closed forms, at least seven in eight must be exact. Of the answers of `qp`, one in a hundred may
-/// be unsure, and one in a thousand inexact: those with a damped or nearly dependent level (`cargo test -p revprio-core --test
-/// agreement` prints the distribution).
+/// be unsure; of the others, one in two thousand may be inexact, where a level is badly conditioned, and none by more than `qp`
+/// promises (`cargo test -p revprio-core --test agreement` prints the distribution).
 fn assert_all_properties(findings: &Findings) {
     for (what, error) in [
         ("not certified", findings.residual),
@@ -198,7 +198,7 @@ fn assert_all_properties(findings: &Findings) {
     assert!(8 * findings.ill_conditioned <= findings.inside, "{findings:?}");
     assert!(100 * findings.unsure <= findings.problems, "unsure: {findings:?}");
     assert!(1000 * findings.slowed_differently <= findings.problems, "slowed differently: {findings:?}");
-    assert!(1000 * findings.qp.beyond <= findings.problems && findings.qp.worst <= 1e-5, "qp: {:?}", findings.qp);
+    assert!(2000 * findings.qp.beyond <= findings.problems && findings.qp.worst <= 1e-6, "qp: {:?}", findings.qp);
 }
 
 /// Runs a quarter of the 10⁵ problems, so that the test harness can run the quarters in parallel.

@@ -31,7 +31,11 @@ fn assert_velocity(problem: &Problem, expected: &[f64]) {
             continue;
         }
         let error = (&answer.joint_velocity - Vector::from_row_slice(expected)).amax();
-        assert!(error <= 1e-9, "{solver:?}: {:?} instead of {expected:?}", answer.joint_velocity.as_slice());
+        assert!(
+            error <= 1e-9,
+            "{solver:?}: {:?} instead of {expected:?}, {answer:?}",
+            answer.joint_velocity.as_slice()
+        );
         assert_eq!(answer.solver.status, Status::Optimal);
     }
 }

@@ -39,13 +39,15 @@ pub fn agreement(runs: &[Run], other: Solver) -> Option<String> {
     all.sort_by(f64::total_cmp);
     let last = all.len().checked_sub(1)?;
     let above = |bar: f64| all.iter().filter(|difference| **difference > bar).count();
+    let share = |bar: f64| significant(100.0 * above(bar) as f64 / all.len() as f64, 2);
     Some(format!(
-        "auto and {other} over {} periods: median {}, 99 % {}, largest {} rad/s; above 1e-9: {}",
-        all.len(),
+        "auto and {other}: median {}, 99 % {}, largest {} rad/s; > 1e-9, 1e-7, 1e-5: {}, {}, {} %",
         significant(all[last / 2], 2),
         significant(all[last - last / 100], 2),
         significant(all[last], 2),
-        above(1e-9),
+        share(1e-9),
+        share(1e-7),
+        share(1e-5),
     ))
 }
 
@@ -123,8 +125,8 @@ mod tests {
     fn the_distribution_of_the_differences_is_stated() {
         let (_, runs) = runs_with([0.1, 0.1, 0.1 + 2e-8]);
         let line = agreement(&runs, Solver::Qp).unwrap();
-        assert!(line.starts_with("auto and qp over 1 periods: median 2.0e-8, 99 % 2.0e-8, largest 2.0e-8"), "{line}");
-        assert!(line.ends_with("above 1e-9: 1"), "{line}");
+        assert!(line.starts_with("auto and qp: median 2.0e-8, 99 % 2.0e-8, largest 2.0e-8"), "{line}");
+        assert!(line.ends_with("> 1e-9, 1e-7, 1e-5: 100, 0, 0 %"), "{line}");
         assert_eq!(agreement(&runs[..2], Solver::Qp), None);
     }
 
