@@ -328,17 +328,21 @@ impl<'a> Run<'a> {
         self.basis = &self.basis * svd.null_space(rank);
     }
 
-    /// Computes the multipliers of a level, if they are wanted, and those of pinned unknowns.
+    /// Computes the multipliers of a level at x, if they are wanted or hold an unknown at a bound, and those of pinned unknowns.
     fn write_multipliers(&mut self, level: usize, known: &Known) {
-        if !self.wants_multipliers {
+        if !self.wants_multipliers && known.unknowns.iter().all(|h| *h == 0.0) {
             return;
         }
         let found = level_multipliers(self.problem, level, &self.solution.x, known);
         if let Some(found) = &found {
-            for j in (0..self.problem.unknowns()).filter(|&j| self.problem.is_pinned(j)) {
-                let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);
-                if found.unknowns[j].abs() > NEGLIGIBLE * size {
-                    set_first(&mut self.solution.multipliers[j], found.unknowns[j]);
+            let size: f64 = found.unknowns.iter().map(|h| h.abs()).fold(0.0, f64::max);
+            let multipliers = self.solution.multipliers.iter_mut().zip(known.unknowns);
+            for (j, ((multiplier, &of_level), &h)) in multipliers.zip(&found.unknowns).enumerate() {
+                if self.problem.is_pinned(j) && h.abs() > NEGLIGIBLE * size {
+                    set_first(multiplier, h);
+                } else if *multiplier == of_level && h * of_level > 0.0 {
+                    // That of the program has its rounding.
+                    *multiplier = h;
                 }
             }
         }
