@@ -101,6 +101,8 @@ pub struct Counts {
     pub allocations: u64,
     /// Allocations of the period that allocates most.
     pub most: u64,
+    /// Bytes allocated less bytes freed.
+    pub kept_bytes: i64,
     /// Periods solved by active sets.
     pub active_set: u32,
     /// Periods solved by Clarabel.
@@ -115,7 +117,7 @@ impl Arm {
     }
 
     pub fn at(config: ControllerConfig, joint_position: &[f64]) -> Self {
-        let stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let stepper = crate::solvers::stepper(Controller::new(config).unwrap());
         let measured = Measurement {
             time_s: 0.0,
             joint_position: joint_position.to_vec(),
@@ -155,6 +157,7 @@ impl Arm {
             counts.active_set += u32::from(path == Path::ActiveSet);
             counts.allocations += counted.count_total;
             counts.most = counts.most.max(counted.count_total);
+            counts.kept_bytes += counted.bytes_current;
         }
         counts
     }

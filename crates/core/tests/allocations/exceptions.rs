@@ -9,7 +9,7 @@ use revprio_core::controller::{
 };
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{Drive, LimitKind, PlanePoint, VelocityBox};
-use revprio_core::resolution::Method;
+use revprio_core::resolution::{Method, Solver};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, RobotModel};
 
@@ -36,6 +36,20 @@ fn a_task_whose_bounds_are_broken_allocates_at_most_30_times() {
         let counts = arm.run(2000, |command| !command.resolution.tasks[0].active_rows.is_empty());
         assert_allocates_at_most(&format!("{method:?}"), 30, counts);
     }
+}
+
+/// `qp` allocates its programs in each period. After 8000 periods, which meet all sizes of programs, nothing more is
+/// kept, and no period allocates more than one of these.
+#[test]
+fn what_clarabel_allocates_does_not_grow() {
+    let limits = Limits::Fixed(VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap());
+    let mut arm = Arm::new(ControllerConfig { solver: Solver::Qp, ..config(limits, push_and_hold()) });
+    let first = arm.run(8000, |_| true);
+    let later = arm.run(4000, |command| !command.resolution.active_limits.is_empty());
+    println!("{first:?}, then {later:?}");
+    assert!(later.seen > 1000 && later.qp == 4000, "{later:?}");
+    assert_eq!(later.kept_bytes, 0, "{later:?}");
+    assert!(later.most <= first.most, "{later:?}, before {first:?}");
 }
 
 /// The box of jerk limits may contradict a plane. Then the period is solved a third time.

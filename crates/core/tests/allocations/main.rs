@@ -11,6 +11,8 @@ mod arm;
 mod bounds;
 mod exceptions;
 mod methods;
+#[path = "../solvers/mod.rs"]
+mod solvers;
 mod streams;
 mod tasks;
 

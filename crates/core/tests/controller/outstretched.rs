@@ -139,30 +139,60 @@ fn unrest(
     way.iter().zip(ends).map(|(way, distance)| way - distance).fold(0.0, f64::max)
 }
 
-/// With every gain and the tasks in every order; behind drives that are stated exactly, slower and faster ones.
-#[test]
-fn arms_that_their_reach_holds_back_come_to_rest() {
-    let random = &mut Random(3);
-    let drives = [
-        (DRIVE, DRIVE),
-        (Drive::CONSERVATIVE, Drive::CONSERVATIVE),
-        (DRIVE, Drive::CONSERVATIVE),
-        (Drive::IDEAL, Drive::CONSERVATIVE),
-    ];
-    for gains in [[1.0, 2.0, 3.0, 5.0], [8.0, 10.0, 15.0, 20.0]] {
-        let (mut runs, mut restless, mut worst) = (0, 0, 0.0_f64);
+/// How many of some arms still move back and forth at the end.
+#[derive(Debug, Default)]
+struct Restless {
+    runs: u32,
+    count: u32,
+    /// Largest way beyond the distance of its ends, rad in 2 s.
+    worst: f64,
+}
+
+impl Restless {
+    /// Runs 36 arms with random gains: the tasks in every order, behind drives that are stated exactly, slower and faster ones.
+    fn add_sample(&mut self, gains: [f64; 4], random: &mut Random) {
+        let drives = [
+            (DRIVE, DRIVE),
+            (Drive::CONSERVATIVE, Drive::CONSERVATIVE),
+            (DRIVE, Drive::CONSERVATIVE),
+            (Drive::IDEAL, Drive::CONSERVATIVE),
+        ];
         for (robot, stack) in ROBOTS.into_iter().flat_map(|robot| STACKS.map(|stack| (robot, stack))) {
             for period in [0.002, 0.005, 0.01] {
                 let direction = Vector3::new(1.0, random.signed(), random.signed()).normalize();
                 let target = direction * (0.6 + 0.5 * random.signed().abs());
                 let gain = gains[random.below(4)];
                 let unrest = unrest(robot, stack, (period, gain), drives[random.below(4)], target);
-                runs += 1;
-                restless += u32::from(unrest > 0.02);
-                worst = worst.max(unrest);
+                self.runs += 1;
+                self.count += u32::from(unrest > 0.02);
+                self.worst = self.worst.max(unrest);
             }
         }
-        assert!(restless <= 1 && worst < 0.2, "gains {gains:?}: {restless} of {runs}, by {worst} rad");
-        println!("gains {gains:?}: {restless} of {runs} arms still move back and forth, by up to {worst} rad in 2 s");
     }
+}
+
+const SLOW: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
+const FAST: [f64; 4] = [8.0, 10.0, 15.0, 20.0];
+
+/// The samples of `reach_table` with more arms show 1.4 % restless ones with slow gains and 6.3 % with fast ones.
+#[test]
+fn arms_that_their_reach_holds_back_come_to_rest() {
+    let random = &mut Random(3);
+    for (gains, most) in [(SLOW, 1), (FAST, 2)] {
+        let mut seen = Restless::default();
+        seen.add_sample(gains, random);
+        assert!(seen.count <= most && seen.worst < 0.2, "gains {gains:?}: {seen:?}");
+    }
+}
+
+#[test]
+#[ignore = "asserts nothing; prints the table of docs/limits.md"]
+fn reach_table() {
+    let (mut slow, mut fast) = (Restless::default(), Restless::default());
+    for seed in 3..11 {
+        let random = &mut Random(seed);
+        slow.add_sample(SLOW, random);
+        fast.add_sample(FAST, random);
+    }
+    println!("gains {SLOW:?}: {slow:?}\ngains {FAST:?}: {fast:?}");
 }
