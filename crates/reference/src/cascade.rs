@@ -22,7 +22,7 @@ const CLOSER: f64 = 1e-4;
 /// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
 const SIGNIFICANT: f64 = 1e-7;
 
-/// Velocities below this fraction of those that the problem asks for are rest.
+/// Velocities below this fraction of the step that leads to them are rest.
 const REST: f64 = 1e-15;
 
 /// Multipliers above this are more than rounding.
@@ -54,6 +54,8 @@ struct Run<'a> {
     promised: Vec<f64>,
     /// Index and a·x of the rows that each level keeps, after its solution.
     values: Vec<Vec<(usize, f64)>>,
+    /// Largest norm of x and of the steps so far.
+    speed: f64,
 }
 
 /// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
@@ -179,6 +181,7 @@ impl<'a> Run<'a> {
         let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
         let basis = Matrix::identity(n, n).select_columns(&open);
         let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
+        let speed = solution.x.norm();
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
         Self {
@@ -191,6 +194,7 @@ impl<'a> Run<'a> {
             wants_multipliers,
             promised: Vec::new(),
             values: Vec::new(),
+            speed,
         }
     }
 
@@ -202,9 +206,11 @@ impl<'a> Run<'a> {
 
     /// Moves to the point of a level.
     fn step(&mut self, program: &LevelProgram, point: &LevelPoint) {
-        let x = &self.solution.x + &self.basis * &point.z * program.size;
-        // Rounding of the velocities that the problem asks for is rest.
-        let rest = REST * self.problem.speed();
+        let step = &self.basis * &point.z * program.size;
+        let size = step.norm().max(self.solution.x.norm());
+        self.speed = self.speed.max(size);
+        let x = &self.solution.x + step;
+        let rest = REST * size;
         self.solution.x = self.problem.clamp(&x.map(|x| if x.abs() <= rest { 0.0 } else { x }));
     }
 
@@ -222,6 +228,7 @@ impl<'a> Run<'a> {
             self.promised = (0..own.rows.nrows()).map(&mut value).collect();
         }
         self.step(program, point);
+        self.solution.error += point.error * program.scale * program.size;
         let Solution { x, multipliers, row_multipliers, active, active_rows, .. } = &mut self.solution;
         for (constraint, &multiplier) in program.constraints.iter().zip(&point.multipliers) {
             if multiplier <= NEGLIGIBLE * program.scale {
@@ -253,10 +260,10 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level, relative to the speed that the
-    /// problem asks for.
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level, relative to the largest
+    /// speed on the way.
     fn note_drift(&mut self) {
-        let speed = self.problem.speed().max(self.solution.x.norm());
+        let speed = self.speed;
         let Solution { x, reports, is_unsure, .. } = &mut self.solution;
         for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
             let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();

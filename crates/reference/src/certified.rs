@@ -47,13 +47,16 @@ pub fn level_multipliers(problem: &Hierarchy, k: usize, x: &Vector, known: &Know
         return None;
     }
     let free: Vec<usize> = (0..n).filter(|&j| !known.fixed[j]).collect();
-    let rows = Matrix::from_fn(free.len(), higher.len(), |i, j| higher[j].1[free[i]]);
+    // Rows of length one: those of different levels have different units.
+    let norms: Vec<f64> =
+        higher.iter().map(|(_, a)| Some(a.norm()).filter(|norm| *norm > 0.0).unwrap_or(1.0)).collect();
+    let rows = Matrix::from_fn(free.len(), higher.len(), |i, j| higher[j].1[free[i]] / norms[j]);
     let missing = Vector::from_iterator(free.len(), free.iter().map(|&j| known.unknowns[j] - gradient[j]));
     let svd = Svd::new(&rows);
     let found = svd.solve(svd.rank(RANK_TOLERANCE * rows.norm()), 0.0, &missing);
-    for ((place, a), w) in higher.iter().zip(found.iter()) {
-        weights[*place] = *w;
-        gradient.axpy(*w, a, 1.0);
+    for (((place, a), w), norm) in higher.iter().zip(found.iter()).zip(norms) {
+        weights[*place] = w / norm;
+        gradient.axpy(weights[*place], a, 1.0);
     }
     Some(Multipliers { rows: weights, unknowns: gradient.as_slice().to_vec() })
 }

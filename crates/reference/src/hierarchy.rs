@@ -91,19 +91,6 @@ impl Hierarchy {
         self.lower.len()
     }
 
-    /// Returns the speed that the levels and the reference ask for, as far as the box allows it.
-    pub fn speed(&self) -> f64 {
-        let target = |level: &Level| {
-            let missing = (0..level.rows.nrows()).map(|row| level.missing(row, 0.0).abs());
-            let size = missing.fold(0.0, f64::max);
-            if size > 0.0 { size / level.rows.norm() } else { 0.0 }
-        };
-        let asked = self.levels.iter().map(target).filter(|speed| speed.is_finite());
-        let widest = |(lower, upper): (&f64, &f64)| lower.abs().max(upper.abs());
-        let allowed = self.lower.iter().zip(&self.upper).map(widest).fold(0.0, f64::hypot);
-        asked.fold(self.reference.norm(), f64::max).min(allowed)
-    }
-
     /// Returns whether the bounds of an unknown coincide.
     pub fn is_pinned(&self, unknown: usize) -> bool {
         self.lower[unknown] >= self.upper[unknown]
@@ -145,6 +132,8 @@ pub struct Solution {
     pub active_rows: Vec<Vec<Option<Side>>>,
     /// What was done at each level.
     pub reports: Vec<LevelReport>,
+    /// Estimate of the error of x.
+    pub error: f64,
     /// Levels without an answer.
     pub failures: u32,
     /// Whether some level is not solved surely.
@@ -167,6 +156,7 @@ impl Solution {
             active: vec![None; n],
             active_rows: problem.levels.iter().map(|level| vec![None; rows(level)]).collect(),
             reports: Vec::new(),
+            error: 0.0,
             failures: 0,
             is_unsure: false,
             rank_uncertain: false,

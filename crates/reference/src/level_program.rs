@@ -91,8 +91,10 @@ impl LevelProgram {
         let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
         let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
         let size = own.iter().map(missing).fold(d.norm(), |size, missing| size.max(missing.abs()));
-        let targets = level.lower.iter().chain(&level.upper).filter(|bound| bound.is_finite());
-        let target = targets.fold(0.0_f64, |size, bound| size.max(bound.abs() * unit));
+        // Bounds that are met far away say nothing of the size of a level.
+        let nearest = |value: f64, row: usize| (value + level.missing(row, value)).abs() * unit;
+        let targets = (0..level.rows.nrows()).map(|row| nearest(level.value(row, x), row));
+        let target = targets.fold(0.0, f64::max);
         let has_rounding_alone = size <= ROUNDING * (target + x.norm());
         let keeps_own = own.iter().all(|row| missing(row) == 0.0);
         let is_decided = has_rounding_alone || (keeps_own && C.norm() <= DECIDED);
@@ -214,7 +216,7 @@ impl LevelProgram {
     pub fn posed(&self, effort: Effort, before: Option<&QpAnswer>) -> Vec<usize> {
         let far = if effort == Effort::Careful { FAR_CAREFUL } else { FAR };
         let is_broken = |i: usize| before.is_some_and(|before| before.slacks[i] < 0.0);
-        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= far || self.is_own(i) || is_broken(i)).collect()
+        (0..self.constraints.len()).filter(|&i| self.rooms[i] <= far || is_broken(i)).collect()
     }
 
     /// Returns Clarabel's answer with the constraints that were left out: no multiplier, and the slack that is left.

@@ -7,6 +7,9 @@ use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use super::plan::PlannedProblem;
 use super::regularity::HALF_WIDTH;
 
+/// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
+const WIDEST: f64 = 10.0;
+
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
 const KEPT: f64 = 60.0;
 
@@ -140,10 +143,15 @@ fn push_rows(
     }
 }
 
-/// Returns the middle between two bounds; with one bound or none, the speed next to zero that is `HALF_WIDTH` inside.
+/// Returns the middle between two bounds. Bounds farther apart mean none: the speed next to zero that is [`WIDEST`] inside, and
+/// with one bound or none, the one that is [`HALF_WIDTH`] inside.
 fn middle(lower: f64, upper: f64) -> f64 {
-    let middle = 0.5 * (lower + upper);
-    if middle.is_finite() { middle } else { 0.0_f64.max(lower + HALF_WIDTH).min(upper - HALF_WIDTH) }
+    let half_width = 0.5 * (upper - lower);
+    if half_width <= WIDEST {
+        return 0.5 * (lower + upper);
+    }
+    let inside = if half_width.is_finite() { WIDEST } else { HALF_WIDTH };
+    0.0_f64.max(lower + inside).min(upper - inside)
 }
 
 fn product(row: &[f64], x: &[f64]) -> f64 {
