@@ -22,7 +22,7 @@ const CLOSER: f64 = 1e-4;
 /// left to the kept rows, which imply the same bound: a bound that is held by mistake would change the answer.
 const SIGNIFICANT: f64 = 1e-7;
 
-/// Velocities below this fraction of the step that leads to them are rest.
+/// Velocities below this fraction of what a level asks for are rest, if the step of this level leads to them.
 const REST: f64 = 1e-15;
 
 /// Multipliers above this are more than rounding.
@@ -54,8 +54,6 @@ struct Run<'a> {
     promised: Vec<f64>,
     /// Index and a·x of the rows that each level keeps, after its solution.
     values: Vec<Vec<(usize, f64)>>,
-    /// Largest norm of x and of the steps so far.
-    speed: f64,
 }
 
 /// The multipliers of one level, at the bounds that hold it back: positive at upper, negative at lower bounds.
@@ -181,7 +179,6 @@ impl<'a> Run<'a> {
         let open: Vec<usize> = (0..n).filter(|&j| !fixed[j]).collect();
         let basis = Matrix::identity(n, n).select_columns(&open);
         let solution = Solution::new(problem, problem.clamp(&Vector::zeros(n)));
-        let speed = solution.x.norm();
         let wants_multipliers = wants_multipliers || open.len() < n;
         let kept = problem.levels.iter().map(|level| vec![false; rows(level)]).collect();
         Self {
@@ -194,7 +191,6 @@ impl<'a> Run<'a> {
             wants_multipliers,
             promised: Vec::new(),
             values: Vec::new(),
-            speed,
         }
     }
 
@@ -207,11 +203,9 @@ impl<'a> Run<'a> {
     /// Moves to the point of a level.
     fn step(&mut self, program: &LevelProgram, point: &LevelPoint) {
         let step = &self.basis * &point.z * program.size;
-        let size = step.norm().max(self.solution.x.norm());
-        self.speed = self.speed.max(size);
-        let x = &self.solution.x + step;
-        let rest = REST * size;
-        self.solution.x = self.problem.clamp(&x.map(|x| if x.abs() <= rest { 0.0 } else { x }));
+        let rest = REST * step.norm().max(program.scale * program.size);
+        let moved = |x: f64, step: f64| if (x + step).abs() <= rest.min(2.0 * step.abs()) { 0.0 } else { x + step };
+        self.solution.x = self.problem.clamp(&self.solution.x.zip_map(&step, moved));
     }
 
     /// Moves to the point of a level; bounds with multipliers become active.
@@ -260,10 +254,10 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level, relative to the largest
-    /// speed on the way.
+    /// Adds what lower levels have changed of the rows that a level keeps to the residual of the level, relative to the speed that
+    /// the problem asks for.
     fn note_drift(&mut self) {
-        let speed = self.speed;
+        let speed = self.problem.speed().max(self.solution.x.norm());
         let Solution { x, reports, is_unsure, .. } = &mut self.solution;
         for ((level, kept), report) in self.problem.levels.iter().zip(&self.values).zip(reports) {
             let change = |&(row, value): &(usize, f64)| (level.value(row, x) - value).abs();

@@ -91,6 +91,19 @@ impl Hierarchy {
         self.lower.len()
     }
 
+    /// Returns the speed that the levels and the reference ask for, as far as the box allows it.
+    pub fn speed(&self) -> f64 {
+        let target = |level: &Level| {
+            let missing = (0..level.rows.nrows()).map(|row| level.missing(row, 0.0).abs());
+            let size = missing.fold(0.0, f64::max);
+            if size > 0.0 { size / level.rows.norm() } else { 0.0 }
+        };
+        let asked = self.levels.iter().map(target).filter(|speed| speed.is_finite());
+        let widest = |(lower, upper): (&f64, &f64)| lower.abs().max(upper.abs());
+        let allowed = self.lower.iter().zip(&self.upper).map(widest).fold(0.0, f64::hypot);
+        asked.fold(self.reference.norm(), f64::max).min(allowed)
+    }
+
     /// Returns whether the bounds of an unknown coincide.
     pub fn is_pinned(&self, unknown: usize) -> bool {
         self.lower[unknown] >= self.upper[unknown]

@@ -55,15 +55,27 @@ impl LevelPoint {
         Self { z, multipliers: answer.multipliers.clone(), residual, error }
     }
 
-    /// Solves the level on Clarabel's active set, as near to Clarabel's answer as possible:
+    /// Solves the level on Clarabel's active set:
     ///
     /// min ‖C z − d‖² subject to G_a z = rooms_a, then the multipliers ν of G_aᵀ ν = Cᵀ(d − C z).
     ///
-    /// `before`: a less accurate answer of Clarabel to the same program, if there is one.
+    /// Where z is not unique, it is the shortest one, because Clarabel's answer lies far out between wide bounds; if other bounds
+    /// exclude this one, it is the one next to Clarabel's answer. `before`: a less accurate answer of Clarabel to the same
+    /// program, if there is one.
     pub fn polished(program: &LevelProgram, answer: &QpAnswer, before: Option<&QpAnswer>) -> Self {
         let active = active_set(program, answer, before);
-        let (own, bounds): (Vec<usize>, Vec<usize>) = active.into_iter().partition(|&i| program.is_own(i));
+        let shortest = Self::nearest(program, answer, &active, &Vector::zeros(program.C.ncols()));
+        if shortest.residual <= ROUNDING {
+            return shortest;
+        }
         let start = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
+        let near = Self::nearest(program, answer, &active, &start);
+        if near.residual < shortest.residual { near } else { shortest }
+    }
+
+    /// Solves the level on an active set, as near to a point as possible.
+    fn nearest(program: &LevelProgram, answer: &QpAnswer, active: &[usize], start: &Vector) -> Self {
+        let (own, bounds): (Vec<usize>, Vec<usize>) = active.iter().partition(|&&i| program.is_own(i));
         // A violated row of the level itself is an equation.
         let C = stack(&program.C, &program.G.select_rows(&own));
         let d = concatenate(&program.d, &program.rooms.select_rows(&own));
@@ -71,7 +83,7 @@ impl LevelPoint {
         let constraints = Svd::new(&G);
         let rank = constraints.rank(DEPENDENT);
         let inverse = constraints.inverse(rank, 0.0);
-        let z = &start + &inverse * (program.rooms.select_rows(&bounds) - &G * &start);
+        let z = start + &inverse * (program.rooms.select_rows(&bounds) - &G * start);
         let free = constraints.null_space(rank);
         let reach = Svd::new(&(&C * free));
         let reached = reach.rank(RANK_TOLERANCE);
