@@ -88,15 +88,20 @@ impl LevelProgram {
         let own: Vec<usize> = (0..level.rows.nrows()).filter(|&row| !level.is_equation(row)).collect();
         let moved = &level.rows * *basis * unit;
         let C = moved.select_rows(&equations);
+        // What nothing can move says nothing of the size of a level.
+        let moves = |row: usize| moved.row(row).amax() > UNMOVED;
         let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
+        let movable = |&row: &usize| if moves(row) { missing(&row) } else { 0.0 };
         let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
-        let size = own.iter().map(missing).fold(d.norm(), |size, missing| size.max(missing.abs()));
+        let reachable = equations.iter().map(movable).fold(0.0, f64::hypot);
+        let size = own.iter().map(movable).fold(reachable, |size, missing| size.max(missing.abs()));
         // Bounds that are met far away say nothing of the size of a level.
         let nearest = |value: f64, row: usize| (value + level.missing(row, value)).abs() * unit;
-        let targets = (0..level.rows.nrows()).map(|row| nearest(level.value(row, x), row));
+        let movable_rows = (0..level.rows.nrows()).filter(|&row| moves(row));
+        let targets = movable_rows.map(|row| nearest(level.value(row, x), row));
         let target = targets.fold(0.0, f64::max);
         let has_rounding_alone = size <= ROUNDING * (target + x.norm());
-        let keeps_own = own.iter().all(|row| missing(row) == 0.0);
+        let keeps_own = own.iter().all(|row| movable(row) == 0.0);
         let is_decided = has_rounding_alone || (keeps_own && C.norm() <= DECIDED);
         let size = zoom * if size.is_normal() { size } else { 1.0 };
         let (target, speed) = (target / size, (x.norm() / size).max(1.0));
@@ -125,13 +130,14 @@ impl LevelProgram {
     fn push_constraints(&mut self, problem: &Hierarchy, k: usize, decided: &Decided, unit: f64) {
         let Decided { x, basis, fixed, kept } = *decided;
         let (mut rows, mut rooms) = (Vec::new(), Vec::new());
-        let size = self.size;
+        let (size, is_closer) = (self.size, self.zoom < 1.0);
         let mut push = |bounded, side: Side, room: f64, unit, row: &dyn Fn(usize) -> f64| {
             let moves = (0..basis.ncols()).any(|i| row(i).abs() > UNMOVED);
             if room.is_finite() && moves {
                 self.constraints.push(Constraint { bounded, side, unit });
                 rows.extend((0..basis.ncols()).map(|i| side.sign() * row(i)));
-                rooms.push(room.max(0.0) / size);
+                // Rounding of higher levels breaks nothing. A closer look mends what the answer before broke.
+                rooms.push(if is_closer { room } else { room.max(0.0) } / size);
             }
         };
         for j in (0..problem.unknowns()).filter(|&j| !fixed[j]) {

@@ -50,7 +50,9 @@ impl LevelPoint {
     /// Returns Clarabel's answer as it is, with its residual.
     pub fn of_clarabel(program: &LevelProgram, answer: &QpAnswer, residual: f64) -> Self {
         let z = Vector::from_row_slice(&answer.v[..program.C.ncols()]);
-        let reach = Svd::new(&program.C);
+        let is_broken = |i: &usize| program.is_own(*i) && answer.multipliers[*i] > answer.slacks[*i];
+        let broken: Vec<usize> = (0..program.constraints.len()).filter(is_broken).collect();
+        let reach = Svd::new(&stack(&program.C, &program.G.select_rows(&broken)));
         let error = estimate(residual, &reach, reach.rank(RANK_TOLERANCE));
         Self { z, multipliers: answer.multipliers.clone(), residual, error }
     }
@@ -108,6 +110,8 @@ impl LevelPoint {
             let is_met = excess.norm() <= ROUNDING * program.scale;
             let doubt = if !is_met && bounds.iter().any(is_unclear) { residual.max(ROUNDING) } else { 0.0 };
             let doubt = if residual > ROUNDING { residual } else { doubt };
+            // Where rows contradict each other, their rounding counts with the square of the condition number.
+            let doubt = doubt.max(f64::EPSILON * excess.norm() / program.scale);
             let error = estimate(doubt, &reach, reached).max(f64::EPSILON * estimate(1.0, &reach, reached).sqrt());
             Self { z: z.clone(), multipliers, residual, error }
         });
