@@ -6,11 +6,11 @@
 use revprio_problem::{LevelReport, Matrix, Side, Vector};
 
 use crate::certified::{Known, level_multipliers};
-use crate::clarabel::{Clarabel, Effort};
+use crate::clarabel::{Clarabel, Effort, Unsolved};
 use crate::hierarchy::{Hierarchy, Level, Solution};
 use crate::level_program::{Bounded, Decided, LevelProgram};
 use crate::polish::{CERTIFIED, LevelPoint};
-use crate::svd::{RANK_TOLERANCE, Svd};
+use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd, UNCERTAIN_RANK};
 
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.
 const EXACT: f64 = 1e-12;
@@ -28,12 +28,6 @@ const REST: f64 = 1e-15;
 /// Multipliers above this are more than rounding.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// Error of a projected row along a direction of length one.
-const PROJECTION_ERROR: f64 = 4e-15;
-
-/// Relative singular values between which rounding may decide a rank.
-const UNCERTAIN_RANK: std::ops::Range<f64> = 1e-13..1e-6;
-
 /// Clarabel with its memory.
 #[derive(Default)]
 pub struct Cascade {
@@ -41,7 +35,7 @@ pub struct Cascade {
 }
 
 /// The way through the levels of one problem.
-struct Run<'a> {
+struct LevelRun<'a> {
     problem: &'a Hierarchy,
     solution: Solution,
     basis: Matrix,
@@ -72,10 +66,11 @@ impl Forces {
 impl Cascade {
     /// Solves a problem; `wants_multipliers`: with the multipliers of all levels.
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
-        let mut run = Run::new(problem, wants_multipliers);
+        let mut run = LevelRun::new(problem, wants_multipliers);
         for level in 0..=problem.levels.len() {
             let (fixed, kept) = (run.fixed.clone(), run.kept.clone());
             let mut forces = Forces::new(problem);
+            run.promised.clear();
             if run.solution.failures == 0 {
                 self.solve_level(&mut run, level, &mut forces);
             }
@@ -87,11 +82,10 @@ impl Cascade {
         run.solution
     }
 
-    fn solve_level(&mut self, run: &mut Run, level: usize, forces: &mut Forces) {
+    fn solve_level(&mut self, run: &mut LevelRun, level: usize, forces: &mut Forces) {
         let program = run.program(level, 1.0);
         if program.is_decided || run.basis.ncols() == 0 {
             run.list_violated(level);
-            run.promised.clear();
             run.solution.reports.push(LevelReport::default());
             return;
         }
@@ -112,7 +106,7 @@ impl Cascade {
     /// Poses a level again from the answer that is not sure, in smaller units, so that Clarabel sees small distances from bounds.
     fn look_closer(
         &mut self,
-        run: &mut Run,
+        run: &mut LevelRun,
         level: usize,
         (program, point, report): (&LevelProgram, &LevelPoint, LevelReport),
         forces: &mut Forces,
@@ -120,11 +114,13 @@ impl Cascade {
         let start = run.solution.x.clone();
         run.step(program, point);
         let closer = run.program(level, CLOSER);
-        match self.solve_program(&closer) {
-            Ok((better, found)) if better.residual <= point.residual => {
+        let found = self.solve_program(&closer);
+        let tried = found.as_ref().map_or_else(|failed| failed.iterations, |(_, report)| report.iterations);
+        let report = LevelReport { iterations: report.iterations + tried, ..report };
+        match found {
+            Ok((better, LevelReport { residual, .. })) if better.residual <= point.residual => {
                 run.solution.is_unsure |= !better.is_sure();
-                let iterations = report.iterations + found.iterations;
-                run.solution.reports.push(LevelReport { iterations, residual: found.residual, ..report });
+                run.solution.reports.push(LevelReport { residual, ..report });
                 run.advance(level, &closer, &better, forces);
             }
             _ => {
@@ -159,7 +155,7 @@ impl Cascade {
                     }
                     before = Some(answer);
                 }
-                Err(tried) => iterations += tried,
+                Err(Unsolved { iterations: tried }) => iterations += tried,
             }
             if best.as_ref().is_some_and(|(point, _)| point.residual <= EXACT) {
                 break;
@@ -170,7 +166,7 @@ impl Cascade {
     }
 }
 
-impl<'a> Run<'a> {
+impl<'a> LevelRun<'a> {
     /// Starts at the slowest point of the box with nothing kept but what is pinned.
     fn new(problem: &'a Hierarchy, wants_multipliers: bool) -> Self {
         let n = problem.unknowns();

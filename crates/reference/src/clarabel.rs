@@ -10,14 +10,17 @@ const TOLERANCE: f64 = 1e-10;
 /// A cap far above the 5 to 15 iterations that levels take: a failing problem would go on.
 const MAX_ITERATIONS: u32 = 50;
 
-/// The same for a second attempt.
+/// Gap and feasibility of a careful attempt, near rounding.
 const CAREFUL_TOLERANCE: f64 = 1e-13;
+
+/// A cap for careful attempts, which need some more iterations.
 const MAX_CAREFUL_ITERATIONS: u32 = 60;
 
-/// Sizes of programs whose solvers are kept; the levels of one problem have a handful.
+/// Sizes of programs whose solvers are kept. The levels of one problem have a handful, and those of a controller whose limits come
+/// and go some more.
 const MAX_KEPT_SOLVERS: usize = 24;
 
-/// ½ vᵀP v + qᵀv subject to A v + s = b, with s = 0 in the first `equations` rows and s ≥ 0 in the others.
+/// min ½ vᵀP v + qᵀv subject to A v + s = b, with s = 0 in the first `equations` rows and s ≥ 0 in the others.
 #[derive(Debug, Default)]
 pub struct QuadraticProgram {
     pub unknowns: usize,
@@ -42,6 +45,13 @@ pub struct QpAnswer {
     pub iterations: u32,
 }
 
+/// Clarabel found no answer.
+#[derive(Debug, Clone, Copy)]
+pub struct Unsolved {
+    /// Iterations until it gave up.
+    pub iterations: u32,
+}
+
 /// How hard Clarabel tries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
@@ -61,13 +71,14 @@ pub struct Clarabel {
 }
 
 impl Clarabel {
-    /// Solves a program; the iterations alone (`Err`) where Clarabel finds no answer.
-    pub fn solve(&mut self, program: &QuadraticProgram, effort: Effort) -> Result<QpAnswer, u32> {
+    /// Solves a program.
+    pub fn solve(&mut self, program: &QuadraticProgram, effort: Effort) -> Result<QpAnswer, Unsolved> {
+        let refused = Unsolved { iterations: 0 };
         if effort == Effort::Careful {
-            let mut solver = new_solver(program, effort).ok_or(0_u32)?;
+            let mut solver = new_solver(program, effort).ok_or(refused)?;
             return run(&mut solver, program.equations);
         }
-        let place = self.prepare(program).ok_or(0_u32)?;
+        let place = self.prepare(program).ok_or(refused)?;
         let answer = run(&mut self.solvers[place].1, program.equations);
         if answer.is_err() {
             // After numerical trouble a solver may never recover.
@@ -111,7 +122,7 @@ pub fn least_excess(rows: &[f64], bounds: &[f64], n: usize) -> Option<Vec<f64>> 
     Some(answer.multipliers)
 }
 
-fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, u32> {
+fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, Unsolved> {
     solver.solve();
     let found = &solver.solution;
     let is_solved = matches!(
@@ -123,7 +134,7 @@ fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, u3
     );
     let is_finite = found.x.iter().chain(&found.z).chain(&found.s).all(|entry| entry.is_finite());
     if !is_solved || !is_finite {
-        return Err(found.iterations);
+        return Err(Unsolved { iterations: found.iterations });
     }
     Ok(QpAnswer {
         v: found.x.clone(),

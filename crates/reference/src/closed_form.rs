@@ -10,7 +10,7 @@ use crate::certified_formula::{Stage, certificate};
 use crate::damping::{factor, kept_directions};
 use crate::report::{status, write_velocity, write_violations};
 use crate::singularity::Singularities;
-use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
+use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd, concatenate, stack};
 
 /// The printed formula of each method. Do not use it on a real arm. It ignores joint limits.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,9 +38,6 @@ impl Solve for ClosedForm {
         false
     }
 }
-
-/// Error of a projector along a direction of length one.
-const PROJECTION_ERROR: f64 = 4e-15;
 
 /// Length of the rows of J_k in J_k^RP, relative to the lower rows.
 const ROW_LENGTH: f64 = 10.0;
@@ -100,6 +97,16 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     Formula { joint_velocity, kkt_residual, stages }
 }
 
+/// One part of the average of [`task_priority`].
+struct Kept {
+    weight: f64,
+    qdot: Vector,
+    /// Projector onto what the tasks so far leave.
+    N: Matrix,
+    /// Smallest relative singular value that N leaves out.
+    weakest: f64,
+}
+
 /// q̇ ← q̇ + (J_k N_k)^# (ẋ_k − J_k q̇) for k = 1 … l, N_k the null-space projector of all higher tasks; then N ζ̇.
 ///
 /// Weak directions of J_k N belong to N gradually: the answer is an average, see `docs/solver.md`, section 9.
@@ -107,13 +114,13 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
 /// Paper: Eq. (11), with the augmented Jacobian in the projector.
 fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -> Formula {
     let n = zeta.len();
-    // Averaged with these weights: q̇, N, and the smallest singular value that N leaves out.
-    let mut answers = vec![(1.0_f64, Vector::zeros(n), Matrix::identity(n, n), 1.0_f64)];
+    let start = Kept { weight: 1.0, qdot: Vector::zeros(n), N: Matrix::identity(n, n), weakest: 1.0 };
+    let mut answers = vec![start];
     let mut kkt_residual = 0.0_f64;
     let mut projected = Vec::new();
     for (place, Equations { J, xdot }) in tasks.iter().enumerate() {
         let fades = place + 1 < tasks.len() || zeta.amax() > 0.0;
-        for (total, mut qdot, N, weakest) in std::mem::take(&mut answers) {
+        for Kept { weight, mut qdot, N, weakest } in std::mem::take(&mut answers) {
             let JN = J * &N;
             let svd = Svd::new(&JN);
             // A projector along a weak direction has that much more error.
@@ -129,12 +136,13 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
             projected.push(JN);
             for (kept, share) in kept_directions(svd.singular_values(), rank, damping.filter(|_| fades)) {
                 let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / J.norm()) } else { weakest };
-                answers.push((total * share, qdot.clone(), &N - svd.row_projector(kept), weakest));
+                let N = &N - svd.row_projector(kept);
+                answers.push(Kept { weight: weight * share, qdot: qdot.clone(), N, weakest });
             }
         }
     }
-    let joint_velocity =
-        answers.iter().fold(Vector::zeros(n), |sum, (weight, qdot, N, _)| sum + (qdot + N * zeta) * *weight);
+    let part = |Kept { weight, qdot, N, .. }: &Kept| (qdot + N * zeta) * *weight;
+    let joint_velocity = answers.iter().map(part).fold(Vector::zeros(n), |sum, part| sum + part);
     if damping.is_none() {
         // What lower tasks have changed of higher ones.
         for (Equations { J, xdot }, JN) in tasks.iter().zip(&projected) {
@@ -197,7 +205,8 @@ fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>)
             let (delta, residual) = if kept == rank {
                 let T = all_svd.inverse(all_rank, lambda).columns(0, J.nrows()).into_owned();
                 let delta = &T * Svd::new(&(J * &T)).solve(rank, 0.0, &(J * &reach));
-                let residual = stage_residual(J, xdot, &low, &own_svd, rank, [mu, lambda], &qdot, &reach, &delta);
+                let residual = ReverseStage { J, xdot, low: &low, own: &own_svd, rank, mu, lambda, before: &qdot }
+                    .residual(&reach, &delta);
                 (delta, residual)
             } else {
                 released(&own_svd.row_projector(kept), &low, lambda, &reach)
@@ -223,25 +232,32 @@ fn released(projector: &Matrix, low: &Matrix, lambda: f64, reach: &Vector) -> (V
     (delta, residual)
 }
 
-/// Returns the residual of what stage k solves: J_k Δ = J_k J_k^# e_k, then min ‖J_{k+1}^RP Δ‖² + λ² ‖Δ‖².
-#[expect(clippy::too_many_arguments, reason = "everything that a stage of Eq. (29) consists of")]
-fn stage_residual(
-    J: &Matrix,
-    xdot: &Vector,
-    low: &Matrix,
-    own_svd: &Svd,
+/// Stage k: J_k Δ = J_k J_k^# e_k, then min ‖J_{k+1}^RP Δ‖² + λ² ‖Δ‖².
+struct ReverseStage<'a> {
+    J: &'a Matrix,
+    xdot: &'a Vector,
+    /// J_{k+1}^RP.
+    low: &'a Matrix,
+    /// J_k, decomposed, and its rank.
+    own: &'a Svd,
     rank: usize,
-    [mu, lambda]: [f64; 2],
-    before: &Vector,
-    reach: &Vector,
-    delta: &Vector,
-) -> f64 {
-    let reached = J.tr_mul(&(J * (before + delta) - xdot)) + mu * mu * reach;
-    let gradient = low.tr_mul(&(low * delta)) + lambda * lambda * delta;
-    let kept = &gradient - own_svd.inverse(rank, 0.0) * (J * &gradient);
-    let size = before.norm() + reach.norm() + delta.norm();
-    let reaching = relative(&reached, J.norm() + mu, size, xdot.norm());
-    reaching.max(relative(&kept, low.norm() + lambda, size, 0.0))
+    mu: f64,
+    lambda: f64,
+    /// q̇_{k+1}.
+    before: &'a Vector,
+}
+
+impl ReverseStage<'_> {
+    /// Returns the residual of both optimality conditions at Δ = `delta`; `reach`: J_k^# e_k.
+    fn residual(&self, reach: &Vector, delta: &Vector) -> f64 {
+        let Self { J, xdot, low, own, rank, mu, lambda, before } = self;
+        let reached = J.tr_mul(&(*J * (*before + delta) - *xdot)) + *mu * *mu * reach;
+        let gradient = low.tr_mul(&(*low * delta)) + *lambda * *lambda * delta;
+        let kept = &gradient - own.inverse(*rank, 0.0) * (*J * &gradient);
+        let size = before.norm() + reach.norm() + delta.norm();
+        let reaching = relative(&reached, J.norm() + *mu, size, xdot.norm());
+        reaching.max(relative(&kept, low.norm() + *lambda, size, 0.0))
+    }
 }
 
 /// All rows and velocities, highest priority on top.

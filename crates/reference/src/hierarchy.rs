@@ -7,8 +7,11 @@ use revprio_problem::{LevelReport, Matrix, Multipliers, RowName, Side, Vector};
 pub struct Level {
     /// The coefficients, one row of the matrix per row, as many columns as unknowns.
     pub rows: Matrix,
+    /// Lower bound of each row, −∞ without one, in the unit of the row: m/s, rad/s.
     pub lower: Vec<f64>,
+    /// Upper bound of each row, ∞ without one.
     pub upper: Vec<f64>,
+    /// Where each row comes from.
     pub names: Vec<RowName>,
 }
 
@@ -65,10 +68,13 @@ impl Level {
 /// Levels inside a box, highest first; after the last one, ‖x − ζ‖² is minimised.
 #[derive(Debug, Clone)]
 pub struct Hierarchy {
+    /// Lower bound of each unknown. The first unknowns are the joint velocities, rad/s; the others are speeds of scaled tasks, m/s.
     pub lower: Vec<f64>,
+    /// Upper bound of each unknown.
     pub upper: Vec<f64>,
-    /// ζ.
+    /// ζ, one entry for each unknown.
     pub reference: Vector,
+    /// The levels, each with at least one row.
     pub levels: Vec<Level>,
 }
 

@@ -17,7 +17,8 @@ pub enum Bounded {
     Own(usize),
 }
 
-/// The constraint g·z ≤ room; for a row of the level itself its excess is minimised.
+/// What a constraint g·z ≤ room of a program is about; g and room are its row of `G` and `rooms`. For a row of the level itself its
+/// excess is minimised.
 #[derive(Debug, Clone)]
 pub struct Constraint {
     pub bounded: Bounded,
@@ -63,6 +64,7 @@ const UNMOVED: f64 = 1e-11;
 
 /// What the levels above have decided.
 pub struct Decided<'a> {
+    /// The solution so far, one entry for each unknown.
     pub x: &'a Vector,
     /// Z: orthonormal columns along which x may move.
     pub basis: &'a Matrix,
@@ -72,61 +74,92 @@ pub struct Decided<'a> {
     pub kept: &'a [Vec<bool>],
 }
 
+/// The rows of a level over the open directions, in units in which the level has size one.
+struct LevelRows<'a> {
+    level: &'a Level,
+    x: &'a Vector,
+    /// 1/‖A_k‖.
+    scale: f64,
+    /// A_k Z/‖A_k‖.
+    moved: Matrix,
+}
+
+impl<'a> LevelRows<'a> {
+    fn new(level: &'a Level, decided: &Decided<'a>) -> Self {
+        let norm = level.rows.norm();
+        let scale = if norm.is_normal() { 1.0 / norm } else { 1.0 };
+        Self { level, x: decided.x, scale, moved: &level.rows * decided.basis * scale }
+    }
+
+    /// Returns the equations of the level, or its inequality rows.
+    fn of_kind(&self, is_equation: bool) -> impl Iterator<Item = usize> + '_ {
+        (0..self.level.rows.nrows()).filter(move |&row| self.level.is_equation(row) == is_equation)
+    }
+
+    /// Returns by how much x misses the bounds of a row.
+    fn missing_of(&self, row: usize) -> f64 {
+        self.level.missing(row, self.level.value(row, self.x)) * self.scale
+    }
+
+    /// Returns whether the open directions change a row. What nothing changes says nothing of the size of a level.
+    fn moves(&self, row: usize) -> bool {
+        self.moved.row(row).amax() > UNMOVED
+    }
+
+    /// Returns what x misses of the rows that can be changed: the norm of the equations or the largest inequality row.
+    fn missing(&self) -> f64 {
+        let movable =
+            |is_equation| self.of_kind(is_equation).filter(|&row| self.moves(row)).map(|row| self.missing_of(row));
+        let equations = movable(true).fold(0.0, f64::hypot);
+        movable(false).fold(equations, |size, missing| size.max(missing.abs()))
+    }
+
+    /// Returns the largest value that a row can have and shall have: its target or, of an inequality row, the nearest value
+    /// inside its bounds. Bounds that are met say nothing of the size of a level.
+    fn target(&self) -> f64 {
+        let rows = (0..self.level.rows.nrows()).filter(|&row| self.moves(row));
+        rows.map(|row| (self.level.value(row, self.x) * self.scale + self.missing_of(row)).abs()).fold(0.0, f64::max)
+    }
+}
+
 impl LevelProgram {
     /// Poses level k of a problem; k = number of levels: min ‖x − ζ‖².
     ///
     /// `zoom`: the size of z relative to what the level misses; less than 1 where x is nearly the answer, so that small distances
     /// from bounds are seen.
     pub fn new(problem: &Hierarchy, k: usize, decided: &Decided, zoom: f64) -> Self {
-        let Decided { x, basis, .. } = decided;
-        let open = basis.ncols();
         let last = (k == problem.levels.len()).then(|| last_objective(problem));
-        let level = last.as_ref().unwrap_or_else(|| &problem.levels[k]);
-        let norm = level.rows.norm();
-        let unit = if norm.is_normal() { 1.0 / norm } else { 1.0 };
-        let equations: Vec<usize> = (0..level.rows.nrows()).filter(|&row| level.is_equation(row)).collect();
-        let own: Vec<usize> = (0..level.rows.nrows()).filter(|&row| !level.is_equation(row)).collect();
-        let moved = &level.rows * *basis * unit;
-        let C = moved.select_rows(&equations);
-        // What nothing can move says nothing of the size of a level.
-        let moves = |row: usize| moved.row(row).amax() > UNMOVED;
-        let missing = |&row: &usize| level.missing(row, level.value(row, x)) * unit;
-        let movable = |&row: &usize| if moves(row) { missing(&row) } else { 0.0 };
-        let d = Vector::from_iterator(equations.len(), equations.iter().map(missing));
-        let reachable = equations.iter().map(movable).fold(0.0, f64::hypot);
-        let size = own.iter().map(movable).fold(reachable, |size, missing| size.max(missing.abs()));
-        // Bounds that are met far away say nothing of the size of a level.
-        let nearest = |value: f64, row: usize| (value + level.missing(row, value)).abs() * unit;
-        let movable_rows = (0..level.rows.nrows()).filter(|&row| moves(row));
-        let targets = movable_rows.map(|row| nearest(level.value(row, x), row));
-        let target = targets.fold(0.0, f64::max);
-        let has_rounding_alone = size <= ROUNDING * (target + x.norm());
-        let keeps_own = own.iter().all(|row| movable(row) == 0.0);
+        let rows = LevelRows::new(last.as_ref().unwrap_or_else(|| &problem.levels[k]), decided);
+        let speed = decided.x.norm();
+        let (missing, target) = (rows.missing(), rows.target());
+        let equations: Vec<usize> = rows.of_kind(true).collect();
+        let C = rows.moved.select_rows(&equations);
+        let d = Vector::from_iterator(equations.len(), equations.iter().map(|&row| rows.missing_of(row)));
+        let keeps_own = rows.of_kind(false).all(|row| !rows.moves(row) || rows.missing_of(row) == 0.0);
+        let has_rounding_alone = missing <= ROUNDING * (target + speed);
         let is_decided = has_rounding_alone || (keeps_own && C.norm() <= DECIDED);
-        let size = zoom * if size.is_normal() { size } else { 1.0 };
-        let (target, speed) = (target / size, (x.norm() / size).max(1.0));
+        let size = zoom * if missing.is_normal() { missing } else { 1.0 };
+        let speed = (speed / size).max(1.0);
         let mut program = Self {
             C,
             d: d / size,
             constraints: Vec::new(),
-            G: Matrix::zeros(0, open),
+            G: Matrix::zeros(0, decided.basis.ncols()),
             rooms: Vector::zeros(0),
             size,
-            scale: target + speed,
+            scale: target / size + speed,
             speed,
             zoom,
             is_decided,
         };
         if !is_decided {
-            let factor = norm * norm * size;
-            program.push_constraints(problem, k, decided, if norm > 0.0 { factor } else { size });
-            let rows: Vec<(usize, f64)> = own.iter().map(|&row| (row, level.value(row, x))).collect();
-            program.push_own(level, &moved, &rows, unit, if norm > 0.0 { norm * size } else { size });
+            program.push_constraints(problem, k, decided, size / rows.scale / rows.scale);
+            program.push_own(&rows);
         }
         program
     }
 
-    /// Adds the bounds of unknowns that move and of satisfied rows of higher levels.
+    /// Adds the bounds of unknowns that move and of satisfied rows of higher levels. `unit`: that of the multipliers of unknowns.
     fn push_constraints(&mut self, problem: &Hierarchy, k: usize, decided: &Decided, unit: f64) {
         let Decided { x, basis, fixed, kept } = *decided;
         let (mut rows, mut rooms) = (Vec::new(), Vec::new());
@@ -160,15 +193,17 @@ impl LevelProgram {
         self.rooms = Vector::from_vec(rooms);
     }
 
-    /// Adds the inequality rows of the level itself: index and value.
-    fn push_own(&mut self, level: &Level, moved: &Matrix, rows: &[(usize, f64)], scale: f64, unit: f64) {
-        for &(row, value) in rows {
+    /// Adds the inequality rows of the level itself.
+    fn push_own(&mut self, rows: &LevelRows) {
+        let LevelRows { level, scale, .. } = *rows;
+        for row in rows.of_kind(false) {
+            let value = level.value(row, rows.x);
             for (side, room) in [(Side::Lower, value - level.lower[row]), (Side::Upper, level.upper[row] - value)] {
                 if room.is_finite() {
-                    self.constraints.push(Constraint { bounded: Bounded::Own(row), side, unit });
+                    self.constraints.push(Constraint { bounded: Bounded::Own(row), side, unit: self.size / scale });
                     let count = self.constraints.len();
                     self.G.resize_vertically_mut(count, 0.0);
-                    self.G.row_mut(count - 1).copy_from(&(moved.row(row) * side.sign()));
+                    self.G.row_mut(count - 1).copy_from(&(rows.moved.row(row) * side.sign()));
                     self.rooms.resize_vertically_mut(count, room * scale / self.size);
                 }
             }

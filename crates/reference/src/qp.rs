@@ -16,8 +16,9 @@ use crate::targets::damp;
 
 /// Clarabel's answer at every level, bounded or not, damped or not.
 ///
-/// Each level is polished by at most one linear solve on Clarabel's own active set; the better of both answers counts, and
-/// [`Resolution::levels`] says how accurate each was. The guess of active limits is ignored.
+/// Each answer of Clarabel is polished by at most one linear solve on its own active set; the better of both counts, and
+/// [`Resolution::levels`] says how accurate they were. Where neither is sure, Clarabel is called again with more effort. The guess
+/// of active limits is ignored.
 #[derive(Default)]
 pub struct Qp {
     cascade: Cascade,
@@ -27,7 +28,7 @@ impl Solve for Qp {
     fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
         let known = Singularities::new(problem.tasks.tasks(), problem.damping);
-        let mut run = Run::new(problem, &mut self.cascade);
+        let mut run = PlanRun::new(problem, &mut self.cascade);
         if let Some((hierarchy, solution)) = run.solve(&known) {
             run.write(&known, &hierarchy, &solution, answer);
         }
@@ -40,7 +41,7 @@ impl Solve for Qp {
 }
 
 /// The run of a plan.
-struct Run<'a> {
+struct PlanRun<'a> {
     problem: &'a Problem,
     recorder: Recorder<'a>,
     aim: Aim,
@@ -48,7 +49,7 @@ struct Run<'a> {
     scales: Vec<Option<f64>>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> PlanRun<'a> {
     fn new(problem: &'a Problem, cascade: &'a mut Cascade) -> Self {
         let recorder = Recorder::new(cascade, problem.wants_certificate);
         let scales = problem.tasks.tasks().iter().map(|_| None).collect();

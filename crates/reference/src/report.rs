@@ -21,11 +21,7 @@ pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answ
         let bounds = task.lower.iter().zip(task.upper.iter());
         let missing = achieved.iter().zip(bounds).map(|(value, (lower, upper))| (lower - value).max(value - upper));
         TaskOutcome {
-            residual_norm: missing
-                .filter(|missing| *missing > 0.0)
-                .map(|missing| missing * missing)
-                .fold(0.0, |sum, square| sum + square)
-                .sqrt(),
+            residual_norm: missing.filter(|missing| *missing > 0.0).fold(0.0, f64::hypot),
             achieved,
             rank: if is_finite { known.rank } else { 0 },
             algorithmic: is_finite && known.algorithmic,

@@ -3,10 +3,7 @@
 use revprio_problem::{Damping, Matrix, Task};
 
 use crate::damping::factor;
-use crate::svd::{RANK_TOLERANCE, Svd, stack};
-
-/// Singular values below this fraction of the rows' norm and above rounding: rounding may have decided a rank.
-const UNCERTAIN_RANK: std::ops::Range<f64> = 1e-13..1e-6;
+use crate::svd::{RANK_TOLERANCE, Svd, UNCERTAIN_RANK, stack};
 
 /// What is known of one task.
 #[derive(Debug, Clone, Copy, Default)]

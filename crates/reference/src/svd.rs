@@ -6,6 +6,12 @@ use revprio_problem::{Matrix, Vector};
 /// Singular values below this fraction of a matrix's Frobenius norm count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Singular values between these fractions of the norm: rounding may have decided a rank.
+pub const UNCERTAIN_RANK: std::ops::Range<f64> = 1e-13..1e-6;
+
+/// Error of a projected row along a direction of length one.
+pub const PROJECTION_ERROR: f64 = 4e-15;
+
 /// A = U diag(σ) Vᵀ with min(m, n) singular values in descending order.
 pub struct Svd {
     /// At least the first min(m, n) left singular vectors, as columns.
@@ -16,7 +22,8 @@ pub struct Svd {
 }
 
 impl Svd {
-    /// Decomposes an m × n matrix. The singular values of a matrix that is not finite are NaN.
+    /// Decomposes an m × n matrix. The singular values of a matrix that is not finite are NaN, and so are those of one whose
+    /// decomposition does not converge.
     pub fn new(a: &Matrix) -> Self {
         let (m, n) = a.shape();
         let count = m.min(n);

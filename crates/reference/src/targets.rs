@@ -10,10 +10,7 @@ use crate::hierarchy::{Hierarchy, Level};
 use crate::plan::Aim;
 use crate::singularity::Singularities;
 use crate::step::Step;
-use crate::svd::{RANK_TOLERANCE, Svd};
-
-/// Error of a projector along a direction of length one.
-const PROJECTION_ERROR: f64 = 4e-15;
+use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd};
 
 /// Solves a problem without limits.
 pub type Solver<'a> = &'a mut dyn FnMut(&Hierarchy) -> Vector;

@@ -61,6 +61,9 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
     let robot = robot.as_ref();
     let configuration = configuration(request, robot)?;
     let tasks = task_stack(request, configuration.as_ref())?;
+    if request.certificate {
+        check_names(tasks.tasks())?;
+    }
     let joints = tasks.joint_count();
     if let Some(robot) = robot.filter(|robot| robot.joint_count() != joints) {
         let detail = format!("{joints} columns, but `{}` has {} joints", robot.name(), robot.joint_count());
@@ -88,6 +91,14 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
         joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
         why,
     })
+}
+
+/// Checks that the rows of a certificate can be told apart: its tasks have different names.
+fn check_names(tasks: &[Task]) -> Result<(), ApiError> {
+    let is_known = |k: usize| tasks[..k].iter().any(|task| task.name == tasks[k].name);
+    let Some(k) = (0..tasks.len()).find(|&k| is_known(k)) else { return Ok(()) };
+    let detail = format!("two tasks are named `{}`; a certificate needs different names", tasks[k].name);
+    Err(ApiError::invalid(format!("/tasks/{k}/name"), detail))
 }
 
 /// Collects what the sentences of the answer need. `are_others`: the limits are not the robot's.

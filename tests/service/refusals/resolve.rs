@@ -175,6 +175,16 @@ fn wrong_bounds_are_refused() {
     assert_all_refused(&Service::start(), "/v1/resolve", &bounds(), WITH_BOUNDS);
 }
 
+/// Rows of a certificate name their tasks. Other answers list them in order, so that names need not differ.
+#[test]
+fn certificates_need_tasks_of_different_names() {
+    let service = Service::start();
+    let mut problem = explicit_rows();
+    problem["tasks"][0]["name"] = json!("task 2");
+    problem["tasks"][1].as_object_mut().unwrap().remove("name");
+    assert_all_refused(&service, "/v1/resolve", &problem, &[("/certificate", "true", 422, "/tasks/1/name")]);
+}
+
 #[test]
 fn problems_above_the_maximum_size_are_refused() {
     let service = Service::start();

@@ -204,14 +204,15 @@ fn report_task(
         Some(achieved) => outcome.achieved.as_mut_slice().copy_from_slice(achieved),
         None => write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice()),
     }
-    let bounds = task.lower.as_slice().iter().zip(task.upper.as_slice());
-    let mut square = 0.0;
-    for (achieved, (lower, upper)) in outcome.achieved.as_slice().iter().zip(bounds) {
+    let bounds = || task.lower.as_slice().iter().zip(task.upper.as_slice());
+    let missing = |(achieved, (lower, upper)): (&f64, (&f64, &f64))| {
         let (above, below) = (achieved - upper, lower - achieved);
-        let missing = if above > below { above } else { below };
-        square += if missing > 0.0 { missing * missing } else { 0.0 };
-    }
-    outcome.residual_norm = square.sqrt();
+        if above > below { above } else { below }.max(0.0)
+    };
+    let missing = || outcome.achieved.as_slice().iter().zip(bounds()).map(missing);
+    let square: f64 = missing().map(|missing| missing * missing).sum();
+    let underflows = square < f64::MIN_POSITIVE / f64::EPSILON;
+    outcome.residual_norm = if underflows { missing().fold(0.0, f64::hypot) } else { square.sqrt() };
     outcome.rank = known.rank;
     outcome.algorithmic = known.algorithmic;
     outcome.scale = task.scaled.then_some(1.0);
