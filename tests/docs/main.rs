@@ -77,6 +77,17 @@ fn commands_run_and_print_the_shown_output() {
 }
 
 #[test]
+fn no_page_has_a_placeholder() {
+    // `@A1` and `@FIGURES@` are, `@types/node` and `name@HOST` are not.
+    let is_placeholder = |word: &str| word.starts_with('@') && word[1..].starts_with(|c: char| c.is_ascii_uppercase());
+    for page in pages() {
+        let text = std::fs::read_to_string(root().join(&page.path)).unwrap();
+        let found = text.split(|c: char| !c.is_alphanumeric() && c != '@').find(|word| is_placeholder(word));
+        assert_eq!(found, None, "{}", page.path.display());
+    }
+}
+
+#[test]
 fn every_guide_is_in_the_index() {
     let index = Page::read("docs/README.md".as_ref());
     for page in pages().iter().filter(|page| page.path.starts_with("docs") && page.path != index.path) {

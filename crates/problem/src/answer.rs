@@ -37,12 +37,17 @@ pub struct Resolution {
 /// What Clarabel did at one level.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LevelReport {
-    /// Its iterations; 0 where the levels above leave nothing to decide.
+    /// Its iterations over all attempts, except for those of a second solution that does not count; 0 where the levels above
+    /// leave nothing to decide.
     pub iterations: u32,
-    /// Largest relative residual of the optimality conditions of the level at Clarabel's answer, dimensionless.
+    /// Largest relative residual of the optimality conditions of the level at Clarabel's answer, dimensionless; infinite
+    /// without an answer. Where the level was solved again from its first answer, this is the residual of the first one.
     pub clarabel_residual: f64,
-    /// The same after the polish: one linear solve on Clarabel's active set. Equal to `clarabel_residual` where the polish
-    /// was no better.
+    /// The same after the polish, one linear solve on Clarabel's active set, if that is more accurate; otherwise before it.
+    /// Where the level was solved again from its first answer, this is the residual of the last one.
+    ///
+    /// It is at least the relative change that lower levels made to the rows that the level keeps. So it can be larger than
+    /// `clarabel_residual`.
     pub residual: f64,
 }
 
@@ -160,8 +165,9 @@ pub struct SolverReport {
     pub status: Status,
     /// Iterations of Clarabel over all levels.
     pub iterations: u32,
-    /// Levels that Clarabel failed to solve (iteration cap, numerical trouble). The answer then keeps what the levels above
-    /// achieved.
+    /// Levels without an answer of Clarabel: it refused the numbers, or reported numerical trouble or that there is no solution.
+    /// Its answers at the cap of iterations or without progress count as answers, and their residual judges them. Where a
+    /// level has no answer, the problem keeps what the levels above achieved.
     pub failures: u32,
     /// Problems for which the hierarchical solver needed its last resort, a working set from Clarabel.
     pub last_resorts: u32,

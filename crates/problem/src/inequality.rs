@@ -42,7 +42,8 @@ impl Inequality {
         Self { name, coefficients: Vector::zeros(n), bound: f64::INFINITY }
     }
 
-    /// Overwrites a and b without allocating. `write` overwrites a, n entries, and returns b.
+    /// Overwrites a and b without allocating. `write` overwrites a, n entries, and returns b. The checks of [`Self::new`] are not
+    /// repeated: `write` must return finite numbers, or zeros and ∞ for an inequality that always holds.
     pub fn overwrite(&mut self, write: impl FnOnce(&mut [f64]) -> f64) {
         self.bound = write(self.coefficients.as_mut_slice());
     }

@@ -1,7 +1,14 @@
 //! What the solvers of prioritised tasks share: the problem, the answer, its certificate, and the trait [`Solve`].
 //!
-//! This crate has types and checks, and no arithmetic that decides an answer. `revprio-core` and `revprio-reference` depend
-//! on it and not on each other. So their answers can be compared.
+//! This crate has types and checks. `revprio-core` and `revprio-reference` depend on it and not on each other. So their
+//! answers can be compared. The solvers of both share these formulas:
+//!
+//! | formula | where it counts |
+//! |---|---|
+//! | [`Damping::fading_threshold`] | in answers near singularities |
+//! | [`Damping::for_reaction`] | in the problem, before it is solved |
+//! | [`VelocityBox::clamp`] | in the velocity of an answer with the status [`Status::Failed`] |
+//! | [`Inequality::violation`] | in the list of broken inequalities |
 //!
 //! | to | see |
 //! |---|---|

@@ -109,7 +109,8 @@ impl Problem {
         }
     }
 
-    /// Checks that the parts are about the same joints.
+    /// Checks that there are at most [`MAX_UNKNOWNS`] unknowns, that all parts are about the same joints, and that the
+    /// null-space velocity is finite.
     pub fn check(&self) -> Result<(), ProblemError> {
         let expected = self.tasks.joint_count();
         let given = expected + self.tasks.tasks().iter().filter(|task| task.scaled).count();

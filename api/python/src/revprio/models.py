@@ -366,30 +366,36 @@ class SolverLevel(Answer):
 
     - iterations: Number of iterations; 0 where the levels above leave nothing to decide.
     - clarabel_residual: Largest relative residual of the optimality conditions of the level at Clarabel's answer;
-      `null` without an answer.
-    - residual: The same after the polish, one linear solve on Clarabel's active limits; equal to
-      `clarabel_residual` where the polish was no better.
+      `null` without an answer. Where the level was solved again from its first answer, this is the residual of the
+      first one.
+    - residual: The same after the polish, one linear solve on Clarabel's active limits, if that is more accurate;
+      otherwise before it. Where the level was solved again from its first answer, this is the residual of the last
+      one. It is at least the relative change that lower levels made to the rows that the level keeps, so it can be
+      larger than `clarabel_residual`.
     """
 
     iterations: int
     """Number of iterations; 0 where the levels above leave nothing to decide."""
     clarabel_residual: float | None = None
     """Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an
-    answer."""
+    answer. Where the level was solved again from its first answer, this is the residual of the first one."""
     residual: float | None = None
-    """The same after the polish, one linear solve on Clarabel's active limits; equal to `clarabel_residual` where the
-    polish was no better."""
+    """The same after the polish, one linear solve on Clarabel's active limits, if that is more accurate; otherwise
+    before it. Where the level was solved again from its first answer, this is the residual of the last one. It is at
+    least the relative change that lower levels made to the rows that the level keeps, so it can be larger than
+    `clarabel_residual`."""
 
 
 class SolverReport(Answer):
-    """Solver path, status and certificate of an answer.
+    """Solver path, status and optimality check of an answer.
 
     Fields:
 
     - iterations: Number of iterations of Clarabel over all levels; 0 unless the solver is `qp`.
     - path: Solver path that found the answer.
     - status: Whether the answer is certified optimal.
-    - failures: Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the
+    - failures: Number of levels for which Clarabel found no answer, with the solver `qp`. An answer at its cap of
+      iterations counts as one; its residual judges it. Where a level has no answer, the result keeps what the
       levels above achieved, and `status` is not `optimal`.
     - kkt_residual: Largest relative residual of the optimality conditions; `null` without an answer or if not
       finite, never if `status` is `optimal`.
@@ -408,8 +414,9 @@ class SolverReport(Answer):
     status: Status
     """Whether the answer is certified optimal."""
     failures: int | None = None
-    """Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the levels above
-    achieved, and `status` is not `optimal`."""
+    """Number of levels for which Clarabel found no answer, with the solver `qp`. An answer at its cap of iterations
+    counts as one; its residual judges it. Where a level has no answer, the result keeps what the levels above achieved,
+    and `status` is not `optimal`."""
     kkt_residual: float | None = None
     """Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
     `status` is `optimal`."""
@@ -682,7 +689,7 @@ class ResolveAnswer(Answer):
     - limit_conflict: Names of joints whose acceleration limit contradicts position or velocity limits and is not
       kept.
     - singularity: Distance of the tasks from singularities.
-    - solver: Solver path, status and certificate.
+    - solver: Solver path, status and optimality check.
     - tasks: Outcome of each task, highest priority first.
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
@@ -707,7 +714,7 @@ class ResolveAnswer(Answer):
     singularity: Singularity
     """Distance of the tasks from singularities."""
     solver: SolverReport
-    """Solver path, status and certificate."""
+    """Solver path, status and optimality check."""
     tasks: list[TaskOutcome]
     """Outcome of each task, highest priority first."""
     violated_limits: list[ViolatedLimit]
@@ -2187,7 +2194,7 @@ class LiveSample(Answer):
     - round_trip_us: Time from state to answer, µs.
     - smallest_singular_value: Smallest singular value of all task rows together.
     - solve_us: Time to compute the answer, µs.
-    - status: Certificate of the command.
+    - status: Whether the command is certified optimal.
     - target_force: Target force F_d, N; `null` on axes that are not force-controlled.
     - task_residuals: Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest
       priority first.
@@ -2225,7 +2232,7 @@ class LiveSample(Answer):
     solve_us: float
     """Time to compute the answer, µs."""
     status: Status
-    """Certificate of the command."""
+    """Whether the command is certified optimal."""
     target_force: FloatArray
     """Target force F_d, N; `null` on axes that are not force-controlled."""
     task_residuals: list[FloatArray]
@@ -3083,7 +3090,7 @@ class StepAnswer(Answer):
       is not kept.
     - sequence: Sequence number of the state.
     - singularity: Distance of the tasks from singularities.
-    - solver: Solver path, status and certificate.
+    - solver: Solver path, status and optimality check.
     - tasks: Outcome of each task, highest priority first.
     - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
       joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would
@@ -3120,7 +3127,7 @@ class StepAnswer(Answer):
     singularity: Singularity
     """Distance of the tasks from singularities."""
     solver: SolverReport
-    """Solver path, status and certificate."""
+    """Solver path, status and optimality check."""
     tasks: list[TaskOutcome]
     """Outcome of each task, highest priority first."""
     valid_for_ms: int

@@ -118,7 +118,7 @@ pub enum Path {
     ClosedForm,
     /// Active sets, starting from the last one, until one is certified.
     ActiveSet,
-    /// Clarabel at every level, each answer polished by one linear solve.
+    /// Clarabel at every level: its answer or its polish, whichever is more accurate.
     Qp,
 }
 

@@ -153,7 +153,7 @@ pub struct LiveSample {
     pub active_inequalities: Vec<String>,
     /// Solver path of the command.
     pub path: Path,
-    /// Certificate of the command.
+    /// Whether the command is certified optimal.
     pub status: Status,
     /// Relative residual of the optimality conditions; `null` if there is none.
     pub kkt_residual: Option<f32>,

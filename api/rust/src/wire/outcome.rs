@@ -107,7 +107,7 @@ pub struct ViolatedLimit {
     pub value: f64,
 }
 
-/// Solver path, status and certificate of an answer.
+/// Solver path, status and optimality check of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SolverReport {
     /// Solver path that found the answer.
@@ -116,8 +116,9 @@ pub struct SolverReport {
     pub status: Status,
     /// Number of iterations of Clarabel over all levels; 0 unless the solver is `qp`.
     pub iterations: u32,
-    /// Number of levels that Clarabel failed to solve, with the solver `qp`. The answer then keeps what the levels above
-    /// achieved, and `status` is not `optimal`.
+    /// Number of levels for which Clarabel found no answer, with the solver `qp`. An answer at its cap of iterations counts
+    /// as one; its residual judges it. Where a level has no answer, the result keeps what the levels above achieved, and
+    /// `status` is not `optimal`.
     #[serde(default)]
     pub failures: u32,
     /// Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
@@ -150,9 +151,11 @@ pub struct SolverLevel {
     /// Number of iterations; 0 where the levels above leave nothing to decide.
     pub iterations: u32,
     /// Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an answer.
+    /// Where the level was solved again from its first answer, this is the residual of the first one.
     pub clarabel_residual: Option<f64>,
-    /// The same after the polish, one linear solve on Clarabel's active limits; equal to `clarabel_residual` where the
-    /// polish was no better.
+    /// The same after the polish, one linear solve on Clarabel's active limits, if that is more accurate; otherwise before
+    /// it. Where the level was solved again from its first answer, this is the residual of the last one. It is at least the
+    /// relative change that lower levels made to the rows that the level keeps, so it can be larger than `clarabel_residual`.
     pub residual: Option<f64>,
 }
 

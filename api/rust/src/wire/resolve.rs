@@ -137,7 +137,7 @@ pub struct ResolveAnswer {
     pub contradictions: Vec<Contradiction>,
     /// Names of joints whose acceleration limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
-    /// Solver path, status and certificate.
+    /// Solver path, status and optimality check.
     pub solver: SolverReport,
     /// Distance of the tasks from singularities.
     pub singularity: Singularity,
