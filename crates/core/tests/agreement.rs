@@ -1,4 +1,4 @@
-//! How far the answers of solvers that share no arithmetic are apart: the tables of `docs/solver.md`.
+//! How far the answers of solvers that do not know each other are apart: the tables of `docs/solver.md`.
 //!
 //! `auto` is the solver of this crate; `qp` and `closed_form` are those of `revprio-reference`.
 #![allow(non_snake_case, clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::struct_excessive_bools)]

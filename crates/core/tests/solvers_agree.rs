@@ -1,4 +1,4 @@
-//! The core's solver compared with `Qp`, which shares no arithmetic with it, and with exact answers of another origin.
+//! The core's solver compared with `Qp`, which does not know it, and with exact answers of another origin.
 
 #[path = "resolution_properties/problems.rs"]
 #[allow(dead_code)]

@@ -4,7 +4,7 @@
 //! the hierarchical solver: an active-set method for all levels at once, with a certificate. It is the solver `auto`.
 //!
 //! The crate `revprio-reference` computes the same answers in two other ways: `ClosedForm`, the printed formulas without
-//! limits, and `Qp`, Clarabel level by level. It shares no arithmetic with this crate, and tests compare the answers. Do not
+//! limits, and `Qp`, Clarabel level by level. It shares the types of `revprio-problem` with this crate, and tests compare the answers. Do not
 //! use `ClosedForm` on a real arm. It ignores joint limits.
 //!
 //! ```

@@ -123,7 +123,7 @@ impl Findings {
         self.first_task(seed, &problem, &autos[0]);
     }
 
-    /// Compares two solvers that share no arithmetic. An answer of `qp` that is not sure counts as such.
+    /// Compares two solvers that do not know each other. An answer of `qp` that is not sure counts as such.
     fn against_qp(&mut self, seed: u64, problem: &Problem, qp: &Resolution, auto: &Resolution) {
         self.problems += 1;
         assert!(qp.joint_velocity.iter().all(|v| v.is_finite()), "seed {seed}");
