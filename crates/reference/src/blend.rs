@@ -12,6 +12,7 @@ use revprio_problem::{Damping, Matrix, Part, RowName, Vector};
 
 use crate::damping::smoothstep;
 use crate::hierarchy::{Hierarchy, Level, Solution};
+use crate::polish::CERTAIN;
 use crate::recorder::Recorder;
 use crate::svd::Svd;
 
@@ -41,12 +42,12 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
     if weight == 1.0 {
         return;
     }
-    let mut parts = vec![(solution.x.clone(), recorder.last(), weight)];
+    let mut parts = vec![Averaged { problem: recorder.last(), x: solution.x.clone(), error: solution.error, weight }];
     let reach = Reach::new(hierarchy, hard, damping, recorder);
     for kept in (hard..count).rev() {
-        let x = reach.answer(kept, recorder);
+        let Solution { x, error, .. } = reach.answer(kept, recorder);
         weight = if kept == hard { 1.0 } else { regularity(hierarchy, kept, &x, damping.threshold()) };
-        parts.push((x, recorder.last(), weight));
+        parts.push(Averaged { problem: recorder.last(), x, error, weight });
         if weight == 1.0 {
             break;
         }
@@ -54,15 +55,30 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
     average(hierarchy, &parts, recorder, solution);
 }
 
+/// One X_k with its weight s_k.
+struct Averaged {
+    /// Index of its problem in the record.
+    problem: usize,
+    x: Vector,
+    /// Estimate of the error of x.
+    error: f64,
+    weight: f64,
+}
+
 /// Averages the parts, X_K first. A part has its weight in what the parts before leave.
-fn average(hierarchy: &Hierarchy, parts: &[(Vector, usize, f64)], recorder: &mut Recorder, solution: &mut Solution) {
-    let (mut rest, mut x, mut answer) = (1.0, Vector::zeros(solution.x.len()), Vec::new());
-    for (part, problem, weight) in parts {
-        x.axpy(rest * weight, part, 1.0);
-        answer.push(Part { problem: *problem, weight: rest * weight });
-        rest *= 1.0 - weight;
+fn average(hierarchy: &Hierarchy, parts: &[Averaged], recorder: &mut Recorder, solution: &mut Solution) {
+    let (mut rest, mut error) = (1.0, 0.0);
+    let (mut x, mut answer) = (Vector::zeros(solution.x.len()), Vec::new());
+    for part in parts {
+        let weight = rest * part.weight;
+        x.axpy(weight, &part.x, 1.0);
+        error += weight * part.error;
+        answer.push(Part { problem: part.problem, weight });
+        rest *= 1.0 - part.weight;
     }
     recorder.set_answer(answer);
+    // Large parts may cancel.
+    recorder.is_unsure |= error > CERTAIN * x.norm();
     solution.x = hierarchy.clamp(&x);
     // A bound that the average does not reach holds nothing back.
     for j in 0..hierarchy.unknowns() {
@@ -175,12 +191,14 @@ impl<'a> Reach<'a> {
     }
 
     /// Computes X_k, k = `kept`.
-    fn answer(&self, kept: usize, recorder: &mut Recorder) -> Vector {
-        let mut near = self.start.clone();
+    fn answer(&self, kept: usize, recorder: &mut Recorder) -> Solution {
+        let mut found = Solution::new(self.hierarchy, self.start.clone());
         for reached in kept..self.hierarchy.levels.len() {
-            near = recorder.solve(&self.problem(kept, reached, &near)).x;
+            let before = found.error;
+            found = recorder.solve(&self.problem(kept, reached, &found.x));
+            found.error += before;
         }
-        near
+        found
     }
 
     /// Poses the problem that reaches for one level: the first `kept` levels, then a level of rows that reach for it, rows that
