@@ -91,7 +91,7 @@ fn contents(sections: &[Section], has_claims: bool) -> Markup {
 fn claims(claims: &[Claim]) -> Markup {
     html! {
         h2 id="claims" { "Claims of the paper and measured results" }
-        details open { summary { (claims.len()) " claims" }
+        details open { summary { (counted(claims.len(), "claim")) }
         table.claims {
             thead { tr { th { "Paper" } th { "Claim (paraphrased)" } th { "Scenario" } th { "Measured" } th { "Result" } } }
             tbody {
