@@ -53,7 +53,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         writeln!(stdout(), "{line}")?;
     }
     if let Some(levels) = clarabel_checks::of_all(&runs) {
-        write!(stdout(), "{}", clarabel_checks::text(&levels))?;
+        writeln!(stdout(), "{}", clarabel_checks::lines(&levels).join("\n  "))?;
     }
     let page = write_page(options, runs, &failures)?;
     writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
