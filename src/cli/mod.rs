@@ -7,6 +7,7 @@ mod demo;
 mod experiment;
 mod one_of;
 mod openapi;
+mod output;
 mod parallel_runs;
 mod replay;
 mod report;
@@ -26,7 +27,6 @@ mod traces;
 
 use std::ffi::OsString;
 use std::fmt;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
@@ -243,7 +243,7 @@ pub enum CliError {
         /// The error.
         source: serde_json::Error,
     },
-    /// Standard output is closed.
+    /// Standard output cannot be written.
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
 }
@@ -263,7 +263,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         // The program that checks has printed why.
         Err(CliError::Check(CheckError::Ended(status))) => status,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            output::print_remark(format_args!("error: {error}"));
             FAILURE
         }
     }
