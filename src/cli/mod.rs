@@ -51,6 +51,9 @@ use crate::service::{
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// The arguments as they were given.
+    #[arg(skip)]
+    arguments: Vec<OsString>,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -250,8 +253,9 @@ pub enum CliError {
 
 /// Runs the program with these arguments, the first of which is its name. Returns its exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => Cli { arguments: arguments.into_iter().skip(1).collect(), ..cli },
         Err(error) => {
             // The output may be full or closed.
             let _ = error.print();
@@ -276,7 +280,7 @@ impl Cli {
     /// Runs the command.
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
-            Command::Demo(options) => demo::run(&options),
+            Command::Demo(options) => demo::run(&options, &text::command_line(&self.arguments)),
             Command::Serve(options) => serve::run(&options),
             Command::Config(options) => config::run(&options),
             Command::Completions { shell } => config::completions(shell),
