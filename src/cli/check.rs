@@ -1,9 +1,10 @@
 //! `revprio check`: runs `tools/check/check.py`, which shares no code with this program.
 
-use std::io::{ErrorKind, Write as _, stdout};
+use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+use super::output::print_text;
 use super::{CliError, FAILURE};
 
 /// The program that checks certificates.
@@ -13,15 +14,28 @@ const SCRIPT: &str = include_str!("../../tools/check/check.py");
 const PYTHON: &str = if cfg!(windows) { "python" } else { "python3" };
 
 #[derive(Debug, clap::Args)]
+#[command(
+    override_usage = "revprio check REQUEST ANSWER\n       revprio check LINES\n       revprio check --script",
+    after_help = NEEDS
+)]
 pub struct Options {
-    /// Request and answer of POST /v1/resolve in JSON. A single file has an object with `request` and `answer` on each
-    /// line. The request has `"certificate": true`
-    #[arg(required_unless_present = "script", value_names = ["REQUEST", "ANSWER"], num_args = 1..=2)]
-    files: Vec<PathBuf>,
+    /// Request of POST /v1/resolve in JSON, with `"certificate": true`; without ANSWER: a file LINES, which has an object
+    /// {"request": …, "answer": …} on each line
+    #[arg(required_unless_present = "script", value_name = "REQUEST or LINES")]
+    request: Option<PathBuf>,
+    /// Answer to the request, in JSON
+    answer: Option<PathBuf>,
     /// Print the Python program that checks, to run it without revprio
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["request", "answer"])]
     script: bool,
 }
+
+const NEEDS: &str = "Python 3.11 or newer must be installed; the command runs it.
+
+Exit status:
+  0  the certificates of all answers hold
+  1  one does not hold, or Python was not found
+  2  an input cannot be read";
 
 /// Why an answer is not checked.
 #[derive(Debug, thiserror::Error)]
@@ -42,15 +56,18 @@ pub enum CheckError {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     if options.script {
-        write!(stdout(), "{SCRIPT}")?;
-        return Ok(());
+        return Ok(print_text(SCRIPT)?);
     }
     check(options).map_err(CliError::from)
 }
 
 fn check(options: &Options) -> Result<(), CheckError> {
     // `-` reads the program from standard input: as an argument, it would be too long for Windows.
-    let started = Command::new(PYTHON).args(["-I", "-"]).args(&options.files).stdin(Stdio::piped()).spawn();
+    let started = Command::new(PYTHON)
+        .args(["-I", "-"])
+        .args(options.request.iter().chain(&options.answer))
+        .stdin(Stdio::piped())
+        .spawn();
     let mut python = started.map_err(|error| match error.kind() {
         ErrorKind::NotFound => CheckError::NoPython,
         _ => CheckError::Run(error),

@@ -1,6 +1,5 @@
 //! `revprio compare`
 
-use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
@@ -13,6 +12,7 @@ use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::experiment::{ExperimentRunner, make_directory, program, store, with_traces};
 use super::one_of::one_of;
+use super::output::{print_remark, print_text};
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
 use super::{CliError, traces};
@@ -87,17 +87,20 @@ impl Kind {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
-    make_directory(&options.out)?;
     let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), CallMode::Session)?;
+    let own = options.scenarios.iter().map(|name| runner.scenario(name)).collect::<Result<Vec<_>, _>>()?;
+    for scenario in &own {
+        runner.warn(scenario)?;
+    }
+    // The service has answered. A wrong address or an invalid scenario leaves no directory.
+    make_directory(&options.out)?;
     let (mut runs, mut failures) = (Vec::new(), Vec::new());
-    for name in &options.scenarios {
-        let scenario = runner.scenario(name)?;
-        runner.warn(&scenario)?;
-        for variant in variants(&scenario, options) {
+    for scenario in &own {
+        for variant in variants(scenario, options) {
             match runner.run(&variant) {
                 Ok(run) => runs.push(run),
                 // A method that fails in this scenario is a result. The other methods are still compared.
-                Err(CliError::Run(error)) => failures.push(failure(&variant, &error.to_string())?),
+                Err(CliError::Run(error)) => failures.push(failure(&variant, &error.to_string())),
                 Err(error) => return Err(error),
             }
         }
@@ -111,12 +114,12 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         store(&options.out, &experiment, &options.traces)?;
         report = with_traces(report, &experiment, &options.traces);
     }
-    print(options.format, &report)?;
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
-    let written = report::write(&options.out, &report, &outputs)?;
-    if let Some(last) = written.last() {
-        writeln!(stderr(), "\nwritten: {}", if written.len() > 1 { options.out.display() } else { last.display() })?;
-    }
+    report::write(&options.out, &report, &outputs)?;
+    print(options.format, &report)?;
+    let page = options.out.join("index.html");
+    let written = if outputs.contains(&Output::Page) { &page } else { &options.out };
+    print_remark(format_args!("\nwritten: {}", written.display()));
     Ok(())
 }
 
@@ -135,11 +138,11 @@ fn variants(scenario: &Scenario, options: &Options) -> Vec<Scenario> {
     variants
 }
 
-fn failure(variant: &Scenario, error: &str) -> Result<String, CliError> {
+fn failure(variant: &Scenario, error: &str) -> String {
     let wire = &variant.controller;
     let text = format!("{}, {}, {} did not finish: {error}", variant.name, wire.method, wire.solver);
-    writeln!(stderr(), "warning: {text}")?;
-    Ok(text + ".")
+    print_remark(format_args!("warning: {text}"));
+    text + "."
 }
 
 fn experiment(options: &Options, scenarios: &[Scenario], runs: Vec<Run>, failures: Vec<String>) -> Experiment {
@@ -171,10 +174,10 @@ fn command(options: &Options) -> String {
 /// Prints the report.
 pub fn print(format: Format, report: &Report) -> Result<(), CliError> {
     match format {
-        Format::Table => write!(stdout(), "{}", side_by_side::text(&report.rows))?,
-        Format::Json => writeln!(stdout(), "{}", json(&report.rows))?,
-        Format::Markdown => write!(stdout(), "{}", report::markdown::document(report))?,
-    }
+        Format::Table => print_text(side_by_side::text(&report.rows)),
+        Format::Json => print_text(json(&report.rows) + "\n"),
+        Format::Markdown => print_text(report::markdown::document(report)),
+    }?;
     Ok(())
 }
 

@@ -1,6 +1,5 @@
 //! `revprio demo`
 
-use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
 use revprio_api::wire::{Method, Solver};
@@ -11,26 +10,35 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::metrics::largest_difference;
 use revprio_lab::report::run::Run;
 use revprio_lab::report::table::summary;
-use revprio_lab::simulator::recording::Format;
 use revprio_lab::simulator::{PAPER_SCENARIOS, Scenario};
 
 use super::experiment::{label, make_directory, program, write_report};
+use super::output::print_text;
 use super::parallel_runs::run_all;
 use super::{CliError, traces};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = SERVERS, mut_arg("traces", |traces| traces.default_value("parquet")))]
 pub struct Options {
     /// Directory for recordings, figures and page
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
-    /// Simulate only the first second of each experiment. The forces do not settle in it, but all checks apply
+    /// Simulate only the first second of each experiment. The forces do not settle in it, so the claims of the paper are not
+    /// judged. All checks of the solvers apply
     #[arg(long)]
     quick: bool,
     #[command(flatten)]
     traces: traces::Options,
 }
 
-/// Methods and solvers that are compared in every scenario.
+const SERVERS: &str =
+    "Each run starts a server of its own on a free port and calls it over HTTP. There is no --server and no \
+     --in-process.
+
+In the experiments of the paper no limit acts. The solvers with limits, `auto` and `qp`, are also compared in \
+     `stiff_wall_limits`, where limits act.";
+
+/// Methods and solvers that are compared in every scenario of the paper.
 const VARIANTS: [(Method, Solver); 4] = [
     (Method::ReversePriority, Solver::ClosedForm),
     (Method::ReversePriority, Solver::Qp),
@@ -38,45 +46,75 @@ const VARIANTS: [(Method, Solver); 4] = [
     (Method::DampedLeastSquares, Solver::ClosedForm),
 ];
 
+/// The scenario in which limits act.
+const AT_LIMITS: &str = "stiff_wall_limits";
+
+/// The solvers that know limits.
+const SOLVERS_AT_LIMITS: [Solver; 2] = [Solver::Auto, Solver::Qp];
+
+/// Duration of the scenario in which limits act, s. They act in more than half of its periods, and a longer run costs time.
+const AT_LIMITS_S: f64 = 2.0;
+
 /// Difference of the joint velocities, rad/s, up to which two runs move alike, so that one recording serves both.
 const ALIKE: f64 = 1e-9;
 
-pub fn run(options: &Options) -> Result<(), CliError> {
+/// Runs the demo; `command`: the command line that started it.
+pub fn run(options: &Options, command: &str) -> Result<(), CliError> {
     make_directory(&options.out)?;
     let scenarios = scenarios(options.quick)?;
     let (runs, mut failures) = finished(&scenarios, run_all(&scenarios, TITLE_OF_RUNS));
     failures.extend(solver_differences(&scenarios, &runs));
     failures.extend(clarabel_failures(&runs));
-    write!(stdout(), "{}", summary::text(&runs))?;
-    writeln!(stdout(), "{ROUND_TRIPS}")?;
-    for line in [Solver::Qp, Solver::ClosedForm].into_iter().filter_map(|solver| agreement(&runs, solver)) {
-        writeln!(stdout(), "{line}")?;
+    let table = table(&runs);
+    // The files first: they are there even if the table cannot be printed.
+    let page = write_page(options, command, runs, &failures);
+    let printed = print_text(table);
+    let page = page?;
+    let named =
+        print_text(format_args!("Open in a browser (figures, results of all runs, recordings):\n{}\n", page.display()));
+    if !failures.is_empty() {
+        return Err(CliError::Demo(failures));
     }
-    if let Some(levels) = clarabel_checks::of_all(&runs) {
-        write!(stdout(), "{}", clarabel_checks::text(&levels))?;
-    }
-    let page = write_page(options, runs, &failures)?;
-    writeln!(stdout(), "\nOpen in a browser (figures, results of all runs, recordings):\n{}", page.display())?;
-    if failures.is_empty() { Ok(()) } else { Err(CliError::Demo(failures)) }
+    Ok(printed.and(named)?)
 }
 
-/// Duration of each scenario with `--quick`, s. The tool reaches the stiff wall after 0.35 s.
+/// Returns the results for the terminal.
+fn table(runs: &[Run]) -> String {
+    let mut lines = vec![ROUND_TRIPS.to_owned()];
+    lines.extend([Solver::Qp, Solver::ClosedForm].into_iter().filter_map(|solver| agreement(runs, solver)));
+    if let Some(levels) = clarabel_checks::of_all(runs) {
+        lines.push(clarabel_checks::lines(&levels).join("\n  "));
+    }
+    summary::text(runs) + &lines.join("\n") + "\n"
+}
+
+/// Duration of each scenario with `--quick`, s. The tool reaches the stiff wall after 0.35 s, and limits act from 0.05 s on.
 const QUICK_S: f64 = 1.0;
 
-/// Returns each scenario of the paper with each method and solver; `quick`: only its first second.
+/// Returns each scenario with each method and solver; `quick`: only its first second.
 fn scenarios(quick: bool) -> Result<Vec<Scenario>, CliError> {
     let mut scenarios = Vec::new();
     for name in PAPER_SCENARIOS {
-        let mut scenario = Scenario::find(name)?;
-        if quick {
+        scenarios.extend(variants(&Scenario::find(name)?, VARIANTS));
+    }
+    let at_limits = Scenario { duration_s: AT_LIMITS_S, ..Scenario::find(AT_LIMITS)? };
+    scenarios.extend(variants(&at_limits, SOLVERS_AT_LIMITS.map(|solver| (Method::ReversePriority, solver))));
+    if quick {
+        for scenario in &mut scenarios {
             scenario.duration_s = scenario.duration_s.min(QUICK_S);
-        }
-        for (method, solver) in VARIANTS {
-            (scenario.controller.method, scenario.controller.solver) = (method, solver);
-            scenarios.push(scenario.clone());
         }
     }
     Ok(scenarios)
+}
+
+/// Returns a scenario with each of these methods and solvers.
+fn variants(scenario: &Scenario, controllers: impl IntoIterator<Item = (Method, Solver)>) -> Vec<Scenario> {
+    let variant = |(method, solver)| {
+        let mut variant = scenario.clone();
+        (variant.controller.method, variant.controller.solver) = (method, solver);
+        variant
+    };
+    controllers.into_iter().map(variant).collect()
 }
 
 /// Separates the runs that finished from the errors of the others.
@@ -92,19 +130,19 @@ fn finished(scenarios: &[Scenario], runs: Vec<Result<Run, CliError>>) -> (Vec<Ru
 }
 
 /// Writes the page with the results of all runs, and the figures and recordings of those that differ.
-fn write_page(options: &Options, runs: Vec<Run>, failures: &[String]) -> Result<PathBuf, CliError> {
+fn write_page(options: &Options, command: &str, runs: Vec<Run>, failures: &[String]) -> Result<PathBuf, CliError> {
+    let quick = options.quick.then_some(QUICK_QUESTION);
     let mut experiment = Experiment {
         title: "Force control with reverse task priority: the paper's experiments".to_owned(),
-        question: QUESTION.map(str::to_owned).to_vec(),
-        command: format!("cargo run --release -- demo{}", if options.quick { " --quick" } else { "" }),
+        question: QUESTION.into_iter().chain(quick).map(str::to_owned).collect(),
+        command: command.to_owned(),
         program: program(),
         runs,
         failures: failures.to_vec(),
     };
     let report = experiment.report();
     keep_different_runs(&mut experiment.runs);
-    let traces = options.traces.or(Format::Parquet);
-    write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &traces)
+    write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &options.traces)
 }
 
 /// Removes the runs that move as an earlier run of their scenario does.
@@ -121,19 +159,25 @@ fn keep_different_runs(runs: &mut Vec<Run>) {
     *runs = kept;
 }
 
-const TITLE_OF_RUNS: &str = "the paper's four experiments, two methods, three solvers";
+const TITLE_OF_RUNS: &str = "the paper's four experiments, and one at joint limits";
 
 const ROUND_TRIPS: &str =
     "requests over HTTP, with median and 99th percentile of their round trips, for all solvers of a row";
 
-const QUESTION: [&str; 3] = [
+const QUICK_QUESTION: &str =
+    "Only the first second of each experiment was simulated (`--quick`), so the claims of the paper are not judged.";
+
+const QUESTION: [&str; 4] = [
     "Su et al. (Materials 2022, 15, 6611) claim that reverse priority controls a contact force better than the classical \
      control. This page shows in which situations this is the case.",
     "A simulated Sawyer pushes against springs and against a stiff wall. In every control period of 1 ms the simulator \
      sends the measured state to the service over HTTP and moves with the joint velocities in the answer. Each run calls a \
      server of its own.",
-    "Reverse priority is computed in closed form and, within joint limits, by quadratic programs. The classical control is \
-     damped least squares over all tasks at once. Both use the damping threshold 0.05 and the largest factor 0.1.",
+    "Three solvers compute reverse priority. `auto` is the default one. `qp` solves a quadratic program at every level. \
+     `closed_form` uses formulas without limits. `auto` and `qp` keep all limits. In the experiments of the paper no limit \
+     acts; in `stiff_wall_limits`, limits act in more than half of the control periods.",
+    "The classical control is damped least squares over all tasks at once. Both methods use the damping threshold 0.05 and \
+     the largest factor 0.1.",
 ];
 
 #[cfg(test)]
@@ -145,7 +189,9 @@ mod tests {
     #[test]
     fn each_scenario_of_the_paper_is_run_with_all_three_solvers_of_reverse_priority() {
         let controllers = scenarios(false).unwrap().into_iter().map(|scenario| (scenario.name, scenario.controller));
-        let reverse = controllers.filter(|(_, controller)| controller.method == Method::ReversePriority);
+        let reverse = controllers.filter(|(name, controller)| {
+            PAPER_SCENARIOS.contains(&name.as_str()) && controller.method == Method::ReversePriority
+        });
         let solvers: BTreeSet<_> = reverse.map(|(name, controller)| (name, controller.solver.to_string())).collect();
         assert_eq!(solvers.len(), PAPER_SCENARIOS.len() * Solver::ALL.len());
     }

@@ -1,6 +1,5 @@
 //! Common parts of the commands that run scenarios: running them, and writing the output directory.
 
-use std::io::{Write as _, stderr};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -17,6 +16,7 @@ use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
 use revprio_robot::RobotModel;
 
+use super::output::print_remark;
 use super::robot::{Registration, RobotArgument};
 use super::service_choice::{CalledService, ServiceChoice};
 use super::{CliError, Target, progress_bar, traces};
@@ -62,14 +62,14 @@ impl ExperimentRunner {
         let calls = self.service.calls();
         let created = match calls.create_controller(&scenario.controller_in_environment()) {
             Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
-                writeln!(stderr(), "warning: stability is not checked: {}", problem.detail)?;
+                print_remark(format_args!("warning: stability is not checked: {}", problem.detail));
                 return Ok(());
             }
             created => created?,
         };
         calls.delete_controller(&created.id)?;
         for warning in created.warnings {
-            writeln!(stderr(), "warning: {warning}")?;
+            print_remark(format_args!("warning: {warning}"));
         }
         Ok(())
     }
@@ -101,7 +101,7 @@ pub fn run_with(
     };
     let before = service.requests();
     let recording = run_robot(robot, scenario, service.calls(), mode, progress)?;
-    print_missing_answers(&recording, &label(scenario))?;
+    print_missing_answers(&recording, &label(scenario));
     let count = service.requests().zip(before).map(|(after, before)| after - before);
     let requests = count.map(|count| Requests::new(count, &recording.timings));
     Ok(Run { scenario: scenario.clone(), robot: robot_answer(robot), recording, requests })
@@ -116,7 +116,7 @@ pub fn label(scenario: &Scenario) -> String {
 pub fn visible_bar(periods: u64, label: &str) -> ProgressBar {
     let bar = progress_bar(periods, label);
     if bar.is_hidden() {
-        let _ = writeln!(stderr(), "running {label}");
+        print_remark(format_args!("running {label}"));
     }
     bar
 }
@@ -125,15 +125,13 @@ fn is_about_environment(problem: &Problem) -> bool {
     problem.pointer.as_ref().is_some_and(|pointer| pointer.starts_with("/environment"))
 }
 
-fn print_missing_answers(recording: &Recording, label: &str) -> Result<(), CliError> {
+fn print_missing_answers(recording: &Recording, label: &str) {
     let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
     if unanswered > 0 {
-        writeln!(
-            stderr(),
+        print_remark(format_args!(
             "{label}: {unanswered} periods without an answer; the arm came to rest when the last answer was no longer valid"
-        )?;
+        ));
     }
-    Ok(())
 }
 
 /// Creates the output directory. Call it before the runs, so that an error is found early.

@@ -7,6 +7,7 @@ mod demo;
 mod experiment;
 mod one_of;
 mod openapi;
+mod output;
 mod parallel_runs;
 mod replay;
 mod report;
@@ -26,7 +27,6 @@ mod traces;
 
 use std::ffi::OsString;
 use std::fmt;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
@@ -51,6 +51,9 @@ use crate::service::{
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// The arguments as they were given.
+    #[arg(skip)]
+    arguments: Vec<OsString>,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -243,15 +246,16 @@ pub enum CliError {
         /// The error.
         source: serde_json::Error,
     },
-    /// Standard output is closed.
+    /// Standard output cannot be written.
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
 }
 
 /// Runs the program with these arguments, the first of which is its name. Returns its exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => Cli { arguments: arguments.into_iter().skip(1).collect(), ..cli },
         Err(error) => {
             // The output may be full or closed.
             let _ = error.print();
@@ -263,7 +267,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         // The program that checks has printed why.
         Err(CliError::Check(CheckError::Ended(status))) => status,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            output::print_remark(format_args!("error: {error}"));
             FAILURE
         }
     }
@@ -276,7 +280,7 @@ impl Cli {
     /// Runs the command.
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
-            Command::Demo(options) => demo::run(&options),
+            Command::Demo(options) => demo::run(&options, &text::command_line(&self.arguments)),
             Command::Serve(options) => serve::run(&options),
             Command::Config(options) => config::run(&options),
             Command::Completions { shell } => config::completions(shell),

@@ -1,10 +1,9 @@
 //! `revprio openapi` and `revprio asyncapi`
 
-use std::io::{Write as _, stdout};
-
 use super::CliError;
+use super::output::print_text;
 
 /// Prints a document.
 pub fn run(document: &str) -> Result<(), CliError> {
-    Ok(stdout().write_all(document.as_bytes())?)
+    Ok(print_text(document)?)
 }

@@ -1,13 +1,12 @@
 //! Runs of several scenarios on all cores, each against a server of its own.
 
-use std::io::{Write as _, stderr};
-
 use indicatif::ProgressBar;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use revprio_lab::report::run::Run;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot};
 
 use super::experiment::{label, run_with, visible_bar};
+use super::output::print_remark;
 use super::service_choice::CalledService;
 use super::{CliError, Target};
 
@@ -47,7 +46,7 @@ fn check_requests(target: &Target) -> Result<(), CliError> {
 
 fn log_without_terminal(bar: &ProgressBar, line: impl FnOnce() -> String) {
     if bar.is_hidden() {
-        let _ = writeln!(stderr(), "{}", line());
+        print_remark(line());
     }
 }
 

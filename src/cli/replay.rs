@@ -1,6 +1,5 @@
 //! `revprio replay`
 
-use std::io::{Write as _, stdout};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -8,7 +7,9 @@ use revprio_lab::simulator::CallMode;
 use revprio_lab::simulator::recording::{Value, cell_text, read};
 use revprio_lab::simulator::replay::{Difference, Replay, replay};
 
+use super::output::print_text;
 use super::robot::RobotArgument;
+use super::service_choice::server_address;
 use super::{CliError, Target, progress_bar};
 use crate::service::Robots;
 
@@ -17,7 +18,7 @@ pub struct Options {
     /// A recording: .csv, .jsonl, .parquet or .mcap
     file: PathBuf,
     /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
-    #[arg(long, conflicts_with = "robot")]
+    #[arg(long, conflicts_with = "robot", value_parser = server_address)]
     server: Option<String>,
     /// Robot of the recording, if it is your own
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
@@ -50,18 +51,14 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 
 fn print(result: &Replay) -> Result<(), CliError> {
     let Replay { periods, compared, differing, first, worst } = result;
-    writeln!(stdout(), "{periods} states sent, {compared} answers compared, {differing} differ")?;
-    let print_difference = |what: &str, difference: &Option<Difference>| match difference {
-        None => Ok(()),
-        Some(Difference { period, time_s, column, recorded, answered }) => writeln!(
-            stdout(),
-            "{what}: {column} in period {period} (t = {time_s} s): recorded {}, answered {}",
-            shown(recorded),
-            shown(answered)
-        ),
-    };
-    print_difference("first difference", first)?;
-    print_difference("worst difference", worst)?;
+    print_text(format_args!("{periods} states sent, {compared} answers compared, {differing} differ\n"))?;
+    for (what, difference) in [("first difference", first), ("worst difference", worst)] {
+        let Some(Difference { period, time_s, column, recorded, answered }) = difference else { continue };
+        let [recorded, answered] = [recorded, answered].map(shown);
+        print_text(format_args!(
+            "{what}: {column} in period {period} (t = {time_s} s): recorded {recorded}, answered {answered}\n"
+        ))?;
+    }
     Ok(())
 }
 

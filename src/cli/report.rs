@@ -1,6 +1,5 @@
 //! `revprio report`
 
-use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
 use revprio_lab::report::experiment::store;
@@ -8,6 +7,7 @@ use revprio_lab::report::{self, Output, Report};
 
 use super::CliError;
 use super::compare::{Format, print};
+use super::output::print_remark;
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -21,8 +21,8 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<(), CliError> {
     let (experiment, traces) = store::read(&options.directory)?;
     let report = Report { traces, ..experiment.report() };
-    print(options.format, &report)?;
     report::write(&options.directory, &report, &[Output::Page, Output::Svg, Output::Png])?;
-    writeln!(stderr(), "\nwritten: {}", options.directory.join("index.html").display())?;
+    print(options.format, &report)?;
+    print_remark(format_args!("\nwritten: {}", options.directory.join("index.html").display()));
     Ok(())
 }

@@ -1,12 +1,13 @@
 //! `revprio resolve`
 
 use std::fmt::Write as _;
-use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 
 use revprio_api::Client;
 use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, Status, TaskOutcome};
 
+use super::output::print_text;
+use super::service_choice::server_address;
 use super::text::{columns, judged};
 use super::{CliError, Target};
 
@@ -15,7 +16,7 @@ pub struct Options {
     /// Problem in JSON, as for POST /v1/resolve; `-` reads standard input
     file: PathBuf,
     /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
-    #[arg(long)]
+    #[arg(long, value_parser = server_address)]
     server: Option<String>,
     /// Print the answer as JSON
     #[arg(long)]
@@ -29,10 +30,10 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     if options.json {
         let json = serde_json::to_string_pretty(&answer);
         let json = json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?;
-        writeln!(stdout(), "{json}")?;
+        print_text(json + "\n")?;
     } else {
         let joints = joint_names(&target.client, &request, answer.joint_velocity.len())?;
-        write!(stdout(), "{}", describe(&answer, &joints))?;
+        print_text(describe(&answer, &joints))?;
     }
     Ok(())
 }

@@ -1,19 +1,16 @@
 //! `revprio scenarios`
 
-use std::io::{Write as _, stdout};
-
 use revprio_lab::simulator::ScenarioList;
 
 use super::CliError;
+use super::output::print_text;
 use super::text::{WIDTH, wrapped};
 
 pub fn run() -> Result<(), CliError> {
     let scenarios = ScenarioList::built_in()?.scenarios;
     for scenario in scenarios {
-        writeln!(stdout(), "{} ({})", scenario.name, scenario.robot)?;
-        for line in wrapped(&scenario.description, WIDTH - 4) {
-            writeln!(stdout(), "    {line}")?;
-        }
+        let description = wrapped(&scenario.description, WIDTH - 4).join("\n    ");
+        print_text(format_args!("{} ({})\n    {description}\n", scenario.name, scenario.robot))?;
     }
     Ok(())
 }

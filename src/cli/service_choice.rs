@@ -14,7 +14,7 @@ use crate::service::{InProcess, Robots};
 #[group(skip)]
 pub struct ServiceChoice {
     /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own on a free port
-    #[arg(long)]
+    #[arg(long, value_parser = server_address)]
     pub server: Option<String>,
     /// Call the code of the service as functions, without HTTP
     ///
@@ -23,6 +23,28 @@ pub struct ServiceChoice {
     /// are the same to the last bit.
     #[arg(long, conflicts_with = "server")]
     pub in_process: bool,
+}
+
+/// Returns the address of a service as it is, or why it is none.
+pub fn server_address(text: &str) -> Result<String, String> {
+    if text.starts_with("https://") {
+        return Err(
+            "TLS is not supported here; use an address that starts with http://, for example of a proxy on this \
+                    machine that adds TLS"
+                .to_owned(),
+        );
+    }
+    let authority = text.strip_prefix("http://").and_then(|rest| rest.split('/').next()).unwrap_or_default();
+    let (host, port) = match authority.rsplit_once(':') {
+        // The colons of an IPv6 address are inside its brackets.
+        Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
+        _ => (authority, None),
+    };
+    let is_port = port.is_none_or(|port| port.parse::<u16>().is_ok());
+    if !host.is_empty() && is_port && !text.contains(char::is_whitespace) {
+        return Ok(text.to_owned());
+    }
+    Err("an address has the scheme http, a host and a port, for example http://127.0.0.1:8080".to_owned())
 }
 
 impl ServiceChoice {
@@ -76,4 +98,22 @@ fn robots(robot: Option<&Arc<RobotModel>>) -> Result<Robots, CliError> {
         Some(robot) => Robots::none().with(Arc::clone(robot))?,
         None => Robots::built_in(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_have_a_scheme_and_a_host() {
+        for address in
+            ["http://127.0.0.1:8080", "http://robot-cell/", "http://[::1]:80", "http://[::1]", "http://a:1/b"]
+        {
+            assert_eq!(server_address(address).as_deref(), Ok(address));
+        }
+        for wrong in ["nonsense", "127.0.0.1:8080", "http://", "http://:80", "http://a:b", "ftp://a", "http://a b"] {
+            assert!(server_address(wrong).unwrap_err().contains("for example http://127.0.0.1:8080"), "{wrong}");
+        }
+        assert!(server_address("https://127.0.0.1:8443").unwrap_err().contains("TLS is not supported here"));
+    }
 }

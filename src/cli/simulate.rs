@@ -1,6 +1,5 @@
 //! `revprio simulate`
 
-use std::io::{Write as _, stdout};
 use std::path::PathBuf;
 
 use revprio_api::wire::{Method, Solver};
@@ -10,6 +9,7 @@ use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::experiment::{ExperimentRunner, make_directory, program, write_results};
 use super::one_of::one_of;
+use super::output::print_text;
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
 use super::{CliError, traces};
@@ -40,15 +40,16 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
-    // Read the scenario first, so that an invalid one does not create a directory.
+    // Read the scenario first, so that an invalid one starts nothing.
     Scenario::find(&options.scenario)?;
-    make_directory(&options.out)?;
     let mode = if options.stateless { CallMode::Stateless } else { CallMode::Session };
     let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), mode)?;
     let mut scenario = runner.scenario(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
     runner.warn(&scenario)?;
+    // The service has answered. A wrong address or an invalid scenario leaves no directory.
+    make_directory(&options.out)?;
     let experiment = Experiment {
         title: format!("{}: {}", scenario.name, scenario.description),
         question: Vec::new(),
@@ -57,10 +58,9 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         runs: vec![runner.run(&scenario)?],
         failures: Vec::new(),
     };
-    write!(stdout(), "{}", side_by_side::text(&table::rows(&experiment.runs)))?;
     let page = write_results(&options.out, &experiment, &options.traces)?;
-    writeln!(stdout(), "\nThe page with figure and recording: {}", page.display())?;
-    Ok(())
+    print_text(side_by_side::text(&table::rows(&experiment.runs)))?;
+    Ok(print_text(format_args!("\nThe page with figure and recording: {}\n", page.display()))?)
 }
 
 /// Returns the command that repeats the run.

@@ -1,9 +1,9 @@
 //! `revprio stability`
 
-use std::io::{Write as _, stdout};
-
 use revprio_api::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
+use super::output::print_text;
+use super::service_choice::server_address;
 use super::{CliError, Target};
 
 /// Linear axes in kg, N·s/m and N/m, angular ones in kg·m², N·m·s/rad and N·m/rad.
@@ -41,7 +41,7 @@ pub struct Options {
     #[arg(long)]
     velocity_not_measured: bool,
     /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
-    #[arg(long)]
+    #[arg(long, value_parser = server_address)]
     server: Option<String>,
 }
 
@@ -61,8 +61,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         velocity_measured: !options.velocity_not_measured,
     };
     let answer = Target::open(options.server.as_deref())?.client.stability(&request)?;
-    write!(stdout(), "{}", describe(&answer))?;
-    Ok(())
+    Ok(print_text(describe(&answer))?)
 }
 
 fn describe(answer: &StabilityAnswer) -> String {

@@ -8,7 +8,6 @@
 //! Every cell starts its own service on a loopback port, or all call `--server`. Cells are independent, so the table does
 //! not depend on the number of threads or on the division into shards.
 
-use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -20,6 +19,8 @@ use revprio_lab::simulator::recording::{Kind, Value};
 use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
 
 use super::experiment::make_directory;
+use super::output::{print_remark, print_text};
+use super::service_choice::server_address;
 use super::text::{WIDTH, columns};
 use super::{CliError, Target, progress_bar};
 
@@ -36,7 +37,7 @@ pub struct Options {
     #[arg(long)]
     seeds: Option<Seeds>,
     /// Service to call over HTTP, for example http://127.0.0.1:8080; if left out, each cell starts its own on a free port
-    #[arg(long)]
+    #[arg(long, value_parser = server_address)]
     server: Option<String>,
     /// Number of threads; 0 means one per core
     #[arg(long, default_value_t = 0)]
@@ -113,7 +114,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let all = (0..plan.cells()).filter(|cell| options.shard.is_none_or(|shard| cell % shard.of == shard.number - 1));
     let cells: Vec<usize> = all.filter(|cell| !rows.contains_key(cell)).collect();
     if !rows.is_empty() {
-        writeln!(stderr(), "{} cells are already completed", rows.len())?;
+        print_remark(format_args!("{} cells are already completed", rows.len()));
     }
     rows.extend(run_cells(options, &plan, &cells, &partial, &label)?);
     let identity = plan.identity();
@@ -167,11 +168,11 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     let outcomes = ["finished", "diverged", "refused", "failed"].map(|word| (ended(word), word));
     let outcomes: Vec<String> =
         outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
-    write!(stdout(), "{}", table(&variations, &options.draw, &kinds, &whole.rows))?;
-    writeln!(stdout(), "{} cells: {}", whole.rows.len(), outcomes.join(", "))?;
-    writeln!(stdout(), "table: {}", path.display())?;
+    print_text(table(&variations, &options.draw, &kinds, &whole.rows))?;
+    print_text(format_args!("{} cells: {}\n", whole.rows.len(), outcomes.join(", ")))?;
+    print_text(format_args!("table: {}\n", path.display()))?;
     for figure in drawn {
-        writeln!(stdout(), "figure: {}", figure.display())?;
+        print_text(format_args!("figure: {}\n", figure.display()))?;
     }
     Ok(())
 }

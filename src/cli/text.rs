@@ -1,5 +1,7 @@
 //! Text for a terminal of 100 columns.
 
+use std::ffi::OsString;
+
 use console::{Style, StyledObject};
 
 /// Columns of a terminal that every output fits.
@@ -18,6 +20,20 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Returns the program with these arguments as a line for a shell.
+pub fn command_line(arguments: &[OsString]) -> String {
+    let quoted = |argument: &OsString| {
+        let text = argument.to_string_lossy();
+        let is_plain = |c: char| c.is_alphanumeric() || "_-./,=:@%+".contains(c);
+        if text.chars().all(is_plain) && !text.is_empty() {
+            text.into_owned()
+        } else {
+            format!("'{}'", text.replace('\'', r"'\''"))
+        }
+    };
+    std::iter::once("revprio".to_owned()).chain(arguments.iter().map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
 /// Formats rows as aligned columns; `is_number`: columns that are aligned to the right.
@@ -49,6 +65,17 @@ mod tests {
         assert_eq!(wrapped("one two three", 7), ["one two", "three"]);
         assert_eq!(wrapped("a-word-that-is-too-long b", 4), ["a-word-that-is-too-long", "b"]);
         assert!(wrapped("", 10).is_empty());
+    }
+
+    #[test]
+    fn a_command_line_can_be_pasted_into_a_shell() {
+        let line = |arguments: &[&str]| command_line(&arguments.iter().map(OsString::from).collect::<Vec<_>>());
+        assert_eq!(
+            line(&["demo", "--out", "/tmp/a-1", "--traces", "csv,mcap"]),
+            "revprio demo --out /tmp/a-1 --traces csv,mcap"
+        );
+        assert_eq!(line(&["demo", "--out", "my results"]), "revprio demo --out 'my results'");
+        assert_eq!(line(&["demo", "--out", "it's"]), r"revprio demo --out 'it'\''s'");
     }
 
     #[test]

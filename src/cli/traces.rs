@@ -11,27 +11,18 @@ use super::one_of::one_of;
 // Without a group, because it is flattened into options of the same name.
 #[group(skip)]
 pub struct Options {
-    /// Formats of the recordings, for example `csv,mcap` [default: csv; demo: parquet]
-    #[arg(long, value_parser = one_of(&Format::ALL), value_delimiter = ',')]
-    traces: Option<Vec<Format>>,
+    /// Formats of the recordings, for example `csv,mcap`
+    #[arg(long, value_parser = one_of(&Format::ALL), value_delimiter = ',', default_value = "csv")]
+    traces: Vec<Format>,
     /// Also record the real time of each call, which differs from run to run
     #[arg(long)]
     timings: bool,
 }
 
 impl Options {
-    /// Returns these options with another default format.
-    pub fn or(&self, format: Format) -> Self {
-        Self { traces: Some(self.traces.clone().unwrap_or_else(|| vec![format])), ..*self }
-    }
-
-    fn formats(&self) -> &[Format] {
-        self.traces.as_deref().unwrap_or(&[Format::Csv])
-    }
-
     /// Writes a recording to the directory, in every format.
     pub fn write(&self, out: &Path, recording: &Recording) -> Result<(), CliError> {
-        for &format in self.formats() {
+        for &format in &self.traces {
             let path = out.join(recording.trace_name(format));
             let written = format.write_file(recording, self.timings, &path);
             written.map_err(|source| CliError::Trace { path, source })?;
@@ -41,6 +32,6 @@ impl Options {
 
     /// Returns the names of these files.
     pub fn names(&self, recording: &Recording) -> impl Iterator<Item = String> {
-        self.formats().iter().map(|&format| recording.trace_name(format))
+        self.traces.iter().map(|&format| recording.trace_name(format))
     }
 }

@@ -50,3 +50,23 @@ fn missing_python_is_explained() {
 fn script_is_printed_as_it_is_in_the_repository() {
     assert_eq!(success(&["check", "--script"]), include_str!("../../tools/check/check.py"));
 }
+
+#[test]
+fn script_with_a_file_is_refused() {
+    let (status, printed, errors) = check(&["--script", REQUEST]);
+    assert_eq!((status, printed.as_str()), (Some(2), ""));
+    assert!(errors.contains("'--script' cannot be used with"), "{errors}");
+}
+
+#[test]
+fn help_names_inputs_python_and_exit_statuses() {
+    let help = success(&["check", "--help"]);
+    for words in [
+        "Usage: revprio check REQUEST ANSWER\n       revprio check LINES\n       revprio check --script\n",
+        "Python 3.11",
+        "0  the certificates of all answers hold",
+        "2  an input cannot be read",
+    ] {
+        assert!(help.contains(words), "no `{words}` in {help}");
+    }
+}

@@ -61,7 +61,10 @@ fn runs_in_the_process_have_the_recordings_of_runs_over_http_and_no_requests() {
         line.unwrap_or_default().split_whitespace().skip(1).map(str::to_owned).collect()
     };
     assert_eq!(requests(&printed), ["102"; 4]);
-    assert!(printed.contains("round trip") && !printed_in_process.contains("round trip"), "{printed_in_process}");
+    assert!(
+        printed.contains("  round trip, median / 99th perc.  ") && !printed_in_process.contains("round trip"),
+        "{printed_in_process}"
+    );
     assert!(requests(&printed_in_process).is_empty());
     for method in ["damped_least_squares", "reverse_priority"] {
         for solver in ["auto", "qp"] {
@@ -72,6 +75,22 @@ fn runs_in_the_process_have_the_recordings_of_runs_over_http_and_no_requests() {
     }
     let page = std::fs::read_to_string(Path::new(&in_process).join("index.html")).unwrap();
     assert!(page.contains("--solvers auto,qp --in-process"));
+}
+
+#[test]
+fn compare_names_the_page_whatever_else_it_writes() {
+    let scratch = Scratch::new("compare_written");
+    let file = scratch.write("mine.toml", &short("stiff_wall", 0.01));
+    let out = scratch.argument("out");
+    let written = |kinds: &str| {
+        let output = program(&["compare", &file, "--write", kinds, "--out", &out]).output().unwrap();
+        let lines = String::from_utf8(output.stderr).unwrap();
+        lines.lines().last().unwrap().strip_prefix("written: ").unwrap().to_owned()
+    };
+    for kinds in ["page", "page,svg,png", "page,traces"] {
+        assert_eq!(Path::new(&written(kinds)), Path::new(&out).join("index.html"), "{kinds}");
+    }
+    assert_eq!(written("svg"), out);
 }
 
 #[test]

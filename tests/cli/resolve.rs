@@ -93,10 +93,18 @@ fn active_rows_and_contradictions_are_printed() {
 }
 
 #[test]
-fn closed_standard_output_is_an_ordinary_error() {
+fn closed_pipe_is_no_error() {
     let mut child = program(&["resolve", EXAMPLE]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn full_standard_output_is_an_ordinary_error() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = program(&["resolve", EXAMPLE]).stdout(full).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && message.starts_with("error: cannot print"), "{message}");
 }

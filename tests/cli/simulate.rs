@@ -1,5 +1,7 @@
 //! `revprio simulate`
 
+use std::process::Stdio;
+
 use crate::program::{Scratch, failure, files, program, success};
 use crate::serve::Server;
 use crate::trace::Trace;
@@ -107,6 +109,41 @@ fn errors_name_the_scenario_the_line_and_the_server() {
         message.contains("no answer from http://127.0.0.1:9") && message.contains("is the service running"),
         "{message}"
     );
+}
+
+#[test]
+fn no_directory_is_left_without_an_answer_of_the_service() {
+    let scratch = Scratch::new("simulate_nobody");
+    let out = scratch.argument("out");
+    for command in ["simulate", "compare"] {
+        let message = failure(&[command, "stiff_wall", "--server", "http://127.0.0.1:9", "--out", &out]);
+        assert!(message.contains("is the service running"), "{message}");
+        for (server, words) in
+            [("https://127.0.0.1:8443", "TLS is not supported here"), ("nonsense", "http://127.0.0.1:8080")]
+        {
+            let output = program(&[command, "stiff_wall", "--server", server, "--out", &out]).output().unwrap();
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains("--server") && message.contains(words), "{message}");
+        }
+        assert!(!std::path::Path::new(&out).exists());
+    }
+}
+
+#[test]
+fn a_reader_that_ends_early_is_no_error() {
+    let scratch = Scratch::new("simulate_pipe");
+    let file = scratch.write("mine.toml", &short("stiff_wall", "duration_s = 0.01"));
+    for command in ["simulate", "compare"] {
+        let out = scratch.argument(command);
+        let mut run = program(&[command, &file, "--out", &out]);
+        let mut run = run.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(run.stdout.take());
+        let output = run.wait_with_output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && !message.contains("error"), "{message}");
+        assert!(std::path::Path::new(&out).join("index.html").exists());
+    }
 }
 
 #[test]

@@ -4,8 +4,9 @@
 
 use super::comparison::MethodPair;
 use super::metrics::Metrics;
-use super::number::significant;
+use super::number::{significant, trimmed};
 use super::run::Run;
+use crate::simulator::Scenario;
 
 /// Largest RMSE (N) of a force that counts as following its target: 5 % of the paper's 30 N.
 const MAX_TRACKING_RMSE: f64 = 1.5;
@@ -36,6 +37,8 @@ pub enum Verdict {
     NoDifference,
     /// The runs do not confirm it.
     NotConfirmed,
+    /// The runs are shorter than the experiment of the paper.
+    NotJudged,
 }
 
 impl Verdict {
@@ -46,6 +49,7 @@ impl Verdict {
             Self::Confirmed => "confirmed",
             Self::NoDifference => "no difference",
             Self::NotConfirmed => "not confirmed",
+            Self::NotJudged => "not judged",
         }
     }
 
@@ -62,11 +66,24 @@ pub fn of_runs(runs: &[Run]) -> Vec<Claim> {
 
 fn of_scenario(runs: &[Run]) -> Vec<Claim> {
     let Some(pair) = MethodPair::from_runs(runs) else { return Vec::new() };
-    match runs[0].recording.scenario.as_str() {
+    let name = runs[0].recording.scenario.as_str();
+    let claims = match name {
         "force_tracking" | "force_tracking_singular" => tracking(&pair),
         "stiff_wall" | "stiff_wall_singular" => wall(&pair),
-        _ => Vec::new(),
+        _ => return Vec::new(),
+    };
+    let shortest = runs.iter().map(|run| run.scenario.duration_s).fold(f64::INFINITY, f64::min);
+    let whole = Scenario::find(name).map_or(0.0, |scenario| scenario.duration_s);
+    if shortest >= whole {
+        return claims;
     }
+    let measured = format!("only the first {} s of {} s ran", trimmed(shortest), trimmed(whole));
+    claims.into_iter().map(|claim| not_judged(claim, &measured)).collect()
+}
+
+/// Returns a claim without a result. A part of an experiment can neither confirm nor refute it.
+fn not_judged(claim: Claim, measured: &str) -> Claim {
+    Claim { measured: measured.to_owned(), verdict: Verdict::NotJudged, ..claim }
 }
 
 fn metrics(pair: &MethodPair) -> [Metrics; 2] {

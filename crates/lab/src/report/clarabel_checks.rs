@@ -26,26 +26,30 @@ pub fn clarabel_failures(runs: &[Run]) -> Vec<String> {
         .collect()
 }
 
-/// Returns what Clarabel did in all runs of the solver `qp` together; `None` without such a run.
+/// Returns what Clarabel did in all runs of the solver `qp` together; `None` without such a run, and for runs that were read
+/// from files, which do not have it.
 #[must_use]
 pub fn of_all(runs: &[Run]) -> Option<ClarabelLevels> {
     let recordings = runs.iter().map(|run| &run.recording).filter(|recording| recording.solver == Solver::Qp);
-    recordings.map(|recording| recording.clarabel.unwrap_or_default()).reduce(ClarabelLevels::and)
+    recordings.filter_map(|recording| recording.clarabel).reduce(ClarabelLevels::and)
 }
 
-/// Describes [`of_all`] in two lines of up to 100 columns.
+/// Describes [`of_all`] in two lines of up to 98 columns.
 #[must_use]
-pub fn text(levels: &ClarabelLevels) -> String {
-    format!(
-        "Clarabel: {} levels in {} answers of qp, {} iterations per level\n  residuals: up to {} before and {} after the \
-         polish; before it, {} are above {PRECISE:e}\n",
+pub fn lines(levels: &ClarabelLevels) -> [String; 2] {
+    let calls = format!(
+        "Clarabel: {} levels in {} answers of qp, {} iterations per level",
         levels.count,
         levels.answers,
         significant(levels.iterations as f64 / levels.count as f64, 2),
+    );
+    let residuals = format!(
+        "residuals: up to {} before and {} after the polish; before it, {} are above {PRECISE:e}",
         significant(levels.largest_residual, 2),
         significant(levels.largest_polished, 2),
         percent(levels.imprecise as f64 / levels.count as f64),
-    )
+    );
+    [calls, residuals]
 }
 
 fn label(recording: &Recording) -> String {
@@ -160,16 +164,16 @@ mod tests {
     }
 
     #[test]
-    fn the_text_counts_all_runs_of_qp() {
+    fn the_lines_count_all_runs_of_qp() {
         let mut runs = [run(4, 0), run(0, 0), run(0, 0)];
         runs[2].recording.solver = Solver::Auto;
-        let text = text(&of_all(&runs).unwrap());
-        assert_eq!(
-            text,
-            "Clarabel: 800 levels in 400 answers of qp, 6.5 iterations per level\n  residuals: up to 3.0e-4 before \
-             and 1.0e-15 after the polish; before it, 0.50 % are above 1e-6\n"
-        );
-        assert!(text.lines().all(|line| line.chars().count() <= 100));
+        let [calls, residuals] = lines(&of_all(&runs).unwrap());
+        assert_eq!(calls, "Clarabel: 800 levels in 400 answers of qp, 6.5 iterations per level");
+        let all = "residuals: up to 3.0e-4 before and 1.0e-15 after the polish; before it, 0.50 % are above 1e-6";
+        assert_eq!(residuals, all);
+        assert!(all.chars().count() <= 98);
         assert_eq!(of_all(&runs[2..]), None);
+        runs[0].recording.clarabel = None;
+        assert_eq!(of_all(&runs[..1]), None);
     }
 }

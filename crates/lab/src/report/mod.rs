@@ -63,6 +63,8 @@ pub struct Report {
     pub introduction: Vec<String>,
     /// Rows of the table, from [`table::rows`].
     pub rows: Vec<Row>,
+    /// How far the solvers are apart, and what Clarabel did.
+    pub agreement: Vec<String>,
     /// Claims of the paper, with the measured results.
     pub claims: Vec<Claim>,
     /// One section per scenario.

@@ -56,12 +56,19 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
         h2 id="results" { "Results" }
         (table(&report.rows))
         (meanings())
+        @if !report.agreement.is_empty() {
+            p {
+                "How far the solvers are apart: the largest difference of a joint velocity in each control period, over all \
+                 periods; and in how many of them it is above 1e-9, 1e-7 and 1e-5 rad/s."
+            }
+            ul.words { @for line in &report.agreement { li { (indexed(line)) } } }
+        }
         @if !report.claims.is_empty() { (claims(&report.claims)) }
         @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures)) }
         @if !report.traces.is_empty() {
             h2 id="traces" { "Recordings" }
             details {
-                summary { (report.traces.len()) " files" }
+                summary { (counted(report.traces.len(), "file")) }
                 p { "One row per control period. The files are in the directory of this page." }
                 ul.files { @for trace in &report.traces { li { a href=(trace) { (trace) } } } }
             }
@@ -70,6 +77,11 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
         pre { code { (report.command) } }
         p { (program(report)) }
     }
+}
+
+/// Returns for example `1 file` or `2 files`.
+fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 fn program(report: &Report) -> String {
@@ -91,7 +103,7 @@ fn contents(sections: &[Section], has_claims: bool) -> Markup {
 fn claims(claims: &[Claim]) -> Markup {
     html! {
         h2 id="claims" { "Claims of the paper and measured results" }
-        details open { summary { (claims.len()) " claims" }
+        details open { summary { (counted(claims.len(), "claim")) }
         table.claims {
             thead { tr { th { "Paper" } th { "Claim (paraphrased)" } th { "Scenario" } th { "Measured" } th { "Result" } } }
             tbody {
@@ -114,6 +126,7 @@ const fn mark(verdict: Verdict) -> &'static str {
         Verdict::Confirmed => "✓",
         Verdict::NoDifference => "=",
         Verdict::NotConfirmed => "✗",
+        Verdict::NotJudged => "–",
     }
 }
 
@@ -192,7 +205,7 @@ fn table(rows: &[Row]) -> Markup {
     let width = shown_columns().count();
     html! {
         div.scroll tabindex="0" role="region" aria-label="Results" {
-            table {
+            table.results {
                 thead { tr { @for column in shown_columns() { (heading(column)) } } }
                 @for group in rows.chunk_by(|a, b| a.scenario == b.scenario) {
                     tbody {
@@ -221,8 +234,17 @@ fn heading(column: &Quantity) -> Markup {
     }
 }
 
+/// A cell that wraps only after a comma.
 fn cell(column: &Quantity, row: &Row) -> Markup {
-    html! { td class=(alignment(column.is_number)) { ((column.cell)(row)) } }
+    let text = (column.cell)(row);
+    html! {
+        td class=(alignment(column.is_number)) {
+            @for (i, part) in text.split(", ").enumerate() {
+                @if i > 0 { ", " }
+                span.part { (part) }
+            }
+        }
+    }
 }
 
 const fn alignment(is_number: bool) -> &'static str {
@@ -258,7 +280,21 @@ fn figure(drawn: &Drawn<'_>) -> Markup {
     }
 }
 
+/// Text with indices, and with `code` between backticks.
 fn indexed(text: &str) -> Markup {
+    let parts: Vec<&str> = text.split('`').collect();
+    // A single backtick has no partner.
+    if parts.len().is_multiple_of(2) {
+        return with_indices(text);
+    }
+    html! {
+        @for (i, part) in parts.iter().enumerate() {
+            @if i % 2 == 1 { code { (part) } } @else { (with_indices(part)) }
+        }
+    }
+}
+
+fn with_indices(text: &str) -> Markup {
     html! {
         @for piece in pieces(text) {
             @match piece {

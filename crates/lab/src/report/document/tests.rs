@@ -29,7 +29,7 @@ fn report() -> Report {
             name: "force_tracking".to_owned(),
             summary: vec!["A wall <of> stone.".to_owned()],
             json: r#"{"lag_s": 0.1}"#.to_owned(),
-            notes: vec!["A note.".to_owned()],
+            notes: vec!["A note on `qp` and `closed_form`, F_x.".to_owned(), "One ` alone.".to_owned()],
             figures: vec![figure],
             ..Section::default()
         }],
@@ -63,6 +63,31 @@ fn texts_are_escaped_and_indexed() {
     ] {
         assert!(page.contains(part), "`{part}` is not in the page");
     }
+}
+
+#[test]
+fn words_between_backticks_are_code() {
+    let page = page(true);
+    assert!(page.contains("A note on <code>qp</code> and <code>closed_form</code>, F<sub>x</sub>."), "{page}");
+    assert!(page.contains("One ` alone."));
+}
+
+#[test]
+fn numbers_of_files_and_claims_agree_with_their_words() {
+    let mut report = report();
+    report.traces = vec!["a.csv".to_owned()];
+    let page = html(&report, &[vec![]]);
+    assert!(page.contains("<summary>1 file</summary>") && page.contains("<summary>1 claim</summary>"), "{page}");
+    report.traces.push("b.csv".to_owned());
+    assert!(html(&report, &[vec![]]).contains("<summary>2 files</summary>"));
+}
+
+#[test]
+fn agreement_of_the_solvers_is_on_the_page() {
+    let mut report = report();
+    assert!(!page(true).contains("How far the solvers are apart"));
+    report.agreement = vec!["auto and closed_form: median 0".to_owned()];
+    assert!(html(&report, &[vec![]]).contains("<li>auto and closed_form: median 0</li>"));
 }
 
 #[test]

@@ -5,11 +5,16 @@
 
 pub mod store;
 
+use revprio_api::wire::Solver;
+
 use super::comparison::MethodPair;
 use super::paper_figures::{Posture, of_posture};
 use super::run::{Program, Run};
 use super::table::{self, Row};
-use super::{Report, Section, answer_gap, claims, comparison_figure, notes, run_figure, scenario_summary};
+use super::{
+    Report, Section, answer_gap, checks, claims, clarabel_checks, comparison_figure, notes, run_figure,
+    scenario_summary,
+};
 use crate::simulator::recording::Recording;
 
 /// A set of runs.
@@ -38,6 +43,7 @@ impl Experiment {
         Report {
             title: self.title.clone(),
             introduction: self.question.iter().chain(&self.failures).cloned().collect(),
+            agreement: agreement(&self.runs),
             claims: claims::of_runs(&self.runs),
             sections: scenarios.map(|runs| section(runs, &rows)).collect(),
             rows,
@@ -46,6 +52,14 @@ impl Experiment {
             program: self.program.clone(),
         }
     }
+}
+
+/// Returns how far `auto` is from the other solvers, and what Clarabel did, one text per fact.
+#[must_use]
+pub fn agreement(runs: &[Run]) -> Vec<String> {
+    let solvers = [Solver::Qp, Solver::ClosedForm].into_iter().filter_map(|solver| checks::agreement(runs, solver));
+    let clarabel = clarabel_checks::of_all(runs).map(|levels| clarabel_checks::lines(&levels).join("; "));
+    solvers.chain(clarabel).collect()
 }
 
 fn section(runs: &[Run], rows: &[Row]) -> Section {

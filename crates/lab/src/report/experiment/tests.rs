@@ -71,6 +71,16 @@ fn claims_are_confirmed_only_where_the_methods_differ() {
 }
 
 #[test]
+fn claims_are_not_judged_by_a_part_of_the_experiment() {
+    let mut runs =
+        [Method::ReversePriority, Method::DampedLeastSquares].map(|method| run("stiff_wall", method, 0.0, 0.1));
+    runs[1].scenario.duration_s = 1.0;
+    let claims = experiment(runs.to_vec()).report().claims;
+    let results: Vec<_> = claims.iter().map(|claim| (claim.measured.as_str(), claim.verdict.as_str())).collect();
+    assert_eq!(results, [("only the first 1 s of 5 s ran", "not judged"); 2]);
+}
+
+#[test]
 fn scenarios_that_are_not_in_the_paper_have_no_claims() {
     let runs = vec![run("mine", Method::ReversePriority, 30.0, 0.1), run("mine", Method::DampedLeastSquares, 0.0, 0.2)];
     assert!(experiment(runs).report().claims.is_empty());

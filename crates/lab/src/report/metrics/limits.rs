@@ -3,7 +3,7 @@
 use revprio_api::wire::{Limits, RobotJoint};
 use serde::Serialize;
 
-use crate::simulator::recording::{AtLimit, Recording, Sample};
+use crate::simulator::recording::{Recording, Sample};
 
 /// An excess below this, relative to 1 + |value|, counts as rounding.
 pub const TOLERANCE: f64 = 1e-9;
@@ -37,8 +37,7 @@ impl LimitUse {
             for (i, bounds) in bounds.iter().enumerate() {
                 sum.add(bounds, Joint::of(sample, before, i, recording.period_s));
             }
-            let at_limit = sample.limits.iter().any(|limit| *limit != AtLimit::Free);
-            sum.at_limits_s += if at_limit { recording.period_s } else { 0.0 };
+            sum.at_limits_s += if sample.is_at_limit() { recording.period_s } else { 0.0 };
             before = [Some(sample), before[0]];
         }
         sum
@@ -129,6 +128,7 @@ impl Joint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulator::recording::AtLimit;
     use revprio_api::wire::{JointKind, LimitKind};
 
     fn joint() -> RobotJoint {

@@ -253,7 +253,8 @@ fn command_difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Returns the larger of two numbers. NaN counts as infinite; `f64::max` would ignore it and hide the worst sample.
-fn larger(a: f64, b: f64) -> f64 {
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 

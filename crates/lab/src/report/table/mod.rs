@@ -9,7 +9,7 @@ pub mod summary;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use revprio_api::wire::{Method, Solver};
+use revprio_api::wire::{Method, Path, Solver};
 use serde::Serialize;
 
 use super::metrics::limits::LimitUse;
@@ -111,7 +111,7 @@ pub static QUANTITIES: [Quantity; 26] = [
     detail("share of speed limit", "%", SPEED_USE, |row| percent(row.limits.speed_use)),
     detail("time at limits", "s", AT_LIMITS, |row| significant(row.limits.at_limits_s, 3)),
     column(LIMIT_EXCESS_HEADING, "", LIMIT_EXCESS, |row| limit_excess(&row.limits)),
-    column("solved by", "periods", PATHS, |row| counted(&row.metrics.paths)),
+    column("solved by", "periods", PATHS, solved_by),
     detail("status", "periods", STATUS, |row| counted(&row.metrics.statuses)),
     detail("largest KKT residual", "", KKT, |row| optional(row.metrics.largest_kkt_residual, 2)),
     column("vs closed form", "rad/s", DIFFERENCE, |row| optional(row.largest_difference, 2)),
@@ -120,8 +120,10 @@ pub static QUANTITIES: [Quantity; 26] = [
         ..detail("calls", "1/s", CALLS, |row| optional(row.metrics.calls_per_second, 3))
     },
     Quantity { place: Place::Machine, ..detail("requests", "", REQUESTS, |row| request_count(row.requests)) },
-    Quantity { place: Place::Machine, ..detail("round trip", "µs", ROUND_TRIP, |row| round_trip(row.requests)) },
+    Quantity { place: Place::Machine, ..detail(ROUND_TRIP_HEADING, "µs", ROUND_TRIP, |row| round_trip(row.requests)) },
 ];
+
+const ROUND_TRIP_HEADING: &str = "round trip, median / 99th perc.";
 
 /// Heading of the excess over the limits, a quantity that is shown even if no run has it.
 const LIMIT_EXCESS_HEADING: &str = "limit excess";
@@ -145,8 +147,8 @@ const LIMIT_EXCESS: &str = "largest excess of position, commanded speed and comm
      limits in the recorded motion; – if no limit is exceeded; the solver `closed_form` ignores limits";
 const DIFFERENCE: &str = "largest difference between the commanded velocity of any joint and the closed form of the same \
      scenario and method";
-const PATHS: &str = "number of control periods solved by each path: the closed form inside the limits, a known set of active \
-     limits that is confirmed, or a QP solver at every level (`qp`)";
+const PATHS: &str = "number of control periods by the way of the solution: `auto` needs no active limit, or finds the set of \
+     active limits; `qp` solves a quadratic program at every level; `closed_form` ignores limits";
 const STATUS: &str = "status of the answers: `optimal` is certified by the optimality conditions";
 const KKT: &str = "largest relative residual of the optimality conditions in any answer";
 const CALLS: &str = "control periods per second of real time, including simulation and transport";
@@ -256,6 +258,16 @@ fn percent(fraction: f64) -> String {
 fn counted<T: Display>(counts: &BTreeMap<T, usize>) -> String {
     let served = |(word, periods): (&T, &usize)| format!("{} {periods}", words(word));
     counts.iter().map(served).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the number of periods of each path. Without an active limit, `auto` computes what the solver `closed_form` computes;
+/// the name of this path would read as that solver.
+fn solved_by(row: &Row) -> String {
+    let path = |(path, periods): (&Path, &usize)| match path {
+        Path::ClosedForm if row.solver != Solver::ClosedForm => format!("no active limit {periods}"),
+        path => format!("{} {periods}", words(path)),
+    };
+    row.metrics.paths.iter().map(path).collect::<Vec<_>>().join(", ")
 }
 
 fn residuals(row: &Row, of: fn(&Residual) -> f64) -> String {

@@ -1,9 +1,12 @@
 //! The result in short: one row per scenario and method, how much its solvers differ, and the HTTP requests of all its
 //! solvers. It fits into 100 columns.
+//!
+//! The name of a scenario in which limits act is followed by the share of the control periods with an active limit.
 
 use revprio_api::wire::Method;
 
 use super::{MISSING, Row, optional, padded, request_count, rows};
+use crate::report::metrics::{larger, largest_difference};
 use crate::report::number::significant;
 use crate::report::requests::Requests;
 use crate::report::run::Run;
@@ -30,14 +33,26 @@ pub fn text(runs: &[Run]) -> String {
     for i in 0..lines.len() {
         let next = i.checked_sub(HEADS.len()).map_or("", |i| group(&groups[i][0]).0);
         if next != scenario {
-            text += next;
-            text.push('\n');
+            text += &scenario_line(next, runs);
             scenario = next;
         }
         text += line(i).trim_end();
         text.push('\n');
     }
     text
+}
+
+/// Returns the name of a scenario, and in how many of its periods a limit acts; of several runs, the one with the fewest.
+fn scenario_line(name: &str, runs: &[Run]) -> String {
+    let share = |run: &Run| {
+        let at_limits = run.recording.samples.iter().filter(|sample| sample.is_at_limit()).count();
+        at_limits as f64 / run.recording.samples.len().max(1) as f64
+    };
+    let of_scenario = runs.iter().filter(|run| run.recording.scenario == name);
+    match of_scenario.map(share).fold(1.0, f64::min) {
+        0.0 => format!("{name}\n"),
+        share => format!("{name}: a limit acts in {} % of the periods\n", significant(100.0 * share, 2)),
+    }
 }
 
 fn group(run: &Run) -> (&str, Method) {
@@ -48,7 +63,9 @@ fn group(run: &Run) -> (&str, Method) {
 fn method(runs: &[Run]) -> [String; COLUMNS] {
     let all: Vec<Row> = rows(runs);
     let row = &all[0];
-    let difference = all.iter().filter_map(|run| run.largest_difference).reduce(f64::max);
+    let pairs = runs.iter().enumerate().flat_map(|(i, one)| runs[i + 1..].iter().map(move |other| (one, other)));
+    let differences = pairs.map(|(one, other)| largest_difference(&one.recording, &other.recording));
+    let difference = differences.reduce(larger);
     let requests = requests(runs);
     let time = |of: fn(Requests) -> f64| requests.map_or_else(|| MISSING.to_owned(), |it| format!("{:.0}", of(it)));
     [

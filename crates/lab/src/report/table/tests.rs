@@ -1,7 +1,7 @@
 //! Tables of runs with known cells.
 
 use super::*;
-use crate::simulator::recording::{Sample, Timing};
+use crate::simulator::recording::{AtLimit, Sample, Timing};
 
 fn run(method: Method, solver: Solver, velocity: f64) -> Run {
     let sample = Sample {
@@ -46,6 +46,9 @@ fn cells_show_the_metrics_of_the_row() {
         ["vs closed form", "solved by", "status", "calls"].map(cell),
         ["–", "closed form 1", "optimal 1", "2.00"]
     );
+    // The path of `auto` without an active limit does not read as another solver.
+    let row = &rows(&[run(Method::ReversePriority, Solver::Auto, 0.0)])[0];
+    assert_eq!(solved_by(row), "no active limit 1");
     assert_eq!(["steady error F", "peak F", "limit excess"].map(cell), ["3.0", "33.00", "–"]);
 }
 
@@ -80,10 +83,28 @@ fn summary_has_one_line_per_method_with_the_largest_difference_and_all_requests_
 }
 
 #[test]
+fn summary_compares_solvers_without_the_closed_form_and_says_how_long_limits_act() {
+    let at_limit = |solver, velocity, limits: [AtLimit; 2]| {
+        let mut run = run(Method::ReversePriority, solver, velocity);
+        let sample = |limit| Sample { limits: vec![limit], ..run.recording.samples[0].clone() };
+        run.recording.samples = limits.map(sample).to_vec();
+        run
+    };
+    let runs = [
+        at_limit(Solver::Qp, 0.5, [AtLimit::Upper, AtLimit::Free]),
+        at_limit(Solver::Auto, 0.75, [AtLimit::Upper, AtLimit::Lower]),
+    ];
+    let text = summary::text(&runs);
+    assert_eq!(text.lines().nth(2), Some("stiff_wall: a limit acts in 50 % of the periods"), "{text}");
+    assert_eq!(words_of(&text)[3][6], "0.25");
+}
+
+#[test]
 fn requests_are_on_the_page_if_there_were_any() {
     let cells = |run: Run| -> Vec<String> {
         let lines = side_by_side::lines(&rows(&[run]));
-        let of_http = lines.iter().filter(|line| ["requests", "round trip"].contains(&line.heading.as_str()));
+        let headings = ["requests", "round trip, median / 99th perc."];
+        let of_http = lines.iter().filter(|line| headings.contains(&line.heading.as_str()));
         of_http.flat_map(|line| line.cells.clone()).collect()
     };
     let run = run(Method::ReversePriority, Solver::Qp, 0.0);

@@ -1,7 +1,7 @@
 //! What Clarabel did in a run with the solver `qp`, as its answers report it.
 
 use revprio_api::wire::SolverLevel;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Largest relative residual of a level that Clarabel solved precisely, before the polish.
 ///
@@ -12,31 +12,39 @@ pub const PRECISE: f64 = 1e-6;
 /// The levels that Clarabel solved in a run, and how accurate its own answers were.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ClarabelLevels {
-    /// Answers with at least one level that Clarabel solved.
+    /// Answers with at least one level that was given to Clarabel.
     pub answers: u64,
-    /// Levels that Clarabel solved or failed to solve. Levels that had nothing to decide do not count.
+    /// Levels that Clarabel solved or failed to solve. Levels that were not given to it do not count, see [`is_posed`].
     pub count: u64,
     /// Its iterations over all levels.
     pub iterations: u64,
     /// Levels whose residual before the polish is above [`PRECISE`] or missing.
     pub imprecise: u64,
-    /// Largest relative residual of the optimality conditions before the polish.
+    /// Largest relative residual of the optimality conditions before the polish; infinite if a level has no answer.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub largest_residual: f64,
     /// The same after the polish, one linear solve on Clarabel's active set.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub largest_polished: f64,
+}
+
+/// JSON has no infinite numbers; they are written as `null`.
+fn infinite_if_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 impl ClarabelLevels {
     /// Adds the levels of an answer.
     pub fn add(&mut self, levels: &[SolverLevel]) {
-        let solved = || levels.iter().filter(|level| level.iterations > 0);
-        self.answers += u64::from(solved().next().is_some());
-        for level in solved() {
+        let posed = || levels.iter().filter(|level| is_posed(level));
+        self.answers += u64::from(posed().next().is_some());
+        for level in posed() {
+            let [before, after] = [level.clarabel_residual, level.residual].map(|known| known.unwrap_or(f64::INFINITY));
             self.count += 1;
             self.iterations += u64::from(level.iterations);
-            self.imprecise += u64::from(!level.clarabel_residual.is_some_and(|residual| residual <= PRECISE));
-            self.largest_residual = self.largest_residual.max(level.clarabel_residual.unwrap_or(0.0));
-            self.largest_polished = self.largest_polished.max(level.residual.unwrap_or(0.0));
+            self.imprecise += u64::from(before > PRECISE);
+            self.largest_residual = self.largest_residual.max(before);
+            self.largest_polished = self.largest_polished.max(after);
         }
     }
 
@@ -54,6 +62,15 @@ impl ClarabelLevels {
     }
 }
 
+/// Returns whether a level was given to Clarabel.
+///
+/// The answer of a level that the levels above have decided has no iterations and a residual of exactly 0. Clarabel also
+/// ends without an iteration where its start is optimal, with a residual near rounding, or where it fails at once, without
+/// a residual.
+fn is_posed(level: &SolverLevel) -> bool {
+    level.iterations > 0 || level.clarabel_residual != Some(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_with_nothing_to_decide_do_not_count() {
+    fn levels_that_the_levels_above_have_decided_do_not_count() {
         let mut levels = ClarabelLevels::default();
         levels.add(&[]);
         levels.add(&[level(0, 0.0, 0.0)]);
@@ -75,11 +92,24 @@ mod tests {
             count: 3,
             iterations: 62,
             imprecise: 2,
-            largest_residual: 2e-6,
-            largest_polished: 1e-15,
+            largest_residual: f64::INFINITY,
+            largest_polished: f64::INFINITY,
         };
         assert_eq!(levels, expected);
         assert_eq!(levels.and(ClarabelLevels::default()), levels);
-        assert_eq!((levels.and(levels).count, levels.and(levels).largest_residual), (6, 2e-6));
+        assert_eq!((levels.and(levels).count, levels.and(levels).imprecise), (6, 4));
+    }
+
+    #[test]
+    fn levels_that_clarabel_ended_without_an_iteration_count() {
+        let mut levels = ClarabelLevels::default();
+        levels.add(&[level(0, 2.6e-18, 2.6e-18)]);
+        assert_eq!((levels.answers, levels.count, levels.imprecise), (1, 1, 0));
+        assert_eq!((levels.largest_residual, levels.largest_polished), (2.6e-18, 2.6e-18));
+        levels.add(&[SolverLevel { iterations: 0, clarabel_residual: None, residual: None }]);
+        assert_eq!((levels.answers, levels.count, levels.imprecise), (2, 2, 1));
+        assert_eq!((levels.largest_residual, levels.largest_polished), (f64::INFINITY, f64::INFINITY));
+        let stored = serde_json::to_string(&levels).unwrap();
+        assert_eq!(serde_json::from_str::<ClarabelLevels>(&stored).unwrap(), levels, "{stored}");
     }
 }

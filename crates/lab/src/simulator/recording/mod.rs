@@ -222,6 +222,12 @@ impl Recording {
 }
 
 impl Sample {
+    /// Returns whether a limit of at least one joint is active or exceeded.
+    #[must_use]
+    pub fn is_at_limit(&self) -> bool {
+        self.limits.iter().any(|limit| *limit != AtLimit::Free)
+    }
+
     /// Returns a sample of zeros for the given number of joints and tasks.
     fn zeros(joints: usize, tasks: usize, sensed: bool) -> Self {
         let row = vec![0.0; joints];
