@@ -148,7 +148,7 @@ fn is_zero(count: &u32) -> bool {
 /// What Clarabel did at one level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SolverLevel {
-    /// Number of iterations; 0 where the levels above leave nothing to decide.
+    /// Number of iterations; 0 with a `clarabel_residual` of 0 where the levels above leave nothing to decide.
     pub iterations: u32,
     /// Largest relative residual of the optimality conditions of the level at Clarabel's answer; `null` without an answer.
     /// Where the level was solved again from its first answer, this is the residual of the first one.
