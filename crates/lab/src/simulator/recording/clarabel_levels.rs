@@ -14,7 +14,7 @@ pub const PRECISE: f64 = 1e-6;
 pub struct ClarabelLevels {
     /// Answers with at least one level that was given to Clarabel.
     pub answers: u64,
-    /// Levels that Clarabel solved or failed to solve. Levels that were not given to it do not count, see [`is_posed`].
+    /// Levels that Clarabel solved or failed to solve. Levels that were not given to it do not count.
     pub count: u64,
     /// Its iterations over all levels.
     pub iterations: u64,
