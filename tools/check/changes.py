@@ -127,7 +127,7 @@ def examine(job):
     number, line = job
     pair = json.loads(line)
     made = changes(random.Random(number), pair["request"], pair["answer"])
-    return number, [(what, bool(any(check.examine(json.dumps(dict(zip(("request", "answer"), changed))))[::2]))) for what, *changed in made]
+    return number, [(what, bool(any(check.examine([json.dumps(part) for part in changed])[::2]))) for what, *changed in made]
 
 
 def main(path, count):

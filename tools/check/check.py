@@ -1,12 +1,9 @@
 """Checks that an answer of `POST /v1/resolve` is right: check.py REQUEST ANSWER, or check.py LINES.
 
-The request has `"certificate": true`. LINES is a file with an object {"request": ..., "answer": ...} on each line.
+The request has `"certificate": true`. LINES has an object {"request": ..., "answer": ...} on each line; - is standard input.
 Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains it.
 This program shares no code with revprio. All sums and products are exact; only the sizes of errors are rounded."""
-
-import json
-import multiprocessing
-import sys
+import json, multiprocessing, sys
 from collections import namedtuple
 from fractions import Fraction
 from math import hypot, inf
@@ -27,11 +24,16 @@ CHECKS = {  # name: (what is compared, tolerance)
     "active": ("active limits and rows are reached and have their multipliers; none is left out", TOLERANCE)}
 Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))  # key: (task, row), an inequality or None
 
+def read(text):
+    """Reads JSON. Refuses NaN, and names that stand twice in an object, because readers differ in which value counts."""
+    def refuse(what):
+        raise ValueError(f"{what}: not a finite number, or not each name once")
+    once = lambda pairs: dict(pairs) if len(dict(pairs)) == len(pairs) else refuse([name for name, _ in pairs])
+    return json.loads(text, object_pairs_hook=once, parse_constant=refuse)
 
 def numbers(values, none=None):
-    """Returns finite numbers as fractions, with `none` in the place of null."""
-    return [none if value is None and none else Fraction(value) for value in values]
-
+    """Returns finite numbers as fractions, with `none` in the place of null. Texts are no numbers: adding 0 fails."""
+    return [none if value is None and none else Fraction(value + 0) for value in values]
 
 def bounds_of(stated):
     """Returns the bounds (lower, upper) that a task, the limits or a problem states; infinite where it does not."""
@@ -39,23 +41,19 @@ def bounds_of(stated):
     none = [None] * max(len(lower), len(upper))
     return list(zip(numbers(lower or none, -inf), numbers(upper or none, inf), strict=True))
 
-
 def relative(a, size, b=0):
     """Returns |a - b| / size. Bounds may be infinite."""
     return 0.0 if a == b else abs(float(a - b)) / size if 0.0 < size < inf else inf
 
-
 def excess(value, low, high):
     """Returns by how much a value is above its bounds (positive) or below them (negative)."""
     return value - low if value < low else value - high if value > high else 0
-
 
 def are_independent(rows):
     """Returns whether rows are linearly independent, by elimination."""
     pivot = next((j for j, entry in enumerate(rows[-1]) if entry), None) if rows else None
     return not rows or pivot is not None and are_independent(
         [[b - a * (row[pivot] / rows[-1][pivot]) for a, b in zip(rows[-1], row)] for row in rows[:-1]])
-
 
 class Problem:
     """A problem of a certificate. Checks the optimality of each level given those above it."""
@@ -68,8 +66,8 @@ class Problem:
         values = self.x + [sum(a * x for a, x in zip(row.a, self.x, strict=True)) for row in self.rows]
         missing = [-excess(value, *ends) for value, ends in zip(values, self.bounds, strict=True)]
         self.forces = [[] for _ in values]  # (multiplier, size of its error, of its terms), to the first not zero
-        self.norms = [1.0] * n + [hypot(*row.a) for row in self.rows]
-        speed, zeta = hypot(*self.x), [a - b for a, b in zip(self.reference, self.x, strict=True)]
+        self.norms, self.widest = [1.0] * n + [hypot(*row.a) for row in self.rows], hypot(*sum(self.box, ()))
+        speed, zeta = hypot(*self.x), list(map(sub, self.reference, self.x))
         start, reach, self.sizes, level_norms, proven = n, speed + hypot(*self.reference), [speed] * n, [], set()
         note("residuals", *(relative(r, speed) for r in missing[:n]))
         for level, pair in zip([*raw["levels"], None], raw["multipliers"], strict=True):
@@ -79,6 +77,7 @@ class Problem:
             norm = hypot(*(self.norms[i] for i in own)) or 1.0
             coarse = hypot(*(values[i] + missing[i] for i in own)) + norm * reach  # the size of all that was rounded
             self.sizes += [self.norms[i] * speed + fine * coarse for i in own]
+            self.sizes[:n] = [max(self.sizes[0], speed + fine * min(coarse / norm, reach + self.widest))] * n
             level_norms.append(norm)
             note("residuals", 0.0, *(relative(w[i - n], self.sizes[i], missing[i]) for i in own))
             length = hypot(*zeta) if is_last else hypot(*w[own.start - n:])
@@ -86,7 +85,7 @@ class Problem:
             size = amount * (1.0 + fine * coarse / length) if length else coarse * norm
             terms = [[a * row.a[j] for a, row in zip(w, rows, strict=True)] + [zeta[j]] * is_last for j in range(n)]
             forces = [(sum(parts), hypot(*parts, x)) for parts, x in zip(terms, self.x)]
-            note("sums", *(relative(a, rounded, b) for a, (b, rounded) in zip(h, forces, strict=True)))
+            note("sums", *(relative(a, rounded + 0.01 * size, b) for a, (b, rounded) in zip(h, forces, strict=True)))
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
             for i, (force, rounded) in enumerate(forces):
                 side, (low, high), is_own = 1 if force > 0 else -1, self.bounds[i], i >= own.start
@@ -99,7 +98,6 @@ class Problem:
                     if away <= TOLERANCE and abs(force) > NOT_ZERO * max(amount, NOT_ZERO * coarse * norm):
                         proven.add((i, side))  # No optimum of this level leaves the bound.
 
-
 class Check:
     """The checks of one answer. `largest`: the relative error of each check that the status claims."""
     def __init__(self, request, answer):
@@ -107,23 +105,24 @@ class Check:
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(claimed, 0.0)
         self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
-        named = lambda what, items: {item.get("name") or f"{what} {k}": item for k, item in enumerate(items, 1)}
+        named = lambda what, all: {a["name"] if a.get("name") is not None else f"{what} {k}": a for k, a in enumerate(all, 1)}
         self.tasks, self.hard = named("task", request["tasks"]), named("inequality", request.get("inequalities", []))
         has_scaled = any(task.get("scale") for task in request["tasks"])  # Then equations need not have names.
-        self.scaled = {name for name, task in self.tasks.items() if has_scaled and task.get("velocity")}
+        self.scaled = {name for name, task in self.tasks.items() if has_scaled and all(a == b for a, b in bounds_of(task))}
         self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
-        given = answer.get("certificate") or {"problems": [], "answer": []}
-        problems = [Problem(raw, self.note, self.fine) for raw in given["problems"]]
-        self.parts = [(problems[part["problem"]], Fraction(part["weight"])) for part in given["answer"]]
-        self.note("status", not self.parts or residual is None or residual > TOLERANCE)
+        given = claimed and answer.get("certificate") or {"problems": [], "answer": []}
+        problems = dict(enumerate(Problem(raw, self.note, self.fine) for raw in given["problems"]))
+        self.parts = [(problems[part["problem"]], *numbers([part["weight"]])) for part in given["answer"]]
+        self.note("status", not self.parts or residual is None or not 0 <= residual <= TOLERANCE)
         if self.parts:
-            self.check_plan(problems)
+            self.check_plan(list(problems.values()))
             self.check_velocity()
             self.check_active()
 
     def note(self, check, *errors):
         """Keeps the largest error of a check."""
-        self.largest |= {check: max(self.largest[check], *map(float, errors))} if check in self.largest else {}
+        if check in self.largest:
+            self.largest[check] = max(self.largest[check], *(float(error) if error >= 0 else inf for error in errors))
 
     def planned(self):
         """Returns the rows of the method's problems, with None for what the request does not state."""
@@ -186,6 +185,8 @@ class Check:
             achieved, ends = numbers(found["achieved"]), bounds_of(task)
             missing = [excess(value, *pair) for value, pair in zip(achieved, ends, strict=True)]
             self.note("achieved", relative(found["residual_norm"], hypot(*achieved, *missing), hypot(*missing)))
+            stated = (name, task.get("velocity") or found.get("requested"))
+            self.note("achieved", 0.0 if (found.get("name", name), found.get("requested", stated[1])) == stated else inf)
             for i, value in enumerate(achieved):
                 a = numbers(task["jacobian"][i]) if task.get("jacobian") else rows.get((name, i))
                 terms = list(map(mul, a, self.velocity)) if a else [value]
@@ -195,7 +196,7 @@ class Check:
         """Checks that active limits and rows are reached and have their multipliers, and that none is left out."""
         main, n, answer = self.main, len(self.velocity), self.answer
         places = {row.key: i for i, row in enumerate(main.rows, len(main.x))}
-        unlisted = {*range(n), *places.values()} if len(self.parts) == 1 else set()
+        unlisted, seen = {*range(n), *places.values()} if len(self.parts) == 1 else set(), set()
         listed = [([j for j in range(n) if self.request.get("robot") or given["joint"] == f"j{j + 1}"], given, 1.0)
                   for given in answer["active_limits"]]  # A robot's joints have names that are not in the input.
         listed += [([i := places[task["name"], given["row"]]], given, main.norms[i])
@@ -204,9 +205,9 @@ class Check:
                    for given in answer.get("active_inequalities", [])]
         for candidates, given, norm in listed:
             found = {inf: -1}
-            for i in candidates:
+            for i in set(candidates) - seen:
                 value = self.velocity[i] if i < n else sum(map(mul, main.rows[i - len(main.x)].a, self.velocity))
-                sign, bound = (-1, main.bounds[i][0]) if given.get("side") == "lower" else (1, main.bounds[i][1])
+                bound = main.bounds[i][(sign := {"lower": -1, "upper": 1}[given.get("side", "upper")]) > 0]
                 forces = [entry for part, _ in self.parts if i < n or part is main for entry in part.forces[i]]
                 errors = [relative(given["multiplier"] * norm, abs(float(force)) + self.fine * rounded, abs(force))
                           for force, _, rounded in forces if force * sign >= 0]
@@ -215,33 +216,32 @@ class Check:
                 away = relative(max(0, sign * (bound - value)), main.sizes[i])
                 found[max(min(errors, default=inf), away, relative(given.get("value", bound), 1.0, bound))] = i
             self.note("active", min(found))
-            unlisted.discard(found[min(found)])
-        self.note("active", 0.0, *(relative(*main.forces[i][-1][:2]) for i in unlisted if main.forces[i]))
+            seen.add(found[min(found)])
+            stated = self.hard.get(given.get("name"), {}).get("upper", given.get("bound"))  # of an inequality
+            self.note("active", 0.0 if given.get("bound", stated) == stated else inf)
+        self.note("active", 0.0, *(relative(*main.forces[i][-1][:2]) for i in unlisted - seen if main.forces[i]))
 
-
-def examine(line):
-    """Checks a line with a request and its answer. Returns why it cannot be read, the errors and the failed checks."""
+def examine(texts):
+    """Checks a request and its answer, or one text with both. Returns why it cannot be read, errors and failed checks."""
     try:
-        largest = Check(**json.loads(line)).largest
-        return "", largest, [check for check, error in largest.items() if error > CHECKS[check][1]]
+        largest = Check(*map(read, texts)).largest if len(texts) == 2 else Check(**read(texts[0])).largest
+        return "", largest, [check for check, error in largest.items() if not error <= CHECKS[check][1]]
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         return f"cannot be read: {type(error).__name__}: {error}", {}, []
 
-
 def main(paths):
     """Runs the program; returns its exit status."""
-    texts = [open(path, encoding="utf-8").read() for path in paths]
-    lines = texts[0].splitlines() if len(texts) == 1 else ['{"request": %s, "answer": %s}' % tuple(texts)]
-    results = multiprocessing.Pool().map(examine, filter(str.strip, lines), chunksize=16)
+    texts = [open(0 if path == "-" else path, encoding="utf-8").read() for path in paths]
+    jobs = [[line] for line in texts[0].split("\n") if line.strip()] if len(texts) == 1 else [texts]
+    results = multiprocessing.Pool().map(examine, jobs, chunksize=16)
     print(end="".join(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}\n"
                       for place, (unread, _, failed) in enumerate(results, 1) if unread or failed))
     for check, (what, allowed) in CHECKS.items():
-        largest = max(errors.get(check, 0.0) for _, errors, _ in results)
-        print(f"{'holds' if largest <= allowed else 'FAILS'} {largest:8.1e} of {allowed:5.0e}  {check}: {what}")
-    unread, broken = (sum(bool(result[part]) for result in results) for part in (0, 2))
+        if found := [errors[check] for _, errors, _ in results if check in errors]:  # Some answer claims this.
+            print(f"{'holds' if max(found) <= allowed else 'FAILS'} {max(found):8.1e} of {allowed:5.0e}  {check}: {what}")
+    unread, _, broken = (sum(map(bool, part)) for part in zip(*results)) if results else (0, 0, 0)
     print(f"answers: {len(results)}, certificate does not hold: {broken}, cannot be read: {unread}")
-    return 1 if broken else 2 if unread else 0
-
+    return 1 if broken else 2 if unread or not results else 0
 
 if __name__ == "__main__":
     try:

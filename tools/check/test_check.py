@@ -128,7 +128,7 @@ def answer_to(request):
 
 def verdict(request, answer):
     """Returns the failed checks."""
-    message, found, failed = check.examine(json.dumps({"request": request, "answer": answer}))
+    message, found, failed = check.examine([json.dumps(request), json.dumps(answer)])
     return [message] if message else [f"{name} {found[name]:.1e}" for name in failed]
 
 
@@ -150,7 +150,70 @@ class Answers(unittest.TestCase):
         print({what: (count, missed.get(what, [])[:12]) for what, count in made.items()})
 
 
+def solved():
+    """Returns a request with an active limit and its answer."""
+    request = {"certificate": True, "method": "task_priority", "limits": {"lower": [-1, -1], "upper": [1, 1]},
+               "tasks": [{"name": "a\u2028b", "jacobian": [[1, 0]], "velocity": [2]}]}
+    return request, answer_to(request)
+
+
+def printed(*texts):
+    """Runs the program on files with these texts; returns its exit status and what it prints."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder, str(k)) for k in range(len(texts))]
+        for path, text in zip(paths, texts):
+            path.write_text(text, encoding="utf-8")
+        with redirect_stdout(io.StringIO()) as out:
+            return check.main(list(map(str, paths))), out.getvalue()
+
+
+class Attacks(unittest.TestCase):
+    """Answers that are made to deceive, and inputs that are no answers."""
+
+    def test_an_answer_cannot_bring_its_own_request(self):
+        request, answer = solved()
+        other = json.loads(json.dumps(request)) | {"limits": {"lower": [-3, -3], "upper": [3, 3]}}
+        text = json.dumps(answer)[:-1] + ', "request": ' + json.dumps(request) + "}"
+        self.assertEqual(printed(json.dumps(request), text)[0], 0)
+        self.assertEqual(printed(json.dumps(other), text)[0], 1)
+        line = '{"request": %s, "answer": %s, "request": %s}' % tuple(map(json.dumps, (other, answer, request)))
+        self.assertEqual(printed(line)[0], 2)
+
+    def test_what_is_no_finite_number_is_refused(self):
+        request, answer = solved()
+        for value in ("NaN", "-Infinity", '"1"', "[1]"):
+            for number in ('"kkt_residual": 1e-16', '"multiplier": 1.0', '"weight": 1.0'):
+                self.assertIn(number, json.dumps(answer))
+                text = json.dumps(answer).replace(number, number.split(":")[0] + ": " + value)
+                self.assertEqual(printed(json.dumps(request), text)[0], 2, (number, value))
+
+    def test_names_sides_and_entries_count(self):
+        request, answer = solved()
+        limit, task = answer["active_limits"][0], answer["tasks"][0]
+        self.assertEqual(verdict(request, answer), [])
+        for changed in ({"active_limits": [limit, limit]}, {"active_limits": [limit | {"side": "foo"}]}, {"active_limits": []},
+                        {"tasks": [task | {"name": "c"}]}, {"tasks": [task | {"requested": [1]}]},
+                        {"solver": {"status": "optimal", "kkt_residual": -1.0}},
+                        {"certificate": answer["certificate"] | {"answer": [{"problem": -1, "weight": 1.0}]}}):
+            self.assertNotEqual(verdict(request, answer | changed), [], changed)
+
+    def test_lines_end_at_line_feeds_alone(self):
+        request, answer = solved()
+        line = json.dumps({"request": request, "answer": answer}, ensure_ascii=False)
+        self.assertEqual(printed(f"{line}\n\n{line}\n")[1].splitlines()[-1],
+                         "answers: 2, certificate does not hold: 0, cannot be read: 0")
+
+    def test_nothing_holds_where_nothing_is_claimed(self):
+        request, answer = solved()
+        failed = answer | {"solver": {"status": "failed", "kkt_residual": None}}
+        self.assertNotIn("holds", printed(json.dumps(request), json.dumps(failed))[1])
+        for text in ("", "{}", "7"):
+            status, words = printed(text)
+            self.assertEqual(status, 2)
+            self.assertNotIn("holds", words)
+
+
 COUNT = int(sys.argv.pop()) if sys.argv[-1].isdigit() else 120
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(warnings="ignore")
