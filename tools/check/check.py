@@ -85,7 +85,7 @@ class Problem:
             size = amount * (1.0 + fine * coarse / length) if length else coarse * norm
             terms = [[a * row.a[j] for a, row in zip(w, rows, strict=True)] + [zeta[j]] * is_last for j in range(n)]
             forces = [(sum(parts), hypot(*parts, x)) for parts, x in zip(terms, self.x)]
-            note("sums", *(relative(a, rounded + 0.01 * size, b) for a, (b, rounded) in zip(h, forces, strict=True)))
+            note("sums", *(relative(a, rounded + 0.001 * size, b) for a, (b, rounded) in zip(h, forces, strict=True)))
             forces += [(-a * norm, amount) for a, norm in zip(w, self.norms[n:])]
             for i, (force, rounded) in enumerate(forces):
                 side, (low, high), is_own = 1 if force > 0 else -1, self.bounds[i], i >= own.start
