@@ -66,7 +66,7 @@ fn clarabel_and_the_core_agree_on_random_problems_with_limits() {
             "{method:?}: {unsure} unsure, {uncertain} uncertain"
         );
         assert!(u64::from(active) * 3 > PROBLEMS && levels > 1000, "{method:?}: {active} at limits, {levels} levels");
-        // 1.4 and 4.3 % with Clarabel's tolerance of 1e-10, and 96 % with 1e-3.
+        // 1.4 and 4.2 % with Clarabel's tolerance of 1e-10, and 96 % with 1e-3.
         assert!(imprecise * 10 <= levels, "{method:?}: {imprecise} of {levels} levels before the polish");
     }
 }
