@@ -64,7 +64,7 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
             ul.words { @for line in &report.agreement { li { (indexed(line)) } } }
         }
         @if !report.claims.is_empty() { (claims(&report.claims)) }
-        @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures)) }
+        @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures, !report.claims.is_empty())) }
         @if !report.traces.is_empty() {
             h2 id="traces" { "Recordings" }
             details {
@@ -130,7 +130,8 @@ const fn mark(verdict: Verdict) -> &'static str {
     }
 }
 
-fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
+/// Returns the part of a scenario. Beside claims of the paper, a comparison of runs stays closed.
+fn scenario(section: &Section, figures: &[Drawn<'_>], has_claims: bool) -> Markup {
     html! {
         h2 id=(section.name) { code { (section.name) } }
         details {
@@ -148,7 +149,7 @@ fn scenario(section: &Section, figures: &[Drawn<'_>]) -> Markup {
             details open[!section.methods_coincide] { summary { (figures_title(section)) } div.figures { @for drawn in own { (figure(drawn)) } } }
         }
         @if !compared.is_empty() {
-            details open[is_alone] { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
+            details open[is_alone && !has_claims] { summary { "All runs side by side" } div.figures { @for drawn in compared { (figure(drawn)) } } }
         }
     }
 }
