@@ -364,7 +364,8 @@ class SolverLevel(Answer):
 
     Fields:
 
-    - iterations: Number of iterations; 0 with a `clarabel_residual` of 0 where the levels above leave nothing to decide.
+    - iterations: Number of iterations; 0 with a `clarabel_residual` of 0 where the levels above leave nothing to
+      decide.
     - clarabel_residual: Largest relative residual of the optimality conditions of the level at Clarabel's answer;
       `null` without an answer. Where the level was solved again from its first answer, this is the residual of the
       first one.
