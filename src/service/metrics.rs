@@ -96,7 +96,8 @@ impl Metrics {
         let clarabel_iterations = register(all, "clarabel_iterations", "Iterations of Clarabel", Counter::default());
         let help = "Levels that Clarabel failed to solve, with the solver qp";
         let clarabel_failures = register(all, "clarabel_failures", help, Counter::default());
-        let help = "Problems for which the solver auto needed its last resort, active limits from Clarabel";
+        let help =
+            "Problems for which the solver auto needed its last resort, one change of the active limits at a time";
         let last_resorts = register(all, "last_resorts", help, Counter::default());
         let panics = register(all, "panics", "Handlers that panicked", Counter::default());
         let help = "Steps of sessions more than 1.5 periods after the previous step";

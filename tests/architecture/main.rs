@@ -24,7 +24,7 @@ const LAYERS: [(&str, &[&str]); 10] = [
 /// Crates of others, and the only files and folders that may name them.
 const MAY_NAME: [(&str, &[&str]); 23] = [
     ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
-    ("clarabel", &["crates/reference/src/clarabel.rs", "crates/core/src/resolution/clarabel.rs", "tools/bench/"]),
+    ("clarabel", &["crates/reference/src/clarabel.rs", "tools/bench/"]),
     ("faer", &["crates/reference/src/svd.rs", "crates/core/src/controller/stability/tests.rs", "tools/bench/"]),
     ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs"]),
     ("foxglove", &["crates/lab/src/simulator/recording/mcap_log/"]),

@@ -169,7 +169,7 @@ pub struct SolverReport {
     /// Its answers at the cap of iterations or without progress count as answers, and their residual judges them. Where a
     /// level has no answer, the problem keeps what the levels above achieved.
     pub failures: u32,
-    /// Problems for which the hierarchical solver needed its last resort, a working set from Clarabel.
+    /// Problems for which the hierarchical solver needed its last resort, one change of the working set at a time.
     pub last_resorts: u32,
     /// Largest relative residual of the optimality conditions over all levels, dimensionless; `None` without an
     /// answer, or where its scale is beyond the numbers (rows of 1e-160).

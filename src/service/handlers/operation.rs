@@ -39,7 +39,7 @@ pub async fn ready(State(app): Shared) -> Result<&'static str, ApiError> {
 /// For Prometheus. All names begin with `revprio_`: `requests_total` and `request_duration_seconds` by route, `problems_total`,
 /// `connection_faults_total`, `resolutions_total` by solver path and status, `last_resorts_total`, `clarabel_iterations_total`,
 /// `clarabel_failures_total`, `missed_periods_total`, `panics_total`, `log_lines_dropped_total`, `sessions`, `connections`.
-/// `revprio_last_resorts_total` counts problems for which the solver `auto` needed active limits from Clarabel.
+/// `revprio_last_resorts_total` counts problems for which the solver `auto` changed one active limit at a time.
 #[utoipa::path(
     get,
     path = "/metrics",

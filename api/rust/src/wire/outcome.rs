@@ -131,7 +131,8 @@ pub struct SolverReport {
     /// Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others.
     #[serde(default)]
     pub working_sets: u32,
-    /// Number of problems for which the solver `auto` needed its last resort, active limits from Clarabel; absent if 0.
+    /// Number of problems for which the solver `auto` needed its last resort, one change of the active limits
+    /// at a time; absent if 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schema(example = 1)]
     pub last_resorts: u32,

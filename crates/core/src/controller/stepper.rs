@@ -27,7 +27,6 @@ use crate::task::{Task, TaskStack};
 /// | a state that comes late | 22 |
 /// | a scaled task that limits slow down | 28 |
 /// | bounds of a task, or inequalities, that cannot be kept together | 30; jerk limits before a plane: 54 |
-/// | the search fails and Clarabel proposes a working set | 2 |
 /// | a task of 14 rows; up to 12 have a place without allocation | 19 |
 pub struct Stepper {
     controller: Arc<Controller>,

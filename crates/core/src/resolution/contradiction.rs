@@ -171,25 +171,62 @@ fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: S
 }
 
 /// Takes members away until the vectors a_i depend on each other in one way only.
+///
+/// Dependencies among a few members are found faster than among all, so the members are reduced group by group first.
 fn reduce(demands: &mut Vec<Demand>) {
+    let Some(first) = demands.first() else { return };
+    let most = 2 * first.coefficients.len() + 2;
+    while demands.len() > most {
+        let rest = demands.split_off(most);
+        let is_proof = reduce_group(demands, false);
+        if !is_proof {
+            let is_stuck = demands.len() == most;
+            demands.extend(rest);
+            if is_stuck {
+                break;
+            }
+        }
+    }
+    reduce_group(demands, true);
+}
+
+/// Takes members away along their dependencies; returns whether those that are left are a proof without any others. `is_all`: the
+/// weights are a dependency themselves.
+fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
     let mut dependencies = dependencies(demands);
-    while let Some(mut dependency) = other_dependency(&dependencies, demands) {
+    loop {
+        let next = if is_all { other_dependency(&dependencies, demands) } else { dependencies.first().cloned() };
+        let Some(mut dependency) = next else { return is_all };
         // Along the dependency Σ w_i b_i must not rise.
         let gain: f64 = dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound).sum();
-        if gain < 0.0 {
+        let largest = dependency.iter().fold(0.0, |largest, d| f64::max(largest, d.abs()));
+        let is_positive = |d: &f64| *d > NEGLIGIBLE * largest;
+        if gain < 0.0 || !dependency.iter().any(is_positive) {
             for d in &mut dependency {
                 *d = -*d;
             }
         }
-        // Its entries have both signs, because Σ d_i w_i = 0: one weight vanishes first.
-        let step = |(d, demand): (&f64, &Demand)| if *d > 0.0 { demand.weight / d } else { f64::INFINITY };
+        if gain != 0.0
+            && !is_all
+            && !dependency.iter().any(|d| *d < -NEGLIGIBLE * largest)
+            && gain_of(&dependency, demands) < 0.0
+        {
+            // All signs agree: the dependency is a proof itself.
+            demands.iter_mut().zip(&dependency).for_each(|(demand, d)| demand.weight = *d);
+            demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+            return true;
+        }
+        // One weight vanishes first.
+        let step = |(d, demand): (&f64, &Demand)| {
+            if *d > NEGLIGIBLE * largest { demand.weight / d } else { f64::INFINITY }
+        };
         let steps = dependency.iter().zip(&*demands).map(step).enumerate();
         let Some((vanishing, length)) = steps.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, step)| step.is_finite())
         else {
-            return;
+            return is_all;
         };
         for (demand, d) in demands.iter_mut().zip(&dependency) {
-            demand.weight -= length * d;
+            demand.weight = (demand.weight - length * d).max(0.0);
         }
         demands[vanishing].weight = 0.0;
         let largest = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
@@ -201,6 +238,10 @@ fn reduce(demands: &mut Vec<Demand>) {
             drop_member(&mut dependencies, member);
         }
     }
+}
+
+fn gain_of(dependency: &[f64], demands: &[Demand]) -> f64 {
+    dependency.iter().zip(demands).map(|(d, demand)| d * demand.bound).sum()
 }
 
 /// Returns a basis of all dependencies Σ d_i a_i = 0, from a factorisation A P = Q [R_1, R_2]: the columns of

@@ -1,22 +1,16 @@
-//! The solver of hierarchical problems, its last resort, and the record of what it solved.
+//! The solver of hierarchical problems, and the record of what it solved.
 
 use super::certified::Record;
-use super::clarabel::ClarabelLevels;
 use super::level::{Hierarchy, Solution, WorkingSet};
 use super::plan::Origin;
 use super::solver::HierarchicalSolver;
 use crate::limits::VelocityBox;
 
-/// Working sets after which the last resort is tried. Few problems need more than ten, and those that do have many levels of
-/// inequality rows, for which Clarabel is faster.
-const MAX_SETS_BEFORE_LAST_RESORT: u32 = 60;
-
-/// The hierarchical solver, with Clarabel's working set as the last resort.
+/// The hierarchical solver with its record.
 #[derive(Default)]
 pub struct Engine {
     exact: HierarchicalSolver,
-    clarabel: ClarabelLevels,
-    /// Problems for which the last resort was tried since [`Self::start`].
+    /// Problems that needed the last resort since [`Self::start`].
     pub last_resorts: u32,
     /// The problems that were solved since [`Self::start`], if they are recorded.
     pub record: Option<Record>,
@@ -43,10 +37,8 @@ impl Engine {
         solution: &mut Solution,
     ) {
         let exact = self.exact.of_width(problem.unknowns);
-        exact.solve(problem, guess, MAX_SETS_BEFORE_LAST_RESORT, solution);
-        if !solution.is_optimal {
-            self.try_harder(problem, solution);
-        }
+        exact.solve(problem, guess, solution);
+        self.last_resorts += u32::from(solution.is_last_resort);
         if let Some(record) = &mut self.record {
             record.push(problem, origins, &solution.x, self.exact.last());
         }
@@ -63,25 +55,7 @@ impl Engine {
         let exact = self.exact.last();
         exact.join_levels(own_levels);
         let bounds = (limits.lower().as_slice(), limits.upper().as_slice());
-        exact.solve_within(bounds, Some(guess), MAX_SETS_BEFORE_LAST_RESORT, solution);
-    }
-
-    /// Solves a problem from Clarabel's working set, and from nothing with all working sets that it may take. Where rounding
-    /// may have decided a rank, the second one comes first: Clarabel's set may be of another rank.
-    #[cold]
-    fn try_harder(&mut self, problem: &Hierarchy, solution: &mut Solution) {
-        for is_clarabel in [!solution.rank_uncertain, solution.rank_uncertain] {
-            let tried = solution.working_sets;
-            if is_clarabel {
-                self.last_resorts += 1;
-                self.clarabel.solve(problem, &mut self.exact, solution);
-            } else {
-                self.exact.solve(problem, None, solution);
-            }
-            solution.working_sets += tried;
-            if solution.is_optimal {
-                return;
-            }
-        }
+        exact.solve_within(bounds, Some(guess), solution);
+        self.last_resorts += u32::from(solution.is_last_resort);
     }
 }

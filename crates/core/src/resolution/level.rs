@@ -209,6 +209,8 @@ pub struct Solution {
     pub kkt_residual: f64,
     /// Working sets that were tried.
     pub working_sets: u32,
+    /// Whether the last resort found the working set.
+    pub is_last_resort: bool,
 }
 
 impl Solution {
@@ -221,7 +223,8 @@ impl Solution {
         self.multipliers.clone_from(&other.multipliers);
         self.row_multipliers.clone_from(&other.row_multipliers);
         self.level_ranks.clone_from(&other.level_ranks);
-        let Self { is_optimal, rank_uncertain, kkt_residual, working_sets, .. } = *other;
+        let Self { is_optimal, rank_uncertain, kkt_residual, working_sets, is_last_resort, .. } = *other;
+        self.is_last_resort = is_last_resort;
         (self.is_optimal, self.rank_uncertain) = (is_optimal, rank_uncertain);
         (self.kkt_residual, self.working_sets) = (kkt_residual, working_sets);
     }

@@ -33,7 +33,6 @@
 
 mod answer;
 mod certified;
-mod clarabel;
 mod contradiction;
 mod damped_targets;
 mod engine;

@@ -2,10 +2,13 @@
 
 use super::level::{Hierarchy, Solution, refill};
 use super::plan::{Origin, PlannedProblem};
-use crate::linalg::{Matrix, Row, smallest_eigenvalue};
+use crate::linalg::{Matrix, Row, dot, smallest_eigenvalue};
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
 pub const HALF_WIDTH: f64 = 1.0;
+
+/// Rows beyond which their Gram matrix would cost more than bisection.
+const MAX_GRAM: usize = 40;
 
 /// The workspace of the numbers s_k.
 #[derive(Default)]
@@ -61,6 +64,9 @@ impl Regularity {
         if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > levels.unknowns {
             return 0.0;
         }
+        if rows > MAX_GRAM {
+            return self.regularity_of_many(levels, rows, threshold);
+        }
         refill(gram, std::iter::repeat_n(0.0, rows * rows));
         for (place, &i) in counted[..rows].iter().enumerate() {
             for (other, &j) in counted[..=place].iter().enumerate() {
@@ -100,10 +106,74 @@ impl Regularity {
             // This allocates.
             _ => Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min(),
         };
-        let smallest = smallest.max(0.0).sqrt();
-        let ratio = (smallest / threshold).min(1.0);
-        ratio * ratio * (3.0 - 2.0 * ratio)
+        smooth(smallest.max(0.0).sqrt() / threshold)
     }
+
+    /// The same as [`Self::row_regularity`] for the first `rows` of many rows, by bisection: work in proportion to their number.
+    fn regularity_of_many(&mut self, levels: &Hierarchy, rows: usize, threshold: f64) -> f64 {
+        if self.exceed(levels, rows, threshold) {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, threshold);
+        while high - low > 1e-13 * threshold {
+            let middle = f64::midpoint(low, high);
+            if self.exceed(levels, rows, middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        smooth(low / threshold)
+    }
+
+    /// Returns whether all singular values of [A C, diag(c)] exceed `bound` = t.
+    ///
+    /// The rows R with c² > 2 t² are eliminated from A C² Aᵀ + diag(c²) − t² I first, by Woodbury: with P = I + Σ_R (C a)(C a)ᵀ/(c² − t²),
+    /// the rest is diag(c² − t²) + A C P⁻¹ C Aᵀ over the other rows.
+    fn exceed(&mut self, levels: &Hierarchy, rows: usize, bound: f64) -> bool {
+        let Self { room, row_room, gram, factor, counted, .. } = self;
+        let (n, square) = (levels.unknowns, bound * bound);
+        let rest = |row: usize| row_room[row] * row_room[row] - square;
+        let is_eliminated = |row: &usize| rest(*row) > square;
+        refill(factor, (0..n * n).map(|at| if at % (n + 1) == 0 { 1.0 } else { 0.0 }));
+        for &row in counted[..rows].iter().filter(|row| is_eliminated(row)) {
+            let (a, weight) = (levels.row(row), 1.0 / rest(row));
+            for i in 0..n {
+                let scaled = weight * a[i] * room[i];
+                for j in 0..=i {
+                    factor[i * n + j] += scaled * a[j] * room[j];
+                }
+            }
+        }
+        if !exceeds(factor, n, 0.0) {
+            return false;
+        }
+        // u = L⁻¹ C a for each other row, one after the other in `gram`.
+        gram.clear();
+        let others = || counted[..rows].iter().copied().filter(|row| !is_eliminated(row));
+        for row in others() {
+            let start = gram.len();
+            for i in 0..n {
+                let known: f64 = (0..i).map(|j| factor[i * n + j] * gram[start + j]).sum();
+                gram.push((levels.row(row)[i] * room[i] - known) / factor[i * n + i]);
+            }
+        }
+        let count = gram.len() / n;
+        refill(factor, std::iter::repeat_n(0.0, count * count));
+        for (i, row) in others().enumerate() {
+            for j in 0..=i {
+                factor[i * count + j] = dot(&gram[i * n..][..n], &gram[j * n..][..n]);
+            }
+            factor[i * count + i] += rest(row);
+        }
+        exceeds(factor, count, 0.0)
+    }
+}
+
+/// Returns a smooth step from 0 at 0 to 1 at 1 and beyond.
+fn smooth(ratio: f64) -> f64 {
+    let ratio = ratio.min(1.0);
+    ratio * ratio * (3.0 - 2.0 * ratio)
 }
 
 /// Returns the smallest eigenvalue of a Gram matrix of up to N rows; `rows` is room.

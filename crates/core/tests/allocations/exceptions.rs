@@ -79,16 +79,6 @@ fn a_scaled_task_that_limits_slow_down_allocates_at_most_28_times() {
     }
 }
 
-/// Where the search fails, Clarabel proposes a working set. The path of the answer does not say so.
-#[test]
-fn clarabel_behind_auto_allocates_at_most_2_times() {
-    let slow = Limits::Fixed(VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap());
-    let config = ControllerConfig { method: Method::SingularityRobust, damping: None, ..config(slow, push_and_hold()) };
-    let mut arm = Arm::new(config);
-    arm.warm_up();
-    assert_allocates_at_most("Clarabel", 2, arm.run(2000, |_| true));
-}
-
 #[test]
 fn a_state_that_comes_late_allocates_at_most_22_times() {
     let mut arm = Arm::new(config(Limits::Robot(LimitKind::PositionVelocityAcceleration), push_and_hold()));

@@ -23,10 +23,6 @@ fn every_method_allocates_nothing_inside_the_limits_and_at_them() {
     let slow = Limits::Fixed(VelocityBox::new(&[-0.1; 7], &[0.1; 7]).unwrap());
     for method in METHODS {
         for (limits, is_slow) in [(Limits::Robot(LimitKind::PositionVelocity), false), (slow.clone(), true)] {
-            if is_slow && method == Method::SingularityRobust {
-                // Clarabel helps in some periods: see `exceptions.rs`.
-                continue;
-            }
             for damping in [None, Some(Damping::ARM)] {
                 let config = ControllerConfig { method, damping, ..config(limits.clone(), push_and_hold()) };
                 assert_allocates_nothing(&format!("{method:?}, {is_slow}"), config, 200, |command| {

@@ -12,7 +12,9 @@ use crate::resolution::level::refill;
 pub struct DependentRows<const N: usize> {
     /// The rows of F.
     combinations: Vec<Row<N>>,
-    /// Cholesky factor of I + F Fᵀ.
+    /// Fᵀ F.
+    gram: Vec<Row<N>>,
+    /// Cholesky factor of I + F Fᵀ or I + Fᵀ F.
     cholesky: Vec<f64>,
     /// c, then r: one number for each dependent row.
     r: Vec<f64>,
@@ -26,7 +28,7 @@ impl<const N: usize> DependentRows<N> {
     pub fn solve(&mut self, pivots: &mut [FactorRow<N>], dependents: &mut [FactorRow<N>], first: usize) -> Row<N> {
         self.write_combinations(pivots, dependents, first);
         refill(&mut self.r, dependents.iter().map(|row| row.residual));
-        let pivot_part = self.solve_normal_equations();
+        let pivot_part = self.solve_normal_equations(first, pivots.len());
         let mut change = Row::ZERO;
         for (c, row) in (first..).zip(pivots) {
             change.0[c] = (pivot_part.0[c] - row.coordinates.dot(&change)) * row.inverse;
@@ -57,7 +59,7 @@ impl<const N: usize> DependentRows<N> {
         let mut basic = Row::ZERO;
         (first..).zip(pivots).for_each(|(c, row)| basic.0[c] = w[row.index]);
         refill(&mut self.r, self.combinations.iter().map(|f| f.dot(&basic)));
-        let pivot_part = self.solve_normal_equations();
+        let pivot_part = self.solve_normal_equations(first, pivots.len());
         for (c, row) in (first..).zip(pivots) {
             w[row.index] -= pivot_part.0[c];
             g.add_scaled(-pivot_part.0[c], &row.coordinates);
@@ -98,31 +100,52 @@ impl<const N: usize> DependentRows<N> {
         }
     }
 
-    /// Replaces c in `r` by r = (I + F Fᵀ)⁻¹ c; returns Fᵀ r.
-    fn solve_normal_equations(&mut self) -> Row<N> {
+    /// Replaces c in `r` by r = (I + F Fᵀ)⁻¹ c; returns e = Fᵀ r. `width`: the level's coordinates, from `first` on.
+    ///
+    /// Where rows outnumber coordinates, e is solved for first: (I + Fᵀ F) e = Fᵀ c, r = c − F e.
+    fn solve_normal_equations(&mut self, first: usize, width: usize) -> Row<N> {
         let (f, r, count) = (&self.combinations, &mut self.r, self.combinations.len());
+        let mut pivot_part = Row::ZERO;
         if let [single] = f.as_slice() {
             r[0] /= 1.0 + single.dot(single);
+        } else if count <= width {
+            let product = |i: usize, j: usize| f[i].dot(&f[j]);
+            solve_identity_plus(&mut self.cholesky, count, product, r);
         } else {
-            let g = &mut self.cholesky;
-            g.resize(count * count, 0.0);
-            for i in 0..count {
-                for j in 0..=i {
-                    let sum = f[i].dot(&f[j]) - (0..j).map(|l| g[i * count + l] * g[j * count + l]).sum::<f64>();
-                    g[i * count + j] = if i == j { (1.0 + sum).sqrt() } else { sum / g[j * count + j] };
+            f.iter().zip(&*r).for_each(|(f, c)| pivot_part.add_scaled(*c, f));
+            let gram = &mut self.gram;
+            refill(gram, std::iter::repeat_n(Row::<N>::ZERO, width));
+            for f in f {
+                for (row, entry) in gram.iter_mut().zip(&f.0[first..]) {
+                    row.add_scaled(*entry, f);
                 }
             }
-            for i in 0..count {
-                let sum: f64 = (0..i).map(|j| g[i * count + j] * r[j]).sum();
-                r[i] = (r[i] - sum) / g[i * count + i];
-            }
-            for i in (0..count).rev() {
-                let sum: f64 = (i + 1..count).map(|j| g[j * count + i] * r[j]).sum();
-                r[i] = (r[i] - sum) / g[i * count + i];
-            }
+            let product = |i: usize, j: usize| gram[i].0[first + j];
+            solve_identity_plus(&mut self.cholesky, width, product, &mut pivot_part.0[first..first + width]);
+            r.iter_mut().zip(f).for_each(|(r, f)| *r -= f.dot(&pivot_part));
+            return pivot_part;
         }
-        let mut pivot_part = Row::ZERO;
         f.iter().zip(r).for_each(|(f, r)| pivot_part.add_scaled(*r, f));
         pivot_part
+    }
+}
+
+/// Replaces x by (I + G)⁻¹ x for a positive semidefinite matrix G, by Cholesky's factorisation.
+fn solve_identity_plus(g: &mut Vec<f64>, count: usize, product: impl Fn(usize, usize) -> f64, x: &mut [f64]) {
+    g.resize(count * count, 0.0);
+    for i in 0..count {
+        for j in 0..=i {
+            let known = (0..j).map(|l| g[i * count + l] * g[j * count + l]).sum::<f64>();
+            let rest = product(i, j) - known;
+            g[i * count + j] = if i == j { (1.0 + rest).sqrt() } else { rest / g[j * count + j] };
+        }
+    }
+    for i in 0..count {
+        let known: f64 = (0..i).map(|j| g[i * count + j] * x[j]).sum();
+        x[i] = (x[i] - known) / g[i * count + i];
+    }
+    for i in (0..count).rev() {
+        let known: f64 = (i + 1..count).map(|j| g[j * count + i] * x[j]).sum();
+        x[i] = (x[i] - known) / g[i * count + i];
     }
 }

@@ -3,6 +3,7 @@
 //! It tries working sets until the optimality conditions hold. `docs/solver.md` explains the method; the sections named here
 //! are those of that page. The answer is exact: no regularisation and no weights enter it.
 
+mod cascade;
 mod conditions;
 mod dependent_rows;
 mod factorization;
@@ -15,6 +16,7 @@ mod sized;
 
 pub use sized::{HierarchicalSolver, SizedSolver};
 
+use cascade::Cascade;
 use conditions::{Conditions, Trial};
 use factorization::{Factorization, ROUNDING, Span};
 use primal::PrimalPoint;
@@ -26,25 +28,26 @@ use revprio_problem::Side;
 use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
 
-/// Ratios of the weights of adjacent levels while the search looks for a working set.
-const SPACINGS: [f64; 2] = [1e-6, 1e-4];
-
-/// Relative sizes that count as rounding where working sets repeat: a smaller one where rows nearly depend on each other, so
-/// that multipliers are small, and larger ones where several sets describe the same corner.
-const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
+/// Ratio of the weights of adjacent levels while the search looks for a working set.
+const SPACING: f64 = 1e-6;
 
 /// Singular values below this fraction of ‖A_k‖ count as zero where rounding may decide ranks and the smaller tolerance finds
 /// no certain answer.
 const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 
-/// Trials near a guess, where everything that is wrong changes at once, before the search starts from the empty set.
+/// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
 const GUESSED_TRIALS: u32 = 3;
 
-/// Times that a proposal with wrong bounds is corrected, by releasing joints or by a search that goes on from it.
-const MAX_COMPLETIONS: u32 = 8;
+/// Corrections of everything that is wrong in the proposal of the cascade, before the last resort. One is needed where rounding
+/// decides whether a bound that is met exactly is active.
+const MAX_CORRECTIONS: u32 = 3;
 
-/// Bounds that are wrong in a proposal that the primal method corrects; with more, the search tries other weights.
-const NEARLY_RIGHT: usize = 3;
+/// Relative sizes that count as rounding where working sets repeat in the last resort: a smaller one where rows nearly depend on
+/// each other, so that multipliers are small, and larger ones where several sets describe the same corner.
+const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
+
+/// Working sets after which the solver gives up.
+const MAX_SETS: u32 = 400;
 
 /// The solver for problems of up to N unknowns; it keeps its memory from call to call.
 #[derive(Debug, Default)]
@@ -56,6 +59,7 @@ pub struct ActiveSetSolver<const N: usize> {
     solved: Factorization<N>,
     conditions: Conditions<N>,
     search: Search<N>,
+    cascade: Cascade<N>,
     primal: PrimalPoint<N>,
     /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values.
     inverse: Vec<Row<N>>,
@@ -63,28 +67,31 @@ pub struct ActiveSetSolver<const N: usize> {
     singular: SingularValues,
 }
 
-/// How the next working set is found.
-#[derive(PartialEq)]
-enum Phase {
-    /// By the search, or by correcting all that is wrong.
+/// Where a working set comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// From the call before, corrected at most twice; or nothing is held.
     Guess,
-    /// By steps of the primal method.
-    Primal,
-    /// By the least wrong index alone (Murty), which is finite.
-    LeastIndex,
+    /// From the search.
+    Search,
+    /// From the cascade, corrected as many times.
+    Cascade(u32),
+    /// From steps of the primal method, with as many of [`OTHER_ROUNDINGS`] used up.
+    Primal(usize),
 }
 
 impl<const N: usize> ActiveSetSolver<N> {
-    /// Solves the problem from the working set `guess` on, in at most `max_sets` sets per attempt (section 6).
+    /// Solves the problem from the working set `guess` on (section 6).
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
+    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
         self.has_new_rows |= !self.problem.load(problem);
-        self.solve_loaded(guess, max_sets, solution);
+        self.cascade.reserve(problem.unknowns, problem.row_count());
+        self.solve_loaded(guess, solution);
     }
 
-    fn solve_loaded(&mut self, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
+    fn solve_loaded(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) {
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
         let is_factorized = !self.has_new_rows
             && !self.problem.has_pinned
@@ -93,19 +100,19 @@ impl<const N: usize> ActiveSetSolver<N> {
             && self.solved.rank_tolerance == RANK_TOLERANCE;
         self.has_new_rows = false;
         self.solved.rank_tolerance = RANK_TOLERANCE;
-        let mut met_uncertain_rank = self.solve_from(guess, is_factorized, max_sets, solution);
+        let mut met_uncertain_rank = self.solve_from(guess, is_factorized, solution);
         let mut tried = solution.working_sets;
         let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
         if is_guessed && (met_uncertain_rank || !solution.is_optimal) {
-            met_uncertain_rank = self.solve_from(None, false, max_sets, solution);
+            met_uncertain_rank = self.solve_from(None, false, solution);
             tried += solution.working_sets;
         }
         for tolerance in UNCERTAIN_RANK_TOLERANCES {
-            if solution.is_optimal || !met_uncertain_rank || solution.working_sets >= max_sets {
+            if solution.is_optimal || !met_uncertain_rank {
                 break;
             }
             self.solved.rank_tolerance = tolerance;
-            self.solve_from(None, false, max_sets, solution);
+            self.solve_from(None, false, solution);
             tried += solution.working_sets;
             solution.rank_uncertain = true;
         }
@@ -129,20 +136,9 @@ impl<const N: usize> ActiveSetSolver<N> {
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
     /// `is_factorized`: the last factorisation is that of the empty set of this problem.
-    fn solve_from(
-        &mut self,
-        guess: Option<&WorkingSet>,
-        is_factorized: bool,
-        max_sets: u32,
-        solution: &mut Solution,
-    ) -> bool {
+    fn solve_from(&mut self, guess: Option<&WorkingSet>, is_factorized: bool, solution: &mut Solution) -> bool {
         self.start_from(guess);
-        let mut met_uncertain_rank = false;
-        let constraints = self.problem.unknowns + self.problem.rows.len();
-        let max_sets = u32::try_from(40 * constraints + 50).unwrap_or(u32::MAX).min(max_sets);
-        let mut phase = Phase::Guess;
-        let (mut tried, mut searches, mut completions) = (0, 0, 0);
-        let (mut rounding, mut roundings) = (ROUNDING, OTHER_ROUNDINGS.into_iter());
+        let (mut origin, mut tried, mut met_uncertain_rank) = (Origin::Guess, 0, false);
         loop {
             tried += 1;
             if !(is_factorized && tried == 1 && self.set.is_empty()) {
@@ -151,56 +147,86 @@ impl<const N: usize> ActiveSetSolver<N> {
             met_uncertain_rank |= self.solved.rank_uncertain;
             let Self { problem, set, solved, conditions, .. } = &mut *self;
             let trial = Trial { problem, set, solved };
+            let rounding = match origin {
+                Origin::Primal(used @ 1..) => OTHER_ROUNDINGS[(used - 1).min(OTHER_ROUNDINGS.len() - 1)],
+                _ => ROUNDING,
+            };
             conditions.check_point(trial, rounding);
-            // Nothing is active: the dual method proposes a set, and asks for broken bounds only.
-            let may_propose = phase == Phase::Guess && searches < SPACINGS.len() && set.is_empty();
-            if may_propose && !conditions.are_met() {
-                searches = self.propose(searches);
-                continue;
-            }
-            conditions.check_levels(trial);
-            if self.conditions.are_met() || tried >= max_sets {
-                break;
-            }
-            match phase {
-                // The proposal has wrong bounds, because the weights let the lowest level give way, or because rounding stopped it.
-                Phase::Guess
-                    if searches > 0 && completions < MAX_COMPLETIONS && self.problem.inequalities.is_empty() =>
-                {
-                    completions += 1;
-                    if !self.release_wrong() {
-                        self.propose(0);
-                    }
-                }
-                // A guess from the call before: most are wrong in one place or two.
-                Phase::Guess if searches == 0 && tried < GUESSED_TRIALS => self.correct_all(),
-                // The guess is of no use, or the weights of the first proposal were too far apart: the search starts again.
-                Phase::Guess
-                    if searches < SPACINGS.len() && !self.set.is_empty() && !self.is_nearly_right(searches) =>
-                {
-                    self.set.clear(self.problem.unknowns, self.problem.rows.len());
-                }
-                Phase::LeastIndex => self.correct_least(),
-                _ => {
-                    if phase == Phase::Guess {
-                        phase = Phase::Primal;
-                        self.primal.clear();
-                    }
-                    let Self { problem, solved, conditions, set, primal, .. } = self;
-                    primal.step(problem, solved, conditions, set);
-                    if self.primal.steps > 2 * constraints {
-                        // Sets repeat where rounding decides what is wrong: another size may count as rounding.
-                        match roundings.next() {
-                            Some(other) => rounding = other,
-                            None => phase = Phase::LeastIndex,
-                        }
-                        self.primal.steps = 0;
-                    }
+            // Nothing is held and bounds are broken: multipliers are not needed to propose a set.
+            let is_open = origin == Origin::Guess && set.is_empty() && !conditions.are_met();
+            if !is_open {
+                conditions.check_levels(trial);
+                if self.conditions.are_met() || tried >= MAX_SETS {
+                    break;
                 }
             }
+            origin = self.next_set(origin, is_open, tried);
         }
         self.write(solution, tried);
+        solution.is_last_resort = matches!(origin, Origin::Primal(_));
         met_uncertain_rank
+    }
+
+    /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
+    fn next_set(&mut self, origin: Origin, is_open: bool, tried: u32) -> Origin {
+        match origin {
+            // Most guesses are wrong in one place or two.
+            Origin::Guess if !is_open && tried < GUESSED_TRIALS => {
+                self.correct_all();
+                Origin::Guess
+            }
+            Origin::Guess if self.is_searched() => {
+                if !is_open {
+                    self.set.clear(self.problem.unknowns, self.problem.rows.len());
+                    self.solved.solve(&self.problem, &self.set);
+                }
+                let Self { problem, solved, set, search, .. } = self;
+                search.propose(problem, solved, SPACING, set);
+                Origin::Search
+            }
+            // Where rounding may decide a rank, the cascade may decide otherwise.
+            Origin::Search if self.solved.rank_uncertain => self.start_primal(),
+            Origin::Guess | Origin::Search => {
+                self.cascade.propose(&self.problem, &mut self.set);
+                Origin::Cascade(0)
+            }
+            Origin::Cascade(corrections) if corrections < MAX_CORRECTIONS => {
+                self.correct_all();
+                Origin::Cascade(corrections + 1)
+            }
+            Origin::Cascade(_) => self.start_primal(),
+            // Sets repeat: another size may count as rounding.
+            Origin::Primal(used) if self.primal.steps > self.most_primal_steps() && used < OTHER_ROUNDINGS.len() => {
+                self.primal.steps = 0;
+                self.step_primal();
+                Origin::Primal(used + 1)
+            }
+            Origin::Primal(used) => {
+                self.step_primal();
+                Origin::Primal(used)
+            }
+        }
+    }
+
+    /// Begins the last resort: one change at a time.
+    fn start_primal(&mut self) -> Origin {
+        self.primal.clear();
+        self.step_primal();
+        Origin::Primal(0)
+    }
+
+    fn step_primal(&mut self) {
+        let Self { problem, solved, conditions, set, primal, .. } = self;
+        primal.step(problem, solved, conditions, set);
+    }
+
+    fn most_primal_steps(&self) -> usize {
+        2 * (self.problem.unknowns + self.problem.rows.len())
+    }
+
+    /// Returns whether the search is worth its price: it grows with the square of the inequality rows.
+    fn is_searched(&self) -> bool {
+        self.problem.inequalities.len() <= self.problem.unknowns
     }
 
     /// Takes over the bounds of a guess that this problem has.
@@ -222,31 +248,6 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
     }
 
-    /// Searches for a set with one spacing, or with the next one where rounding stops the first; returns how many were used.
-    fn propose(&mut self, used: usize) -> usize {
-        let Self { problem, solved, set, search, .. } = self;
-        if search.propose(problem, solved, SPACINGS[used], set) || used + 1 == SPACINGS.len() {
-            return used + 1;
-        }
-        search.propose(problem, solved, SPACINGS[used + 1], set);
-        used + 2
-    }
-
-    /// Releases the unknowns whose multipliers point inwards; returns whether there is one.
-    fn release_wrong(&mut self) -> bool {
-        let held = |set: &WorkingSet, j: usize| set.unknowns[j].is_some();
-        let found = self.conditions.wrong.iter().any(|&j| held(&self.set, j));
-        for &j in self.conditions.wrong.iter().filter(|_| found) {
-            self.set.unknowns[j] = None;
-        }
-        found
-    }
-
-    /// Returns whether the set is a proposal that a few steps of the primal method correct.
-    fn is_nearly_right(&self, searches: usize) -> bool {
-        searches > 0 && self.conditions.wrong.len() + self.conditions.wrong_rows.len() <= NEARLY_RIGHT
-    }
-
     /// Changes everything that is wrong.
     fn correct_all(&mut self) {
         for at in 0..self.conditions.wrong.len() {
@@ -254,15 +255,6 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
         for at in 0..self.conditions.wrong_rows.len() {
             self.correct_row(self.conditions.wrong_rows[at]);
-        }
-    }
-
-    /// Changes the wrong bound with the least index.
-    fn correct_least(&mut self) {
-        match (self.conditions.wrong.iter().min(), self.conditions.wrong_rows.iter().min()) {
-            (Some(&unknown), _) => self.correct_unknown(unknown),
-            (None, Some(&row)) => self.correct_row(row),
-            (None, None) => {}
         }
     }
 

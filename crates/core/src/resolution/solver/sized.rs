@@ -8,8 +8,8 @@ use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
 
 /// A solver, whatever its width is, and what its last factorisation can tell.
 pub trait SizedSolver {
-    /// Solves a problem in at most `max_sets` working sets; `guess` is the one to start from.
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution);
+    /// Solves a problem; `guess` is the working set to start from.
+    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution);
 
     /// Begins a problem of equations without bounds.
     fn start_equations(&mut self, reference: &[f64]);
@@ -24,16 +24,7 @@ pub trait SizedSolver {
     fn join_levels(&mut self, first: usize);
 
     /// Solves the equations within a box, as [`Self::solve`] does.
-    fn solve_within(
-        &mut self,
-        bounds: (&[f64], &[f64]),
-        guess: Option<&WorkingSet>,
-        max_sets: u32,
-        solution: &mut Solution,
-    );
-
-    /// Solves the equations of a problem whose only bounds are those of pinned unknowns, in the same way.
-    fn solve_pinned(&mut self, problem: &Hierarchy);
+    fn solve_within(&mut self, bounds: (&[f64], &[f64]), guess: Option<&WorkingSet>, solution: &mut Solution);
 
     /// Evaluates the optimality conditions at the last x; returns whether they hold, and the largest relative residual.
     fn certify(&mut self) -> (bool, f64);
@@ -71,14 +62,11 @@ pub trait SizedSolver {
 
     /// Writes the multipliers of one level of the last problem: of the rows (sign of b − A x), and of the unknowns.
     fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>);
-
-    /// Writes an orthonormal basis of what the active rows of the last problem leave free, column by column.
-    fn write_null_space(&self, basis: &mut Vec<f64>);
 }
 
 impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, max_sets: u32, solution: &mut Solution) {
-        self.solve(problem, guess, max_sets, solution);
+    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
+        self.solve(problem, guess, solution);
     }
 
     fn start_equations(&mut self, reference: &[f64]) {
@@ -98,20 +86,10 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.has_new_rows |= self.problem.join_levels(first);
     }
 
-    fn solve_within(
-        &mut self,
-        (lower, upper): (&[f64], &[f64]),
-        guess: Option<&WorkingSet>,
-        max_sets: u32,
-        solution: &mut Solution,
-    ) {
+    fn solve_within(&mut self, (lower, upper): (&[f64], &[f64]), guess: Option<&WorkingSet>, solution: &mut Solution) {
         self.problem.set_box(lower, upper);
-        self.solve_loaded(guess, max_sets, solution);
-    }
-
-    fn solve_pinned(&mut self, problem: &Hierarchy) {
-        self.problem.load(problem);
-        self.solve_without_bounds();
+        self.cascade.reserve(self.problem.unknowns, self.problem.rows.len());
+        self.solve_loaded(guess, solution);
     }
 
     fn certify(&mut self) -> (bool, f64) {
@@ -183,13 +161,6 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         refill(rows, w.iter().copied());
         refill(unknowns, h.0[..self.problem.unknowns].iter().copied());
     }
-
-    fn write_null_space(&self, basis: &mut Vec<f64>) {
-        basis.clear();
-        for c in self.solved.rank()..self.solved.free.len() {
-            basis.extend_from_slice(&self.solved.q_column(c).0[..self.problem.unknowns]);
-        }
-    }
 }
 
 /// Solvers for all sizes, each made when it is first needed.
@@ -200,12 +171,7 @@ pub struct HierarchicalSolver {
 }
 
 impl HierarchicalSolver {
-    /// Solves a problem of up to [`MAX_UNKNOWNS`] unknowns; `guess` is the working set to start from.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.of_width(problem.unknowns).solve(problem, guess, u32::MAX, solution);
-    }
-
-    /// Returns the solver for n unknowns.
+    /// Returns the solver for n unknowns, at most [`MAX_UNKNOWNS`].
     pub fn of_width(&mut self, n: usize) -> &mut (dyn SizedSolver + Send) {
         let (place, make): (usize, fn() -> Box<dyn SizedSolver + Send>) = match n {
             0..=4 => (0, || Box::<ActiveSetSolver<4>>::default()),

@@ -1,0 +1,345 @@
+//! A working set level by level, in bounded time: primal active-set steps within each level.
+//!
+//! From a point inside the box, each level minimises its squared slack by Newton steps with an exact line search, over the
+//! directions that higher levels leave free and against the bounds that it meets on the way. Then what its optimum needs is
+//! fixed: equations, broken rows, and bounds with a multiplier. A step costs a few products with the rows, no new
+//! factorisation. Second derivatives are normal equations, so a step is not exact. But gradients are computed from the rows, so
+//! that steps converge to the optimum. The result is a proposal: the conditions on that set decide.
+
+mod directions;
+mod step;
+
+use super::problem_rows::ProblemRows;
+use crate::linalg::Row;
+use crate::resolution::Side;
+use crate::resolution::level::{WorkingSet, refill};
+
+/// Relative size below which a residual, a gradient or a multiplier is zero.
+const ZERO: f64 = 1e-12;
+
+/// A direction that bounds or rows leave free is dependent on them below this fraction of its length.
+const DEPENDENT: f64 = 1e-10;
+
+/// A bound that the path met: it holds its unknown or row, until its multiplier points inwards.
+#[derive(Debug, Clone, Copy)]
+struct Held<const N: usize> {
+    constraint: usize,
+    side: Side,
+    /// Its gradient: a unit row for an unknown.
+    normal: Row<N>,
+    /// The part of the normal that neither fixed directions nor bounds held before have, of length one.
+    direction: Row<N>,
+    /// The normal over the directions of this bound and of those before.
+    coordinates: Row<N>,
+}
+
+/// What a row does in the present level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    /// It belongs to a lower level.
+    Later,
+    /// An equation of this level.
+    Equation,
+    /// An inequality of this level; `Some`: it is broken there.
+    Slack(Option<Side>),
+    /// It is kept for a higher level.
+    Kept,
+    /// Its value cannot change any more; `Some`: a broken inequality.
+    Fixed(Option<Side>),
+}
+
+/// A change of curvature along a step.
+type Kink = (f64, f64);
+
+/// The point on its way through the levels.
+#[derive(Debug, Default)]
+pub struct Cascade<const N: usize> {
+    x: Row<N>,
+    /// For each constraint, the unknowns first and then the rows: its value a·x, the change of that along a step, what it does,
+    /// and its bounds as far as higher levels keep them.
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+    roles: Vec<Role>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// Orthonormal directions that higher levels fix.
+    fixed: Vec<Row<N>>,
+    held: Vec<Held<N>>,
+    /// Room for bounds that are held again.
+    later: Vec<Held<N>>,
+    /// Orthonormal directions that are free.
+    free: Vec<Row<N>>,
+    /// Second derivatives of the level over the free directions, and room for their factor.
+    curvature: Vec<Row<N>>,
+    factor: Vec<Row<N>>,
+    gradient: Row<N>,
+    candidates: Vec<Row<N>>,
+    kinks: Vec<Kink>,
+    /// Steps of length zero since the last one that was not.
+    idle: usize,
+}
+
+impl<const N: usize> Cascade<N> {
+    /// Allocates what a problem of this size needs.
+    pub fn reserve(&mut self, unknowns: usize, rows: usize) {
+        let constraints = unknowns + rows;
+        if self.values.capacity() >= constraints {
+            return;
+        }
+        self.values.reserve(constraints);
+        self.slopes.reserve(constraints);
+        self.roles.reserve(constraints);
+        self.lower.reserve(constraints);
+        self.upper.reserve(constraints);
+        self.candidates.reserve(rows);
+        self.kinks.reserve(2 * rows);
+        for list in [&mut self.fixed, &mut self.free, &mut self.curvature, &mut self.factor] {
+            list.reserve(N + 1);
+        }
+        self.held.reserve(N + 1);
+        self.later.reserve(N + 1);
+    }
+
+    /// Proposes a working set.
+    pub fn propose(&mut self, problem: &ProblemRows<N>, set: &mut WorkingSet) {
+        self.start(problem);
+        for level in 0..=problem.levels.len() {
+            if self.free.is_empty() && self.held.is_empty() {
+                break;
+            }
+            self.start_level(problem, level);
+            let size = self.size(problem, level);
+            self.minimize(problem, level, size);
+            self.finish_level(problem, level, size);
+        }
+        self.write(problem, set);
+    }
+
+    fn start(&mut self, problem: &ProblemRows<N>) {
+        let n = problem.unknowns;
+        self.x = problem.reference.clamp(&problem.lower, &problem.upper);
+        let rows = || problem.rows.iter();
+        refill(&mut self.lower, problem.lower.0[..n].iter().copied().chain(rows().map(|row| row.lower)));
+        refill(&mut self.upper, problem.upper.0[..n].iter().copied().chain(rows().map(|row| row.upper)));
+        let values = rows().map(|row| row.coefficients.dot(&self.x));
+        refill(&mut self.values, self.x.0[..n].iter().copied().chain(values));
+        refill(&mut self.slopes, std::iter::repeat_n(0.0, n + problem.rows.len()));
+        let of_unknown = |j: usize| if problem.is_pinned(j) { Role::Fixed(None) } else { Role::Kept };
+        refill(&mut self.roles, (0..n).map(of_unknown).chain(rows().map(|_| Role::Later)));
+        refill(&mut self.fixed, (0..n).filter(|&j| problem.is_pinned(j)).map(unit));
+        refill(&mut self.free, (0..n).filter(|&j| !problem.is_pinned(j)).map(unit));
+        self.held.clear();
+        self.idle = 0;
+    }
+
+    /// Gives the rows of the level their roles, and sets its curvature.
+    fn start_level(&mut self, problem: &ProblemRows<N>, level: usize) {
+        let n = problem.unknowns;
+        refill(&mut self.curvature, std::iter::repeat_n(Row::ZERO, self.free.len()));
+        let Some(size) = problem.levels.get(level) else {
+            for (i, row) in self.curvature.iter_mut().enumerate() {
+                row.0[i] = 1.0;
+            }
+            return;
+        };
+        for i in size.start..size.end {
+            let is_inequality = problem.rows[i].lower < problem.rows[i].upper;
+            let at = n + i;
+            self.values[at] = problem.rows[i].coefficients.dot(&self.x);
+            self.roles[at] = if is_inequality {
+                Role::Slack(broken(self.values[at], self.lower[at], self.upper[at]))
+            } else {
+                Role::Equation
+            };
+            if is_active(self.roles[at]) {
+                self.add_curvature(&problem.rows[i].coefficients, 1.0);
+            }
+        }
+    }
+
+    /// Returns the size of a residual of the level.
+    fn size(&self, problem: &ProblemRows<N>, level: usize) -> f64 {
+        let Some(size) = problem.levels.get(level) else { return self.x.norm() + problem.reference.norm() };
+        let bounds = (problem.unknowns + size.start..problem.unknowns + size.end).map(|at| {
+            let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
+            finite(self.lower[at]).max(finite(self.upper[at]))
+        });
+        bounds.fold(0.0, f64::max) + size.norm * self.x.norm()
+    }
+
+    /// Moves to the optimum of the level.
+    fn minimize(&mut self, problem: &ProblemRows<N>, level: usize, size: f64) {
+        let norm = problem.levels.get(level).map_or(1.0, |level| level.norm);
+        let zero = ZERO * norm * size;
+        let most = 4 * (problem.unknowns + problem.rows.len()) + 100;
+        let mut is_settled = false;
+        let mut last = f64::INFINITY;
+        for _ in 0..most {
+            self.set_gradient(problem, level);
+            let slope =
+                self.free.iter().map(|direction| direction.dot(&self.gradient)).fold(0.0, |a, b| f64::max(a, b.abs()));
+            if slope <= 0.01 * zero || (is_settled && slope >= 0.1 * last) {
+                if !self.release(zero) {
+                    return;
+                }
+                self.extend_curvature(problem, level);
+                (is_settled, last) = (false, f64::INFINITY);
+                continue;
+            }
+            last = slope;
+            let step = self.newton_step();
+            let is_full = self.advance(problem, level, &step);
+            if !is_full {
+                last = f64::INFINITY;
+            }
+            is_settled = is_full;
+        }
+    }
+
+    /// Sets the gradient of ½ Σ s², or of ½ ‖x − ζ‖².
+    fn set_gradient(&mut self, problem: &ProblemRows<N>, level: usize) {
+        let Some(size) = problem.levels.get(level) else {
+            self.gradient = self.x.minus(&problem.reference);
+            return;
+        };
+        self.gradient = Row::ZERO;
+        for i in size.start..size.end {
+            let slack = self.slack(problem.unknowns + i);
+            if slack != 0.0 {
+                self.gradient.add_scaled(slack, &problem.rows[i].coefficients);
+            }
+        }
+    }
+
+    /// Returns by how much the value of a row of this level is above (positive) or below its bound.
+    fn slack(&self, at: usize) -> f64 {
+        match self.roles[at] {
+            Role::Equation | Role::Slack(Some(Side::Lower)) => self.values[at] - self.lower[at],
+            Role::Slack(Some(Side::Upper)) => self.values[at] - self.upper[at],
+            _ => 0.0,
+        }
+    }
+
+    /// Moves along the step to the least slack or the first bound; returns whether it was the whole step and no row changed its
+    /// role.
+    fn advance(&mut self, problem: &ProblemRows<N>, level: usize, step: &Row<N>) -> bool {
+        let n = problem.unknowns;
+        self.slopes[..n].copy_from_slice(&step.0[..n]);
+        for (i, row) in problem.rows.iter().enumerate() {
+            if is_moving(self.roles[n + i]) {
+                self.slopes[n + i] = row.coefficients.dot(step);
+            }
+        }
+        let (most, blocking) = self.first_bound(problem, step);
+        let length = self.least_slack(problem, level, step, most);
+        let is_blocked = blocking.is_some() && length >= most;
+        self.idle = if length > 0.0 { 0 } else { self.idle + 1 };
+        self.x.add_scaled(length, step);
+        self.x = self.x.clamp(&problem.lower, &problem.upper);
+        let mut changed = false;
+        self.values[..n].copy_from_slice(&self.x.0[..n]);
+        for at in n..self.values.len() {
+            if !is_moving(self.roles[at]) {
+                continue;
+            }
+            self.values[at] += length * self.slopes[at];
+            if let Role::Slack(before) = self.roles[at] {
+                let after = broken(self.values[at], self.lower[at], self.upper[at]);
+                if after.is_some() != before.is_some() {
+                    self.add_curvature(&problem.rows[at - n].coefficients, if after.is_some() { 1.0 } else { -1.0 });
+                }
+                changed |= after != before;
+                self.roles[at] = Role::Slack(after);
+            }
+        }
+        if let (true, Some((constraint, side))) = (is_blocked, blocking) {
+            self.hold(problem, constraint, side);
+        }
+        !(is_blocked || changed) && length >= 1.0
+    }
+
+    /// Fixes what the optimum of the level needs; the rest of its rows is kept from now on.
+    fn finish_level(&mut self, problem: &ProblemRows<N>, level: usize, size: f64) {
+        let n = problem.unknowns;
+        let Some(own) = problem.levels.get(level) else { return };
+        let rounding = ZERO * size;
+        let multipliers = self.multipliers();
+        self.candidates.clear();
+        let mut needed = Row::<N>::ZERO;
+        for (at, held) in self.held.iter().enumerate() {
+            needed.0[at] = f64::from(u8::from(multipliers.0[at].abs() * held.normal.norm() > ZERO * own.norm * size));
+        }
+        for i in own.start..own.end {
+            let at = n + i;
+            let slack = self.slack(at);
+            self.roles[at] = match self.roles[at] {
+                Role::Equation => Role::Fixed(None),
+                Role::Slack(side @ Some(_)) if slack.abs() > rounding => Role::Fixed(side),
+                _ => {
+                    self.lower[at] = self.lower[at].min(self.values[at]);
+                    self.upper[at] = self.upper[at].max(self.values[at]);
+                    Role::Kept
+                }
+            };
+            if matches!(self.roles[at], Role::Fixed(_)) {
+                self.candidates.push(problem.rows[i].coefficients);
+            }
+        }
+        self.fix_candidates(own.norm);
+        // Bounds with a multiplier stay for good; the others are held on.
+        let mut held = std::mem::take(&mut self.later);
+        refill(&mut held, self.held.drain(..));
+        let with_need = || held.iter().zip(&needed.0);
+        with_need().filter(|(_, needed)| **needed > 0.0).for_each(|(bound, _)| self.fix_bound(bound));
+        with_need().filter(|(_, needed)| **needed == 0.0).for_each(|(bound, _)| self.hold_again(bound));
+        self.later = held;
+    }
+
+    /// Writes the set: what is fixed or held at a bound.
+    fn write(&self, problem: &ProblemRows<N>, set: &mut WorkingSet) {
+        let n = problem.unknowns;
+        set.clear(n, problem.rows.len());
+        for (at, role) in self.roles.iter().enumerate() {
+            if let Role::Fixed(side) | Role::Slack(side) = *role {
+                *place(set, n, at) = side;
+            }
+        }
+        for held in &self.held {
+            *place(set, n, held.constraint) = Some(held.side);
+        }
+    }
+}
+
+fn place(set: &mut WorkingSet, n: usize, constraint: usize) -> &mut Option<Side> {
+    match constraint.checked_sub(n) {
+        None => &mut set.unknowns[constraint],
+        Some(row) => &mut set.rows[row],
+    }
+}
+
+/// Returns whether the value of a row is followed.
+fn is_moving(role: Role) -> bool {
+    !matches!(role, Role::Later | Role::Fixed(_))
+}
+
+fn is_active(role: Role) -> bool {
+    matches!(role, Role::Equation | Role::Slack(Some(_)))
+}
+
+/// Returns the bound that a value breaks.
+fn broken(value: f64, lower: f64, upper: f64) -> Option<Side> {
+    if value > upper {
+        Some(Side::Upper)
+    } else if value < lower {
+        Some(Side::Lower)
+    } else {
+        None
+    }
+}
+
+/// Returns a row with 1 at the place j.
+fn unit<const N: usize>(j: usize) -> Row<N> {
+    let mut row = Row::ZERO;
+    row.0[j] = 1.0;
+    row
+}
