@@ -20,6 +20,7 @@
 //! | [`limits`] | the speed limits of a request |
 //! | [`budget`] | processor time that a request may use |
 //! | [`mutation`] | mutations that keep an input well-formed |
+//! | [`corpus`] | the kept inputs |
 //! | [`seeds`] | first inputs: the examples, robots and scenarios of the repository |
 
 pub mod answers;
@@ -27,6 +28,7 @@ mod bodies;
 pub mod budget;
 pub mod checker;
 pub mod connection;
+pub mod corpus;
 mod frames;
 pub mod limits;
 pub mod mutation;
