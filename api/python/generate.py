@@ -1,6 +1,9 @@
-"""Writes src/revprio/models.py: one pydantic model for each schema of the OpenAPI document.
+"""Writes src/revprio/models.py and problem.py: one pydantic model for each schema of the OpenAPI document.
 
-python generate.py ../openapi.json | ruff format - > src/revprio/models.py
+python generate.py ../openapi.json problem | ruff format - > src/revprio/problem.py
+python generate.py ../openapi.json models | ruff format - > src/revprio/models.py
+
+A problem has a module of its own: the errors hold it, and a body of the models raises one of the errors.
 """
 
 import json
@@ -26,8 +29,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from revprio.answers import Answer
 from revprio.bodies import (
-    Answer,
     ArrayLike,
     Body,
     FloatArray,
@@ -39,6 +42,17 @@ from revprio.bodies import (
     UpperBounds,
     Vector,
 )
+from revprio.problem import REMEDIES, Problem
+'''
+PROBLEM_HEADER = '''"""A refused request. Generated from the OpenAPI document by `generate.py`; do not edit."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from revprio.answers import Answer
 '''
 
 
@@ -226,13 +240,15 @@ def remedies(document: Schema) -> str:
     return f'REMEDIES: dict[str, str] = {{\n{entries}}}\n"""What to do about each type of problem."""'
 
 
-def source(document: Schema) -> str:
-    """Returns the source text of the module."""
+def source(document: Schema, module: str) -> str:
+    """Returns the source text of a module: `models` or `problem`."""
     models = Models(document).written
+    if module == "problem":
+        return "\n\n".join([PROBLEM_HEADER, models["Problem"], remedies(document)]) + "\n"
     names = ", ".join(json.dumps(name) for name in sorted([*models, "REMEDIES"]))
-    parts = [HEADER, f"__all__ = [{names}]", *models.values(), remedies(document)]
-    return "\n\n".join(parts) + "\n"
+    others = [text for name, text in models.items() if name != "Problem"]
+    return "\n\n".join([HEADER, f"__all__ = [{names}]", *others]) + "\n"
 
 
 if __name__ == "__main__":
-    sys.stdout.write(source(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))))
+    sys.stdout.write(source(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")), sys.argv[2]))

@@ -2,10 +2,9 @@
 
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 use super::output::print_text;
-use super::{CliError, FAILURE};
 
 /// The program that checks certificates.
 const SCRIPT: &str = include_str!("../../tools/check/check.py");
@@ -51,17 +50,16 @@ pub enum CheckError {
     Run(std::io::Error),
     /// The certificate does not hold or cannot be read; the program has printed why.
     #[error("the certificate does not hold or cannot be read")]
-    Ended(u8),
+    Ended(ExitStatus),
+    /// The program cannot be printed.
+    #[error("cannot print: {0}")]
+    Print(std::io::Error),
 }
 
-pub fn run(options: &Options) -> Result<(), CliError> {
+pub fn run(options: &Options) -> Result<(), CheckError> {
     if options.script {
-        return Ok(print_text(SCRIPT)?);
+        return print_text(SCRIPT).map_err(CheckError::Print);
     }
-    check(options).map_err(CliError::from)
-}
-
-fn check(options: &Options) -> Result<(), CheckError> {
     // `-` reads the program from standard input: as an argument, it would be too long for Windows.
     let started = Command::new(PYTHON)
         .args(["-I", "-"])
@@ -76,8 +74,5 @@ fn check(options: &Options) -> Result<(), CheckError> {
         input.write_all(SCRIPT.as_bytes()).map_err(CheckError::Run)?;
     }
     let status = python.wait().map_err(CheckError::Run)?;
-    if status.success() {
-        return Ok(());
-    }
-    Err(CheckError::Ended(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(FAILURE)))
+    if status.success() { Ok(()) } else { Err(CheckError::Ended(status)) }
 }

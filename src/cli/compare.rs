@@ -10,12 +10,13 @@ use revprio_lab::report::table::{Row, side_by_side};
 use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};
 
+use super::error::CliError;
 use super::experiment::{ExperimentRunner, make_directory, program, store, with_traces};
 use super::one_of::one_of;
 use super::output::{print_remark, print_text};
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
-use super::{CliError, traces};
+use super::traces;
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

@@ -12,10 +12,11 @@ use revprio_lab::report::run::Run;
 use revprio_lab::report::table::summary;
 use revprio_lab::simulator::{PAPER_SCENARIOS, Scenario};
 
+use super::error::CliError;
 use super::experiment::{label, make_directory, program, write_report};
 use super::output::print_text;
 use super::parallel_runs::run_all;
-use super::{CliError, traces};
+use super::traces;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = SERVERS, mut_arg("traces", |traces| traces.default_value("parquet")))]

@@ -16,10 +16,13 @@ use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot, run_robot};
 use revprio_robot::RobotModel;
 
+use super::error::CliError;
 use super::output::print_remark;
+use super::progress_bar::progress_bar;
 use super::robot::{Registration, RobotArgument};
 use super::service_choice::{CalledService, ServiceChoice};
-use super::{CliError, Target, progress_bar, traces};
+use super::target::Target;
+use super::traces;
 use crate::service::robot_answer;
 
 /// The service that runs call, and the robot that replaces the robot of the scenario, if given.

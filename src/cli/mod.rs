@@ -4,11 +4,13 @@ mod check;
 mod compare;
 mod config;
 mod demo;
+mod error;
 mod experiment;
 mod one_of;
 mod openapi;
 mod output;
 mod parallel_runs;
+mod progress_bar;
 mod replay;
 mod report;
 mod resolve;
@@ -21,29 +23,18 @@ mod simulate;
 mod stability;
 mod supervisor;
 mod sweep;
+mod target;
 mod text;
 mod tool;
 mod traces;
 
 use std::ffi::OsString;
-use std::fmt;
-use std::path::{Path, PathBuf};
 
-use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressState, ProgressStyle};
-use revprio_api::wire::read_error::in_plain_words;
-use revprio_api::{Client, ClientError};
-use revprio_lab::report::number::significant;
-use revprio_lab::simulator::recording::{ReadError, WriteError};
-use revprio_lab::simulator::replay::ReplayError;
-use revprio_lab::simulator::{RunError, ScenarioError};
-use revprio_robot::RobotFileError;
+use clap::{CommandFactory, Parser, Subcommand};
 
 use self::check::CheckError;
-use self::settings::SettingsError;
-use crate::service::{
-    AppState, Robots, RobotsError, RunningServer, ServeError, Token, asyncapi_document, openapi_document, router,
-};
+pub use self::error::CliError;
+use crate::service::{asyncapi_document, openapi_document};
 
 /// Velocity resolution of redundant robot arms by reverse task priority, as a service.
 #[derive(Debug, Parser)]
@@ -117,140 +108,6 @@ enum Command {
     Load(tool::Arguments),
 }
 
-/// Why a command failed.
-#[derive(Debug, thiserror::Error)]
-pub enum CliError {
-    /// The service cannot start.
-    #[error(transparent)]
-    Serve(#[from] ServeError),
-    /// The settings are not valid.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// The benchmark program cannot be run.
-    #[error(transparent)]
-    Tool(#[from] tool::ToolError),
-    /// An answer is not checked, or its certificate does not hold.
-    #[error(transparent)]
-    Check(#[from] CheckError),
-    /// A robot file is not valid.
-    #[error(transparent)]
-    RobotFile(#[from] RobotFileError),
-    /// The file with the overrides of a robot is not valid.
-    #[error("--robot FILE,overrides={path}: {message}")]
-    Overrides {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// The name of a robot is not valid or already in use.
-    #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
-    Robots(#[from] RobotsError),
-    /// The name of a file of `--robots-dir` is not valid or already in use.
-    #[error("--robots-dir: {path}: {source}; rename the file")]
-    RobotsDirectory {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with its name.
-        source: RobotsError,
-    },
-    /// The server has another robot of that name.
-    #[error("{server} has another robot `{name}`; choose another name: `FILE,name=NAME`")]
-    OtherRobot {
-        /// The service.
-        server: String,
-        /// The name.
-        name: String,
-    },
-    /// Only URDF robots can be registered at a server.
-    #[error(
-        "only URDF robots can be registered at a running server; start it with `revprio serve --robot {0}`, or leave out \
-         --server"
-    )]
-    NotSent(String),
-    /// The scenario cannot be read.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// The run ended early.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The service did not answer.
-    #[error(transparent)]
-    Client(#[from] ClientError),
-    /// The report cannot be written.
-    #[error(transparent)]
-    Report(#[from] revprio_lab::report::Error),
-    /// Requests of a run were lost, or its service had another client.
-    #[error("the client sent {sent} requests, but its own service answered {answered}")]
-    Requests {
-        /// Requests of the client.
-        sent: u64,
-        /// Answers of the service.
-        answered: u64,
-    },
-    /// The demonstration is not valid.
-    #[error("the demonstration failed: {}", .0.join("; "))]
-    Demo(Vec<String>),
-    /// No run finished.
-    #[error("no run finished, so there is nothing to compare: {0}")]
-    NothingToCompare(String),
-    /// A recording cannot be written.
-    #[error("cannot write {path}: {source}")]
-    Trace {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: WriteError,
-    },
-    /// The file is not a recording.
-    #[error("cannot read {path}: {source}")]
-    ReadRecording {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: Box<ReadError>,
-    },
-    /// The sweep cannot be run, or its files cannot be used.
-    #[error("{0}")]
-    Sweep(String),
-    /// The recording cannot be replayed.
-    #[error(transparent)]
-    Replay(#[from] ReplayError),
-    /// The replayed answers differ from the recorded ones.
-    #[error("{answers} answers differ from the recording")]
-    Differs {
-        /// Number of answers.
-        answers: usize,
-    },
-    /// The output directory cannot be created.
-    #[error("cannot create {path}: {source}")]
-    Directory {
-        /// The directory.
-        path: PathBuf,
-        /// The error.
-        source: std::io::Error,
-    },
-    /// The problem file cannot be read.
-    #[error("cannot read {path}: {source}")]
-    ReadProblem {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: std::io::Error,
-    },
-    /// The problem file is not a valid request.
-    #[error("{path}: {}", in_plain_words(&source.to_string()))]
-    ParseProblem {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: serde_json::Error,
-    },
-    /// Standard output cannot be written.
-    #[error("cannot print: {0}")]
-    Print(#[from] std::io::Error),
-}
-
 /// Runs the program with these arguments, the first of which is its name. Returns its exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
@@ -265,7 +122,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match cli.run() {
         Ok(()) => 0,
         // The program that checks has printed why.
-        Err(CliError::Check(CheckError::Ended(status))) => status,
+        Err(CliError::Check(CheckError::Ended(status))) => {
+            status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(FAILURE)
+        }
         Err(error) => {
             output::print_remark(format_args!("error: {error}"));
             FAILURE
@@ -283,7 +142,7 @@ impl Cli {
             Command::Demo(options) => demo::run(&options, &text::command_line(&self.arguments)),
             Command::Serve(options) => serve::run(&options),
             Command::Config(options) => config::run(&options),
-            Command::Completions { shell } => config::completions(shell),
+            Command::Completions { shell } => completions(shell),
             Command::Load(arguments) => Ok(tool::run("load", &arguments)?),
             Command::Scenarios => scenarios::run(),
             Command::Simulate(options) => simulate::run(&options),
@@ -293,7 +152,7 @@ impl Cli {
             Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
             Command::Resolve(options) => resolve::run(&options),
-            Command::Check(options) => check::run(&options),
+            Command::Check(options) => Ok(check::run(&options)?),
             Command::Bench(arguments) => Ok(tool::run("bench", &arguments)?),
             Command::Openapi => openapi::run(&openapi_document()),
             Command::Asyncapi => openapi::run(&asyncapi_document()),
@@ -301,44 +160,9 @@ impl Cli {
     }
 }
 
-/// The service that a command calls: a given one, or its own service that runs as long as this value exists.
-struct Target {
-    client: Client,
-    own: Option<RunningServer>,
-}
-
-impl Target {
-    /// Opens a given service, with the token in the file `REVPRIO_TOKEN_FILE` if it is set, or starts an own service.
-    fn open(url: Option<&str>) -> Result<Self, CliError> {
-        if let Some(url) = url {
-            let file = std::env::var_os("REVPRIO_TOKEN_FILE").filter(|file| !file.is_empty());
-            let token = file.map(|file| Token::read(Path::new(&file))).transpose().map_err(SettingsError::from)?;
-            let client = Client::new(url);
-            let with_token = token.and_then(|token| client.clone().with_token(token.secret()));
-            return Ok(Self { client: with_token.unwrap_or(client), own: None });
-        }
-        Ok(Self::own(Robots::built_in())?)
-    }
-
-    /// Starts an own service with these robots.
-    fn own(robots: Robots) -> Result<Self, ServeError> {
-        let own = RunningServer::start(router(AppState::new(robots)))?;
-        Ok(Self { client: Client::new(&own.url()), own: Some(own) })
-    }
-
-    /// Returns the number of requests that the own service has answered, or that this client has sent to a given one.
-    fn requests(&self) -> u64 {
-        self.own.as_ref().map_or_else(|| self.client.requests(), RunningServer::answered)
-    }
-}
-
-/// Returns a progress bar; it is hidden without a terminal.
-fn progress_bar(periods: u64, label: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{prefix:<60} {bar:30} {pos:>6}/{len} {rate:>8}, {eta} left");
-    let rate = |state: &ProgressState, text: &mut dyn fmt::Write| {
-        let _ = write!(text, "{}/s", significant(state.per_sec(), 3));
-    };
-    let style = style.map(|style| style.with_key("rate", rate));
-    let bar = ProgressBar::new(periods).with_prefix(label.to_owned());
-    style.map_or(bar.clone(), |style| bar.with_style(style))
+/// Prints a script with which a shell completes commands and options.
+fn completions(shell: clap_complete::Shell) -> Result<(), CliError> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "revprio", &mut script);
+    Ok(output::print_text(String::from_utf8_lossy(&script))?)
 }

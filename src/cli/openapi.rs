@@ -1,6 +1,6 @@
 //! `revprio openapi` and `revprio asyncapi`
 
-use super::CliError;
+use super::error::CliError;
 use super::output::print_text;
 
 /// Prints a document.

@@ -5,10 +5,11 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use revprio_lab::report::run::Run;
 use revprio_lab::simulator::{CallMode, Scenario, built_in_robot};
 
+use super::error::CliError;
 use super::experiment::{label, run_with, visible_bar};
 use super::output::print_remark;
 use super::service_choice::CalledService;
-use super::{CliError, Target};
+use super::target::Target;
 
 /// Runs scenarios with built-in robots and shows the progress. The results are in the order of the scenarios.
 ///

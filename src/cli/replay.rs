@@ -7,10 +7,12 @@ use revprio_lab::simulator::CallMode;
 use revprio_lab::simulator::recording::{Value, cell_text, read};
 use revprio_lab::simulator::replay::{Difference, Replay, replay};
 
+use super::error::CliError;
 use super::output::print_text;
+use super::progress_bar::progress_bar;
 use super::robot::RobotArgument;
 use super::service_choice::server_address;
-use super::{CliError, Target, progress_bar};
+use super::target::Target;
 use crate::service::Robots;
 
 #[derive(Debug, clap::Args)]

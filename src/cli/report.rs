@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use revprio_lab::report::experiment::store;
 use revprio_lab::report::{self, Output, Report};
 
-use super::CliError;
 use super::compare::{Format, print};
+use super::error::CliError;
 use super::output::print_remark;
 
 #[derive(Debug, clap::Args)]

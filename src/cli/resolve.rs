@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use revprio_api::Client;
 use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, Status, TaskOutcome};
 
+use super::error::CliError;
 use super::output::print_text;
 use super::service_choice::server_address;
+use super::target::Target;
 use super::text::{columns, judged};
-use super::{CliError, Target};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

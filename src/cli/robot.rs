@@ -11,7 +11,6 @@ use revprio_api::{Client, ClientError};
 use revprio_robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
 use serde::{Deserialize, Serialize};
 
-use super::CliError;
 use crate::service::{overrides, robot_answer};
 
 /// A robot file with options.
@@ -34,6 +33,39 @@ struct OverridesFile {
     limits: Option<BTreeMap<String, StatedLimits>>,
     joint_names: Option<BTreeMap<String, String>>,
     tool_offset: Option<Pose>,
+}
+
+/// Why a robot argument cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RobotArgumentError {
+    /// The robot file is not valid.
+    #[error(transparent)]
+    File(#[from] RobotFileError),
+    /// The file with the overrides of a robot is not valid.
+    #[error("--robot FILE,overrides={path}: {message}")]
+    Overrides {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// The server has another robot of that name.
+    #[error("{server} has another robot `{name}`; choose another name: `FILE,name=NAME`")]
+    OtherRobot {
+        /// The service.
+        server: String,
+        /// The name.
+        name: String,
+    },
+    /// Only URDF robots can be registered at a server.
+    #[error(
+        "only URDF robots can be registered at a running server; start it with `revprio serve --robot {0}`, or leave out \
+         --server"
+    )]
+    NotSent(String),
+    /// The service did not answer.
+    #[error(transparent)]
+    Client(#[from] ClientError),
 }
 
 impl RobotArgument {
@@ -63,7 +95,7 @@ impl RobotArgument {
     }
 
     /// Reads the robot.
-    pub fn read(&self) -> Result<Arc<RobotModel>, CliError> {
+    pub fn read(&self) -> Result<Arc<RobotModel>, RobotArgumentError> {
         let registration = self.registration(String::new(), String::new())?;
         let overrides = overrides(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
         let options = UrdfOptions {
@@ -77,7 +109,7 @@ impl RobotArgument {
     }
 
     /// Returns the registration of the robot; base and tip of the argument have priority over those of its overrides file.
-    fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, CliError> {
+    fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, RobotArgumentError> {
         let file = self.overrides_file()?;
         Ok(RobotRegistration {
             name,
@@ -90,14 +122,14 @@ impl RobotArgument {
         })
     }
 
-    fn overrides_file(&self) -> Result<OverridesFile, CliError> {
+    fn overrides_file(&self) -> Result<OverridesFile, RobotArgumentError> {
         let Some(path) = &self.overrides else { return Ok(OverridesFile::default()) };
         let text = std::fs::read_to_string(path).map_err(|error| self.wrong_overrides(error.to_string()))?;
         serde_json::from_str(&text).map_err(|error| self.wrong_overrides(error.to_string()))
     }
 
-    fn wrong_overrides(&self, message: String) -> CliError {
-        CliError::Overrides { path: self.overrides.clone().unwrap_or_default(), message }
+    fn wrong_overrides(&self, message: String) -> RobotArgumentError {
+        RobotArgumentError::Overrides { path: self.overrides.clone().unwrap_or_default(), message }
     }
 
     /// Registers the robot at a server; `None` if the server already has it.
@@ -106,16 +138,16 @@ impl RobotArgument {
         robot: &RobotModel,
         client: &Client,
         server: &str,
-    ) -> Result<Option<Registration>, CliError> {
+    ) -> Result<Option<Registration>, RobotArgumentError> {
         if let Some(known) = client.robots()?.robots.into_iter().find(|known| known.name == robot.name()) {
             return if known == robot_answer(robot) {
                 Ok(None)
             } else {
-                Err(CliError::OtherRobot { server: server.to_owned(), name: known.name })
+                Err(RobotArgumentError::OtherRobot { server: server.to_owned(), name: known.name })
             };
         }
         if self.path.extension().is_none_or(|ending| ending != "urdf") {
-            return Err(CliError::NotSent(self.to_string()));
+            return Err(RobotArgumentError::NotSent(self.to_string()));
         }
         let source = |source| RobotFileError::Read { path: self.path.clone(), source };
         let urdf = std::fs::read_to_string(&self.path).map_err(source)?;

@@ -2,7 +2,7 @@
 
 use revprio_lab::simulator::ScenarioList;
 
-use super::CliError;
+use super::error::CliError;
 use super::output::print_text;
 use super::text::{WIDTH, wrapped};
 

@@ -9,7 +9,7 @@ use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::prelude::*;
 
-use super::CliError;
+use super::error::CliError;
 use super::robot::RobotArgument;
 use super::settings::{EffectiveSettings, LogFormat, Options};
 use super::supervisor::{LOG_TIMEOUT, ProcessSupervisor, end_on_second_signal};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use revprio_api::Service;
 use revprio_robot::RobotModel;
 
-use super::{CliError, Target};
+use super::error::CliError;
+use super::target::Target;
 use crate::service::{InProcess, Robots};
 
 /// The service that the user chose.

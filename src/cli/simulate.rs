@@ -7,12 +7,13 @@ use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table::{self, side_by_side};
 use revprio_lab::simulator::{CallMode, Scenario};
 
+use super::error::CliError;
 use super::experiment::{ExperimentRunner, make_directory, program, write_results};
 use super::one_of::one_of;
 use super::output::print_text;
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
-use super::{CliError, traces};
+use super::traces;
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

@@ -2,9 +2,10 @@
 
 use revprio_api::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
+use super::error::CliError;
 use super::output::print_text;
 use super::service_choice::server_address;
-use super::{CliError, Target};
+use super::target::Target;
 
 /// Linear axes in kg, N·s/m and N/m, angular ones in kg·m², N·m·s/rad and N·m/rad.
 #[derive(Debug, clap::Args)]

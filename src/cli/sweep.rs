@@ -18,11 +18,13 @@ use revprio_lab::simulator::Scenario;
 use revprio_lab::simulator::recording::{Kind, Value};
 use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
 
+use super::error::CliError;
 use super::experiment::make_directory;
 use super::output::{print_remark, print_text};
+use super::progress_bar::progress_bar;
 use super::service_choice::server_address;
+use super::target::Target;
 use super::text::{WIDTH, columns};
-use super::{CliError, Target, progress_bar};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]

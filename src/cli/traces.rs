@@ -4,7 +4,7 @@ use std::path::Path;
 
 use revprio_lab::simulator::recording::{Format, Recording};
 
-use super::CliError;
+use super::error::CliError;
 use super::one_of::one_of;
 
 #[derive(Debug, Clone, clap::Args)]

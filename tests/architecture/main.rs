@@ -26,7 +26,7 @@ const MAY_NAME: [(&str, &[&str]); 23] = [
     ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
     ("clarabel", &["crates/reference/src/clarabel.rs", "tools/bench/"]),
     ("faer", &["crates/reference/src/svd.rs", "crates/core/src/controller/stability/tests.rs", "tools/bench/"]),
-    ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs"]),
+    ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs", "tools/fuzz/src/corpus.rs"]),
     ("foxglove", &["crates/lab/src/simulator/recording/mcap_log/"]),
     ("futures_util", &["src/service/"]),
     ("hyper", &["src/service/"]),

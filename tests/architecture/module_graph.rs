@@ -19,8 +19,12 @@ struct Module {
     names: BTreeMap<String, ModulePath>,
     /// Modules of which `use` brings all names into this one. They cannot be followed.
     globs: Vec<ModulePath>,
-    /// Paths in the code and in private `use` declarations. A re-export is no import of the module that has it.
+    /// Modules that it declares, also those whose file is elsewhere.
+    declared: BTreeSet<String>,
+    /// Paths in the code and in private `use` declarations.
     imports: Vec<ModulePath>,
+    /// Paths in public `use` declarations.
+    re_exports: Vec<ModulePath>,
 }
 
 /// A path in a `use` declaration.
@@ -45,22 +49,32 @@ impl Crate {
 
     /// Returns the modules that bring all names of another module of the crate into scope, which hides where a name comes from.
     pub fn globs(&self) -> Vec<&ModulePath> {
-        let is_own = |glob: &ModulePath| glob.first().is_some_and(|first| matches!(first.as_str(), "crate" | "super"));
-        self.modules.iter().filter(|(_, module)| module.globs.iter().any(is_own)).map(|(path, _)| path).collect()
+        let is_own = |module: &Module, glob: &ModulePath| {
+            let first = glob.first().map(String::as_str).unwrap_or_default();
+            matches!(first, "crate" | "super" | "self") || module.declared.contains(first)
+        };
+        let has_own = |module: &Module| module.globs.iter().any(|glob| is_own(module, glob));
+        self.modules.iter().filter(|(_, module)| has_own(module)).map(|(path, _)| path).collect()
     }
 
-    /// Returns which module of a folder imports which others of it. The file of the folder itself (`mod.rs`, `lib.rs`) is none
-    /// of its modules.
+    /// Returns which module of a folder imports which others of it. The file of the folder itself (`mod.rs`, `lib.rs`) is
+    /// the module [`FOLDER`].
     pub fn graph(&self, folder: &[String]) -> BTreeMap<String, BTreeSet<String>> {
         let mut graph = BTreeMap::<String, BTreeSet<String>>::new();
         for (path, module) in &self.modules {
             let Some(importing) = inside(folder, path) else { continue };
-            let defined = module.imports.iter().filter_map(|import| self.defined_in(path, import, DEPTH));
             let imported = graph.entry(importing.to_owned()).or_default();
-            imported.extend(defined.filter_map(|file| inside(folder, &file).map(str::to_owned)));
+            imported.extend(self.imports(path, module).filter_map(|file| inside(folder, &file).map(str::to_owned)));
             imported.remove(importing);
         }
         graph
+    }
+
+    /// Returns the modules whose files define what a module names. A folder that re-exports its own parts does not use them.
+    fn imports<'a>(&'a self, path: &'a ModulePath, module: &'a Module) -> impl Iterator<Item = ModulePath> + 'a {
+        let defined = move |import: &ModulePath| self.defined_in(path, import, DEPTH);
+        let others = module.re_exports.iter().filter_map(defined).filter(move |file| !file.starts_with(path));
+        module.imports.iter().filter_map(defined).chain(others)
     }
 
     /// Returns the module whose file defines what a path in `module` names; `None` for paths of other crates.
@@ -83,22 +97,26 @@ impl Crate {
     fn named_in(&self, module: &[String], name: &str, rest: &[String], depth: u32) -> Option<ModulePath> {
         let depth = depth.checked_sub(1)?;
         let child: ModulePath = module.iter().cloned().chain([name.to_owned()]).collect();
-        if self.modules.contains_key(&child) {
+        let source = self.modules.get(module);
+        if self.modules.contains_key(&child) || source.is_some_and(|source| source.declared.contains(name)) {
             let Some((next, rest)) = rest.split_first() else { return Some(child) };
             return self.named_in(&child, next, rest, depth).or(Some(child));
         }
-        let path = self.modules.get(module)?.names.get(name)?;
+        let path = source?.names.get(name)?;
         let path: ModulePath = path.iter().chain(rest).cloned().collect();
         self.defined_in(module, &path, depth)
     }
 }
+
+/// The file of a folder itself, among the modules of the folder.
+pub const FOLDER: &str = "mod.rs";
 
 /// Longest chain of re-exports that is followed.
 const DEPTH: u32 = 16;
 
 /// Returns the module of a folder that the file of a module belongs to.
 fn inside<'a>(folder: &[String], path: &'a [String]) -> Option<&'a str> {
-    path.strip_prefix(folder)?.first().map(String::as_str)
+    Some(path.strip_prefix(folder)?.first().map_or(FOLDER, String::as_str))
 }
 
 /// Returns the modules of a graph that import themselves through others.
@@ -131,6 +149,9 @@ impl Module {
                 let mut used = Vec::new();
                 at = use_tree(&tokens, at + 1, &[], &mut used);
                 module.add(used, is_public);
+            } else if token == "mod" && tokens.get(at + 2) == Some(&";") {
+                module.declared.insert(tokens[at + 1].to_owned());
+                at += 3;
             } else if is_name(token) {
                 let end = path_end(&tokens, at);
                 let path: ModulePath = tokens[at..end].iter().step_by(2).map(|&name| name.to_owned()).collect();
@@ -150,9 +171,7 @@ impl Module {
 
     fn add(&mut self, used: Vec<Used>, is_public: bool) {
         for Used { path, name } in used {
-            if !is_public {
-                self.imports.push(path.clone());
-            }
+            if is_public { &mut self.re_exports } else { &mut self.imports }.push(path.clone());
             match name {
                 Some(name) => drop(self.names.insert(name, path)),
                 None => self.globs.push(path),
@@ -303,6 +322,32 @@ mod tests {
     }
 
     #[test]
+    fn a_re_export_of_another_module_is_an_import() {
+        let sources = [("f::a", "pub use super::b::B;"), ("f::b", "use super::a::A;"), ("f", "mod a; mod b;")];
+        assert_eq!(circles(&sources, "f"), ["a", "b"]);
+    }
+
+    #[test]
+    fn the_file_of_a_folder_is_one_of_its_modules() {
+        let child = ("f::a", "use super::Shared;");
+        let used = ["use a::A; struct Shared;", "struct Shared; fn f() -> a::A {}"];
+        for folder in used.map(|code| format!("mod a; {code}")) {
+            assert_eq!(circles(&[("f", &folder), child], "f"), ["a", FOLDER], "{folder}");
+        }
+        assert!(
+            circles(&[("f", "mod a; pub use a::A; pub(crate) use self::a::C; struct Shared;"), child], "f").is_empty()
+        );
+    }
+
+    #[test]
+    fn a_module_with_a_file_elsewhere_is_no_part_of_the_folder() {
+        let sources = [("", "mod a; #[path = \"../b.rs\"] mod b; use a::A;"), ("a", "use crate::b::B;")];
+        assert!(circles(&sources, "").is_empty());
+        let here = [("", "mod a; use a::A;"), sources[1]];
+        assert_eq!(circles(&here, ""), ["a", FOLDER]);
+    }
+
+    #[test]
     fn a_re_export_is_followed_through_other_folders() {
         let sources = [
             ("f", "pub mod a; pub mod b;"),
@@ -316,9 +361,14 @@ mod tests {
 
     #[test]
     fn globs_of_the_crate_are_named() {
-        let sources = [("a", "use super::b::*;"), ("b", "use nalgebra::prelude::*;"), ("c", "use crate::{a, b::*};")];
+        let sources = [
+            ("a", "use super::b::*;"),
+            ("b", "use nalgebra::prelude::*;"),
+            ("c", "use crate::{a, b::*};"),
+            ("d", "mod e; pub use e::*;"),
+        ];
         let tree = Crate::new(sources.map(|(module, code)| (path(module), code)));
-        assert_eq!(tree.globs(), [&path("a"), &path("c")]);
+        assert_eq!(tree.globs(), [&path("a"), &path("c"), &path("d")]);
     }
 
     #[test]

@@ -21,6 +21,7 @@ mod reference;
 mod run;
 mod seeds;
 mod transcript;
+mod violation;
 mod world;
 
 #[test]

@@ -6,7 +6,7 @@ use revprio_core::controller::{Command, Measurement, Memory, Stepper};
 use revprio_core::limits::braking_deceleration;
 
 use crate::controllers::Design;
-use crate::oracle::Violation;
+use crate::violation::Violation;
 
 /// A controller without a service.
 pub struct Reference {

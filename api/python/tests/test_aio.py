@@ -50,6 +50,7 @@ def test_both_have_the_same_methods_with_the_same_arguments(blocking: type, asyn
     def methods(kind: type) -> dict[str, list[str]]:
         functions = inspect.getmembers(kind, inspect.isfunction)
         public = {name: list(inspect.signature(f).parameters) for name, f in functions if not name.startswith("_")}
+        # `async with` opens what the blocking constructor opens.
         return {name: parameters for name, parameters in public.items() if name != "open"}
 
     assert methods(blocking) == methods(asynchronous)

@@ -5,8 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from revprio import Client, Watchdog
-from revprio.controller import Session
 from revprio.models import ControllerConfig
+from revprio.remote import Session
 
 PERIOD_S = 0.004
 LATENCY_S = 0.7 * PERIOD_S

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -44,16 +45,23 @@ REQUESTS: dict[str, type[Body]] = {
 }
 
 
-def test_the_committed_models_are_up_to_date() -> None:
-    generated = subprocess.run(
-        [sys.executable, CLIENT / "generate.py", ROOT / "api/openapi.json"], check=True, capture_output=True
-    )
+@pytest.mark.parametrize(
+    ("module", "command"),
+    [
+        ("problem", ["generate.py", ROOT / "api/openapi.json", "problem"]),
+        ("models", ["generate.py", ROOT / "api/openapi.json", "models"]),
+        ("aio", ["generate_aio.py"]),
+    ],
+)
+def test_the_committed_module_is_up_to_date(module: str, command: list[str | Path]) -> None:
+    script, *arguments = command
+    generated = subprocess.run([sys.executable, CLIENT / script, *arguments], check=True, capture_output=True)
     formatted = subprocess.run(
         ["ruff", "format", "--config", CLIENT / "pyproject.toml", "-"],
         input=generated.stdout, check=True, capture_output=True,
     )  # fmt: skip
-    committed = (CLIENT / "src/revprio/models.py").read_text(encoding="utf-8")
-    assert formatted.stdout.decode() == committed, "run the command at the head of generate.py"
+    committed = (CLIENT / f"src/revprio/{module}.py").read_text(encoding="utf-8")
+    assert formatted.stdout.decode() == committed, f"run the command at the head of {script}"
 
 
 def test_there_is_an_example_for_every_request() -> None:

@@ -15,9 +15,9 @@ from conftest import example
 from numpy.typing import NDArray
 
 from revprio import ControllerConfig, Drive, Measurement, SlowLoopWarning, StepAnswer, Watchdog, aio, drive
-from revprio.controller import RemoteController
 from revprio.models import State
 from revprio.pace import Pace
+from revprio.remote import RemoteController
 
 ANSWER = StepAnswer.model_validate({**example("answers/step"), "joint_velocity": [0.0] * 7, "valid_for_ms": 100})
 CONFIG = ControllerConfig.model_validate(example("controller"))

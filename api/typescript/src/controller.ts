@@ -1,5 +1,5 @@
 import type { Controller, CreatedController, Memory, SessionStatus, State, StepAnswer } from "./bodies.js";
-import type { Client, CallOptions } from "./client.js";
+import type { CallOptions, Connection } from "./connection.js";
 import { Stepping } from "./stepping.js";
 import { Stream } from "./stream.js";
 
@@ -8,7 +8,7 @@ export class Session extends Stepping {
   readonly id: string;
 
   constructor(
-    private readonly client: Client,
+    private readonly connection: Connection,
     controller: Controller,
     /** The answer of the service: session name, joint order, and warnings about unstable contacts. */
     public created: CreatedController,
@@ -18,12 +18,12 @@ export class Session extends Stepping {
   }
 
   override stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
-    return this.client.call<StepAnswer>("POST", `${this.path()}/step`, state, this.client.stepOptions(options));
+    return this.connection.call<StepAnswer>("POST", `${this.path()}/step`, state, this.connection.stepOptions(options));
   }
 
   /** Returns the configuration, the last sequence number and counters. */
   status(options: CallOptions = {}): Promise<SessionStatus> {
-    return this.client.call<SessionStatus>("GET", this.path(), undefined, options);
+    return this.connection.call<SessionStatus>("GET", this.path(), undefined, options);
   }
 
   /**
@@ -31,17 +31,17 @@ export class Session extends Stepping {
    * and drive must stay.
    */
   async replace(controller: Controller, options: CallOptions = {}): Promise<void> {
-    this.created = await this.client.call<CreatedController>("PUT", this.path(), controller, options);
+    this.created = await this.connection.call<CreatedController>("PUT", this.path(), controller, options);
   }
 
   /** Opens a WebSocket to the same controller, for loops too fast for single requests. Closing it keeps the session. */
   stream(options: CallOptions = {}): Promise<Stream> {
-    return Stream.open(this.client, this, `${this.path()}/stream`, options);
+    return Stream.open(this.connection, this, `${this.path()}/stream`, options);
   }
 
   /** Ends the session. */
   close(options: CallOptions = {}): Promise<void> {
-    return this.client.call<void>("DELETE", this.path(), undefined, options);
+    return this.connection.call<void>("DELETE", this.path(), undefined, options);
   }
 
   private path(): string {
@@ -55,14 +55,15 @@ export class Stateless extends Stepping {
   memory: Memory | null = null;
 
   constructor(
-    private readonly client: Client,
+    private readonly connection: Connection,
     private readonly controller: Controller,
   ) {
     super(controller.period_s);
   }
 
   override async stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
-    const answer = await this.client.step({ controller: this.controller, state, memory: this.memory }, options);
+    const request = { controller: this.controller, state, memory: this.memory };
+    const answer = await this.connection.call<StepAnswer>("POST", "/v1/step", request, this.connection.stepOptions(options));
     this.memory = answer.memory ?? null;
     return answer;
   }

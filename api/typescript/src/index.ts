@@ -1,11 +1,13 @@
 export type * from "./bodies.js";
-export { Client, type CallOptions, type ClientOptions } from "./client.js";
+export { Client } from "./client.js";
+export type { CallOptions, ClientOptions } from "./connection.js";
 export { Session, Stateless } from "./controller.js";
 export { drive, type Arm, type DriveOptions } from "./drive.js";
 export { ForeignAnswerError, LateAnswerError, NoAnswerError, ProblemError, RevprioError } from "./errors.js";
 export type { components, paths } from "./generated.js";
 export type { Drive } from "./pace.js";
 export { SimulationRun } from "./simulation.js";
+export type { WebSocketFactory, WebSocketLike } from "./socket.js";
 export { Stepping } from "./stepping.js";
-export { Stream, type WebSocketFactory, type WebSocketLike } from "./stream.js";
+export { Stream } from "./stream.js";
 export { Watchdog } from "./watchdog.js";

@@ -1,5 +1,5 @@
 import type { Simulation, SimulationControl, StepRequest } from "./bodies.js";
-import type { CallOptions, Client } from "./client.js";
+import type { CallOptions, Connection } from "./connection.js";
 import { RevprioError } from "./errors.js";
 
 /** Interval between two status requests, ms. */
@@ -8,13 +8,13 @@ const POLL_MS = 100;
 /** A simulation that is queued, running or finished; `Client.simulate` starts it. */
 export class SimulationRun {
   constructor(
-    private readonly client: Client,
+    private readonly connection: Connection,
     readonly id: string,
   ) {}
 
   /** Returns state and progress (0 … 1); includes metrics once the simulation is finished. */
   status(options?: CallOptions): Promise<Simulation> {
-    return this.client.call("GET", this.#path(), undefined, options);
+    return this.connection.call("GET", this.#path(), undefined, options);
   }
 
   /** Waits for the end; rejects if the simulation failed or was cancelled. */
@@ -31,22 +31,22 @@ export class SimulationRun {
 
   /** Controls an interactive run: `run.control({ paused: false, speed: 0.5 })`. */
   control(command: SimulationControl, options?: CallOptions): Promise<Simulation> {
-    return this.client.call("POST", `${this.#path()}/control`, command, options);
+    return this.connection.call("POST", `${this.#path()}/control`, command, options);
   }
 
   /** Returns the latest control period of an interactive run, as a request for `Client.step`. */
   cycle(options?: CallOptions): Promise<StepRequest> {
-    return this.client.call("GET", `${this.#path()}/cycle`, undefined, options);
+    return this.connection.call("GET", `${this.#path()}/cycle`, undefined, options);
   }
 
   /** Returns all control periods of a finished run, in the JSON format of the service. */
   trace(options?: CallOptions): Promise<unknown> {
-    return this.client.call("GET", `${this.#path()}/trace`, undefined, options);
+    return this.connection.call("GET", `${this.#path()}/trace`, undefined, options);
   }
 
   /** Cancels a running simulation; deletes a finished one. */
   cancel(options?: CallOptions): Promise<void> {
-    return this.client.call("DELETE", this.#path(), undefined, options);
+    return this.connection.call("DELETE", this.#path(), undefined, options);
   }
 
   #path(): string {

@@ -1,5 +1,5 @@
 import type { Measurement, State, StepAnswer } from "./bodies.js";
-import type { CallOptions } from "./client.js";
+import type { CallOptions } from "./connection.js";
 
 /** A running controller: once per period, a measured state goes in and joint velocities come out. */
 export abstract class Stepping {

@@ -1,20 +1,8 @@
 import type { State, StepAnswer } from "./bodies.js";
-import type { CallOptions, Client } from "./client.js";
-import type { Session } from "./controller.js";
+import type { CallOptions, Connection } from "./connection.js";
 import { ForeignAnswerError, isProblem, LateAnswerError, NoAnswerError, ProblemError } from "./errors.js";
+import type { WebSocketLike } from "./socket.js";
 import { Stepping } from "./stepping.js";
-
-/** The part of a WebSocket that a stream uses; browsers, Node 22 and the package `ws` provide it. */
-export interface WebSocketLike {
-  send(data: string): void;
-  close(): void;
-  addEventListener(type: "open" | "close", listener: () => void): void;
-  addEventListener(type: "error", listener: (event: object) => void): void;
-  addEventListener(type: "message", listener: (event: { data: unknown }) => void): void;
-}
-
-/** Opens a WebSocket. `headers` contains the tokens, which the WebSocket of browsers cannot send. */
-export type WebSocketFactory = (url: string, protocol: string, headers: Record<string, string>) => WebSocketLike;
 
 /** A state that was sent and awaits its reply. */
 interface PendingReply {
@@ -28,13 +16,13 @@ export class Stream extends Stepping {
   #failure: NoAnswerError | undefined;
 
   private constructor(
-    private readonly client: Client,
-    private readonly session: Session,
+    private readonly connection: Connection,
+    private readonly session: Stepping,
     private readonly socket: WebSocketLike,
   ) {
     super(session.periodS);
     const end = (cause: unknown) => {
-      this.#failure ??= new NoAnswerError(client.url, cause);
+      this.#failure ??= new NoAnswerError(connection.url, cause);
       for (const pending of this.#pending.splice(0)) pending.reject(this.#failure);
     };
     socket.addEventListener("close", () => end("the connection was closed"));
@@ -43,9 +31,9 @@ export class Stream extends Stepping {
   }
 
   /** Opens the connection. */
-  static async open(client: Client, session: Session, path: string, { signal }: CallOptions): Promise<Stream> {
+  static async open(connection: Connection, session: Stepping, path: string, { signal }: CallOptions): Promise<Stream> {
     signal?.throwIfAborted();
-    const stream = new Stream(client, session, client.webSocket(path));
+    const stream = new Stream(connection, session, connection.webSocket(path));
     await new Promise<void>((resolve, reject) => {
       stream.#pending.push({ resolve: () => resolve(), reject });
       stream.socket.addEventListener("open", () => (stream.#pending.shift(), resolve()));
@@ -59,12 +47,12 @@ export class Stream extends Stepping {
     return this.session.number(measurement);
   }
 
-  override stepState(state: State, { signal, timeoutMs = this.client.stepTimeoutMs }: CallOptions = {}): Promise<StepAnswer> {
+  override stepState(state: State, { signal, timeoutMs = this.connection.stepTimeoutMs }: CallOptions = {}): Promise<StepAnswer> {
     return new Promise((resolve, reject) => {
       signal?.throwIfAborted();
       if (this.#failure) throw this.#failure;
       const stop = () => reject(signal?.reason);
-      const late = () => reject(new LateAnswerError(this.client.url, `no reply within ${timeoutMs} ms`));
+      const late = () => reject(new LateAnswerError(this.connection.url, `no reply within ${timeoutMs} ms`));
       const timer = setTimeout(late, timeoutMs);
       signal?.addEventListener("abort", stop, { once: true });
       const cleanUp = () => (clearTimeout(timer), signal?.removeEventListener("abort", stop));
@@ -85,7 +73,7 @@ export class Stream extends Stepping {
     const pending = this.#pending.shift();
     const reply = parse(data);
     if (isProblem(reply)) pending?.reject(new ProblemError(reply));
-    else if (reply === undefined) pending?.reject(new ForeignAnswerError(this.client.url, 200));
+    else if (reply === undefined) pending?.reject(new ForeignAnswerError(this.connection.url, 200));
     else pending?.resolve(reply as StepAnswer);
   }
 }

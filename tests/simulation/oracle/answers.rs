@@ -7,10 +7,11 @@ use revprio_api::wire;
 use tokio::time::Instant;
 
 use super::session::{Session, is_plausible};
-use super::{OpeningState, Oracle, Sent, Violation};
+use super::{OpeningState, Oracle, Sent};
 use crate::call::{Call, Open};
 use crate::controllers::Design;
 use crate::http::Answer;
+use crate::violation::Violation;
 
 impl Oracle {
     pub(super) fn answered(

@@ -16,10 +16,8 @@ use tokio::time::Instant;
 
 use crate::call::{Call, Open};
 use crate::http::Answer;
+use crate::violation::Violation;
 use session::Session;
-
-/// A broken promise, in words.
-pub type Violation = String;
 
 /// Everything that clients know together.
 pub struct Oracle {

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use revprio_api::wire;
 use revprio_core::controller::Memory;
 
-use super::Violation;
 use super::session::Session;
 use crate::reference::Reference;
+use crate::violation::Violation;
 
 /// Maximum number of steps of one search.
 const MAX_STEPS: u32 = 100_000;

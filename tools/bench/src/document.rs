@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::BenchError;
+use super::error::BenchError;
 
 /// Replaces every text between `<!-- bench:NAME -->` and `<!-- end -->`.
 pub fn filled(text: &str, name: &str, content: &str) -> String {

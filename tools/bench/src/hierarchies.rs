@@ -7,8 +7,9 @@ use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{ActiveSet, Method, Problem, Resolution, Resolver, Status};
 use revprio_core::task::{Task, TaskStack};
 
+use super::document;
+use super::error::BenchError;
 use super::timing::{Budget, problem_by_problem};
-use super::{BenchError, document};
 
 const JOINTS: usize = 35;
 

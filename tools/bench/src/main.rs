@@ -11,6 +11,7 @@
 
 mod core;
 mod document;
+mod error;
 mod growth;
 mod hierarchies;
 mod http;
@@ -26,10 +27,11 @@ mod row;
 mod series;
 mod timing;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use self::error::BenchError;
 
 /// Benchmarks and load test of revprio.
 #[derive(Debug, Parser)]
@@ -71,47 +73,4 @@ fn main() -> ExitCode {
 fn serve(arguments: Vec<String>) -> Result<(), BenchError> {
     let command = ["revprio", "serve"].map(str::to_owned).into_iter().chain(arguments);
     Ok(revprio::cli::Cli::parse_from(command).run()?)
-}
-
-/// Why a measurement failed.
-#[derive(Debug, thiserror::Error)]
-enum BenchError {
-    /// The measured code rejected its input; this is a defect of the benchmark.
-    #[error("defect of the benchmark: {0}")]
-    Defect(String),
-    /// A server or a connection failed.
-    #[error("a connection of the benchmark failed: {0}")]
-    Connection(#[from] std::io::Error),
-    /// The service did not start.
-    #[error(transparent)]
-    Serve(#[from] revprio::service::ServeError),
-    /// The service refused a request.
-    #[error(transparent)]
-    Client(#[from] revprio_api::ClientError),
-    /// A simulation ended early.
-    #[error(transparent)]
-    Simulation(#[from] revprio_lab::simulator::RunError),
-    /// A figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] revprio_lab::report::Error),
-    /// The server under load did not behave as required.
-    #[error("the server under load failed: {0}")]
-    Load(String),
-    /// The server under load did not start.
-    #[error(transparent)]
-    Program(#[from] revprio::cli::CliError),
-    /// A file cannot be read or written.
-    #[error("{path}: {source}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: std::io::Error,
-    },
-}
-
-impl BenchError {
-    fn defect(error: impl std::fmt::Debug) -> Self {
-        Self::Defect(format!("{error:?}"))
-    }
 }

@@ -3,10 +3,11 @@
 use std::io::{Write as _, stderr, stdout};
 use std::path::PathBuf;
 
+use crate::error::BenchError;
 use crate::plan::{Group, Plan};
 use crate::repeat::{Repeated, repeat};
 use crate::report::Report;
-use crate::{BenchError, hierarchies, problems};
+use crate::{hierarchies, problems};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::BenchError;
+use super::error::BenchError;
 use super::http::connection::Connection;
 use super::http::subject::UnderTest;
 use super::row::Row;

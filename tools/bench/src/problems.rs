@@ -13,8 +13,9 @@ use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
 use revprio_robot::{RobotModel, built_in};
 
 use super::core::cycle::NOMINAL;
+use super::document;
+use super::error::BenchError;
 use super::timing::{Budget, Times, problem_by_problem};
-use super::{BenchError, document};
 
 /// Number of values per row: q, ẋ, limit, closed form, solution inside the limits.
 const WIDTHS: [usize; 5] = [7, 6, 7, 7, 7];

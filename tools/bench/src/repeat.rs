@@ -12,8 +12,8 @@ use revprio_core::task::{Task, TaskStack};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 
-use super::BenchError;
 use super::core::cycle::{Cycle, NOMINAL, swing};
+use super::error::BenchError;
 use super::http::connection::Connection;
 use super::http::subject::{Call, UnderTest};
 use super::http::{Echo, ping_pong};

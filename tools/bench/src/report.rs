@@ -6,11 +6,12 @@ use std::path::Path;
 use revprio_lab::report::logarithmic::svg;
 use serde::Serialize;
 
+use super::error::BenchError;
 use super::pacing::{self, Paced};
 use super::plan::{Group, Plan};
 use super::row::{self, Row};
 use super::series::Growth;
-use super::{BenchError, core, document, growth, http, plot};
+use super::{core, document, growth, http, plot};
 
 /// Prefixes of the rows in the summary of the README.
 const SUMMARY: [&str; 6] = [

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use super::BenchError;
+use super::error::BenchError;
 
 /// Shortest sample: many times the resolution of the clock.
 const MIN_SAMPLE: Duration = Duration::from_micros(1);

@@ -6,7 +6,8 @@ use crate::Defect;
 use crate::answers::{command, decode, value};
 use crate::budget::Work;
 use crate::limits::{SpeedLimits, of_controller};
-use crate::target::{Checker, split_line};
+use crate::target::split_line;
+use crate::timed_service::TimedService;
 
 /// The controller of the session.
 const CONTROLLER: &str = include_str!("../../../api/examples/controller.json");
@@ -26,7 +27,7 @@ const CLOSE: [u8; 8] = [0x88, 0x82, 0, 0, 0, 0, 0x03, 0xe8];
 ///
 /// The first line is `json` with a message per line after it, `msgpack` with messages of a 16-bit length each, or `bytes`
 /// with the bytes themselves.
-pub fn check(checker: &Checker, input: &[u8]) -> Result<(), Defect> {
+pub fn check(service: &TimedService, input: &[u8]) -> Result<(), Defect> {
     let Some((kind, rest)) = split_line(input) else { return Ok(()) };
     let (protocol, media_type, frames, count) = match kind {
         b"json" => {
@@ -41,15 +42,15 @@ pub fn check(checker: &Checker, input: &[u8]) -> Result<(), Defect> {
         b"bytes" => ("revprio.json", "application/json", rest.to_vec(), None),
         _ => return Ok(()),
     };
-    let answer = checker.service.post("/v1/controllers", "application/json", CONTROLLER.as_bytes())?;
+    let answer = service.untimed().post("/v1/controllers", "application/json", CONTROLLER.as_bytes())?;
     let Some(created) = value::<CreatedController>(&answer, false)? else {
         return Err(Defect::Wrong("the example is refused".to_owned()));
     };
     let path = format!("/v1/controllers/{}", created.id);
     let arms = u32::try_from(count.unwrap_or(MAX_MESSAGES)).unwrap_or(u32::MAX).max(1);
     let budget = Work { bytes: rest.len(), ..Work::default() }.budget() * arms;
-    let sent = checker.timed(budget, || checker.service.web_socket(&format!("{path}/stream"), protocol, &frames));
-    let ended = checker.service.delete(&path)?;
+    let sent = service.timed(budget, || service.untimed().web_socket(&format!("{path}/stream"), protocol, &frames));
+    let ended = service.untimed().delete(&path)?;
     let bytes = sent?.ok_or_else(|| Defect::Wrong("the handshake is refused".to_owned()))?;
     let answers = answers(&bytes, media_type)?;
     let is_text = kind != b"json" || std::str::from_utf8(rest).is_ok();

@@ -12,26 +12,36 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`target`] | the targets: how each one sends an input |
+//! | [`target`] | the targets |
+//! | [`checker`] | sends an input to the check of its target; each target has a module of its own |
+//! | [`timed_service`] | a service whose answers have a budget |
 //! | [`connection`] | a service in memory, and connections to it |
 //! | [`answers`] | what must hold for each answer |
 //! | [`limits`] | the speed limits of a request |
 //! | [`budget`] | processor time that a request may use |
 //! | [`mutation`] | mutations that keep an input well-formed |
+//! | [`corpus`] | the kept inputs |
 //! | [`seeds`] | first inputs: the examples, robots and scenarios of the repository |
 
 pub mod answers;
+mod bodies;
 pub mod budget;
+pub mod checker;
 pub mod connection;
+pub mod corpus;
 mod frames;
 pub mod limits;
 pub mod mutation;
 pub mod seeds;
+mod session;
+mod stability;
 pub mod target;
+pub mod timed_service;
 mod urdf;
 
 pub use budget::Bound;
-pub use target::{Checker, Target};
+pub use checker::Checker;
+pub use target::Target;
 
 /// A defect of the service.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,24 +1,28 @@
 //! Every kept input of the fuzzer, and every seed, without the fuzzer.
 
-use std::path::Path;
-
+use revprio_fuzz::corpus::kept;
 use revprio_fuzz::seeds::seeds;
 use revprio_fuzz::{Bound, Checker, Target};
 
 /// Inputs of a target with their names.
 fn inputs(target: Target) -> Vec<(String, Vec<u8>)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name());
-    let kept = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut inputs: Vec<_> = kept
-        .map(|entry| {
-            let path = entry.unwrap().path();
-            (path.display().to_string(), std::fs::read(&path).unwrap())
-        })
-        .collect();
-    inputs.sort();
-    assert!(!inputs.is_empty(), "{} is empty", folder.display());
+    let mut inputs = kept(target).unwrap();
     inputs.extend(seeds(target).into_iter().enumerate().map(|(i, seed)| (format!("seed {i}"), seed)));
     inputs
+}
+
+#[test]
+fn as_many_inputs_are_replayed_as_the_page_about_testing_says() {
+    let page = include_str!("../../../docs/testing.md");
+    for target in Target::ALL {
+        let row = format!("| `{}` | ", target.name());
+        let row = page.lines().find(|line| line.starts_with(&row) && line.matches('|').count() == 6).unwrap();
+        let count: usize = row.split('|').nth(5).unwrap().trim().parse().unwrap();
+        let mut inputs: Vec<Vec<u8>> = kept(target).unwrap().into_iter().map(|(_, input)| input).collect();
+        inputs.sort();
+        inputs.dedup();
+        assert_eq!(inputs.len(), count, "{row}");
+    }
 }
 
 fn assert_without_defect(target: Target) {

@@ -10,7 +10,7 @@ use pyo3::types::{PyComplex, PyMapping};
 use revprio::service::ApiError;
 use revprio_api::wire::{JointVector, StreamedTarget, Wrench};
 
-use crate::refused;
+use crate::outcome::refused;
 
 /// Reads one number per joint: an array, or anything that NumPy converts to one, or a mapping by joint name.
 pub fn joint_vector(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<JointVector> {

@@ -9,8 +9,9 @@ use pyo3::types::{PyBytes, PyDict};
 use revprio::service::{ApiError, ComputedStep, LocalController, LocalService};
 use revprio_api::wire;
 
+use crate::arguments;
 use crate::lock::without_lock;
-use crate::{arguments, json, refused};
+use crate::outcome::{json, refused};
 
 /// A controller in the process. Calls of several threads run one after the other.
 #[pyclass(frozen)]

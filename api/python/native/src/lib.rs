@@ -5,6 +5,7 @@
 //! | [`controller`] | one controller with its memory, stepped with NumPy arrays |
 //! | [`service`] | the other calls, with JSON bodies, and a server in the process |
 //! | [`arguments`] | Python objects to the bodies of the interface |
+//! | [`outcome`] | answers as bytes, refusals as exceptions |
 //! | [`lock`] | short computations without the lock of the interpreter |
 //!
 //! The computation runs without the lock of the interpreter.
@@ -13,27 +14,12 @@
 mod arguments;
 mod controller;
 mod lock;
+mod outcome;
 mod service;
 
-use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyOSError};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
-use revprio::service::ApiError;
 
-create_exception!(_native, RefusedError, PyException, "A refused request; the argument is the problem as JSON.");
-
-/// Converts a refusal to an exception with its problem object.
-fn refused(py: Python<'_>, error: ApiError) -> PyErr {
-    let problem = serde_json::to_vec(&error.into_wire()).unwrap_or_default();
-    RefusedError::new_err(PyBytes::new(py, &problem).unbind())
-}
-
-/// Writes a body.
-fn json<'py, T: serde::Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'py, PyBytes>> {
-    let text = serde_json::to_vec(value).map_err(|error| PyOSError::new_err(error.to_string()))?;
-    Ok(PyBytes::new(py, &text))
-}
+use self::outcome::RefusedError;
 
 /// Runs the program with these arguments, without the name of the program. Returns its exit status.
 #[pyfunction]

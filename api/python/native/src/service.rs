@@ -11,7 +11,7 @@ use revprio::service::{AppState, LocalService, Robots, RunningServer, router};
 use revprio_api::wire;
 
 use crate::controller::Controller;
-use crate::{json, refused};
+use crate::outcome::{json, refused};
 
 /// The service as function calls.
 #[pyclass(frozen)]

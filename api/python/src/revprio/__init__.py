@@ -19,9 +19,6 @@ from revprio.connection import LOCAL
 from revprio.connection import connect as connect
 from revprio.connection import serve as serve
 from revprio.controller import Controller as Controller
-from revprio.controller import Session as Session
-from revprio.controller import Stateless as Stateless
-from revprio.controller import Stream as Stream
 from revprio.drive import Measurement as Measurement
 from revprio.drive import drive as drive
 from revprio.errors import *  # noqa: F403
@@ -32,6 +29,10 @@ from revprio.pace import Drive as Drive
 from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import follow as follow
 from revprio.presets import push as push
+from revprio.remote import Session as Session
+from revprio.remote import Stateless as Stateless
+from revprio.remote import Stream as Stream
+from revprio.simulations import SimulationError as SimulationError
 from revprio.watchdog import Watchdog as Watchdog
 from revprio.xacro import read_xacro as read_xacro
 

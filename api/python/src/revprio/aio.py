@@ -1,29 +1,22 @@
-"""The client for asyncio: `async with AsyncClient(url) as client: answer = await client.resolve(…)`."""
+"""The client for asyncio: `async with AsyncClient(url) as client: answer = await client.resolve(…)`.
+
+Generated from the blocking client by `generate_aio.py`; do not edit.
+"""
 
 from __future__ import annotations
-
-import asyncio
-import math
-import ssl
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
-from types import TracebackType
-from typing import Any, Self, TypeVar
-
-import httpx
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake
-
 from revprio import routes
-from revprio.bodies import ArrayLike, FloatArray, JointVector
-from revprio.controller import config_with, stateless_change
-from revprio.drive import LoopState, Measurement, ramp_to_rest, ticks
+from revprio.async_drive import drive
+from revprio.bodies import ArrayLike, JointVector
+from revprio.controller import config_with
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     BatchItem,
     BatchRequest,
     ControllerConfig,
+    CreatedController,
     KinematicsAnswer,
     KinematicsRequest,
     Memory,
@@ -46,22 +39,38 @@ from revprio.models import (
     StreamedTarget,
     Wrench,
 )
-from revprio.pace import Drive
 from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import POLL_S, has_ended
 from revprio.states import StateNumbering
-from revprio.streaming import SUBPROTOCOL, ReplyMatcher, refused_handshake, websocket_url
+from revprio.streaming import ReplyMatcher, SUBPROTOCOL, receive_async, refused_handshake, websocket_url
 from revprio.typed import fields_of
 from revprio.url import service_url
-from revprio.watchdog import Watchdog
+from types import TracebackType
+from typing import Any, Self
+from typing import TypeVar
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+import asyncio
+import httpx
+import ssl
+import time
 
+__all__ = [
+    "AsyncClient",
+    "AsyncController",
+    "AsyncSession",
+    "AsyncSimulationRun",
+    "AsyncStateless",
+    "AsyncStream",
+    "drive",
+]
 A = TypeVar("A")
 
 
 class AsyncClient:
-    """The asyncio version of `Client`, with the same methods and arguments."""
+    """The asyncio version of `Client`, with the same methods and arguments; use it with `async with`."""
 
-    def __init__(  # noqa: PLR0913
+    def __init__(
         self,
         url: str = "http://127.0.0.1:8080",
         *,
@@ -72,15 +81,24 @@ class AsyncClient:
         tls: ssl.SSLContext | None = None,
         owner: str | None = None,
     ) -> None:
-        """As `Client`."""
+        """Creates the client; nothing is sent before the first call.
+
+        `url`: base address of the service; `http://` may be left out.
+        `token`: the content of the service's `--token-file`.
+        `timeout_s`: time limit of a call including its retries, s; `step_timeout_s`: the same for a control period.
+        `retries`: maximum number of retries of a call. Only calls that are safe to repeat are retried.
+        `tls`: TLS settings for `https://` with a certificate that the system does not trust.
+        `owner`: owner token of the sessions that this client opens; default: a random one. Other clients cannot step
+        these sessions. Clients with the same token can.
+        """
         self.url = service_url(url)
         self.step_timeout_s = step_timeout_s
-        self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
+        self._timeout_s, self._retries, self._tls = (timeout_s, retries, tls)
         self._headers = routes.request_headers(token, owner)
         self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=tls or True)
 
     async def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
-        """As `Client.call`."""
+        """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
         budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )
@@ -97,95 +115,52 @@ class AsyncClient:
             raise no_answer(self.url, error) from error
 
     def connect(self, path: str) -> AbstractAsyncContextManager[ClientConnection]:
-        """As `Client.connect`."""
+        """Returns a context manager that opens a WebSocket to a path of the service."""
         return connect(
             websocket_url(self.url, path),
             additional_headers=self._headers,
-            subprotocols=[SUBPROTOCOL],  # type: ignore[list-item]
+            subprotocols=[SUBPROTOCOL],
             ssl=self._tls,
             open_timeout=self._timeout_s,
             proxy=None,
         )
 
-    @fields_of(ResolveRequest)
-    async def resolve(self, request: ResolveRequest) -> ResolveAnswer:
-        """As `Client.resolve`."""
-        return await self.call(routes.RESOLVE(body=request))
-
-    async def resolve_batch(self, items: Sequence[ResolveRequest]) -> list[BatchItem]:
-        """As `Client.resolve_batch`."""
-        return (await self.call(routes.RESOLVE_BATCH(body=BatchRequest(items=list(items))))).items
-
-    @fields_of(KinematicsRequest)
-    async def kinematics(self, request: KinematicsRequest) -> KinematicsAnswer:
-        """As `Client.kinematics`."""
-        return await self.call(routes.KINEMATICS(body=request))
-
-    @fields_of(StabilityRequest)
-    async def stability(self, request: StabilityRequest) -> StabilityAnswer:
-        """As `Client.stability`."""
-        return await self.call(routes.STABILITY(body=request))
-
-    @fields_of(StepRequest)
-    async def step(self, request: StepRequest) -> StepAnswer:
-        """As `Client.step`."""
-        return await self.call(routes.STEP(body=request), self.step_timeout_s)
-
     @fields_of(ControllerConfig)
     def session(self, config: ControllerConfig) -> AsyncSession:
-        """As `Client.session`; `async with` opens it."""
+        """Opens a controller whose memory the service keeps: `client.session(robot=…, period_s=…, tasks=[…])`."""
         return AsyncSession(self, config)
 
-    Controller = session  # as `revprio.Controller`
+    Controller = session
 
     async def sessions(self) -> list[SessionEntry]:
-        """As `Client.sessions`."""
+        """Lists the open sessions of all clients."""
         return (await self.call(routes.LIST_CONTROLLERS())).controllers
 
-    @fields_of(ControllerConfig)
-    def stateless(self, config: ControllerConfig) -> AsyncStateless:
-        """As `Client.stateless`."""
-        return AsyncStateless(self, config)
-
-    async def robots(self) -> list[Robot]:
-        """As `Client.robots`."""
-        return (await self.call(routes.ROBOTS())).robots
-
-    async def robot(self, name: str) -> Robot:
-        """As `Client.robot`."""
-        return await self.call(routes.ROBOT(name))
-
-    @fields_of(RobotRegistration)
-    async def register_robot(self, registration: RobotRegistration) -> Robot:
-        """As `Client.register_robot`."""
-        return await self.call(routes.REGISTER_ROBOT(body=registration))
-
-    async def delete_robot(self, name: str) -> None:
-        """As `Client.delete_robot`."""
-        await self.call(routes.DELETE_ROBOT(name))
-
     async def scenarios(self) -> list[ScenarioEntry]:
-        """As `Client.scenarios`."""
+        """Lists the scenarios that ship with the service."""
         return (await self.call(routes.SCENARIOS())).scenarios
 
     async def scenario(self, name: str) -> Scenario:
-        """As `Client.scenario`."""
+        """Returns the scenario of this name."""
         return await self.call(routes.SCENARIO(name))
 
     @fields_of(SimulationRequest)
     async def simulate(self, request: SimulationRequest) -> AsyncSimulationRun:
-        """As `Client.simulate`."""
+        """Starts a simulation of a scenario, by name or your own.
+
+        `result()` waits for its end; `trace()` returns every control period.
+        """
         return AsyncSimulationRun(self, (await self.call(routes.CREATE_SIMULATION(body=request))).id)
 
     async def is_ready(self) -> bool:
-        """As `Client.is_ready`."""
+        """Returns whether the service can be reached and accepts requests."""
         try:
             return (await self._send(self._http.build_request("GET", "/readyz"))).is_success
         except RevprioError:
             return False
 
     async def close(self) -> None:
-        """Closes the connection."""
+        """Closes the connections."""
         await self._http.aclose()
 
     async def __aenter__(self) -> Self:
@@ -195,12 +170,65 @@ class AsyncClient:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Closes the connection."""
+        """Closes the connections."""
         await self.close()
+
+    step_timeout_s: float
+    "Time limit of a control period, s."
+
+    @fields_of(ResolveRequest)
+    async def resolve(self, request: ResolveRequest) -> ResolveAnswer:
+        """Computes joint velocities for tasks: `client.resolve(robot=…, joint_position=…, tasks=[…])`.
+
+        In the answer, `joint_velocity` has n numbers, rad/s or m/s; `tasks` has the result of each task, highest
+        priority first.
+        """
+        return await self.call(routes.RESOLVE(body=request))
+
+    async def resolve_batch(self, items: Sequence[ResolveRequest]) -> list[BatchItem]:
+        """Resolves many requests at once. Returns, in the same order, an answer or a `Problem` for each."""
+        return (await self.call(routes.RESOLVE_BATCH(body=BatchRequest(items=list(items))))).items
+
+    @fields_of(KinematicsRequest)
+    async def kinematics(self, request: KinematicsRequest) -> KinematicsAnswer:
+        """Returns tool pose (m), `jacobian` (6 × n, base axes, linear rows first), singular values and link frames."""
+        return await self.call(routes.KINEMATICS(body=request))
+
+    @fields_of(StabilityRequest)
+    async def stability(self, request: StabilityRequest) -> StabilityAnswer:
+        """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
+        return await self.call(routes.STABILITY(body=request))
+
+    @fields_of(StepRequest)
+    async def step(self, request: StepRequest) -> StepAnswer:
+        """Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you."""
+        return await self.call(routes.STEP(body=request), self.step_timeout_s)
+
+    @fields_of(ControllerConfig)
+    def stateless(self, config: ControllerConfig) -> AsyncStateless:
+        """Returns a controller that sends its memory with each request."""
+        return AsyncStateless(self, config)
+
+    async def robots(self) -> list[Robot]:
+        """Lists the robots that requests can name, with limits and units of their joints."""
+        return (await self.call(routes.ROBOTS())).robots
+
+    async def robot(self, name: str) -> Robot:
+        """Returns the robot of this name, with limits and units of its joints."""
+        return await self.call(routes.ROBOT(name))
+
+    @fields_of(RobotRegistration)
+    async def register_robot(self, registration: RobotRegistration) -> Robot:
+        """Registers a robot from the text of a URDF file. `tip` names the link of its tool."""
+        return await self.call(routes.REGISTER_ROBOT(body=registration))
+
+    async def delete_robot(self, name: str) -> None:
+        """Deletes a registered robot."""
+        await self.call(routes.DELETE_ROBOT(name))
 
 
 class AsyncController(ABC):
-    """The asyncio version of `Controller`."""
+    """The asyncio version of `Controller`, with the same methods and arguments; use it with `async with`."""
 
     def __init__(self, config: ControllerConfig, numbering: StateNumbering | None = None) -> None:
         """`config`: the controller; `numbering`: gives each state its sequence number, default: from 0."""
@@ -222,23 +250,14 @@ class AsyncController(ABC):
 
     @abstractmethod
     async def step_state(self, state: State) -> StepAnswer:
-        """As `Controller.step_state`."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
 
-    async def change(self, **fields: Any) -> None:  # noqa: ANN401 - the types are those of the fields
-        """As `Controller.change`."""
-        config = config_with(self.config, fields)
-        await self._replace(config)
-        self.config = config
-
-    @abstractmethod
     async def _replace(self, config: ControllerConfig) -> None:
-        pass
+        raise NotImplementedError
 
-    @abstractmethod
     async def open(self) -> None:
-        """Starts the controller; `async with` calls this."""
+        """Starts the controller."""
 
-    @abstractmethod
     async def close(self) -> None:
         """Ends the controller."""
 
@@ -256,27 +275,53 @@ class AsyncController(ABC):
         """
         try:
             await self.close()
-        except RevprioError:
+        except Exception:
             if error is None:
                 raise
 
+    async def change(self, **fields: Any) -> None:
+        """Changes fields of the controller while the arm moves: `controller.change(tasks=[…])`.
+
+        Other fields stay. Tasks can be added, removed, reordered and changed; no joint exceeds its acceleration limit
+        in the transition. Robot, period and drive cannot change.
+        """
+        config = config_with(self.config, fields)
+        await self._replace(config)
+        self.config = config
+
 
 class AsyncSession(AsyncController):
-    """The asyncio version of `Session`."""
+    """The asyncio version of `Session`, with the same methods and arguments; use it with `async with`."""
+
+    created: CreatedController
+    "The answer of the service: session name, joint order, and warnings about unstable contacts."
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
-        """Stores the configuration; `open` opens the session."""
+        """`config`: the controller."""
         super().__init__(config)
         self._client = client
-        self.id = ""
 
     async def open(self) -> None:
         """Opens the session."""
         self.created = await self._client.call(routes.CREATE_CONTROLLER(body=self.config))
-        self.id = self.created.id
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints, in the order of all arrays."""
+        return self.created.joints
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
+        return self.created.warnings
+
+    @property
+    def id(self) -> str:
+        """Name of the session."""
+        return self.created.id
 
     async def step_state(self, state: State) -> StepAnswer:
-        """As `Controller.step_state`."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         return await self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
 
     async def _replace(self, config: ControllerConfig) -> None:
@@ -284,52 +329,54 @@ class AsyncSession(AsyncController):
         self.config = config
 
     async def status(self) -> SessionStatus:
-        """As `Session.status`."""
+        """Returns the configuration, the last sequence number and counters."""
         return await self._client.call(routes.SHOW_CONTROLLER(self.id))
 
     def stream(self) -> AsyncStream:
-        """As `Session.stream`; `async with` connects it."""
+        """Opens a WebSocket to the same controller, for loops that are too fast for single requests.
+
+        Closing the stream keeps the session.
+        """
         return AsyncStream(self._client, self)
 
     async def close(self) -> None:
-        """As `Session.close`."""
+        """Ends the session; does nothing if it has already ended."""
         with suppress(NotFoundError):
             await self._client.call(routes.DELETE_CONTROLLER(self.id))
 
 
 class AsyncStateless(AsyncController):
-    """The asyncio version of `Stateless`."""
+    """The asyncio version of `Stateless`, with the same methods and arguments; use it with `async with`."""
 
     def __init__(self, client: AsyncClient, config: ControllerConfig) -> None:
         """Starts without memory."""
         super().__init__(config)
         self._client = client
         self.memory: Memory | None = None
+        "The controller memory of the last answer, for the next request. It may be stored and set again."
 
     async def step_state(self, state: State) -> StepAnswer:
-        """As `Controller.step_state`."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
         request = StepRequest(controller=self.config, state=state, memory=self.memory)
         answer = await self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
         return answer
 
-    async def _replace(self, config: ControllerConfig) -> None:  # noqa: ARG002
-        raise stateless_change()
-
-    async def open(self) -> None:
-        """Does nothing."""
+    async def _replace(self, config: ControllerConfig) -> None:
+        message = "a stateless controller cannot change while the arm moves; use `Client.session`"
+        raise RevprioError(message)
 
     async def close(self) -> None:
         """Does nothing, because the service stores nothing."""
 
 
 class AsyncStream(AsyncController):
-    """The asyncio version of `Stream`."""
+    """The asyncio version of `Stream`, with the same methods and arguments; use it with `async with`."""
 
     def __init__(self, client: AsyncClient, session: AsyncSession) -> None:
-        """Stores the session; `open` connects."""
+        """`session`: the controller that the stream steps."""
         super().__init__(session.config, session._numbering)
-        self._client, self._session = client, session
+        self._client, self._session = (client, session)
         self._replies = ReplyMatcher(client.url)
         self._exit = AsyncExitStack()
 
@@ -345,16 +392,17 @@ class AsyncStream(AsyncController):
             raise NoAnswerError(url, error) from error
 
     async def step_state(self, state: State) -> StepAnswer:
-        """As `Controller.step_state`."""
+        """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        limit_s = self._client.step_timeout_s
+        end_s = time.monotonic() + limit_s
         try:
             await self._socket.send(self._replies.encode(state))
-            async with asyncio.timeout(self._client.step_timeout_s):
-                while True:
-                    answer = self._replies.decode(await self._socket.recv())
-                    if answer is not None:
-                        return answer
+            while True:
+                answer = self._replies.decode(await receive_async(self._socket, end_s))
+                if answer is not None:
+                    return answer
         except TimeoutError as error:
-            raise LateAnswerError(self._client.url, f"no reply within {self._client.step_timeout_s} s") from error
+            raise LateAnswerError(self._client.url, f"no reply within {limit_s} s") from error
         except ConnectionClosed as error:
             raise NoAnswerError(self._client.url, error) from error
 
@@ -367,67 +415,36 @@ class AsyncStream(AsyncController):
 
 
 class AsyncSimulationRun:
-    """The asyncio version of `SimulationRun`."""
+    """The asyncio version of `SimulationRun`, with the same methods and arguments; use it with `async with`."""
 
     def __init__(self, client: AsyncClient, simulation_id: str) -> None:
         """`simulation_id`: identifier of a run that was started."""
-        self._client, self.id = client, simulation_id
+        self._client, self.id = (client, simulation_id)
 
     async def status(self) -> Simulation:
-        """As `SimulationRun.status`."""
+        """Returns state and progress (0 … 1); includes metrics once the simulation is finished."""
         return await self._client.call(routes.SIMULATION(self.id))
 
     async def result(self, on_progress: Callable[[Simulation], object] = lambda _: None) -> Simulation:
-        """As `SimulationRun.result`."""
-        while not has_ended(status := await self.status()):
+        """Waits for the end; raises `SimulationError` if the simulation failed or was cancelled."""
+        while not has_ended((status := (await self.status()))):
             on_progress(status)
             await asyncio.sleep(POLL_S)
         return status
 
     @fields_of(SimulationControl)
     async def control(self, command: SimulationControl) -> Simulation:
-        """As `SimulationRun.control`."""
+        """Controls an interactive run: `run.control(paused=False, speed=0.5, external_force=[0, 20, 0])`."""
         return await self._client.call(routes.CONTROL_SIMULATION(self.id, body=command))
 
     async def cycle(self) -> StepRequest:
-        """As `SimulationRun.cycle`."""
+        """Returns the latest control period of an interactive run, as a request for `Client.step`."""
         return await self._client.call(routes.CYCLE(self.id))
 
     async def trace(self) -> routes.Trace:
-        """As `SimulationRun.trace`."""
+        """Returns all control periods of a finished run: one array per column, as the service documents them."""
         return await self._client.call(routes.TRACE(self.id))
 
     async def cancel(self) -> None:
-        """As `SimulationRun.cancel`."""
+        """Cancels a running simulation; deletes a finished one."""
         await self._client.call(routes.DELETE_SIMULATION(self.id))
-
-
-async def drive(
-    controller: AsyncController,
-    read: Callable[[], Awaitable[Measurement]],
-    write: Callable[[FloatArray], None],
-    *,
-    watchdog: Watchdog,
-    duration_s: float = math.inf,
-) -> Drive:
-    """As `revprio.drive`. The final ramp blocks the event loop until the arm is at rest."""
-    state = LoopState(watchdog, controller.period_s)
-    pending: asyncio.Task[StepAnswer] | None = None
-    with ramp_to_rest(watchdog, write, controller.period_s):
-        try:
-            for tick in ticks(controller.period_s, duration_s):
-                state.begin(tick)
-                measurement = await read()
-                if pending is None:
-                    pending = asyncio.ensure_future(controller.step(**state.step_arguments(measurement, tick)))
-                await asyncio.wait([pending], timeout=tick.remaining_s())
-                if pending.done():
-                    state.update(pending)
-                    pending = None
-                write(state.command())
-                state.report.periods += 1
-                await asyncio.sleep(tick.remaining_s())
-        finally:
-            if pending is not None:
-                pending.cancel()
-    return state.report

@@ -1,8 +1,7 @@
-"""Base classes of request and answer bodies, and the types of their NumPy arrays."""
+"""The base class of request bodies, and the types of their NumPy arrays."""
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias, TypeVar
 
@@ -11,6 +10,9 @@ import pydantic_core
 from numpy.typing import ArrayLike as AnyArrayLike
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, PlainValidator, ValidationError
+
+from revprio.answers import Readable
+from revprio.invalid import invalid
 
 T = TypeVar("T")
 
@@ -112,35 +114,9 @@ JointVector: TypeAlias = Annotated[AnyArrayLike | Mapping[str, float], PlainVali
 """One number per joint: an array in the robot's joint order, or a mapping by joint name in any order."""
 
 
-class _Source:
-    """An annotation that is shown as it is written."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def __repr__(self) -> str:
-        return self._text
-
-
-class _Readable(BaseModel):
-    """A model whose signature `help()` shows as it is written."""
-
-    @classmethod
-    def __pydantic_init_subclass__(cls, **_: object) -> None:
-        """Replaces the annotations in the signature by their source text."""
-        bases = reversed(cls.__mro__)
-        annotations = {name: text for base in bases for name, text in inspect.get_annotations(base).items()}
-        signature = inspect.signature(cls)
-        parameters = [
-            parameter.replace(annotation=_Source(str(annotations.get(name, parameter.annotation))))
-            for name, parameter in signature.parameters.items()
-        ]
-        cls.__signature__ = signature.replace(parameters=parameters)
-
-
 if TYPE_CHECKING:
     # Type checkers must see the metaclass of pydantic, which defines the arguments of the models.
-    _Refusing = _Readable
+    _Refusing = Readable
 else:
 
     class _BodyMeta(type(BaseModel)):
@@ -151,9 +127,9 @@ else:
             try:
                 return super().__call__(**fields)
             except ValidationError as error:
-                raise _invalid(error, fields) from None
+                raise invalid(error, fields, cls.model_fields) from None
 
-    class _Refusing(_Readable, metaclass=_BodyMeta):
+    class _Refusing(Readable, metaclass=_BodyMeta):
         """A model that raises an `InvalidError` if its fields are wrong, as the service would."""
 
 
@@ -168,7 +144,7 @@ class Body(_Refusing):
         try:
             return super().model_validate(obj, **options)
         except ValidationError as error:
-            raise _invalid(error, obj) from None
+            raise invalid(error, obj, cls.model_fields) from None
 
     @classmethod
     def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401
@@ -176,7 +152,8 @@ class Body(_Refusing):
         try:
             return super().model_validate_json(json_data, **options)
         except ValidationError as error:
-            raise _invalid(error, pydantic_core.from_json(json_data, allow_partial=True)) from None
+            given = pydantic_core.from_json(json_data, allow_partial=True)
+            raise invalid(error, given, cls.model_fields) from None
 
     def json_bytes(self) -> bytes:
         """Returns the JSON text to send."""
@@ -189,15 +166,3 @@ class Tagged(Body):
     def model_post_init(self, _context: object, /) -> None:
         """Marks `kind` as set, so that it is sent."""
         self.model_fields_set.add("kind")
-
-
-def _invalid(error: ValidationError, given: object) -> Exception:
-    from revprio.invalid import invalid  # noqa: PLC0415 - the module uses the models, which use this one
-
-    return invalid(error, given)
-
-
-class Answer(_Readable):
-    """Part of an answer. Unknown fields, such as those of a newer service, are ignored."""
-
-    model_config = ConfigDict(extra="ignore", frozen=True, arbitrary_types_allowed=True)

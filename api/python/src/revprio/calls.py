@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from revprio import routes
-from revprio.controller import Stateless
 from revprio.models import (
     BatchItem,
     BatchRequest,
@@ -23,6 +22,7 @@ from revprio.models import (
     StepAnswer,
     StepRequest,
 )
+from revprio.remote import Stateless
 from revprio.typed import fields_of
 
 A = TypeVar("A")

@@ -13,7 +13,6 @@ from websockets.sync.client import ClientConnection, connect
 
 from revprio import routes
 from revprio.calls import Calls
-from revprio.controller import Session
 from revprio.errors import RevprioError
 from revprio.models import (
     ControllerConfig,
@@ -22,6 +21,7 @@ from revprio.models import (
     SessionEntry,
     SimulationRequest,
 )
+from revprio.remote import Session
 from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import SimulationRun
 from revprio.streaming import SUBPROTOCOL, websocket_url
@@ -86,7 +86,7 @@ class Client(Calls):
         return connect(
             websocket_url(self.url, path),
             additional_headers=self._headers,
-            subprotocols=[SUBPROTOCOL],  # type: ignore[list-item]
+            subprotocols=[SUBPROTOCOL],
             ssl=self._tls,
             open_timeout=self._timeout_s,
             proxy=None,
@@ -117,7 +117,7 @@ class Client(Calls):
 
         `result()` waits for its end; `trace()` returns every control period.
         """
-        return SimulationRun(self, request)
+        return SimulationRun(self, self.call(routes.CREATE_SIMULATION(body=request)).id)
 
     def is_ready(self) -> bool:
         """Returns whether the service can be reached and accepts requests."""

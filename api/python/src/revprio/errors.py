@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from revprio.models import REMEDIES, Problem, Simulation
+from revprio.problem import REMEDIES, Problem
 
 __all__ = [
     "AddressError", "ConflictError", "ForeignAnswerError", "InvalidError", "LateAnswerError", "NoAnswerError",
-    "NotFoundError",
-    "ProblemError", "RevprioError", "SimulationError", "UnauthorizedError", "UnavailableError",
+    "NotFoundError", "ProblemError", "RevprioError", "UnauthorizedError", "UnavailableError",
 ]  # fmt: skip
 
 
@@ -50,15 +49,6 @@ class AddressError(RevprioError, ValueError):
         """`url`: the wrong address."""
         super().__init__(f"`{url}` is not the address of a service; give one such as http://127.0.0.1:8080")
         self.url = url
-
-
-class SimulationError(RevprioError):
-    """A simulation failed or was cancelled."""
-
-    def __init__(self, simulation: Simulation) -> None:
-        """`simulation`: its state and error, as the service reports them."""
-        super().__init__(f"simulation {simulation.id} {simulation.state}: {simulation.error or 'a client deleted it'}")
-        self.simulation = simulation
 
 
 class ProblemError(RevprioError):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from revprio.errors import InvalidError
-from revprio.models import Problem
+from revprio.problem import Problem
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -31,14 +31,17 @@ KINDS = {
 """What a field must be, by the beginning of pydantic's kind of error."""
 
 
-def invalid(error: ValidationError, given: object) -> InvalidError:
-    """Returns the exception for a body with wrong fields. It names one of them. `given`: the fields."""
+def invalid(error: ValidationError, given: object, known: Iterable[str]) -> InvalidError:
+    """Returns the exception for a body with wrong fields, which names one of them.
+
+    `given`: the fields; `known`: the names of all fields of the body.
+    """
     details = error.errors(include_url=False)
     unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
     # An unknown field is often a misspelled one, which is then missing. Of several types, the nearest has most parts.
     first = max(unknown or details, key=lambda detail: len(detail["loc"]) if _is_union(details) else 0)
     pointer = "".join(f"/{part}" for part in _place(first["loc"], given))
-    problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=_text(first, error.title))
+    problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=_text(first, known))
     return InvalidError(problem.model_copy(update={"pointer": pointer or None}))
 
 
@@ -68,20 +71,17 @@ def _entry(given: object, part: int | str) -> tuple[bool, object]:
     return hasattr(given, part), getattr(given, part, None)
 
 
-def _text(detail: ErrorDetails, title: str) -> str:
+def _text(detail: ErrorDetails, known: Iterable[str]) -> str:
     kind, context = detail["type"], {"input": detail["input"], **detail.get("ctx", {})}
     if kind == "extra_forbidden":
-        return _unknown_field(str(detail["loc"][-1]), title)
+        return _unknown_field(str(detail["loc"][-1]), known)
     if kind in TEXTS:
         return TEXTS[kind].format_map(_Lenient(context))
     expected = KINDS.get(kind.partition("_")[0])
     return f"{_short(detail['input'])} is not {expected}" if expected else detail["msg"]
 
 
-def _unknown_field(name: str, title: str) -> str:
-    from revprio import models  # noqa: PLC0415
-
-    known: Mapping[str, Any] = getattr(getattr(models, title, None), "model_fields", {})
+def _unknown_field(name: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean `{near[0]}`?" if near else "see `help()` of its class for the fields"
     return f"there is no field `{name}`; {hint}"

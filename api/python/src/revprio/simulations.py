@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from revprio import routes
-from revprio.errors import SimulationError
-from revprio.models import Simulation, SimulationControl, SimulationRequest, StepRequest
+from revprio.errors import RevprioError
+from revprio.models import Simulation, SimulationControl, StepRequest
+from revprio.transport import Caller
 from revprio.typed import fields_of
-
-if TYPE_CHECKING:
-    from revprio.client import Client
 
 POLL_S = 0.1
 """Interval between two status requests, s."""
 
 
+class SimulationError(RevprioError):
+    """A simulation failed or was cancelled."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """`simulation`: its state and error, as the service reports them."""
+        super().__init__(f"simulation {simulation.id} {simulation.state}: {simulation.error or 'a client deleted it'}")
+        self.simulation = simulation
+
+
 class SimulationRun:
     """A simulation that is queued, running or finished."""
 
-    def __init__(self, client: Client, request: SimulationRequest) -> None:
-        """Starts the simulation."""
-        self._client = client
-        self.id = client.call(routes.CREATE_SIMULATION(body=request)).id
+    def __init__(self, client: Caller, simulation_id: str) -> None:
+        """`simulation_id`: identifier of a run that was started."""
+        self._client, self.id = client, simulation_id
 
     def status(self) -> Simulation:
         """Returns state and progress (0 … 1); includes metrics once the simulation is finished."""

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
+import time
+from typing import TYPE_CHECKING
+
 from pydantic import ValidationError
 from websockets.exceptions import InvalidHandshake, InvalidStatus
+from websockets.typing import Subprotocol
 
 from revprio.errors import ForeignAnswerError, RevprioError, problem_error
 from revprio.models import Problem, State, StepAnswer
 
-SUBPROTOCOL = "revprio.json"
+if TYPE_CHECKING:
+    from websockets.asyncio.client import ClientConnection as AsyncConnection
+    from websockets.sync.client import ClientConnection
+
+SUBPROTOCOL = Subprotocol("revprio.json")
 
 
 class ReplyMatcher:
@@ -40,6 +49,17 @@ class ReplyMatcher:
             except ValidationError:
                 raise ForeignAnswerError(self._url, 200, error) from error
         raise problem_error(problem)
+
+
+def receive(socket: ClientConnection, end_s: float) -> str | bytes:
+    """Returns the next message; raises a `TimeoutError` if none comes before `end_s` on the monotonic clock."""
+    return socket.recv(max(end_s - time.monotonic(), 0.0))
+
+
+async def receive_async(socket: AsyncConnection, end_s: float) -> str | bytes:
+    """As `receive`, without blocking."""
+    async with asyncio.timeout(end_s - time.monotonic()):
+        return await socket.recv()
 
 
 def refused_handshake(url: str, error: InvalidHandshake) -> RevprioError:

@@ -3,9 +3,17 @@
 use revprio_api::wire;
 use revprio_api::{ClientError, Service};
 
-use super::operator::Cycle;
-use super::run::CallMode;
-use super::stateless::Stateless;
+use super::stateless::{Cycle, Stateless};
+
+/// Who keeps the controller's memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CallMode {
+    /// The service, in a session.
+    #[default]
+    Session,
+    /// The caller, which sends it with every request.
+    Stateless,
+}
 
 /// The way in which a run calls the service.
 pub enum Caller<'a> {

@@ -7,6 +7,7 @@ use std::time::Duration;
 use revprio_api::wire;
 
 use super::recording::Sample;
+use super::stateless::Cycle;
 
 /// Influence on one period of a run, in addition to the scenario.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -39,28 +40,6 @@ pub struct Observed<'a> {
     pub round_trip: Duration,
     /// Input of the step; `None` in a session.
     pub cycle: Option<Cycle<'a>>,
-}
-
-/// Input of a stateless step.
-#[derive(Debug, Clone, Copy)]
-pub struct Cycle<'a> {
-    /// The controller.
-    pub controller: &'a wire::Controller,
-    /// The measured state.
-    pub state: &'a wire::State,
-    /// The memory of the previous period.
-    pub memory: Option<&'a wire::Memory>,
-}
-
-impl Cycle<'_> {
-    /// Returns the step as a request.
-    pub fn request(&self) -> wire::StepRequest {
-        wire::StepRequest {
-            controller: self.controller.clone(),
-            state: self.state.clone(),
-            memory: self.memory.cloned(),
-        }
-    }
 }
 
 /// Observes and controls a run.

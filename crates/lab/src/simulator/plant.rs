@@ -12,12 +12,11 @@ use revprio_robot::profile::Profile;
 use super::arm::Arm;
 use super::drive_limits::DriveLimits;
 use super::environment::Environment;
-use super::field_error::FieldError;
-use super::profile::profile;
-use super::recording::{AtLimit, Energy, Sample, Sensed};
-use super::run::RunError;
+use super::profile::external_wrench;
+use super::recording::{AtLimit, Energy, Sample};
+use super::run_error::RunError;
 use super::scenario::Scenario;
-use super::sensors::Sensing;
+use super::sensors::{Sensed, Sensing};
 use super::watchdog::HeldCommand;
 
 /// Arm, sensors, contacts and external push.
@@ -62,7 +61,7 @@ impl Plant {
             ),
             environment: Environment::new(&scenario.contacts, start)?,
             sensing: Sensing::new(&scenario.sensors, position.len(), period_s, scenario.seed)?,
-            external_wrench: external.map(external_profile).transpose()?,
+            external_wrench: external.map(external_wrench).transpose()?,
             start,
             tool: ToolState { configuration, contact_force: [0.0; 3] },
             period_s,
@@ -182,11 +181,6 @@ impl Plant {
             answer_age: period.saturating_sub(answer.sequence),
         }
     }
-}
-
-/// Returns the external wrench over time: force and torque.
-pub fn external_profile(wrench: &wire::Profile) -> Result<Profile, FieldError> {
-    profile(wrench, 6, "/external_wrench")
 }
 
 fn tool_position(configuration: &Configuration) -> [f64; 3] {

@@ -43,6 +43,11 @@ pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Pr
     profile.map_err(|error| FieldError::new(place(error, pointer), format!("is not valid: {error}")))
 }
 
+/// Returns the external wrench over time: force and torque.
+pub fn external_wrench(wrench: &wire::Profile) -> Result<Profile, FieldError> {
+    profile(wrench, 6, "/external_wrench")
+}
+
 /// Returns the JSON pointer of an invalid part.
 fn place(error: ProfileError, pointer: &str) -> String {
     match error {

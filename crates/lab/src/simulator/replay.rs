@@ -6,10 +6,10 @@ use std::ops::ControlFlow;
 use revprio_api::Service;
 use revprio_api::wire;
 
-use super::caller::Caller;
+use super::caller::{CallMode, Caller};
 use super::plant::target_force;
 use super::recording::{AtLimit, Recording, Sample, Sensed, TableLayout, Value};
-use super::run::{CallMode, RunError};
+use super::run_error::RunError;
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]

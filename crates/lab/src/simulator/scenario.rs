@@ -12,7 +12,7 @@ use super::contact::Contact;
 use super::environment::Environment;
 use super::faults::Faults;
 use super::field_error::{FieldError, between, number, positive};
-use super::plant::external_profile;
+use super::profile::external_wrench;
 use super::sensors::{Sensing, Sensors};
 use super::toml_lines;
 
@@ -251,7 +251,7 @@ impl Scenario {
         }
         self.velocity_loop.check("/velocity_loop")?;
         Environment::new(&self.contacts, [0.0; 3])?;
-        self.external_wrench.as_ref().map(external_profile).transpose()?;
+        self.external_wrench.as_ref().map(external_wrench).transpose()?;
         Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
         self.faults.check("/faults")?;
         if self.seed > MAX_SEED {

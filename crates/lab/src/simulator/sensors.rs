@@ -6,7 +6,6 @@ use utoipa::ToSchema;
 
 use super::field_error::{FieldError, not_negative, number, per_row};
 use super::random::{Purpose, RandomSource};
-use super::recording::Sensed;
 
 /// Sensors of the arm. The default is ideal sensors.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
@@ -51,6 +50,19 @@ impl Sensor {
     fn is_perfect(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// The state that the controller received.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sensed {
+    /// Joint positions q, n, rad or m.
+    pub joint_position: Vec<f64>,
+    /// Joint velocities q̇, n, rad/s or m/s.
+    pub joint_velocity: Vec<f64>,
+    /// Force in the controller's convention of sign and axes, N.
+    pub force: [f64; 3],
+    /// Torque in the same convention, N·m.
+    pub torque: [f64; 3],
 }
 
 /// The state of all sensors.

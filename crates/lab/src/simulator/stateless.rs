@@ -1,14 +1,35 @@
 //! A caller that keeps the memory of the controller itself, so that it can change the controller during a run.
 
-use revprio_api::wire;
-use revprio_api::{ClientError, Service};
 use std::collections::BTreeMap;
 
-use super::operator::Cycle;
+use revprio_api::wire;
+use revprio_api::{ClientError, Service};
 
 /// Simulated time over which the command is blended from one method to another, s. It is short compared with the motion of
 /// a force-controlled tool.
 const BLEND_S: f64 = 0.1;
+
+/// Input of a stateless step.
+#[derive(Debug, Clone, Copy)]
+pub struct Cycle<'a> {
+    /// The controller.
+    pub controller: &'a wire::Controller,
+    /// The measured state.
+    pub state: &'a wire::State,
+    /// The memory of the previous period.
+    pub memory: Option<&'a wire::Memory>,
+}
+
+impl Cycle<'_> {
+    /// Returns the step as a request.
+    pub fn request(&self) -> wire::StepRequest {
+        wire::StepRequest {
+            controller: self.controller.clone(),
+            state: self.state.clone(),
+            memory: self.memory.cloned(),
+        }
+    }
+}
 
 /// Calls `POST /v1/step`.
 pub struct Stateless<'a> {

@@ -11,7 +11,7 @@ use revprio_robot::kinematics::{Axis, AxisSelection};
 use serde_json::json;
 
 use super::plain::{self, Chain};
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 

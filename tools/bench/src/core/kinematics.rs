@@ -4,8 +4,8 @@ use revprio_robot::built_in;
 use revprio_robot::kinematics::Configuration;
 
 use super::plain::Chain;
-use super::postures;
-use crate::BenchError;
+use super::postures::postures;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 

@@ -4,9 +4,10 @@ pub mod cycle;
 mod kinematics;
 mod level;
 mod plain;
+pub mod postures;
 mod pseudo_inverse;
 
-use super::BenchError;
+use super::error::BenchError;
 use super::row::Row;
 use super::timing::Budget;
 
@@ -17,11 +18,4 @@ pub fn rows(budget: Budget) -> Result<Vec<Row>, BenchError> {
     rows.extend(cycle::rows(budget)?);
     rows.extend(level::rows(budget)?);
     Ok(rows)
-}
-
-/// Returns postures of Sawyer, spread over the joint ranges by irrational strides.
-pub fn postures(count: usize) -> Vec<[f64; 7]> {
-    const STRIDES: [f64; 7] = [0.754_878, 0.569_840, 0.430_160, 0.324_718, 0.245_122, 0.185_037, 0.139_681];
-    let posture = |i: usize| STRIDES.map(|stride| 4.0 * ((i as f64 * stride).fract() - 0.5));
-    (1..=count).map(posture).collect()
 }

@@ -7,8 +7,9 @@ use revprio_core::linalg::{Matrix, RANK_TOLERANCE, Svd};
 use revprio_robot::built_in;
 use revprio_robot::kinematics::Configuration;
 
-use super::{plain, postures};
-use crate::BenchError;
+use super::plain;
+use super::postures::postures;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use revprio::service::Robots;
 use revprio_robot::{RobotModel, from_toml};
 
-use crate::BenchError;
+use crate::error::BenchError;
 
 /// Name of the arms.
 pub const NAME: &str = "arm";

@@ -6,8 +6,8 @@ use revprio_robot::kinematics::Configuration;
 use serde_json::{Value, json};
 
 use super::arms;
-use crate::BenchError;
 use crate::core::cycle::Cycle;
+use crate::error::BenchError;
 use crate::plan::Plan;
 use crate::series::{Growth, Series};
 use crate::timing::{Subject, side_by_side};

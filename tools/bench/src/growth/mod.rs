@@ -5,7 +5,7 @@ mod cycles;
 mod requests;
 pub mod simulations;
 
-use super::BenchError;
+use super::error::BenchError;
 use super::plan::Plan;
 use super::series::Growth;
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::http::connection::{Connection, Request};
 use crate::http::subject::{Call, UnderTest};
 use crate::plan::Plan;

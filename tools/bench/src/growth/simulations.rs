@@ -7,7 +7,7 @@ use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::plan::Plan;
 use crate::row::Row;
 use crate::series::{Growth, Series};

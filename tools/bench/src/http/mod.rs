@@ -8,7 +8,7 @@ pub mod subject;
 mod throughput;
 mod websocket;
 
-use super::BenchError;
+use super::error::BenchError;
 use super::row::Row;
 use super::timing::{Budget, Subject, side_by_side};
 use connection::Connection;

@@ -5,7 +5,7 @@ use revprio::service::{RunningServer, router};
 use super::connection::Connection;
 use super::subject::{Call, UnderTest, state_without_load_shedding};
 use super::throughput::in_turns;
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 

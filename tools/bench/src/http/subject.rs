@@ -9,7 +9,7 @@ use revprio_api::{Client, Service};
 use serde::de::DeserializeOwned;
 
 use super::connection::{Connection, NUMBER, OWNER, Request};
-use crate::BenchError;
+use crate::error::BenchError;
 
 /// A force and an impedance task on Sawyer, solver `auto`, limits of position and velocity.
 const STEP: &str = include_str!("../../../../api/examples/step.json");

@@ -6,7 +6,7 @@ use super::affinity::Pinned;
 use super::connection::Connection;
 use super::peers::Echo;
 use super::subject::{Call, UnderTest};
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Times};
 

@@ -7,7 +7,7 @@ use tungstenite::{Message, WebSocket};
 use super::affinity::Pinned;
 use super::connection::{Connection, OWNER, Request};
 use super::subject::{Call, UnderTest};
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::row::Row;
 use crate::timing::{Budget, Subject, side_by_side};
 

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::client::{Request, parse_answer};
+use super::requests::{STEP, half_requests};
 use super::server::Server;
-use super::{STEP, half_requests};
-use crate::BenchError;
+use crate::error::BenchError;
 use crate::timing::quantile;
 
 const CONTROLLER: &str = include_str!("../../../../api/examples/controller.json");

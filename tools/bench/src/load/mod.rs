@@ -7,22 +7,18 @@
 
 mod beside;
 mod client;
+mod requests;
 mod server;
 mod tally;
 
 use std::io::{Write as _, stdout};
-use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use self::client::{Pace, Request, send_until};
+use self::requests::{STEP, half_requests};
 use self::server::Server;
 use self::tally::Tally;
-use crate::BenchError;
-
-/// One control period, about 1 KB.
-const STEP: &str = include_str!("../../../../api/examples/step.json");
-
-const HALF_A_REQUEST: &[u8] = b"POST /v1/step HTTP/1.1\r\nhost: localhost\r\ncontent-ty";
+use crate::error::BenchError;
 
 /// Largest growth of the memory of the server, MiB: connections with their buffers, and histograms.
 const MAX_MEMORY_GROWTH_MIB: f64 = 128.0;
@@ -97,13 +93,4 @@ async fn loaded(server: &Server, clients: usize, pace: Pace, duration: Duration)
         return Err(BenchError::Load("/healthz did not answer".to_owned()));
     }
     Ok(tally)
-}
-
-fn half_requests(server: &Server, count: usize) -> Result<Vec<TcpStream>, BenchError> {
-    let half = |_| {
-        let mut stream = TcpStream::connect(server.address)?;
-        stream.write_all(HALF_A_REQUEST)?;
-        Ok(stream)
-    };
-    (0..count).map(half).collect()
 }

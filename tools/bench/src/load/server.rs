@@ -4,7 +4,7 @@ use std::io::{self, BufRead as _, BufReader};
 use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 
-use crate::BenchError;
+use crate::error::BenchError;
 
 /// A server process, killed when dropped.
 pub struct Server {

@@ -21,11 +21,12 @@ mod writer;
 
 use std::fmt;
 
+use revprio_api::wire;
 use serde::{Deserialize, Serialize};
 
 pub use super::energy::Energy;
 use super::scenario::Scenario;
-use revprio_api::wire;
+pub use super::sensors::Sensed;
 
 pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
@@ -129,19 +130,6 @@ pub struct Sample {
     pub answered: bool,
     /// Age of the answer: periods since the measurement of its state; 0 for the state of this period.
     pub answer_age: u64,
-}
-
-/// The state that the controller received.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Sensed {
-    /// Joint positions q, n, rad or m.
-    pub joint_position: Vec<f64>,
-    /// Joint velocities q̇, n, rad/s or m/s.
-    pub joint_velocity: Vec<f64>,
-    /// Force in the controller's convention of sign and axes, N.
-    pub force: [f64; 3],
-    /// Torque in the same convention, N·m.
-    pub torque: [f64; 3],
 }
 
 /// Relation of a commanded joint velocity to its bounds.

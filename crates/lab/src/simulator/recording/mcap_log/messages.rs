@@ -7,7 +7,6 @@ use nalgebra::{IsometryMatrix3, UnitQuaternion};
 use serde::Serialize;
 
 use super::super::{Recording, Sample};
-use super::nanoseconds;
 
 /// Name of the base frame.
 pub const BASE: &str = "base";
@@ -80,6 +79,12 @@ pub fn transforms(recording: &Recording, sample: &Sample, links: &[IsometryMatri
     let [w, x, y, z] = sample.orientation;
     let tool = frame("tool", vector(sample.position), Quaternion { x, y, z, w });
     FrameTransforms { transforms: recording.joint_names.iter().zip(links).map(link).chain([tool]).collect() }
+}
+
+/// Converts seconds.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
+pub fn nanoseconds(time_s: f64) -> u64 {
+    (time_s * 1e9).round() as u64
 }
 
 /// Returns the start time of a period.

@@ -13,7 +13,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::{NoSeek, WriteOptions};
 use mcap::{MessageStream, Summary};
 
-use self::messages::Wrench;
+use self::messages::{Wrench, nanoseconds};
 use self::scene::SceneBuilder;
 use super::error::{ReadError, WriteError};
 use super::json_lines::{read_object, write_object};
@@ -111,11 +111,6 @@ impl<W: Write + Send> McapWriter<W> {
 struct MessageTime {
     row: usize,
     nanoseconds: u64,
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
-fn nanoseconds(time_s: f64) -> u64 {
-    (time_s * 1e9).round() as u64
 }
 
 /// Returns the number of control periods in `interval` seconds, at least 1.
