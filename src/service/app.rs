@@ -3,18 +3,17 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::from_fn_with_state;
 use axum::routing::get;
-use axum::{Extension, Router};
 use tower_http::cors::CorsLayer;
 use utoipa::openapi::OpenApi;
 
 use super::error::ApiError;
-use super::gate::{admission, gate};
-use super::handlers::docs::{self, Documents};
-use super::handlers::page;
-use super::openapi::{published_asyncapi, published_openapi};
+use super::gate::{GateLayer, admission};
+use super::handlers::{docs, page};
+use super::openapi::DOCUMENTS;
 use super::ownership::{IDEMPOTENCY_KEY, OWNER};
 use super::request_id::REQUEST_ID;
 use super::routes::routes;
@@ -35,31 +34,31 @@ pub fn router(app: AppState) -> Service {
 
 /// Returns all routes. This takes milliseconds, because it also describes them.
 fn all_routes() -> Router<Arc<AppState>> {
-    let documents = Documents { openapi: published_openapi, asyncapi: published_asyncapi };
-    let (routes, _) = routes(OpenApi::default()).split_for_parts();
+    let (routes, _) = routes(OpenApi::default(), DOCUMENTS).split_for_parts();
     routes
         .route("/", get(page::home))
         .route("/dashboard/{file}", get(page::file))
         .route("/docs", get(docs::home))
         .route("/docs/", get(docs::page))
         .route("/docs/{file}", get(docs::file))
-        .layer(Extension(documents))
 }
 
 /// Puts the gate before the routes, and answers unknown routes and methods with problems.
 fn behind_gate(routes: Router<Arc<AppState>>, app: AppState) -> Service {
     let app = Arc::new(app);
-    let mut router = routes
+    let router = routes
         .fallback(|uri: axum::http::Uri| async move {
             ApiError::not_found(format!("there is no route {}; see /openapi.json", uri.path()))
         })
-        .method_not_allowed_fallback(|| async { ApiError::method_not_allowed() })
-        .layer(from_fn_with_state(Arc::clone(&app), admission));
-    // Preflight requests have no token.
-    if !app.config.allowed_origins.is_empty() {
-        router = router.layer(cors(&app.config.allowed_origins));
-    }
-    let router = router.layer(from_fn_with_state(Arc::clone(&app), gate));
+        .method_not_allowed_fallback(|| async { ApiError::method_not_allowed() });
+    let gate = |admits| GateLayer { app: Arc::clone(&app), admits };
+    let origins = &app.config.allowed_origins;
+    let router = if origins.is_empty() {
+        router.layer(gate(true))
+    } else {
+        let admission = from_fn_with_state(Arc::clone(&app), admission);
+        router.layer(admission).layer(cors(origins)).layer(gate(false))
+    };
     Service { router: router.with_state(Arc::clone(&app)), app }
 }
 

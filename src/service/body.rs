@@ -1,6 +1,6 @@
 //! Bodies of requests and answers, in the format that the client chose.
 //!
-//! Handlers take a [`Body`] and return an [`Answer`]; both hold plain values. [`encode_answers`] turns answers into bytes.
+//! Handlers take a [`Body`] and return an [`Answer`]; both hold plain values. [`AnswerEncoding`] turns answers into bytes.
 //! Bodies that take longer than a few control periods to decode or encode are [`LargeBody`] and [`LargeAnswer`]. Other
 //! threads handle them, so that steps do not wait.
 
@@ -12,8 +12,7 @@ use std::sync::Arc;
 
 use axum::body::HttpBody;
 use axum::extract::{FromRequest, Request};
-use axum::http::{HeaderValue, header};
-use axum::middleware::Next;
+use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -93,7 +92,8 @@ async fn receive(request: Request, app: &AppState, limit: usize) -> Result<RawBo
 ///
 /// Permits limit the number of large bodies at a time: together they could use more memory than all connections.
 async fn collect(mut body: axum::body::Body, app: &AppState, limit: usize) -> Result<Vec<u8>, ApiError> {
-    let (mut bytes, mut size) = (Vec::new(), 0);
+    let expected = usize::try_from(body.size_hint().lower()).unwrap_or(0).min(MAX_SMALL);
+    let (mut bytes, mut size) = (Vec::with_capacity(expected), 0);
     let (mut permit, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| ApiError::body_timeout())?;
@@ -147,7 +147,7 @@ impl<T: Serialize + Send + Sync + 'static> IntoResponse for LargeAnswer<T> {
     }
 }
 
-/// The value of an answer. It travels in the extensions of the response to [`encode_answers`], which knows the format.
+/// The value of an answer. It travels in the extensions of the response to [`AnswerEncoding`], which knows the format.
 #[derive(Clone)]
 struct Unencoded {
     value: Arc<dyn Encode>,
@@ -172,30 +172,42 @@ impl<T: Serialize + Send + Sync> Encode for T {
     }
 }
 
-/// Runs the route and encodes its answer in the client's format. Large answers are encoded in another thread, and
-/// compressed if the client accepts gzip.
-pub async fn encode_answers(request: Request, next: Next) -> Response {
-    let format = Format::from_accept(request.headers());
-    let gzip = accept::gzip(request.headers());
-    let mut response = next.run(request).await;
-    let Some(Unencoded { value, is_large }) = response.extensions_mut().remove() else { return response };
-    let encoded = if is_large {
-        let encoded = background(move |_| value.encode(format).map(|bytes| compress(bytes, gzip))).await;
-        encoded.and_then(|encoded| encoded).map(|(bytes, encoding)| {
-            response.headers_mut().insert(header::VARY, HeaderValue::from_static("accept, accept-encoding"));
-            encoding.map(|encoding| response.headers_mut().insert(header::CONTENT_ENCODING, encoding));
-            bytes
-        })
-    } else {
-        value.encode(format)
-    };
-    match encoded {
-        Ok(bytes) => {
-            response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(format.media_type()));
-            *response.body_mut() = bytes.into();
-            response
+/// How the client wants its answer.
+#[derive(Debug, Clone, Copy)]
+pub struct AnswerEncoding {
+    format: Format,
+    gzip: bool,
+}
+
+impl AnswerEncoding {
+    /// Reads the headers of a request.
+    pub fn of(headers: &HeaderMap) -> Self {
+        Self { format: Format::from_accept(headers), gzip: accept::gzip(headers) }
+    }
+
+    /// Encodes the answer of a route. Large answers are encoded in another thread, and compressed if the client accepts
+    /// gzip.
+    pub async fn encode(self, mut response: Response) -> Response {
+        let Self { format, gzip } = self;
+        let Some(Unencoded { value, is_large }) = response.extensions_mut().remove() else { return response };
+        let encoded = if is_large {
+            let encoded = background(move |_| value.encode(format).map(|bytes| compress(bytes, gzip))).await;
+            encoded.and_then(|encoded| encoded).map(|(bytes, encoding)| {
+                response.headers_mut().insert(header::VARY, HeaderValue::from_static("accept, accept-encoding"));
+                encoding.map(|encoding| response.headers_mut().insert(header::CONTENT_ENCODING, encoding));
+                bytes
+            })
+        } else {
+            value.encode(format)
+        };
+        match encoded {
+            Ok(bytes) => {
+                response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(format.media_type()));
+                *response.body_mut() = bytes.into();
+                response
+            }
+            Err(error) => error.into_response(),
         }
-        Err(error) => error.into_response(),
     }
 }
 

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use axum::Extension;
 use utoipa::openapi::OpenApi;
-use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouterExt};
 use utoipa_axum::routes;
 
+use super::handlers::docs::Documents;
 use super::handlers::{analysis, control, docs, operation, resolve, robots, simulation};
 use super::state::AppState;
 
-/// Returns all described routes, and adds their descriptions to `document`.
-pub fn routes(document: OpenApi) -> OpenApiRouter<Arc<AppState>> {
+/// Returns all described routes, and adds their descriptions to `document`. `documents`: the interface descriptions that two
+/// of the routes send.
+pub fn routes(document: OpenApi, documents: Documents) -> OpenApiRouter<Arc<AppState>> {
     OpenApiRouter::with_openapi(document)
         .routes(routes!(resolve::resolve))
         .routes(routes!(resolve::resolve_batch))
@@ -36,6 +39,6 @@ pub fn routes(document: OpenApi) -> OpenApiRouter<Arc<AppState>> {
         .routes(routes!(operation::alive))
         .routes(routes!(operation::ready))
         .routes(routes!(operation::metrics))
-        .routes(routes!(docs::document))
-        .routes(routes!(docs::async_document))
+        .routes(routes!(docs::document).layer(Extension(documents)))
+        .routes(routes!(docs::async_document).layer(Extension(documents)))
 }

@@ -1,10 +1,7 @@
 //! Robots.
 
 use revprio_api::wire;
-use revprio_robot::{
-    ChainSelection, Joint, LeftOutReason, LimitOverride, ModelError, Overrides, RobotModel, TipReason, UrdfError,
-    UrdfOptions,
-};
+use revprio_robot::{ChainSelection, Joint, LimitOverride, ModelError, Overrides, RobotModel, UrdfError, UrdfOptions};
 
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
@@ -94,35 +91,18 @@ pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
 }
 
 fn chain_answer(robot: &RobotModel, selection: &ChainSelection) -> wire::RobotChain {
-    let reason = match selection.reason {
-        TipReason::Request => wire::TipReason::Request,
-        TipReason::OnlyEnd => wire::TipReason::OnlyEnd,
-        TipReason::ToolName => wire::TipReason::ToolName,
-        TipReason::BeforeGripper => wire::TipReason::BeforeGripper,
-        TipReason::LastLink => wire::TipReason::LastLink,
-    };
     let left_out = selection.left_out.iter();
     wire::RobotChain {
         base: selection.base.clone(),
         tip: selection.tip.clone(),
-        reason,
+        reason: terms::tip_reason_answer(selection.reason),
         joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
         left_out: left_out
-            .map(|joint| wire::LeftOutJoint { joint: joint.joint.clone(), reason: left_out_answer(joint.reason) })
+            .map(|joint| wire::LeftOutJoint {
+                joint: joint.joint.clone(),
+                reason: terms::left_out_answer(joint.reason),
+            })
             .collect(),
-    }
-}
-
-fn left_out_answer(reason: LeftOutReason) -> wire::LeftOutReason {
-    match reason {
-        LeftOutReason::Gripper => wire::LeftOutReason::Gripper,
-        LeftOutReason::Head => wire::LeftOutReason::Head,
-        LeftOutReason::LegOrWheel => wire::LeftOutReason::LegOrWheel,
-        LeftOutReason::Sensor => wire::LeftOutReason::Sensor,
-        LeftOutReason::Unsupported => wire::LeftOutReason::Unsupported,
-        LeftOutReason::BeyondTip => wire::LeftOutReason::BeyondTip,
-        LeftOutReason::OtherBranch => wire::LeftOutReason::OtherBranch,
-        LeftOutReason::NotBelowBase => wire::LeftOutReason::NotBelowBase,
     }
 }
 

@@ -165,11 +165,11 @@ fn stall_warning(stalled: &[StalledJoint], controller: &Controller) -> Option<St
     let joints = controller.config().robot.joints();
     let StalledJoint { joint, stall: Stall { commanded, moved, time_s } } = *stalled.first()?;
     let (name, unit, speed) = (&joints[joint].name, joints[joint].kind.unit(), commanded / time_s);
-    let names: Vec<_> = stalled.iter().map(|stalled| format!("`{}`", joints[stalled.joint].name)).collect();
+    let names: Vec<&str> = stalled.iter().map(|stalled| joints[stalled.joint].name.as_str()).collect();
     Some(format!(
-        "joints that do not follow their commands: {}; `{name}` was commanded {speed:.3} {unit}/s for {time_s:.2} s and moved \
+        "joints that do not follow their commands: `{}`; `{name}` was commanded {speed:.3} {unit}/s for {time_s:.2} s and moved \
          by {moved:.4} {unit}. Check brakes, emergency stop and obstacles, and that the arm gets the commands",
-        names.join(", ")
+        names.join("`, `")
     ))
 }
 

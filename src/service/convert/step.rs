@@ -150,7 +150,7 @@ fn stuck_task(stuck: &StuckTask, controller: &Controller) -> wire::StuckTask {
 /// Adds the reports of streamed targets to the outcomes of tasks.
 fn tasks_with_targets(mut tasks: Vec<wire::TaskOutcome>, command: &Command) -> Vec<wire::TaskOutcome> {
     for (task, target) in tasks.iter_mut().zip(&command.targets) {
-        task.target_state = target.streamed.map(|report| targets::state_answer(report.state));
+        task.target_state = target.streamed.map(|report| terms::target_state_answer(report.state));
         task.target_age_s = target.streamed.and_then(|report| report.age_s);
     }
     tasks

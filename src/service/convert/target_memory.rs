@@ -4,10 +4,10 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::linalg::TaskVector;
-use revprio_core::streaming::{Quantity, Reference, Target, TargetState, TargetStream, TargetValue};
+use revprio_core::streaming::{Reference, Target, TargetStream, TargetValue};
 
 use super::numbers::{check_numbers, number};
-use super::targets::state_answer;
+use super::terms;
 use crate::service::error::ApiError;
 
 /// Reads the streams of a memory.
@@ -33,21 +33,11 @@ fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<Target
     };
     Ok(TargetStream {
         task: task.ok_or_else(unknown)?,
-        quantity: match stream.quantity {
-            wire::StreamedQuantity::Pose => Quantity::Pose,
-            wire::StreamedQuantity::JointPosition => Quantity::JointPosition,
-            wire::StreamedQuantity::Velocity => Quantity::Velocity,
-            wire::StreamedQuantity::Force => Quantity::Force,
-        },
+        quantity: terms::quantity(stream.quantity),
         newest: sample(&stream.newest, "/newest")?,
         previous: sample(&stream.previous, "/previous")?,
         reference: reference().map_err(|error: ApiError| error.inside("/reference"))?,
-        state: match stream.state {
-            wire::TargetState::Following => TargetState::Following,
-            wire::TargetState::Extrapolating => TargetState::Extrapolating,
-            wire::TargetState::Holding => TargetState::Holding,
-            wire::TargetState::Braking => TargetState::Braking,
-        },
+        state: terms::target_state(stream.state),
     })
 }
 
@@ -94,16 +84,11 @@ fn answer(stream: &TargetStream, config: &ControllerConfig) -> wire::TargetStrea
     let (pose, values) = value_answer(&stream.reference.value);
     wire::TargetStream {
         task: config.tasks[stream.task].name.clone(),
-        quantity: match stream.quantity {
-            Quantity::Pose => wire::StreamedQuantity::Pose,
-            Quantity::JointPosition => wire::StreamedQuantity::JointPosition,
-            Quantity::Velocity => wire::StreamedQuantity::Velocity,
-            Quantity::Force => wire::StreamedQuantity::Force,
-        },
+        quantity: terms::quantity_answer(stream.quantity),
         newest: stream.newest.as_ref().map(sample),
         previous: stream.previous.as_ref().map(sample),
         reference: wire::TargetReference { pose, values, velocity: stream.reference.velocity.to_vec() },
-        state: state_answer(stream.state),
+        state: terms::target_state_answer(stream.state),
     }
 }
 

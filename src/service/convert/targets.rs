@@ -179,16 +179,6 @@ fn joint_positions(given: &JointVector, task: &TaskConfig, robot: &RobotModel) -
     names.iter().map(position).collect()
 }
 
-/// Returns the state of a stream for answers.
-pub fn state_answer(state: TargetState) -> wire::TargetState {
-    match state {
-        TargetState::Following => wire::TargetState::Following,
-        TargetState::Extrapolating => wire::TargetState::Extrapolating,
-        TargetState::Holding => wire::TargetState::Holding,
-        TargetState::Braking => wire::TargetState::Braking,
-    }
-}
-
 /// Adds warnings about targets that are late, missing or ignored.
 pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {
     for (task, target) in controller.config().tasks.iter().zip(&command.targets) {

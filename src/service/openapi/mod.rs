@@ -16,6 +16,7 @@ use revprio_api::wire;
 use serde_json::{Value, json};
 use utoipa::OpenApi;
 
+use super::handlers::docs::Documents;
 use super::published::Published;
 use super::routes::routes;
 
@@ -58,20 +59,23 @@ pub fn asyncapi_document() -> String {
     format!("{:#}\n", *ASYNCAPI)
 }
 
+/// The documents that the service sends.
+pub const DOCUMENTS: Documents = Documents { openapi: published_openapi, asyncapi: published_asyncapi };
+
 /// Returns the OpenAPI document as the service sends it.
-pub fn published_openapi() -> &'static Published {
+fn published_openapi() -> &'static Published {
     static PUBLISHED: LazyLock<Published> = LazyLock::new(|| Published::new(&OPENAPI));
     &PUBLISHED
 }
 
 /// Returns the AsyncAPI document as the service sends it.
-pub fn published_asyncapi() -> &'static Published {
+fn published_asyncapi() -> &'static Published {
     static PUBLISHED: LazyLock<Published> = LazyLock::new(|| Published::new(&ASYNCAPI));
     &PUBLISHED
 }
 
 fn document() -> Value {
-    let mut document = serde_json::to_value(routes(Head::openapi()).into_openapi()).unwrap_or_default();
+    let mut document = serde_json::to_value(routes(Head::openapi(), DOCUMENTS).into_openapi()).unwrap_or_default();
     schemas::complete(&mut document);
     ranges::complete(&mut document);
     add_ways(&mut document);
