@@ -401,8 +401,8 @@ class SolverReport(Answer):
       levels above achieved, and `status` is not `optimal`.
     - kkt_residual: Largest relative residual of the optimality conditions; `null` without an answer or if not
       finite, never if `status` is `optimal`.
-    - last_resorts: Number of problems for which the solver `auto` needed its last resort, active limits from
-      Clarabel; absent if 0.
+    - last_resorts: Number of problems for which the solver `auto` needed its last resort, one change of the active
+      limits at a time; absent if 0.
     - levels: What Clarabel did at each level, in the order of solution; only with the solver `qp`.
     - rank_uncertain: Whether a rank decision lies so near its threshold that rounding may have decided it; default
       `false`.
@@ -423,8 +423,8 @@ class SolverReport(Answer):
     """Largest relative residual of the optimality conditions; `null` without an answer or if not finite, never if
     `status` is `optimal`."""
     last_resorts: int | None = None
-    """Number of problems for which the solver `auto` needed its last resort, active limits from Clarabel; absent if
-    0."""
+    """Number of problems for which the solver `auto` needed its last resort, one change of the active limits at a time;
+    absent if 0."""
     levels: list[SolverLevel] = Field(default_factory=list)
     """What Clarabel did at each level, in the order of solution; only with the solver `qp`."""
     rank_uncertain: bool | None = None
