@@ -197,24 +197,22 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
     loop {
         let next = if is_all { other_dependency(&dependencies, demands) } else { dependencies.first().cloned() };
         let Some(mut dependency) = next else { return is_all };
-        // Along the dependency Σ w_i b_i must not rise.
-        let gain: f64 = dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound).sum();
         let largest = dependency.iter().fold(0.0, |largest, d| f64::max(largest, d.abs()));
-        let is_positive = |d: &f64| *d > NEGLIGIBLE * largest;
-        if gain < 0.0 || !dependency.iter().any(is_positive) {
+        let has = |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > NEGLIGIBLE * largest);
+        // Along the dependency Σ w_i b_i must not rise, and a weight must fall.
+        let parts = || dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound);
+        let (gain, size): (f64, f64) = (parts().sum(), parts().map(f64::abs).sum());
+        let is_proof = gain.abs() > NEGLIGIBLE * size && !has(&dependency, gain.signum());
+        if !is_all && is_proof {
+            // All signs agree: the dependency is a proof itself.
+            demands.iter_mut().zip(&dependency).for_each(|(demand, d)| demand.weight = d.abs());
+            demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+            return true;
+        }
+        if gain < 0.0 || !has(&dependency, 1.0) {
             for d in &mut dependency {
                 *d = -*d;
             }
-        }
-        if gain != 0.0
-            && !is_all
-            && !dependency.iter().any(|d| *d < -NEGLIGIBLE * largest)
-            && gain_of(&dependency, demands) < 0.0
-        {
-            // All signs agree: the dependency is a proof itself.
-            demands.iter_mut().zip(&dependency).for_each(|(demand, d)| demand.weight = *d);
-            demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
-            return true;
         }
         // One weight vanishes first.
         let step = |(d, demand): (&f64, &Demand)| {
@@ -238,10 +236,6 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
             drop_member(&mut dependencies, member);
         }
     }
-}
-
-fn gain_of(dependency: &[f64], demands: &[Demand]) -> f64 {
-    dependency.iter().zip(demands).map(|(d, demand)| d * demand.bound).sum()
 }
 
 /// Returns a basis of all dependencies Σ d_i a_i = 0, from a factorisation A P = Q [R_1, R_2]: the columns of

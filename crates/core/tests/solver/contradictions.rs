@@ -151,6 +151,29 @@ fn named_members_of_small_integers_are_minimal() {
     examine(Entries::SmallIntegers, 0..20_000);
 }
 
+/// More members than the groups have in which they are reduced.
+#[test]
+fn named_members_among_many_rows_are_minimal() {
+    for seed in 0..200 {
+        let mut random = Random::new(seed);
+        let (n, entries) = (2 + random.below(4), random.pick(&[Entries::Normal, Entries::SmallIntegers]));
+        let mut level = |count: usize| {
+            let row = |random: &mut Random| {
+                let mut coefficients: Vec<f64> = (0..n).map(|_| random.entry(entries)).collect();
+                coefficients[0] += 0.5;
+                Row { coefficients, lower: f64::NEG_INFINITY, upper: random.entry(entries) - 0.5 }
+            };
+            (0..count).map(|_| row(&mut random)).collect::<Vec<_>>()
+        };
+        let (levels, limit) = (vec![level(40), level(60)], vec![1.5; n]);
+        let lower = limit.iter().map(|limit| -limit).collect();
+        let hierarchy = Hierarchy { lower, upper: limit, reference: vec![0.0; n], levels };
+        let (problem, answer) = (hierarchy.problem(), hierarchy.solve(&[]));
+        assert_named(&hierarchy, &problem, &answer);
+        assert!(!answer.contradictions.is_empty(), "seed {seed}");
+    }
+}
+
 /// Returns the members of the only contradiction, those of equations without a side.
 fn only_contradiction(hierarchy: &Hierarchy) -> (Option<usize>, Vec<String>) {
     let problem = hierarchy.problem();
