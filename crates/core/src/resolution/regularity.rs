@@ -10,6 +10,9 @@ pub const HALF_WIDTH: f64 = 1.0;
 /// Rows beyond which their Gram matrix would cost more than bisection.
 const MAX_GRAM: usize = 40;
 
+/// Halvings of an interval until it is as wide as rounding.
+const HALVINGS: u32 = 44;
+
 /// The workspace of the numbers s_k.
 #[derive(Default)]
 pub struct Regularity {
@@ -115,7 +118,7 @@ impl Regularity {
             return 1.0;
         }
         let (mut low, mut high) = (0.0, threshold);
-        while high - low > 1e-13 * threshold {
+        for _ in 0..HALVINGS {
             let middle = f64::midpoint(low, high);
             if self.exceed(levels, rows, middle) {
                 low = middle;
@@ -207,4 +210,56 @@ fn exceeds(matrix: &mut [f64], size: usize, bound: f64) -> bool {
         }
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reproducible numbers between −1 and 1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 1_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// Equations and inequality rows, some at their bounds, over joints, some of which have no room.
+    #[test]
+    fn bisection_and_the_gram_matrix_give_the_same_regularity() {
+        let mut number = numbers();
+        let (n, threshold) = (6, 0.3);
+        let mut between = 0;
+        for _ in 0..300 {
+            let mut levels = Hierarchy::default();
+            levels.clear(&[0.0; 6]);
+            for _ in 0..12 {
+                levels.push_row((0..n).map(|_| number()).collect::<Vec<_>>(), 0.0, 1.0);
+            }
+            levels.end_level();
+            let mut regularity = Regularity {
+                room: (0..n).map(|_| number().max(0.0)).collect(),
+                row_room: (0..12).map(|i| if i < 3 { 0.0 } else { number().abs() }).collect(),
+                counted: (0..12).collect(),
+                ..Regularity::default()
+            };
+            let expected = regularity.row_regularity(&levels, 12, threshold);
+            let found = regularity.regularity_of_many(&levels, 12, threshold);
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            between += u32::from(0.01 < expected && expected < 0.99);
+        }
+        assert!(between > 30, "{between}");
+    }
+
+    #[test]
+    fn a_threshold_that_is_hardly_a_number_ends_the_bisection() {
+        let mut levels = Hierarchy::default();
+        levels.clear(&[0.0]);
+        levels.push_row([0.0], 0.0, 1.0);
+        levels.end_level();
+        let mut regularity =
+            Regularity { room: vec![0.0], row_room: vec![0.0], counted: vec![0], ..Regularity::default() };
+        assert_eq!(regularity.regularity_of_many(&levels, 1, 5e-324), 0.0);
+    }
 }
