@@ -51,7 +51,7 @@ fn without_one(random: &mut Random, answer: &Resolution) -> ActiveSet {
 fn the_search_proposes_sets_that_need_few_corrections() {
     let cold = |family, entries| total(family, entries, |_, _, _| None, sets);
     let found = [cold(MIDDLE, Entries::Normal), cold(MIDDLE, Entries::SmallIntegers), cold(EQUATIONS, Entries::Normal)];
-    assert!(found.iter().zip([880, 857, 758]).all(|(found, most)| *found <= most), "{found:?}");
+    assert!(found.iter().zip([870, 850, 758]).all(|(found, most)| *found <= most), "{found:?}");
 }
 
 #[test]
@@ -106,5 +106,5 @@ fn humanoid(seed: u64) -> Hierarchy {
 fn proposals_with_wrong_limits_are_mended_in_few_sets() {
     let found: Vec<u32> = (0..400).map(|seed| sets(&humanoid(seed).solve(&[]))).collect();
     let (total, most) = (found.iter().sum::<u32>(), found.iter().max());
-    assert!(total <= 860 && most <= Some(&3), "{total} sets, {most:?} at most");
+    assert!(total <= 840 && most <= Some(&3), "{total} sets, {most:?} at most");
 }

@@ -69,7 +69,7 @@ pub struct ActiveSetSolver<const N: usize> {
 
 /// Where a working set comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Origin {
+enum Source {
     /// From the call before, corrected at most twice; or nothing is held.
     Guess,
     /// From the search.
@@ -138,7 +138,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// `is_factorized`: the last factorisation is that of the empty set of this problem.
     fn solve_from(&mut self, guess: Option<&WorkingSet>, is_factorized: bool, solution: &mut Solution) -> bool {
         self.start_from(guess);
-        let (mut origin, mut tried, mut met_uncertain_rank) = (Origin::Guess, 0, false);
+        let (mut source, mut tried, mut met_uncertain_rank) = (Source::Guess, 0, false);
         loop {
             tried += 1;
             if !(is_factorized && tried == 1 && self.set.is_empty()) {
@@ -147,72 +147,73 @@ impl<const N: usize> ActiveSetSolver<N> {
             met_uncertain_rank |= self.solved.rank_uncertain;
             let Self { problem, set, solved, conditions, .. } = &mut *self;
             let trial = Trial { problem, set, solved };
-            let rounding = match origin {
-                Origin::Primal(used @ 1..) => OTHER_ROUNDINGS[(used - 1).min(OTHER_ROUNDINGS.len() - 1)],
+            let rounding = match source {
+                Source::Primal(used @ 1..) => OTHER_ROUNDINGS[(used - 1).min(OTHER_ROUNDINGS.len() - 1)],
                 _ => ROUNDING,
             };
             conditions.check_point(trial, rounding);
             // Nothing is held and bounds are broken: multipliers are not needed to propose a set.
-            let is_open = origin == Origin::Guess && set.is_empty() && !conditions.are_met();
+            let is_open = source == Source::Guess && set.is_empty() && !conditions.are_met();
             if !is_open {
                 conditions.check_levels(trial);
                 if self.conditions.are_met() || tried >= MAX_SETS {
                     break;
                 }
             }
-            origin = self.next_set(origin, is_open, tried);
+            source = self.next_set(source, is_open, tried);
         }
         self.write(solution, tried);
-        solution.is_last_resort = matches!(origin, Origin::Primal(_));
+        solution.is_last_resort = matches!(source, Source::Primal(_));
         met_uncertain_rank
     }
 
     /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
-    fn next_set(&mut self, origin: Origin, is_open: bool, tried: u32) -> Origin {
-        match origin {
+    fn next_set(&mut self, source: Source, is_open: bool, tried: u32) -> Source {
+        match source {
             // Most guesses are wrong in one place or two.
-            Origin::Guess if !is_open && tried < GUESSED_TRIALS => {
+            Source::Guess if !is_open && tried < GUESSED_TRIALS => {
                 self.correct_all();
-                Origin::Guess
+                Source::Guess
             }
-            Origin::Guess if self.is_searched() => {
+            Source::Guess if self.is_searched() => {
                 if !is_open {
                     self.set.clear(self.problem.unknowns, self.problem.rows.len());
                     self.solved.solve(&self.problem, &self.set);
                 }
                 let Self { problem, solved, set, search, .. } = self;
-                search.propose(problem, solved, SPACING, set);
-                Origin::Search
+                if search.propose(problem, solved, SPACING, set) { Source::Search } else { self.cascade() }
             }
             // Where rounding may decide a rank, the cascade may decide otherwise.
-            Origin::Search if self.solved.rank_uncertain => self.start_primal(),
-            Origin::Guess | Origin::Search => {
-                self.cascade.propose(&self.problem, &mut self.set);
-                Origin::Cascade(0)
-            }
-            Origin::Cascade(corrections) if corrections < MAX_CORRECTIONS => {
+            Source::Search if self.solved.rank_uncertain => self.start_primal(),
+            Source::Guess | Source::Search => self.cascade(),
+            Source::Cascade(corrections) if corrections < MAX_CORRECTIONS => {
                 self.correct_all();
-                Origin::Cascade(corrections + 1)
+                Source::Cascade(corrections + 1)
             }
-            Origin::Cascade(_) => self.start_primal(),
+            Source::Cascade(_) => self.start_primal(),
             // Sets repeat: another size may count as rounding.
-            Origin::Primal(used) if self.primal.steps > self.most_primal_steps() && used < OTHER_ROUNDINGS.len() => {
+            Source::Primal(used) if self.primal.steps > self.most_primal_steps() && used < OTHER_ROUNDINGS.len() => {
                 self.primal.steps = 0;
                 self.step_primal();
-                Origin::Primal(used + 1)
+                Source::Primal(used + 1)
             }
-            Origin::Primal(used) => {
+            Source::Primal(used) => {
                 self.step_primal();
-                Origin::Primal(used)
+                Source::Primal(used)
             }
         }
     }
 
+    fn cascade(&mut self) -> Source {
+        self.cascade.propose(&self.problem, &mut self.set);
+        Source::Cascade(0)
+    }
+
     /// Begins the last resort: one change at a time.
-    fn start_primal(&mut self) -> Origin {
+    fn start_primal(&mut self) -> Source {
         self.primal.clear();
         self.step_primal();
-        Origin::Primal(0)
+        Source::Primal(0)
     }
 
     fn step_primal(&mut self) {

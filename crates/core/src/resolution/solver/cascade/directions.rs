@@ -1,6 +1,6 @@
 //! Directions that are fixed, held at bounds, or free, and the second derivatives of a level over the free ones.
 
-use super::{Cascade, DEPENDENT, Held, is_active, unit};
+use super::{Cascade, DEPENDENT, Held, Role, is_active, unit};
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::level::refill;
@@ -15,6 +15,7 @@ impl<const N: usize> Cascade<N> {
         self.held.push(held);
     }
 
+    /// Returns a bound behind those that are held; `direction`: what its normal has and they have not.
     pub(super) fn placed(&self, constraint: usize, side: Side, normal: Row<N>, direction: Row<N>) -> Held<N> {
         let mut coordinates = Row::ZERO;
         for (i, other) in self.held.iter().enumerate() {
@@ -164,6 +165,7 @@ impl<const N: usize> Cascade<N> {
         }
     }
 
+    /// Holds a bound for good.
     pub(super) fn fix_bound(&mut self, bound: &Held<N>) {
         let mut direction = bound.normal;
         self.remove_known(&mut direction);
@@ -171,7 +173,7 @@ impl<const N: usize> Cascade<N> {
         if length > DEPENDENT * bound.normal.norm() {
             self.fixed.push(direction.scaled(1.0 / length));
         }
-        self.roles[bound.constraint] = super::Role::Fixed(Some(bound.side));
+        self.roles[bound.constraint] = Role::Fixed(Some(bound.side));
     }
 
     /// Adds the candidates to the fixed directions, the longest remaining one first, and takes them from the free ones.

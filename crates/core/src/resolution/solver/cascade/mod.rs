@@ -20,6 +20,9 @@ const ZERO: f64 = 1e-12;
 /// A direction that bounds or rows leave free is dependent on them below this fraction of its length.
 const DEPENDENT: f64 = 1e-10;
 
+/// Steps over all levels, for each unknown and each row. Random problems take at most one.
+const MOST_STEPS: usize = 10;
+
 /// A bound that the path met: it holds its unknown or row, until its multiplier points inwards.
 #[derive(Debug, Clone, Copy)]
 struct Held<const N: usize> {
@@ -77,6 +80,8 @@ pub struct Cascade<const N: usize> {
     kinks: Vec<Kink>,
     /// Steps of length zero since the last one that was not.
     idle: usize,
+    /// Steps before the point stays where it is.
+    steps_left: usize,
 }
 
 impl<const N: usize> Cascade<N> {
@@ -104,12 +109,12 @@ impl<const N: usize> Cascade<N> {
     pub fn propose(&mut self, problem: &ProblemRows<N>, set: &mut WorkingSet) {
         self.start(problem);
         for level in 0..=problem.levels.len() {
-            if self.free.is_empty() && self.held.is_empty() {
-                break;
-            }
             self.start_level(problem, level);
             let size = self.size(problem, level);
-            self.minimize(problem, level, size);
+            // Where nothing is left to decide, rows of lower levels are broken or not.
+            if !(self.free.is_empty() && self.held.is_empty()) {
+                self.minimize(problem, level, size);
+            }
             self.finish_level(problem, level, size);
         }
         self.write(problem, set);
@@ -130,6 +135,7 @@ impl<const N: usize> Cascade<N> {
         refill(&mut self.free, (0..n).filter(|&j| !problem.is_pinned(j)).map(unit));
         self.held.clear();
         self.idle = 0;
+        self.steps_left = MOST_STEPS * (n + problem.rows.len() + 10);
     }
 
     /// Gives the rows of the level their roles, and sets its curvature.
@@ -171,10 +177,10 @@ impl<const N: usize> Cascade<N> {
     fn minimize(&mut self, problem: &ProblemRows<N>, level: usize, size: f64) {
         let norm = problem.levels.get(level).map_or(1.0, |level| level.norm);
         let zero = ZERO * norm * size;
-        let most = 4 * (problem.unknowns + problem.rows.len()) + 100;
         let mut is_settled = false;
         let mut last = f64::INFINITY;
-        for _ in 0..most {
+        while self.steps_left > 0 {
+            self.steps_left -= 1;
             self.set_gradient(problem, level);
             let slope =
                 self.free.iter().map(|direction| direction.dot(&self.gradient)).fold(0.0, |a, b| f64::max(a, b.abs()));
