@@ -63,10 +63,6 @@ impl CheckedStepper {
     ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
         let config = controller.config();
-        let state = self.rules.why.then(|| {
-            let last_command = memory.as_ref().map(|memory| &memory.last_command);
-            convert::limited_state(config, measurement, last_command)
-        });
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         let mut warnings = Vec::new();
         self.rules.warn(&mut warnings, measurement, &controller, command);
@@ -74,7 +70,7 @@ impl CheckedStepper {
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
         }
-        let why = state.map(|state| convert::why_of_step(config, command, state.as_ref())).unwrap_or_default();
+        let why = if self.rules.why { convert::why_of_step(config, command, measurement) } else { Vec::new() };
         Ok((command, Remarks { warnings, why }))
     }
 }

@@ -160,11 +160,14 @@
 //! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
+mod arm_state;
+pub mod constraint;
 pub mod controller;
 pub mod law;
 pub mod limits;
 pub mod linalg;
 pub mod resolution;
+pub mod rows;
 pub mod streaming;
 
 pub use revprio_problem as problem;

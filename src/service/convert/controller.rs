@@ -5,6 +5,7 @@ use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
 };
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
+use revprio_core::rows::RowsError;
 
 use super::environment;
 use super::inequalities::InequalityReader;
@@ -52,7 +53,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         },
         drive,
         valid_for_ms: request.valid_for_ms,
-        barriers: InequalityReader {
+        constraints: InequalityReader {
             robot: Some(&robot),
             joints: robot.joint_count(),
             period_s: Some(request.period_s),
@@ -107,7 +108,8 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Limits { .. } => "/limits".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
-        ConfigError::Barrier { index, .. } => format!("/inequalities/{index}"),
+        ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
+        ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),
         ConfigError::NullSpace(NullSpaceError::Size { .. }) => "/null_space_velocity".to_owned(),
         ConfigError::NullSpace(NullSpaceError::Gain(_) | NullSpaceError::Unstable { .. }) => {
             "/null_space_velocity/gain".to_owned()
@@ -117,10 +119,10 @@ fn config_pointer(error: &ConfigError) -> String {
 
 fn task_field(error: &TaskConfigError) -> &'static str {
     match error {
-        TaskConfigError::Rows { .. } | TaskConfigError::JointLaw | TaskConfigError::RawLaw => "/law",
-        TaskConfigError::Joints => "/law/joints",
+        TaskConfigError::Rows(RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw) => "/law",
+        TaskConfigError::Rows(RowsError::Joints) => "/law/joints",
+        TaskConfigError::Rows(RowsError::Jacobian { .. }) => "/jacobian",
         TaskConfigError::Unstable { .. } => "/law/gain",
-        TaskConfigError::Jacobian { .. } => "/jacobian",
         TaskConfigError::Scaled => "/scale",
         TaskConfigError::Streaming(_) => "/streaming",
     }

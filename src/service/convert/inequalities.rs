@@ -1,7 +1,7 @@
 //! Linear inequalities in addition to the joint limits.
 
 use revprio_api::wire;
-use revprio_core::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
+use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, PlanePoint, VirtualPlane};
 use revprio_robot::RobotModel;
 
 use super::numbers::{check_numbers, joint_list, number};
@@ -22,28 +22,28 @@ pub struct InequalityReader<'a> {
 
 impl InequalityReader<'_> {
     /// Reads the list at the JSON pointer `/inequalities`.
-    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>, ApiError> {
+    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Constraint>, ApiError> {
         if list.len() > MAX_INEQUALITIES {
             let detail = format!("give at most {MAX_INEQUALITIES} inequalities");
             return Err(ApiError::invalid("/inequalities", detail));
         }
-        let barriers = list
+        let constraints = list
             .iter()
             .enumerate()
             .map(|(i, inequality)| {
-                self.barrier(i, inequality).map_err(|error| error.inside(&format!("/inequalities/{i}")))
+                self.constraint(i, inequality).map_err(|error| error.inside(&format!("/inequalities/{i}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        for (i, barrier) in barriers.iter().enumerate() {
-            if barriers[..i].iter().any(|earlier| earlier.name() == barrier.name()) {
-                let detail = format!("two inequalities are named `{}`; give each its own name", barrier.name());
+        for (i, constraint) in constraints.iter().enumerate() {
+            if constraints[..i].iter().any(|earlier| earlier.name() == constraint.name()) {
+                let detail = format!("two inequalities are named `{}`; give each its own name", constraint.name());
                 return Err(ApiError::invalid(format!("/inequalities/{i}/name"), detail));
             }
         }
-        Ok(barriers)
+        Ok(constraints)
     }
 
-    fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier, ApiError> {
+    fn constraint(&self, index: usize, inequality: &wire::Inequality) -> Result<Constraint, ApiError> {
         let name_or_default =
             |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
@@ -51,7 +51,7 @@ impl InequalityReader<'_> {
                 let coefficients = joint_list(coefficients, self.joints, "/coefficients")?;
                 let upper = number(*upper, "/upper")?;
                 Inequality::new(name_or_default(name), coefficients, upper)
-                    .map(Barrier::Fixed)
+                    .map(Constraint::Fixed)
                     .map_err(|error| ApiError::invalid("/coefficients", error))
             }
             wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
@@ -60,7 +60,7 @@ impl InequalityReader<'_> {
                 let point = self.point(point, "/point")?;
                 let rate = self.rate(*rate_per_s, "/rate_per_s")?;
                 VirtualPlane::new(name_or_default(name), *normal, offset, point, rate)
-                    .map(Barrier::Plane)
+                    .map(Constraint::Plane)
                     .map_err(|error| ApiError::invalid("/normal", error))
             }
         }

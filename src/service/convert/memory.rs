@@ -2,6 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress, Stall};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
@@ -164,7 +165,7 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
     let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
         (Some(name), None, None, None) => joints.iter().position(|joint| joint.name == *name),
         (None, Some(name), None, None) => {
-            config.barriers.iter().position(|barrier| barrier.name() == name).map(|index| joints.len() + index)
+            constraint_rows(config).position(|constraint| constraint.name() == name).map(|index| joints.len() + index)
         }
         (None, None, Some(name), Some(row)) => {
             let k = config.tasks.iter().position(|task| task.name == *name)?;
@@ -183,18 +184,23 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
 /// tasks before it.
 fn first_row(config: &ControllerConfig, task: usize) -> usize {
     let before: usize = config.tasks[..task].iter().map(|task| task.rows.len()).sum();
-    config.robot.joint_count() + config.barriers.len() + before
+    config.robot.joint_count() + constraint_rows(config).count() + before
+}
+
+/// Returns the constraint of each row of the constraints.
+fn constraint_rows(config: &ControllerConfig) -> impl Iterator<Item = &Constraint> {
+    config.constraints.iter().flat_map(|constraint| std::iter::repeat_n(constraint, constraint.row_count()))
 }
 
 /// Returns the name of a limit at a place in an active set.
 fn limit_name(config: &ControllerConfig, &(place, side): &(usize, Side)) -> wire::ActiveLimitName {
     let joint = config.robot.joints().get(place).map(|joint| joint.name.clone());
     let after_joints = place.checked_sub(config.robot.joint_count());
-    let barrier = after_joints.and_then(|index| config.barriers.get(index));
+    let constraint = after_joints.and_then(|index| constraint_rows(config).nth(index));
     let task = (0..config.tasks.len()).rfind(|&k| first_row(config, k) <= place);
     wire::ActiveLimitName {
         joint,
-        inequality: barrier.map(|barrier| barrier.name().to_owned()),
+        inequality: constraint.map(|constraint| constraint.name().to_owned()),
         task: task.map(|k| config.tasks[k].name.clone()),
         row: task.map(|k| place - first_row(config, k)),
         side: terms::side_answer(side),

@@ -51,4 +51,4 @@ pub use step::{
 };
 pub use targets::warn as warn_about_targets;
 pub use warnings::warnings;
-pub use why::{limited_state, why_of_step};
+pub use why::why_of_step;

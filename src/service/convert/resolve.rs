@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use revprio_api::wire;
+use revprio_core::constraint::Inequality;
 use revprio_core::controller::{Limits, NullSpaceMotion};
-use revprio_core::limits::{Barrier, Inequality, JointMotion, LimitKind, LimitedBox, VelocityBox};
+use revprio_core::limits::{JointMotion, LimitKind, LimitedBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, ProblemError, Resolution, Solver};
 use revprio_core::task::Task;
@@ -19,7 +20,7 @@ use super::outcome::{Outcome, elapsed_us};
 use super::pose::with_tool_offset;
 use super::resolve_task::task_stack;
 use super::terms;
-use super::why::{Explained, LimitedState, NamedTask, Unit};
+use super::why::{Explained, NamedTask, Unit};
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
@@ -38,8 +39,8 @@ pub struct ResolveProblem {
     joints: Vec<String>,
     /// The robot, if the limits of the problem are not the robot's.
     faster_than: Option<Arc<RobotModel>>,
-    /// Joints whose acceleration limit was dropped because it contradicts another limit.
-    conflicts: Vec<usize>,
+    /// The limits of the problem, with the limit that sets each bound.
+    limited: LimitedBox,
     /// Joint limit index H, if robot and posture are known.
     joint_limit_index: Option<f64>,
     /// What the sentences of the answer need, if the request wants them.
@@ -49,8 +50,8 @@ pub struct ResolveProblem {
 /// What the sentences of an answer need besides the problem.
 struct WhyInputs {
     robot: Option<Arc<RobotModel>>,
-    /// The state that the limits depend on, if they are the robot's.
-    state: Option<LimitedState>,
+    /// Joint position, n, if position limits apply.
+    position: Option<Vec<f64>>,
     /// Units of the rows of each task.
     units: Vec<Vec<Unit>>,
 }
@@ -77,7 +78,7 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
     Ok(ResolveProblem {
         problem: Problem {
             tasks,
-            limits: limited.velocity_box,
+            limits: limited.velocity_box.clone(),
             inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
             method: terms::method(request.method),
             damping: damping(request.damping)?,
@@ -87,7 +88,7 @@ pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Resul
         solver: terms::solver(request.solver),
         joints: joint_names(robot.map(Arc::as_ref), joints),
         faster_than: robot.filter(|_| are_others).cloned(),
-        conflicts: limited.conflicts,
+        limited,
         joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
         why,
     })
@@ -112,17 +113,13 @@ fn why_inputs(
         Some(wire::Limits::Robot(kind)) => kind,
         _ => wire::LimitKind::PositionVelocity,
     };
-    let last = |robot| joint_vector(request.joint_velocity.as_ref()?, robot, "").ok().zip(request.period_s);
-    let state = robot.filter(|_| !are_others).map(|robot| LimitedState {
-        position: configuration.filter(|_| kind.includes_position()).map(|at| at.joint_position().to_vec()),
-        last_command: Some(robot).filter(|_| kind.includes_acceleration()).and_then(|robot| last(robot)),
-        keeps_jerk: false,
-    });
+    let applies = robot.is_some() && !are_others && kind.includes_position();
+    let position = configuration.filter(|_| applies).map(|at| at.joint_position().to_vec());
     let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
         (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
         (None, rows) => vec![Unit::Unknown; rows.as_ref().map_or(0, Vec::len)],
     };
-    WhyInputs { robot: robot.cloned(), state, units: request.tasks.iter().map(units).collect() }
+    WhyInputs { robot: robot.cloned(), position, units: request.tasks.iter().map(units).collect() }
 }
 
 /// Returns the robot of the request, with its tool offset.
@@ -191,12 +188,8 @@ fn inequalities(
 ) -> Result<Vec<Inequality>, ApiError> {
     let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
     let reader = InequalityReader { robot, joints, period_s: request.period_s };
-    let barriers = reader.read(&request.inequalities)?;
-    let inequality = |barrier: &Barrier| match configuration {
-        Some(configuration) => Some(barrier.at(configuration, None, None)),
-        None => barrier.constant().cloned(),
-    };
-    Ok(barriers.iter().filter_map(inequality).collect())
+    let constraints = reader.read(&request.inequalities)?;
+    Ok(constraints.iter().flat_map(|constraint| constraint.rows_at(configuration)).collect())
 }
 
 fn limits(
@@ -209,7 +202,7 @@ fn limits(
     let kind = match &request.limits {
         Some(wire::Limits::Box { lower, upper }) => {
             let velocity_box = velocity_box(lower, upper, joints)?;
-            return Ok(LimitedBox { velocity_box, conflicts: Vec::new() });
+            return Ok(LimitedBox::given(velocity_box));
         }
         Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
         None if configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
@@ -219,7 +212,7 @@ fn limits(
     let last = request.joint_velocity.as_ref();
     let last = last.map(|last| joint_vector_of(last, robot.map(Arc::as_ref), joints, "/joint_velocity")).transpose()?;
     match (kind, robot) {
-        (LimitKind::None, _) => Ok(LimitedBox { velocity_box: VelocityBox::unbounded(joints), conflicts: Vec::new() }),
+        (LimitKind::None, _) => Ok(LimitedBox::unbounded(joints)),
         (_, None) => {
             Err(ApiError::invalid("/limits", "the limits of a robot need `robot`; or give `lower` and `upper`"))
         }
@@ -297,7 +290,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
         contradictions: outcome.contradictions(),
-        limit_conflict: outcome.names(&problem.conflicts),
+        limit_conflict: outcome.names(&problem.limited.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
         joint_limit_index: problem.joint_limit_index,
@@ -318,9 +311,15 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         robot: inputs.robot.as_deref(),
-        state: inputs.state.as_ref(),
+        position: inputs.position.as_deref(),
+        causes: resolution
+            .active_limits
+            .iter()
+            .map(|active| problem.limited.cause(active.joint, active.side))
+            .collect(),
+        keeps_jerk: false,
         threshold: problem.problem.damping.map(|damping| damping.threshold()),
-        conflicts: &problem.conflicts,
+        conflicts: &problem.limited.conflicts,
         tasks: tasks.collect(),
     };
     explained.sentences()

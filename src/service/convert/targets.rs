@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use revprio_api::wire::{self, JointVector};
-use revprio_core::controller::{
-    Command, Controller, StreamedTarget, StreamedValue, TargetError, TargetReport, TaskConfig, TaskRows,
+use revprio_core::controller::{Command, Controller, TaskConfig};
+use revprio_core::rows::TaskRows;
+use revprio_core::streaming::{
+    Ignored, Quantity, StreamedTarget, StreamedValue, Streaming, TargetError, TargetReport, TargetState,
 };
-use revprio_core::streaming::{Ignored, Quantity, Streaming, TargetState};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::pose as pose_of;
 

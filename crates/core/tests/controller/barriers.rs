@@ -1,7 +1,8 @@
 //! Virtual walls, inequalities and scaled tasks in closed loop.
 
+use revprio_core::constraint::{Constraint, Inequality, PlanePoint, VirtualPlane};
 use revprio_core::controller::{ControllerConfig, Limits, TaskConfig};
-use revprio_core::limits::{Barrier, Inequality, LimitKind, PlanePoint, VelocityBox, VirtualPlane};
+use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_core::resolution::{Solver, Status};
 use revprio_robot::RobotModel;
@@ -27,7 +28,7 @@ fn push_against_ceiling(point: PlanePoint, distance: f64) {
     let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 2.0], ceiling, point, 10.0).unwrap();
     let up = task(&[Axis::Z], force(&[Axis::Z], &[100.0]));
     let controller = controller(ControllerConfig {
-        barriers: vec![Barrier::Plane(plane)],
+        constraints: vec![Constraint::Plane(plane)],
         limits: Limits::Robot(LimitKind::PositionVelocity),
         ..config(&robot, vec![up, task(&[Axis::X, Axis::Y], impedance(&[Axis::X, Axis::Y], 500.0))])
     });
@@ -63,7 +64,7 @@ fn an_arm_behind_a_wall_returns() {
     let ceiling = height(&robot, &NOMINAL, PlanePoint::Tool) - 0.03;
     let plane = VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], ceiling, PlanePoint::Tool, 10.0).unwrap();
     let controller = controller(ControllerConfig {
-        barriers: vec![Barrier::Plane(plane)],
+        constraints: vec![Constraint::Plane(plane)],
         limits: Limits::Robot(LimitKind::PositionVelocityAcceleration),
         ..config(&robot, vec![task(&[Axis::Z], force(&[Axis::Z], &[100.0]))])
     });
@@ -82,7 +83,7 @@ fn a_wall_has_no_effect_if_no_joint_moves_its_point() {
     let robot = sawyer();
     let wall = VirtualPlane::new("base", [1.0, 0.0, 0.0], -1.0, PlanePoint::Joint(0), 10.0).unwrap();
     let controller = controller(ControllerConfig {
-        barriers: vec![Barrier::Plane(wall)],
+        constraints: vec![Constraint::Plane(wall)],
         ..config(&robot, vec![task(&[Axis::X], force(&[Axis::X], &[30.0]))])
     });
     let answer = Loop::at_rest(&NOMINAL).step(&controller, [0.0; 6]).resolution;
@@ -96,7 +97,7 @@ fn a_fixed_inequality_couples_joints_and_its_active_set_is_reused() {
     (coefficients[1], coefficients[3]) = (1.0, 1.0);
     let coupling = Inequality::new("coupling", coefficients, 0.0).unwrap();
     let tasks = vec![task(&[Axis::Z], force(&[Axis::Z], &[50.0])), task(&[Axis::X], impedance(&[Axis::X], 500.0))];
-    let config = ControllerConfig { barriers: vec![Barrier::Fixed(coupling.clone())], ..config(&robot, tasks) };
+    let config = ControllerConfig { constraints: vec![Constraint::Fixed(coupling.clone())], ..config(&robot, tasks) };
     let (auto, qp) = (controller(config.clone()), controller(ControllerConfig { solver: Solver::Qp, ..config }));
     let (mut arm, mut other) = (Loop::at_rest(&NOMINAL), Loop::at_rest(&NOMINAL));
     let mut without_clarabel = 0;
