@@ -1,14 +1,14 @@
 //! Linear inequalities in addition to the joint limits.
 
 use revprio_api::wire;
-use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, PlanePoint, VirtualPlane};
+use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, MAX_CONSTRAINT_ROWS, PlanePoint, VirtualPlane};
 use revprio_robot::RobotModel;
 
 use super::numbers::{check_numbers, joint_list, number};
 use crate::service::error::ApiError;
 
 /// Maximum number of inequalities of a request.
-pub const MAX_INEQUALITIES: usize = 64;
+pub const MAX_INEQUALITIES: usize = MAX_CONSTRAINT_ROWS;
 
 /// Reads inequalities.
 pub struct InequalityReader<'a> {

@@ -69,7 +69,9 @@ impl Constraint {
 /// Allocates the rows of constraints for an arm of n joints, one block after the other.
 pub(crate) fn allocate(constraints: &[Constraint], n: usize) -> Vec<Inequality> {
     let mut rows = Vec::with_capacity(constraints.iter().map(Constraint::row_count).sum());
-    constraints.iter().for_each(|constraint| constraint.kind().push_rows(n, &mut rows));
+    for constraint in constraints {
+        constraint.kind().push_rows(n, &mut rows);
+    }
     rows
 }
 

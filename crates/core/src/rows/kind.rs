@@ -15,7 +15,7 @@ pub(crate) enum RowKind<'a> {
     Raw,
 }
 
-/// Acceleration of joints without an acceleration limit, and of constant rows.
+/// Acceleration of joints without an acceleration limit, and of constant rows, as of linear axes.
 const DEFAULT_ACCELERATION: f64 = 5.0;
 
 impl RowKind<'_> {

@@ -25,7 +25,8 @@ pub enum AntiWindup {
     ExceptDamping,
 }
 
-/// Default of [`ControllerConfig::valid_for_ms`].
+/// Default of [`ControllerConfig::valid_for_ms`]: some missed answers of a loop of 10 ms do not stop the arm, and an arm whose
+/// controller is gone starts to brake before a person notices.
 const DEFAULT_VALID_FOR_MS: u64 = 100;
 
 /// The configuration of a controller: everything that is constant over its periods.

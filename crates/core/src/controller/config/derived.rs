@@ -13,8 +13,8 @@ use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
 
-/// Part of the lag and the dead time that may differ from what is stated. Identified lags of position-controlled arms scatter by
-/// about as much.
+/// Part of the lag and the dead time that may differ from what is stated. A choice: the damping fades over a wider range the larger
+/// it is, so more than needed costs accuracy near singularities.
 const MISSTATED: f64 = 0.2;
 
 impl ControllerConfig {
@@ -43,6 +43,14 @@ impl ControllerConfig {
     pub(in crate::controller) fn fading_damping(&self) -> Option<Damping> {
         let reaction = self.period_s + MISSTATED * self.drive.time_to_rest(self.period_s);
         self.damping.map(|damping| damping.for_reaction(reaction))
+    }
+
+    /// Returns what *near singular* means to this controller: its damping, or that of most arms if it damps nothing.
+    ///
+    /// Below [`Damping::threshold`] a direction is near singular and damped. Below [`Damping::fading_threshold`] a task gives
+    /// the direction up, and it counts as singular.
+    pub(in crate::controller) fn near_singular(&self) -> Damping {
+        self.damping.unwrap_or(Damping::ARM)
     }
 
     /// Returns whether the null-space velocity may differ from zero.

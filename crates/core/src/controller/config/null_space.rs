@@ -40,7 +40,7 @@ pub enum NullSpaceMotion {
 /// 0.03 rad/s. With the default gain joints need no more than 1 rad/s² to stop from it.
 pub const HOLDING_SPEED: f64 = 0.5;
 
-/// K of [`NullSpaceMotion::default_for`], 1/s, for drives that are fast enough.
+/// K of [`NullSpaceMotion::default_for`], 1/s, for drives that are fast enough: a drift decays to 5 % in 1.5 s.
 const HOLDING_GAIN: f64 = 2.0;
 
 /// K of [`NullSpaceMotion::default_for`] times the delay of the loop, for slow drives. A loop with a dead time does not

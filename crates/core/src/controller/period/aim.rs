@@ -21,6 +21,13 @@ pub(super) struct Wishes<'a> {
     /// The problem, as far as the tasks state it: their weighed Jacobians at the posture of rest with a velocity or two bounds per
     /// row, and the null-space velocity. The next steps add what is allowed.
     pub problem: &'a mut Problem,
+    /// What the tasks follow.
+    pub requests: Requests<'a>,
+}
+
+/// What the tasks follow in one period.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Requests<'a> {
     /// The target of each task.
     pub targets: &'a [TaskTarget],
     /// The streams of targets.
@@ -103,7 +110,7 @@ pub(super) fn aim<'a>(
         lower.copy_from_slice(&config.weighed(k, least.as_slice()));
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
-    Ok(Wishes { problem, targets, streams })
+    Ok(Wishes { problem, requests: Requests { targets, streams } })
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.

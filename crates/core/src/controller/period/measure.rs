@@ -12,7 +12,6 @@ use crate::controller::config::{ControllerConfig, on_environment};
 use crate::controller::state::{Measurement, Memory};
 
 /// The memory from which a period continues.
-#[expect(clippy::large_enum_variant, reason = "one per period, on the stack")]
 pub(super) enum Known<'a> {
     /// That of the last period.
     Last(&'a Memory),
@@ -77,7 +76,7 @@ fn recall(config: &ControllerConfig, known: &Memory, arm: &mut ArmState) -> Resu
     arm.last_command.copy_from_slice(known.last_command.as_slice());
     match &known.jerk {
         Some(jerk) if !arm.last_acceleration.is_empty() => {
-            arm.last_acceleration.copy_from_slice(jerk.acceleration.as_slice())
+            arm.last_acceleration.copy_from_slice(jerk.acceleration.as_slice());
         }
         _ => arm.last_acceleration.fill(0.0),
     }

@@ -57,16 +57,16 @@ impl Period {
         memory.as_ref().map_or(Ok(()), |memory| memory.check(config))?;
 
         let (arm, known) = measure(config, memory.as_ref(), measurement, arm)?;
-        let Wishes { problem, targets, streams } = aim(config, arm, &known, &measurement.targets, aiming)?;
+        let Wishes { problem, requests } = aim(config, arm, &known, &measurement.targets, aiming)?;
         let allowed = allow(config, arm, &known, allowed);
         let answer = resolve(config, (arm, &known), problem, allowed, resolving)?;
 
-        let (in_time, new) = (known.is_in_time(), known.into_new());
-        let memory = match (new, memory) {
-            (None, Some(memory)) => memory,
-            (new, memory) => memory.insert(new.unwrap_or_else(|| Memory::at_start(config, arm.measured()))),
+        let in_time = known.is_in_time();
+        let memory = match known.into_new() {
+            Some(new) => memory.insert(new),
+            None => memory.get_or_insert_with(|| Memory::at_start(config, arm.measured())),
         };
-        Ok(record(config, (measurement, in_time), (arm, targets, streams, allowed), answer, memory, recording))
+        Ok(record(config, (measurement, in_time), (arm, requests, allowed), answer, memory, recording))
     }
 
     /// Returns the command of the last period.

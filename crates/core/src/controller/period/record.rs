@@ -8,13 +8,13 @@ use revprio_robot::kinematics::joint_limit_index;
 
 pub use self::progress::MAX_ATTEMPTS;
 use self::progress::{Observation, ObstacleScratch};
+use super::aim::Requests;
 use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Command, Measurement, Memory, TaskTarget};
 use crate::resolution::TaskOutcome;
-use crate::streaming::ActiveStream;
 
 /// The memory of this step.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, targets, streams, allowed): (&ArmState, &[TaskTarget], &[ActiveStream], &Allowed),
+    (arm, Requests { targets, streams }, allowed): (&ArmState, Requests, &Allowed),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,

@@ -58,21 +58,18 @@ pub(super) fn resolve<'a>(
             allowed.bound()
         });
     }
-    let (limits, requested) = match (approach, &allowed.without_jerk) {
-        (Some(approach), Some(without_jerk)) => {
-            let (limits, requested) = approach.resolve(
-                (arm, previous, allowed),
-                without_jerk,
-                (&mut *problem, &mut **solver, &mut command.resolution),
-                config.period_s,
-            )?;
-            (limits, Some(requested))
-        }
-        _ => {
-            problem.limits.copy_from(&allowed.limits.velocity_box);
-            solver.solve(problem, &previous.active_set, &mut command.resolution)?;
-            (&allowed.limits, None)
-        }
+    let (limits, requested) = if let (Some(approach), Some(without_jerk)) = (approach, &allowed.without_jerk) {
+        let (limits, requested) = approach.resolve(
+            (arm, previous, allowed),
+            without_jerk,
+            (&mut *problem, &mut **solver, &mut command.resolution),
+            config.period_s,
+        )?;
+        (limits, Some(requested))
+    } else {
+        problem.limits.copy_from(&allowed.limits.velocity_box);
+        solver.solve(problem, &previous.active_set, &mut command.resolution)?;
+        (&allowed.limits, None)
     };
     Ok(Answer { problem, command, limits, requested })
 }

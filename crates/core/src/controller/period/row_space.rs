@@ -3,7 +3,8 @@
 use crate::linalg::Vector;
 use crate::task::Task;
 
-/// Rows count as dependent if less than this share of them is new.
+/// Rows count as dependent if less than this share of them is new. Rounding leaves 1e-16, and a direction that is new by less than
+/// 1e-6 would need joint speeds a million times those of its row.
 const DEPENDENT: f64 = 1e-6;
 
 /// An orthonormal basis of the rows of the Jacobians of some tasks. The rest of the joint velocities is their null space.

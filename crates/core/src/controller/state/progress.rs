@@ -1,6 +1,6 @@
 //! How a task follows its requests over time.
 
-/// How long the arm moves towards the middle of its ranges to leave a posture, s.
+/// How long the arm moves towards the middle of its ranges to leave a posture, s: eight time constants of that motion.
 pub const LEAVING_TIME: f64 = 4.0;
 
 /// How a task follows its requests over time.

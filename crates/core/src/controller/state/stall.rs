@@ -8,13 +8,14 @@
 //! A joint stalls when they have counted on for t = 0.5 s + L + D T, where L + D T is the time of its drive. From then on c and m
 //! are those of about the last t, so that the joint need not move far to follow again.
 
-/// Modelled speed below which a joint need not move, rad/s or m/s.
+/// Modelled speed below which a joint need not move, rad/s or m/s: friction may hold a joint that is asked for less.
 const MIN_SPEED: f64 = 0.05;
 
-/// Share of the commanded distance that a joint which follows moves at least.
+/// Share of the commanded distance that a joint which follows moves at least. A joint behind a slower drive than stated still moves
+/// more.
 const MIN_SHARE: f64 = 0.1;
 
-/// Measured distance that noise may explain, rad or m.
+/// Measured distance that noise may explain, rad or m: twice the noise that the position limits allow for.
 const NOISE_DISTANCE: f64 = 1e-3;
 
 /// How far a joint was commanded and has moved since it last followed.

@@ -7,16 +7,16 @@ use super::braking::RequestBounds;
 use crate::arm_state::ArmState;
 use crate::controller::config::{ControllerConfig, HOLDING_SPEED, NullSpaceMotion};
 use crate::controller::state::{Memory, Progress, TaskTarget};
-use crate::linalg::{Damping, DampingFactor as _, Vector};
+use crate::linalg::{DampingFactor as _, Vector};
 use crate::task::TaskStack;
 
-/// K of the motion that leaves a posture, 1/s.
+/// K of the motion that leaves a posture, 1/s, as of the motion that holds one.
 const LEAVING_GAIN: f64 = 2.0;
 
-/// Share of the speed limits that the motion uses which leaves a posture.
+/// Share of the speed limits that the motion uses which leaves a posture. Nobody expects it, so it is slow.
 const LEAVING_SPEED: f64 = 0.3;
 
-/// Speed limit of this motion for joints that have none, rad/s or m/s.
+/// Speed limit of this motion for joints that have none, rad/s or m/s: lower than that of any built-in arm.
 const DEFAULT_SPEED: f64 = 1.0;
 
 /// Overwrites the null-space velocity (n), and the targets of tasks that leave a posture. `tasks`: with the Jacobians of this
@@ -62,7 +62,7 @@ fn brake(
         row_space.remove_from(velocity);
         limit_holding(velocity);
         // Near a singularity the null space turns quickly with the posture, and the motion would follow it.
-        *velocity *= config.damping.unwrap_or(Damping::ARM).keeps(row_space.smallest());
+        *velocity *= config.near_singular().keeps(row_space.smallest());
     }
     *velocity *= bounds.null_space_factor(&arm.capability, velocity, gain);
 }

@@ -1,7 +1,7 @@
 //! Virtual walls, inequalities and scaled tasks in closed loop.
 
-use revprio_core::constraint::{Constraint, Inequality, PlanePoint, VirtualPlane};
-use revprio_core::controller::{ControllerConfig, Limits, TaskConfig};
+use revprio_core::constraint::{Constraint, Inequality, MAX_CONSTRAINT_ROWS, PlanePoint, VirtualPlane};
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Limits, TaskConfig};
 use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_core::resolution::{Solver, Status};
@@ -76,6 +76,43 @@ fn an_arm_behind_a_wall_returns() {
     (0..1500).for_each(|_| drop(arm.step(&controller, [0.0; 6])));
     let above = height(&robot, &arm.q, PlanePoint::Tool) - ceiling;
     assert!(above.abs() < 1e-4, "{above} m above the ceiling");
+}
+
+/// Returns planes that touch a ball of 3 cm around the tool in its first posture.
+fn planes_around_the_tool(count: usize) -> Vec<Constraint> {
+    let center = Configuration::new(&sawyer(), &NOMINAL).unwrap().tool_pose().translation.vector;
+    let plane = |number: usize| {
+        // Directions that are spread evenly over the sphere.
+        let (height, turn) = ((2 * number + 1) as f64 / count as f64 - 1.0, 2.4 * number as f64);
+        let radius = (1.0 - height * height).sqrt();
+        let normal = [radius * turn.cos(), radius * turn.sin(), height];
+        let offset = normal.iter().zip(center.iter()).map(|(n, x)| n * x).sum::<f64>() + 0.03;
+        Constraint::Plane(VirtualPlane::new(number.to_string(), normal, offset, PlanePoint::Tool, 10.0).unwrap())
+    };
+    (0..count).map(plane).collect()
+}
+
+#[test]
+fn a_tool_stays_inside_512_planes_and_more_planes_are_refused() {
+    let robot = sawyer();
+    let push = task(&[Axis::X, Axis::Y, Axis::Z], force(&[Axis::X, Axis::Y, Axis::Z], &[100.0, 60.0, 30.0]));
+    let with = |count| ControllerConfig {
+        constraints: planes_around_the_tool(count),
+        limits: Limits::Robot(LimitKind::PositionVelocity),
+        ..config(&robot, vec![push.clone()])
+    };
+    let controller = controller(with(MAX_CONSTRAINT_ROWS));
+    let (mut arm, mut active) = (Loop::at_rest(&NOMINAL), 0);
+    let first = arm.configuration(&robot).tool_pose().translation.vector;
+    for _ in 0..1000 {
+        let answer = arm.step(&controller, [0.0; 6]).resolution;
+        assert!(answer.violated_inequalities.is_empty() && answer.solver.status == Status::Optimal, "{answer:?}");
+        active += usize::from(!answer.active_inequalities.is_empty());
+    }
+    let moved = (arm.configuration(&robot).tool_pose().translation.vector - first).norm();
+    assert!((0.025..0.034).contains(&moved) && active > 500, "{moved} m, {active} periods");
+    let given = MAX_CONSTRAINT_ROWS + 1;
+    assert_eq!(Controller::new(with(given)).unwrap_err(), ConfigError::ConstraintRows { given });
 }
 
 #[test]
