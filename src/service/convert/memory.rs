@@ -5,7 +5,7 @@ use revprio_api::wire;
 use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress, Stall};
 use revprio_core::limits::DriveState;
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{ActiveSet, Side};
+use revprio_core::resolution::{ActiveSet, Bound, BoundId};
 use revprio_robot::Joint;
 
 use super::numbers::{check_numbers, joint_list, number, numbers};
@@ -160,50 +160,42 @@ fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
 }
 
 fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, ApiError> {
-    let joints = config.robot.joints();
-    let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
-        (Some(name), None, None, None) => joints.iter().position(|joint| joint.name == *name),
+    let id = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
+        (Some(name), None, None, None) => {
+            config.robot.joints().iter().position(|joint| joint.name == *name).map(BoundId::Joint)
+        }
         (None, Some(name), None, None) => {
-            config.barriers.iter().position(|barrier| barrier.name() == name).map(|index| joints.len() + index)
+            let index = config.barriers.iter().position(|barrier| barrier.name() == name)?;
+            Some(BoundId::Constraint { index, row: 0 })
         }
         (None, None, Some(name), Some(row)) => {
-            let k = config.tasks.iter().position(|task| task.name == *name)?;
-            (row < config.tasks[k].rows.len()).then(|| first_row(config, k) + row)
+            let index = config.tasks.iter().position(|task| task.name == *name)?;
+            (row < config.tasks[index].rows.len()).then_some(BoundId::Task { index, row })
         }
         _ => None,
     };
     let unknown = || {
         ApiError::invalid("/active_set", "not a limit of this controller; send the memory of the last answer unchanged")
     };
-    let limit = |limit: &wire::ActiveLimitName| Ok((index(limit).ok_or_else(unknown)?, terms::side(limit.side)));
+    let limit =
+        |limit: &wire::ActiveLimitName| Ok(Bound { id: id(limit).ok_or_else(unknown)?, side: terms::side(limit.side) });
     names.iter().map(limit).collect()
 }
 
-/// Returns the place of the first row of a task in an active set: after the joints, the inequalities and the rows of the
-/// tasks before it.
-fn first_row(config: &ControllerConfig, task: usize) -> usize {
-    let before: usize = config.tasks[..task].iter().map(|task| task.rows.len()).sum();
-    config.robot.joint_count() + config.barriers.len() + before
-}
-
-/// Returns the name of a limit at a place in an active set.
-fn limit_name(config: &ControllerConfig, &(place, side): &(usize, Side)) -> wire::ActiveLimitName {
-    let joint = config.robot.joints().get(place).map(|joint| joint.name.clone());
-    let after_joints = place.checked_sub(config.robot.joint_count());
-    let barrier = after_joints.and_then(|index| config.barriers.get(index));
-    let task = (0..config.tasks.len()).rfind(|&k| first_row(config, k) <= place);
-    wire::ActiveLimitName {
-        joint,
-        inequality: barrier.map(|barrier| barrier.name().to_owned()),
-        task: task.map(|k| config.tasks[k].name.clone()),
-        row: task.map(|k| place - first_row(config, k)),
-        side: terms::side_answer(side),
+/// Returns the name of a bound of an active set.
+fn limit_name(config: &ControllerConfig, bound: &Bound) -> wire::ActiveLimitName {
+    let (mut joint, mut inequality, mut task, mut row) = (None, None, None, None);
+    match bound.id {
+        BoundId::Joint(index) => joint = Some(config.robot.joints()[index].name.clone()),
+        BoundId::Constraint { index, .. } => inequality = Some(config.barriers[index].name().to_owned()),
+        BoundId::Task { index, row: own } => (task, row) = (Some(config.tasks[index].name.clone()), Some(own)),
     }
+    wire::ActiveLimitName { joint, inequality, task, row, side: terms::side_answer(bound.side) }
 }
 
 /// Returns the memory as a part of an answer.
 pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) -> wire::Memory {
-    let name = |limit: &(usize, Side)| limit_name(controller.config(), limit);
+    let name = |limit: &Bound| limit_name(controller.config(), limit);
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
     wire::Memory {
         sequence: last.sequence,
@@ -249,7 +241,10 @@ mod tests {
         let request: wire::Controller = serde_json::from_str(CONTROLLER).unwrap();
         let controller = controller(&request, &Robots::built_in()).unwrap();
         let config = controller.config();
-        let places: ActiveSet = (0..11).map(|place| (place, Side::Upper)).collect();
+        let joints = (0..7).map(BoundId::Joint);
+        let rows = [(0, 0), (0, 1), (1, 0)].map(|(index, row)| BoundId::Task { index, row });
+        let ids = joints.chain([BoundId::Constraint { index: 0, row: 0 }]).chain(rows);
+        let places: ActiveSet = ids.map(Bound::upper).collect();
         let names: Vec<_> = places.iter().map(|limit| limit_name(config, limit)).collect();
         assert_eq!(active_set(&names, config).unwrap(), places);
         let written: Vec<String> = names[6..].iter().map(|name| serde_json::to_string(name).unwrap()).collect();

@@ -317,6 +317,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     let explained = Explained {
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
+        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
         robot: inputs.robot.as_deref(),
         state: inputs.state.as_ref(),
         threshold: problem.problem.damping.map(|damping| damping.threshold()),

@@ -2,8 +2,9 @@
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
+use revprio_core::limits::Barrier;
 use revprio_core::linalg::Vector;
-use revprio_core::resolution::{ActiveLimit, Resolution, Side, Status, TaskOutcome};
+use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::report::number::significant;
 use revprio_robot::RobotModel;
 
@@ -80,6 +81,8 @@ pub struct Explained<'a> {
     pub resolution: &'a Resolution,
     /// Names of the joints, n.
     pub joints: Vec<&'a str>,
+    /// Names of the inequalities.
+    pub inequalities: Vec<&'a str>,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
     /// Its state, if its limits apply.
@@ -107,6 +110,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, state: Option<&
     let explained = Explained {
         resolution: &command.resolution,
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
+        inequalities: config.barriers.iter().map(Barrier::name).collect(),
         robot: Some(&config.robot),
         state,
         threshold: config.damping.map(|damping| damping.threshold()),
@@ -142,15 +146,15 @@ impl Explained<'_> {
         let losses: Vec<String> =
             self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
         let mut sentences: Vec<String> = self.solver().into_iter().collect();
-        sentences.extend(resolution.active_limits.iter().map(|active| self.limit(active)));
-        sentences.extend(resolution.violated_limits.iter().map(|violated| {
-            let (joint, unit) = (self.joints[violated.joint], self.unit(violated.joint));
+        sentences.extend(resolution.active_limits().map(|(joint, active)| self.limit(joint, active)));
+        sentences.extend(resolution.broken_limits().map(|(joint, violated)| {
+            let (joint, unit) = (self.joints[joint], self.unit(joint));
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
-        let active = resolution.active_inequalities.iter().map(|active| &active.name);
+        let active = resolution.active_constraints().map(|(index, _)| self.inequalities[index]);
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
-        let violated = resolution.violated_inequalities.iter().map(|violated| &violated.name);
+        let violated = resolution.broken_constraints().map(|(index, _)| self.inequalities[index]);
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(self.conflicts.iter().map(|&index| {
             let joint = self.joints[index];
@@ -183,21 +187,21 @@ impl Explained<'_> {
     }
 
     /// Returns which limit of a joint is active.
-    fn limit(&self, active: &ActiveLimit) -> String {
-        let (joint, unit) = (self.joints[active.joint], self.unit(active.joint));
-        let side = if active.side == Side::Upper { "upper" } else { "lower" };
+    fn limit(&self, index: usize, active: &ActiveBound) -> String {
+        let (joint, unit) = (self.joints[index], self.unit(index));
+        let side = if active.bound.side == Side::Upper { "upper" } else { "lower" };
         let speed = significant(active.value.abs(), 2);
         let Some((robot, LimitedState { position, last_command, keeps_jerk })) = self.robot.zip(self.state) else {
             let value = significant(active.value, 2);
             return format!("joint `{joint}` is at its {side} velocity bound of {value} {unit}");
         };
-        let limits = robot.joints()[active.joint].limits;
+        let limits = robot.joints()[index].limits;
         if active.value.abs() >= AT_SPEED * limits.velocity {
             return format!("joint `{joint}` is at its speed limit of {speed} {unit}");
         }
-        let left = position.as_ref().map(|position| match active.side {
-            Side::Upper => limits.upper - position[active.joint],
-            Side::Lower => position[active.joint] - limits.lower,
+        let left = position.as_ref().map(|position| match active.bound.side {
+            Side::Upper => limits.upper - position[index],
+            Side::Lower => position[index] - limits.lower,
         });
         if left.is_some_and(|left| left < 0.0) {
             return format!("joint `{joint}` is beyond its {side} limit and must move back");
@@ -206,7 +210,7 @@ impl Explained<'_> {
             return format!("joint `{joint}` is at its {side} limit");
         }
         if let Some((last, period)) = last_command
-            && (active.value - last[active.joint]).abs() >= AT_ACCELERATION * limits.acceleration * period
+            && (active.value - last[index]).abs() >= AT_ACCELERATION * limits.acceleration * period
         {
             return format!("joint `{joint}` is at its acceleration limit");
         }

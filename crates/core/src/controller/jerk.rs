@@ -93,7 +93,7 @@ impl Approach {
             return Ok(());
         }
         solver.solve(problem, &previous.active_set, resolution)?;
-        if !resolution.violated_inequalities.is_empty() {
+        if resolution.broken_constraints().next().is_some() {
             problem.limits.copy_from(&self.all);
             solver.solve(problem, &previous.active_set, resolution)?;
         }

@@ -5,7 +5,7 @@ use nalgebra::IsometryMatrix3;
 use super::{AnsweredState, ControllerConfig, JerkState, Progress, Stall};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
-use crate::resolution::ActiveSet;
+use crate::resolution::{ActiveSet, Bound, BoundId};
 use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
 /// The complete state of a controller. Another process with the same
@@ -117,14 +117,16 @@ impl Memory {
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
             return Err(MemoryError::Stalls);
         }
-        // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
-        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        let barriers_end = n + config.barriers.len();
-        let is_bounded = |row: usize| {
-            let mut rows = config.tasks.iter().flat_map(|task| std::iter::repeat_n(task, task.rows.len()));
-            row < barriers_end || rows.nth(row - barriers_end).is_some_and(|task| task.law.bounds().is_some())
+        // The solver writes each bound once, in ascending order.
+        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].id < pair[1].id);
+        let is_bounded = |bound: &Bound| match bound.id {
+            BoundId::Joint(joint) => joint < n,
+            BoundId::Constraint { index, row } => index < config.barriers.len() && row == 0,
+            BoundId::Task { index, row } => {
+                config.tasks.get(index).is_some_and(|task| row < task.rows.len() && task.law.bounds().is_some())
+            }
         };
-        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| is_bounded(row))) {
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(is_bounded)) {
             return Err(MemoryError::ActiveSet);
         }
         let ascending = self.target_streams.windows(2).all(|pair| key(&pair[0]) < key(&pair[1]));

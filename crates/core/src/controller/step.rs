@@ -184,7 +184,7 @@ impl Controller {
             let observed = Observation {
                 config,
                 tasks: &problem.tasks,
-                inequalities: &problem.inequalities,
+                problem,
                 targets: &command.targets,
                 resolution: &command.resolution,
                 joint_position: position,

@@ -55,7 +55,7 @@ impl Barrier {
     pub fn before_first_posture(&self, joints: usize) -> Inequality {
         match self {
             Self::Fixed(inequality) => inequality.clone(),
-            Self::Plane(plane) => Inequality::always_satisfied(plane.name.clone(), joints),
+            Self::Plane(plane) => Inequality::always_satisfied(plane.name.clone(), 0, joints),
         }
     }
 
@@ -189,7 +189,7 @@ impl VirtualPlane {
     ///
     /// `ahead`: where the next command moves the arm, if it is known; `braking`: how the joints brake, if it is known.
     pub fn at(&self, configuration: &Configuration, ahead: Option<Ahead>, braking: Option<JointBraking>) -> Inequality {
-        let mut inequality = Inequality::always_satisfied(self.name.clone(), configuration.joint_position().len());
+        let mut inequality = Inequality::always_satisfied(self.name.clone(), 0, configuration.joint_position().len());
         self.write(configuration, ahead, braking, &mut inequality);
         inequality
     }

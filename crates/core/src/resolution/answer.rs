@@ -1,13 +1,13 @@
 //! Writing the answer: joint velocities with their explanation.
 
 use revprio_problem::{
-    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Inequality, InequalityViolation, Path, Problem, Resolution,
-    Side, Singularity, SolverReport, Status, Task, TaskOutcome,
+    ActiveBound, ActiveSet, Bound, BoundId, BrokenBound, Path, Problem, Resolution, Side, Singularity, SolverReport,
+    Status, Task, TaskOutcome,
 };
 
 use super::engine::Engine;
 use super::level::{Solution, refill};
-use super::plan::{Origin, PlannedProblem};
+use super::plan::PlannedProblem;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
 use super::solver::SizedSolver;
@@ -46,7 +46,7 @@ pub fn write_answer(
     if answer.active_set.len() != 1 {
         answer.active_set.resize_with(1, ActiveSet::new);
     }
-    planned.write_active_set(problem, &solution.working_set, &mut answer.active_set[0]);
+    planned.write_active_set(problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
 }
 
 /// Sets the answer to the solution without limits, which is finite and meets every task and limit.
@@ -61,8 +61,7 @@ pub fn write_unlimited(
     singularities.write(&problem.tasks, &mut answer.singularity);
     let achieved = if singularities.has_only_equations { solver.row_values() } else { &[] };
     report_tasks(answer, problem, singularities, achieved);
-    answer.violated_limits.clear();
-    answer.violated_inequalities.clear();
+    answer.broken_bounds.clear();
     clear_bounds(answer);
     report_pinned(answer, problem);
     answer.solver = SolverReport {
@@ -100,14 +99,16 @@ fn report_velocity(
             (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
         }
     }
-    answer.violated_limits.clear();
-    let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(&answer.joint_velocity) > 0.0);
-    let violation = |inequality: &Inequality| InequalityViolation {
-        name: inequality.shared_name(),
-        bound: inequality.bound(),
-        value: inequality.value(&answer.joint_velocity),
-    };
-    refill(&mut answer.violated_inequalities, broken.map(violation));
+    let velocity = &answer.joint_velocity;
+    let broken = problem.constraint_rows().filter(|(_, inequality)| inequality.violation(velocity) > 0.0);
+    refill(
+        &mut answer.broken_bounds,
+        broken.map(|(id, inequality)| BrokenBound {
+            bound: Bound::upper(id),
+            limit: inequality.bound(),
+            value: inequality.value(velocity),
+        }),
+    );
 }
 
 fn set_velocity(answer: &mut Resolution, x: &[f64]) {
@@ -128,8 +129,7 @@ fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Sing
 }
 
 fn clear_bounds(answer: &mut Resolution) {
-    answer.active_limits.clear();
-    answer.active_inequalities.clear();
+    answer.active_bounds.clear();
     answer.contradictions.clear();
     answer.active_set.clear();
 }
@@ -138,38 +138,37 @@ fn clear_bounds(answer: &mut Resolution) {
 fn report_pinned(answer: &mut Resolution, problem: &Problem) {
     let bounds = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice());
     for (joint, (_, &value)) in bounds.enumerate().filter(|(_, (lower, upper))| lower == upper) {
-        answer.active_limits.push(ActiveLimit { joint, side: Side::Upper, value, multiplier: 0.0 });
+        let bound = Bound::upper(BoundId::Joint(joint));
+        answer.active_bounds.push(ActiveBound { bound, value, multiplier: 0.0 });
     }
 }
 
-/// Sets active limits, inequalities and rows from the multipliers.
+/// Lists the active bounds from the multipliers.
 fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedProblem, solution: &Solution) {
     let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
     let active = |(joint, &multiplier): (usize, &f64)| {
-        let (side, bounds) = if multiplier < 0.0 { (Side::Lower, lower) } else { (Side::Upper, upper) };
+        let side = Side::of_multiplier(multiplier);
+        let value = if side == Side::Lower { lower[joint] } else { upper[joint] };
         let is_active = lower[joint] == upper[joint] || multiplier != 0.0;
-        is_active.then_some(ActiveLimit { joint, side, value: bounds[joint], multiplier: multiplier.abs() })
+        let bound = Bound { id: BoundId::Joint(joint), side };
+        is_active.then_some(ActiveBound { bound, value, multiplier: multiplier.abs() })
     };
-    refill(&mut answer.active_limits, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
-    answer.active_inequalities.clear();
-    let rows = planned.origins.iter().zip(&solution.row_multipliers);
-    for (origin, &multiplier) in rows.filter(|(_, multiplier)| **multiplier != 0.0) {
-        match *origin {
-            Origin::Inequality(index) => {
-                let inequality = &problem.inequalities[index];
-                answer.active_inequalities.push(ActiveInequality {
-                    name: inequality.shared_name(),
-                    bound: inequality.bound(),
-                    // Planned rows have length one.
-                    multiplier: multiplier.abs() / inequality.coefficients().norm(),
-                });
+    refill(&mut answer.active_bounds, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
+    let rows = planned.origins.iter().zip(&solution.row_multipliers).enumerate();
+    for (row, (&id, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
+        let Some(id) = id else { continue };
+        let side = Side::of_multiplier(multiplier);
+        let (value, length) = match id {
+            // Constraints are the first rows of a problem, with length one.
+            BoundId::Constraint { .. } => {
+                let inequality = &problem.inequalities[row];
+                (inequality.bound(), inequality.coefficients().norm())
             }
-            Origin::Task { task, row } => {
-                let side = if multiplier < 0.0 { Side::Lower } else { Side::Upper };
-                answer.tasks[task].active_rows.push(ActiveRow { row, side, multiplier: multiplier.abs() });
-            }
-            Origin::Auxiliary => {}
-        }
+            _ if side == Side::Lower => (planned.levels.row_lower[row], 1.0),
+            _ => (planned.levels.row_upper[row], 1.0),
+        };
+        let bound = Bound { id, side };
+        answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
     }
 }
 
@@ -216,7 +215,6 @@ fn report_task(
     outcome.rank = known.rank;
     outcome.algorithmic = known.algorithmic;
     outcome.scale = task.scaled.then_some(1.0);
-    outcome.active_rows.clear();
 }
 
 /// Returns how sure an answer is that meets its optimality conditions up to this residual.

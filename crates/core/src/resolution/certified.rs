@@ -1,9 +1,8 @@
 //! Recording the problems on the way to an answer, for its certificate.
 
-use revprio_problem::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part, RowName};
+use revprio_problem::{BoundId, Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part};
 
 use super::level::Hierarchy;
-use super::plan::Origin;
 use super::solver::SizedSolver;
 
 /// The problems that were solved, and what the answer consists of.
@@ -16,7 +15,7 @@ pub struct Record {
 impl Record {
     /// Adds the problem that `solver` has solved last, possibly without its inequality rows that hold nothing back. The
     /// answer is its solution `x`, until [`Self::set_answer`] is called.
-    pub fn push(&mut self, problem: &Hierarchy, origins: &[Origin], x: &[f64], solver: &mut dyn SizedSolver) {
+    pub fn push(&mut self, problem: &Hierarchy, origins: &[Option<BoundId>], x: &[f64], solver: &mut dyn SizedSolver) {
         let count = problem.level_ends.len();
         let levels = (0..count).map(|level| certified_level(problem, origins, level)).collect();
         let multipliers = (0..=count).map(|level| multipliers(problem, level, x, solver)).collect();
@@ -47,18 +46,13 @@ impl Record {
     }
 }
 
-fn certified_level(problem: &Hierarchy, origins: &[Origin], level: usize) -> CertifiedLevel {
+fn certified_level(problem: &Hierarchy, origins: &[Option<BoundId>], level: usize) -> CertifiedLevel {
     let rows = problem.level_start(level)..problem.level_ends[level];
-    let name = |row: usize| match origins.get(row) {
-        Some(&Origin::Task { task, row }) => RowName::Task { task, row },
-        Some(&Origin::Inequality(index)) => RowName::Inequality(index),
-        Some(Origin::Auxiliary) | None => RowName::Auxiliary,
-    };
     CertifiedLevel {
         rows: rows.clone().map(|row| problem.row(row).to_vec()).collect(),
         lower: problem.row_lower[rows.clone()].to_vec(),
         upper: problem.row_upper[rows.clone()].to_vec(),
-        names: rows.map(name).collect(),
+        names: rows.map(|row| origins.get(row).copied().flatten()).collect(),
     }
 }
 

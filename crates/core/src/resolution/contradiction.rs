@@ -4,10 +4,10 @@
 //! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). A proof with the fewest members is found by taking
 //! members away along dependencies of the vectors a_i, as long as the rest still is a proof.
 
-use revprio_problem::{Contradiction, Member, Problem, Side};
+use revprio_problem::{Bound, BoundId, Contradiction, Problem, Side};
 
 use super::level::{Hierarchy, Solution};
-use super::plan::{Origin, PlannedProblem};
+use super::plan::PlannedProblem;
 use super::solver::HierarchicalSolver;
 use crate::linalg::Matrix;
 
@@ -19,7 +19,7 @@ const DISTINCT: f64 = 1e-6;
 
 /// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
 struct Demand {
-    member: Member,
+    member: Bound,
     coefficients: Vec<f64>,
     bound: f64,
     weight: f64,
@@ -41,9 +41,9 @@ pub fn write_contradictions(
         let broken = rows.clone().find(|&row| is_broken(&planned.levels, solution, row));
         let Some(broken) = broken else { continue };
         let task = match planned.origins[broken] {
-            Origin::Inequality(_) => None,
-            Origin::Task { task, .. } => Some(task),
-            Origin::Auxiliary => continue,
+            Some(BoundId::Task { index, .. }) => Some(index),
+            Some(_) => None,
+            None => continue,
         };
         let Some(mut demands) = demands(problem, planned, solution, level, solver) else { continue };
         reduce(&mut demands);
@@ -89,9 +89,8 @@ fn demands(
     let own = levels.level_start(level)..levels.level_ends[level];
     if let Some(zero) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
         // A row of zeros contradicts itself.
-        let Origin::Task { task, row } = planned.origins[zero] else { return None };
-        let side = solution.working_set.rows[zero]?;
-        return Some(vec![demand(Member::Row { task, row, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
+        let (Some(id), side) = (planned.origins[zero], solution.working_set.rows[zero]?) else { return None };
+        return Some(vec![demand(Bound { id, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
     }
     let (rows, unknowns) = proof(levels, solution, level, solver);
     let negligible = negligible_force(levels, &rows, &unknowns);
@@ -100,11 +99,7 @@ fn demands(
     let mut demands = Vec::new();
     for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * size(*row) > negligible) {
         let side = side(-w);
-        let member = match planned.origins[row] {
-            Origin::Inequality(index) => Member::Inequality { index, side },
-            Origin::Task { task, row } => Member::Row { task, row, side },
-            Origin::Auxiliary => return None,
-        };
+        let member = Bound { id: planned.origins[row]?, side };
         // What a higher level achieved is kept, whatever it asked for.
         let bound = match side {
             _ if row < own.start && (levels.is_equation(row) || is_broken(levels, solution, row)) => {
@@ -122,7 +117,7 @@ fn demands(
         let side = side(h);
         let bound = if side == Side::Lower { levels.lower[joint] } else { levels.upper[joint] };
         let unit: Vec<f64> = (0..n).map(|j| if j == joint { 1.0 } else { 0.0 }).collect();
-        demands.push(demand(Member::Limit { joint, side }, &unit, bound, h.abs(), side));
+        demands.push(demand(Bound { id: BoundId::Joint(joint), side }, &unit, bound, h.abs(), side));
     }
     Some(demands)
 }
@@ -163,7 +158,7 @@ fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
 }
 
 /// Turns a demand into side · a·x ≤ side · b with a of length one.
-fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
+fn demand(member: Bound, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
     let length = norm(coefficients);
     let length = if length > 0.0 { length } else { 1.0 };
     let coefficients = coefficients.iter().map(|a| side.sign() * a / length).collect();

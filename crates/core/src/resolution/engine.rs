@@ -1,8 +1,9 @@
 //! The solver of hierarchical problems, and the record of what it solved.
 
+use revprio_problem::BoundId;
+
 use super::certified::Record;
 use super::level::{Hierarchy, Solution, WorkingSet};
-use super::plan::Origin;
 use super::solver::HierarchicalSolver;
 use crate::limits::VelocityBox;
 
@@ -32,7 +33,7 @@ impl Engine {
     pub fn solve(
         &mut self,
         problem: &Hierarchy,
-        origins: &[Origin],
+        origins: &[Option<BoundId>],
         guess: Option<&WorkingSet>,
         solution: &mut Solution,
     ) {

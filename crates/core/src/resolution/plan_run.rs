@@ -63,7 +63,7 @@ impl PlanRun {
             is_optimal &= self.damped.is_optimal;
             kkt_residual = kkt_residual.max(self.damped.kkt_residual);
             self.write(problem, step, damping);
-            self.planned.write_guess(problem, guess, &mut self.guess);
+            self.planned.write_guess(guess, &mut self.guess);
             engine.solve(&self.planned.levels, &self.planned.origins, Some(&self.guess), &mut self.solution);
             self.finish(problem, step, damping, engine);
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
@@ -88,7 +88,7 @@ impl PlanRun {
         let n = problem.tasks.joint_count();
         self.planned.clear_origins();
         self.guess.clear(n, 0);
-        self.guess.hold(guess, n);
+        self.guess.hold(guess);
         engine.solve_within(&problem.limits, own_levels, &self.guess, &mut self.solution);
         if !self.solution.is_optimal {
             return false;
