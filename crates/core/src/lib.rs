@@ -166,6 +166,7 @@ pub mod limits;
 pub mod linalg;
 pub mod resolution;
 pub mod streaming;
+pub mod tolerances;
 
 pub use revprio_problem as problem;
 pub use revprio_robot as robot;

@@ -12,11 +12,7 @@ use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
 use super::solver::SizedSolver;
 use crate::linalg::{Vector, all_finite, write_product};
-
-/// Relative optimality residual up to which an answer counts as optimal.
-///
-/// Exact answers of task size stay below 1e-12. A wrong active set is off by orders of magnitude more than this.
-const CERTIFIED: f64 = 1e-9;
+use crate::tolerances::TOLERANCES;
 
 /// Sets the answer from the solution of a plan.
 pub fn write_answer(
@@ -219,5 +215,5 @@ fn report_task(
 
 /// Returns how sure an answer is that meets its optimality conditions up to this residual.
 fn status(residual: f64) -> Status {
-    if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified }
+    if residual <= TOLERANCES.certified { Status::Optimal } else { Status::NotCertified }
 }

@@ -10,12 +10,7 @@ use super::level::{Hierarchy, Solution};
 use super::plan::PlannedProblem;
 use super::solver::HierarchicalSolver;
 use crate::linalg::Matrix;
-
-/// A weight below this fraction of the largest one is rounding.
-const NEGLIGIBLE: f64 = 1e-9;
-
-/// A dependency that differs from the weights by less than this fraction is the same one.
-const DISTINCT: f64 = 1e-6;
+use crate::tolerances::TOLERANCES;
 
 /// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
 struct Demand {
@@ -72,7 +67,7 @@ fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
     let bounds = rows.clone().flat_map(|row| [levels.row_lower[row], levels.row_upper[row]]);
     let target = norm(&mut bounds.filter(|bound| bound.is_finite()));
     let size = norm(&mut rows.flat_map(|row| levels.row(row).iter().copied())) * speed + target;
-    missing > NEGLIGIBLE * size
+    missing > TOLERANCES.proof_weight * size
 }
 
 /// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.
@@ -154,7 +149,7 @@ fn proof(
 /// Returns the size below which a multiplier, times the length of its row, is rounding of others.
 fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
     let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * norm(levels.row(row)));
-    NEGLIGIBLE * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
+    TOLERANCES.proof_weight * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
 }
 
 /// Turns a demand into side · a·x ≤ side · b with a of length one.
@@ -193,15 +188,16 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         let next = if is_all { other_dependency(&dependencies, demands) } else { dependencies.first().cloned() };
         let Some(mut dependency) = next else { return is_all };
         let largest = dependency.iter().fold(0.0, |largest, d| f64::max(largest, d.abs()));
-        let has = |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > NEGLIGIBLE * largest);
+        let has =
+            |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > TOLERANCES.proof_weight * largest);
         // Along the dependency Σ w_i b_i must not rise, and a weight must fall.
         let parts = || dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound);
         let (gain, size): (f64, f64) = (parts().sum(), parts().map(f64::abs).sum());
-        let is_proof = gain.abs() > NEGLIGIBLE * size && !has(&dependency, gain.signum());
+        let is_proof = gain.abs() > TOLERANCES.proof_weight * size && !has(&dependency, gain.signum());
         if !is_all && is_proof {
             // All signs agree: the dependency is a proof itself.
             demands.iter_mut().zip(&dependency).for_each(|(demand, d)| demand.weight = d.abs());
-            demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+            demands.retain(|demand| demand.weight > TOLERANCES.proof_weight * largest);
             return true;
         }
         if gain < 0.0 || !has(&dependency, 1.0) {
@@ -211,7 +207,7 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         }
         // One weight vanishes first.
         let step = |(d, demand): (&f64, &Demand)| {
-            if *d > NEGLIGIBLE * largest { demand.weight / d } else { f64::INFINITY }
+            if *d > TOLERANCES.proof_weight * largest { demand.weight / d } else { f64::INFINITY }
         };
         let steps = dependency.iter().zip(&*demands).map(step).enumerate();
         let Some((vanishing, length)) = steps.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, step)| step.is_finite())
@@ -224,7 +220,7 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         demands[vanishing].weight = 0.0;
         let largest = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
         for member in (0..demands.len()).rev() {
-            if demands[member].weight > NEGLIGIBLE * largest {
+            if demands[member].weight > TOLERANCES.proof_weight * largest {
                 continue;
             }
             demands.remove(member);
@@ -240,7 +236,7 @@ fn dependencies(demands: &[Demand]) -> Vec<Vec<f64>> {
     let (n, count) = (first.coefficients.len(), demands.len());
     let factors = Matrix::from_fn(n, count, |i, j| demands[j].coefficients[i]).col_piv_qr();
     let r = factors.r();
-    let is_pivot = |&i: &usize| r[(i, i)].abs() > NEGLIGIBLE * r[(0, 0)].abs();
+    let is_pivot = |&i: &usize| r[(i, i)].abs() > TOLERANCES.proof_weight * r[(0, 0)].abs();
     let rank = (0..n.min(count)).take_while(is_pivot).count();
     let others = -r.view((0, rank), (rank, count - rank));
     let Some(top) = r.view((0, 0), (rank, rank)).solve_upper_triangular(&others) else { return Vec::new() };
@@ -256,7 +252,7 @@ fn other_dependency(dependencies: &[Vec<f64>], demands: &[Demand]) -> Option<Vec
     dependencies.iter().find_map(|dependency| {
         let along = dependency.iter().zip(demands).map(|(d, demand)| d * demand.weight).sum::<f64>() / weight_square;
         let other: Vec<f64> = dependency.iter().zip(demands).map(|(d, demand)| d - along * demand.weight).collect();
-        (norm(&other) > DISTINCT * norm(dependency)).then_some(other)
+        (norm(&other) > TOLERANCES.proof_distinct * norm(dependency)).then_some(other)
     })
 }
 
@@ -264,7 +260,8 @@ fn other_dependency(dependencies: &[Vec<f64>], demands: &[Demand]) -> Option<Vec
 fn drop_member(dependencies: &mut Vec<Vec<f64>>, member: usize) {
     let share = |dependency: &[f64]| dependency[member].abs() / norm(dependency);
     let by_share = |a: &usize, b: &usize| share(&dependencies[*a]).total_cmp(&share(&dependencies[*b]));
-    let most = (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > NEGLIGIBLE);
+    let most =
+        (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > TOLERANCES.proof_weight);
     if let Some(most) = most {
         let pivot = dependencies.swap_remove(most);
         for dependency in &mut *dependencies {

@@ -5,20 +5,12 @@ use revprio_problem::{Damping, EquationRows, Singularity, Task, TaskStack};
 use super::level::refill;
 use super::solver::{HierarchicalSolver, SizedSolver};
 use crate::linalg::{DampingFactor, RANK_TOLERANCE, SingularValues, distance_square, dot, smallest_and_product};
-
-/// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
-const INDEPENDENT: f64 = 1e-6;
-
-/// Fraction of ‖J‖ from which on all methods that agree in exact arithmetic agree to nearly all digits.
-const WELL_CONDITIONED: f64 = 1e-3;
-
-/// Relative rounding of bounds of singular values.
-const MARGIN: f64 = 1e-9;
+use crate::tolerances::TOLERANCES;
 
 /// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
 /// digits, for rows of this Frobenius norm.
 fn regular_from(damping: Option<Damping>, norm: f64) -> f64 {
-    damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm)
+    damping.map_or(0.0, |damping| damping.threshold()).max(TOLERANCES.well_conditioned * norm)
 }
 
 /// The singularities of one task, and the damping factors that they give.
@@ -86,7 +78,7 @@ impl Singularities {
     ) -> bool {
         let list = tasks.tasks();
         let Some((distance, norm)) = compare(&self.reference, list) else { return false };
-        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + MARGIN)) {
+        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + TOLERANCES.singular_value_margin)) {
             return false;
         }
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
@@ -126,7 +118,7 @@ impl Singularities {
         self.rank_uncertain = solver.rank_uncertain();
         let norm = solver.norm();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
-        let independent = threshold.max(INDEPENDENT * norm);
+        let independent = threshold.max(TOLERANCES.certain_rank * norm);
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
         let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };

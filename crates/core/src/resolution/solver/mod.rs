@@ -18,7 +18,7 @@ pub use sized::{HierarchicalSolver, SizedSolver};
 
 use cascade::Cascade;
 use conditions::{Conditions, Trial};
-use factorization::{Factorization, ROUNDING, Span};
+use factorization::{Factorization, Span};
 use primal::PrimalPoint;
 use problem_rows::ProblemRows;
 use search::Search;
@@ -27,13 +27,7 @@ use revprio_problem::Side;
 
 use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
-
-/// Ratio of the weights of adjacent levels while the search looks for a working set.
-const SPACING: f64 = 1e-6;
-
-/// Singular values below this fraction of ‖A_k‖ count as zero where rounding may decide ranks and the smaller tolerance finds
-/// no certain answer.
-const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
+use crate::tolerances::TOLERANCES;
 
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
 const GUESSED_TRIALS: u32 = 3;
@@ -41,10 +35,6 @@ const GUESSED_TRIALS: u32 = 3;
 /// Corrections of everything that is wrong in the proposal of the cascade, before the last resort. One is needed where rounding
 /// decides whether a bound that is met exactly is active.
 const MAX_CORRECTIONS: u32 = 3;
-
-/// Relative sizes that count as rounding where working sets repeat in the last resort: a smaller one where rows nearly depend on
-/// each other, so that multipliers are small, and larger ones where several sets describe the same corner.
-const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
 
 /// Working sets after which the solver gives up.
 const MAX_SETS: u32 = 400;
@@ -76,7 +66,7 @@ enum Source {
     Search,
     /// From the cascade, corrected as many times.
     Cascade(u32),
-    /// From steps of the primal method, with as many of [`OTHER_ROUNDINGS`] used up.
+    /// From steps of the primal method, with as many of [`TOLERANCES.other_roundings`] used up.
     Primal(usize),
 }
 
@@ -107,7 +97,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             met_uncertain_rank = self.solve_from(None, false, solution);
             tried += solution.working_sets;
         }
-        for tolerance in UNCERTAIN_RANK_TOLERANCES {
+        for tolerance in TOLERANCES.uncertain_rank {
             if solution.is_optimal || !met_uncertain_rank {
                 break;
             }
@@ -130,7 +120,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Evaluates the optimality conditions on the last working set; returns whether they hold, and the largest relative residual.
     fn certify(&mut self) -> (bool, f64) {
         let Self { problem, set, solved, conditions, .. } = self;
-        conditions.evaluate(Trial { problem, set, solved }, ROUNDING);
+        conditions.evaluate(Trial { problem, set, solved }, TOLERANCES.rounding);
         (conditions.are_met() && all_finite(&solved.x.0), conditions.residual)
     }
 
@@ -148,8 +138,10 @@ impl<const N: usize> ActiveSetSolver<N> {
             let Self { problem, set, solved, conditions, .. } = &mut *self;
             let trial = Trial { problem, set, solved };
             let rounding = match source {
-                Source::Primal(used @ 1..) => OTHER_ROUNDINGS[(used - 1).min(OTHER_ROUNDINGS.len() - 1)],
-                _ => ROUNDING,
+                Source::Primal(used @ 1..) => {
+                    TOLERANCES.other_roundings[(used - 1).min(TOLERANCES.other_roundings.len() - 1)]
+                }
+                _ => TOLERANCES.rounding,
             };
             conditions.check_point(trial, rounding);
             // Nothing is held and bounds are broken: multipliers are not needed to propose a set.
@@ -181,7 +173,11 @@ impl<const N: usize> ActiveSetSolver<N> {
                     self.solved.solve(&self.problem, &self.set);
                 }
                 let Self { problem, solved, set, search, .. } = self;
-                if search.propose(problem, solved, SPACING, set) { Source::Search } else { self.cascade() }
+                if search.propose(problem, solved, TOLERANCES.search_spacing, set) {
+                    Source::Search
+                } else {
+                    self.cascade()
+                }
             }
             // Where rounding may decide a rank, the cascade may decide otherwise.
             Source::Search if self.solved.rank_uncertain => self.start_primal(),
@@ -192,7 +188,9 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             Source::Cascade(_) => self.start_primal(),
             // Sets repeat: another size may count as rounding.
-            Source::Primal(used) if self.primal.steps > self.most_primal_steps() && used < OTHER_ROUNDINGS.len() => {
+            Source::Primal(used)
+                if self.primal.steps > self.most_primal_steps() && used < TOLERANCES.other_roundings.len() =>
+            {
                 self.primal.steps = 0;
                 self.step_primal();
                 Source::Primal(used + 1)
