@@ -10,7 +10,6 @@ use super::level::{Solution, refill};
 use super::plan::PlannedProblem;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
-use super::solver::SizedSolver;
 use crate::linalg::{Vector, all_finite, write_product};
 use crate::tolerances::TOLERANCES;
 
@@ -22,10 +21,9 @@ pub fn write_answer(
     run: &mut PlanRun,
     engine: &Engine,
 ) {
-    let PlanRun { planned, solution, scales, contradictions, has_task_values, .. } = run;
+    let PlanRun { planned, solution, scales, contradictions, .. } = run;
     let path = if solution.working_set.is_empty() { Path::ClosedForm } else { Path::ActiveSet };
-    let achieved = if *has_task_values { solution.row_values.as_slice() } else { &[] };
-    report_velocity(answer, problem, singularities, &solution.x, achieved);
+    report_velocity(answer, problem, singularities, &solution.x);
     for (task, (scale, stated)) in answer.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
         task.scale = scale.filter(|_| stated.scaled);
     }
@@ -39,45 +37,17 @@ pub fn write_answer(
     std::mem::swap(&mut answer.contradictions, contradictions);
     answer.solver.rank_uncertain |= singularities.rank_uncertain;
     answer.solver.last_resorts = engine.last_resorts;
-    if answer.active_set.len() != 1 {
-        answer.active_set.resize_with(1, ActiveSet::new);
+    if solution.working_set.is_empty() {
+        answer.active_set.clear();
+        return;
     }
+    answer.active_set.resize_with(1, ActiveSet::new);
     planned.write_active_set(problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
-}
-
-/// Sets the answer to the solution without limits, which is finite and meets every task and limit.
-pub fn write_unlimited(
-    answer: &mut Resolution,
-    problem: &Problem,
-    singularities: &Singularities,
-    solver: &dyn SizedSolver,
-    residual: f64,
-) {
-    set_velocity(answer, solver.x());
-    singularities.write(&problem.tasks, &mut answer.singularity);
-    let achieved = if singularities.has_only_equations { solver.row_values() } else { &[] };
-    report_tasks(answer, problem, singularities, achieved);
-    answer.broken_bounds.clear();
-    clear_bounds(answer);
-    report_pinned(answer, problem);
-    answer.solver = SolverReport {
-        status: status(residual),
-        kkt_residual: Some(residual).filter(|residual| residual.is_finite()),
-        rank_uncertain: singularities.rank_uncertain,
-        working_sets: 1,
-        ..SolverReport::default()
-    };
 }
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
 /// status `failed`. `achieved`: as for [`report_tasks`].
-fn report_velocity(
-    answer: &mut Resolution,
-    problem: &Problem,
-    singularities: &Singularities,
-    x: &[f64],
-    achieved: &[f64],
-) {
+fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, x: &[f64]) {
     let x = &x[..problem.tasks.joint_count()];
     let is_finite = all_finite(x);
     if is_finite {
@@ -89,7 +59,7 @@ fn report_velocity(
         answer.singularity = Singularity::default();
         answer.solver.status = Status::Failed;
     }
-    report_tasks(answer, problem, singularities, if is_finite { achieved } else { &[] });
+    report_tasks(answer, problem, singularities);
     if !is_finite {
         for outcome in &mut answer.tasks {
             (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
@@ -114,13 +84,12 @@ fn set_velocity(answer: &mut Resolution, x: &[f64]) {
     answer.joint_velocity.as_mut_slice().copy_from_slice(x);
 }
 
-/// Sets the outcomes of the tasks at the velocity. `achieved`: the values of the rows of all tasks; empty: they are computed.
-fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, mut achieved: &[f64]) {
+/// Sets the outcomes of the tasks at the velocity.
+fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities) {
     let tasks = problem.tasks.tasks();
     answer.tasks.resize_with(tasks.len(), TaskOutcome::default);
     for ((outcome, task), known) in answer.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-        let own = achieved.split_off(..task.jacobian.nrows());
-        report_task(outcome, task, *known, answer.joint_velocity.as_slice(), own);
+        report_task(outcome, task, *known, answer.joint_velocity.as_slice());
     }
 }
 
@@ -128,15 +97,6 @@ fn clear_bounds(answer: &mut Resolution) {
     answer.active_bounds.clear();
     answer.contradictions.clear();
     answer.active_set.clear();
-}
-
-/// Lists joints whose bounds coincide.
-fn report_pinned(answer: &mut Resolution, problem: &Problem) {
-    let bounds = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice());
-    for (joint, (_, &value)) in bounds.enumerate().filter(|(_, (lower, upper))| lower == upper) {
-        let bound = Bound::upper(BoundId::Joint(joint));
-        answer.active_bounds.push(ActiveBound { bound, value, multiplier: 0.0 });
-    }
 }
 
 /// Lists the active bounds from the multipliers.
@@ -183,22 +143,13 @@ fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
     };
 }
 
-/// Sets the outcome at q̇, whose product with the Jacobian may be known; a scaled task that no limit cuts has the scale 1.
-fn report_task(
-    outcome: &mut TaskOutcome,
-    task: &Task,
-    known: TaskSingularity,
-    joint_velocity: &[f64],
-    achieved: Option<&[f64]>,
-) {
+/// Sets the outcome at q̇; a scaled task that no limit cuts has the scale 1.
+fn report_task(outcome: &mut TaskOutcome, task: &Task, known: TaskSingularity, joint_velocity: &[f64]) {
     let rows = task.jacobian.nrows();
     if outcome.achieved.len() != rows {
         outcome.achieved = Vector::zeros(rows);
     }
-    match achieved {
-        Some(achieved) => outcome.achieved.as_mut_slice().copy_from_slice(achieved),
-        None => write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice()),
-    }
+    write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice());
     let bounds = || task.lower.as_slice().iter().zip(task.upper.as_slice());
     let missing = |(achieved, (lower, upper)): (&f64, (&f64, &f64))| {
         let (above, below) = (achieved - upper, lower - achieved);

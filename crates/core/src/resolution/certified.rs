@@ -13,8 +13,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Adds the problem that `solver` has solved last, possibly without its inequality rows that hold nothing back. The
-    /// answer is its solution `x`, until [`Self::set_answer`] is called.
+    /// Adds the problem that `solver` has solved. The answer is its solution `x`, until [`Self::set_answer`] is called.
     pub fn push(&mut self, problem: &Hierarchy, origins: &[Option<BoundId>], x: &[f64], solver: &mut dyn SizedSolver) {
         let count = problem.level_ends.len();
         let levels = (0..count).map(|level| certified_level(problem, origins, level)).collect();
@@ -58,24 +57,13 @@ fn certified_level(problem: &Hierarchy, origins: &[Option<BoundId>], level: usiz
 
 /// Returns the multipliers of a level, or of the last objective; `None` where it leaves no residual.
 fn multipliers(problem: &Hierarchy, level: usize, x: &[f64], solver: &mut dyn SizedSolver) -> Option<Multipliers> {
-    let (mut known, mut unknowns) = (Vec::new(), Vec::new());
+    let (mut rows, mut unknowns) = (Vec::new(), Vec::new());
     let count = problem.level_ends.len();
-    let equations = (0..problem.row_count()).filter(|&row| problem.is_equation(row)).count();
     if level == count && x == problem.reference {
         return None;
     }
-    let has_all_rows = solver.row_count() == problem.row_count();
-    if level < count && !(has_all_rows && solver.level_count() == count) {
-        // The solver knows the equations alone, or in other levels, and meets them.
-        return None;
-    }
-    solver.write_level_multipliers(if level < count { level } else { solver.level_count() }, &mut known, &mut unknowns);
-    let end = if level == count { problem.row_count() } else { problem.level_ends[level] };
-    debug_assert!(has_all_rows || known.len() == equations);
-    let mut known = known.into_iter();
-    let rows: Vec<f64> = (0..end)
-        .map(|row| if has_all_rows || problem.is_equation(row) { known.next().unwrap_or(0.0) } else { 0.0 })
-        .collect();
+    solver.write_level_multipliers(level, &mut rows, &mut unknowns);
+    rows.truncate(if level == count { problem.row_count() } else { problem.level_ends[level] });
     let leaves_residual = level == count || rows[problem.level_start(level)..].iter().any(|w| *w != 0.0);
     leaves_residual.then_some(Multipliers { rows, unknowns })
 }

@@ -6,9 +6,9 @@
 
 use revprio_problem::{Bound, BoundId, Contradiction, Problem, Side};
 
+use super::engine::Solved;
 use super::level::{Hierarchy, Solution};
 use super::plan::PlannedProblem;
-use super::solver::HierarchicalSolver;
 use crate::linalg::Matrix;
 use crate::tolerances::TOLERANCES;
 
@@ -20,12 +20,12 @@ struct Demand {
     weight: f64,
 }
 
-/// Writes one contradiction for each level whose inequality rows are not all kept by the last solution of `solver`.
+/// Writes one contradiction for each level whose inequality rows are not all kept by the solution.
 pub fn write_contradictions(
     problem: &Problem,
     planned: &PlannedProblem,
     solution: &Solution,
-    solver: &mut HierarchicalSolver,
+    solved: &mut Solved,
     contradictions: &mut Vec<Contradiction>,
 ) {
     if planned.levels.row_lower == planned.levels.row_upper {
@@ -40,7 +40,7 @@ pub fn write_contradictions(
             Some(_) => None,
             None => continue,
         };
-        let Some(mut demands) = demands(problem, planned, solution, level, solver) else { continue };
+        let Some(mut demands) = demands(problem, planned, solution, level, solved) else { continue };
         reduce(&mut demands);
         if demands.is_empty() {
             // What is missing is rounding.
@@ -76,7 +76,7 @@ fn demands(
     planned: &PlannedProblem,
     solution: &Solution,
     level: usize,
-    solver: &mut HierarchicalSolver,
+    solved: &mut Solved,
 ) -> Option<Vec<Demand>> {
     let levels = &planned.levels;
     let n = problem.tasks.joint_count();
@@ -87,7 +87,7 @@ fn demands(
         let (Some(id), side) = (planned.origins[zero], solution.working_set.rows[zero]?) else { return None };
         return Some(vec![demand(Bound { id, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
     }
-    let (rows, unknowns) = proof(levels, solution, level, solver);
+    let (rows, unknowns) = proof(levels, solution, level, solved);
     let negligible = negligible_force(levels, &rows, &unknowns);
     // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
     let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
@@ -119,17 +119,12 @@ fn demands(
 
 /// Returns weights of the rows (sign of b − A x) and of the unknowns with Σ w_i a_i = h, in which every active bound has the
 /// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
-fn proof(
-    levels: &Hierarchy,
-    solution: &Solution,
-    level: usize,
-    solver: &mut HierarchicalSolver,
-) -> (Vec<f64>, Vec<f64>) {
+fn proof(levels: &Hierarchy, solution: &Solution, level: usize, solved: &mut Solved) -> (Vec<f64>, Vec<f64>) {
     let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
-    solver.last().write_level_multipliers(level, &mut rows, &mut unknowns);
+    solved.write_level_multipliers(level, &mut rows, &mut unknowns);
     let set = &solution.working_set;
     for higher in (0..level).rev() {
-        solver.last().write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
+        solved.write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
         let negligible = negligible_force(levels, &higher_rows, &higher_unknowns);
         // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
         let needed = |side: Option<Side>, own: f64, higher: f64, size: f64| {

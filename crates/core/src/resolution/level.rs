@@ -189,6 +189,17 @@ impl WorkingSet {
     }
 }
 
+/// Where the search for a working set begins.
+#[derive(Debug, Clone, Copy)]
+pub enum Start<'a> {
+    /// Without active bounds.
+    Empty,
+    /// With a guess.
+    Guess(&'a WorkingSet),
+    /// Without active bounds if that is already the answer, otherwise with a guess. Worth while where that set is factorised.
+    EmptyThenGuess(&'a WorkingSet),
+}
+
 /// The solution of a [`Hierarchy`] with its optimality conditions evaluated.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Solution {

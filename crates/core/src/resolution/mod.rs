@@ -54,3 +54,4 @@ pub use revprio_problem::{
     LevelReport, MAX_UNKNOWNS, Method, Multipliers, Part, Path, Problem, ProblemError, Resolution, Side, Singularity,
     Solve, Solver, SolverReport, Status, TaskOutcome,
 };
+pub use solver::{Rung, RungCount, Rungs};

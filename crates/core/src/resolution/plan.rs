@@ -62,26 +62,11 @@ pub fn steps(method: Method, tasks: usize) -> impl Iterator<Item = Step> {
     single.into_iter().chain(stages.into_iter().flatten())
 }
 
-/// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
-///
-/// Reverse priority corrects ζ̇ for lower inequality tasks before it reaches higher tasks, so it may end elsewhere.
-pub fn meets_independent_tasks(method: Method, are_equations: bool) -> bool {
-    match method {
-        Method::SingularityRobust => false,
-        Method::ReversePriority => are_equations,
-        _ => true,
-    }
-}
-
-/// Returns how many of the highest tasks are levels of their own in the last problem, above one level of all others, if the
-/// problems before it can be left out for independent, undamped equations.
-pub fn own_levels(method: Method, tasks: usize) -> Option<usize> {
-    match method {
-        Method::Pseudoinverse | Method::DampedLeastSquares => Some(0),
-        Method::TaskPriority | Method::StrictReversePriority => Some(tasks),
-        Method::ReversePriority => Some(1),
-        Method::SingularityRobust => None,
-    }
+/// Returns the problem whose equations show how near the tasks are to singularities: the last one, if it holds the rows of all
+/// tasks.
+pub fn examined_step(method: Method, tasks: usize) -> Step {
+    let last = steps(method, tasks).last().filter(|_| method != Method::SingularityRobust);
+    last.unwrap_or(Step::Levels)
 }
 
 /// Returns whether a level that holds all rows is damped.
@@ -280,11 +265,6 @@ impl PlannedProblem {
     ) {
         self.levels.push_row(coefficients, lower, upper);
         self.origins.push(origin);
-    }
-
-    /// Forgets what the rows stand for, where the problem is solved without them.
-    pub fn clear_origins(&mut self) {
-        self.origins.clear();
     }
 
     /// Writes the working set that a guess means in this problem; bounds that it does not have are left out.

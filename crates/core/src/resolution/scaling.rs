@@ -7,7 +7,7 @@
 use revprio_problem::Problem;
 
 use super::plan::{Scaling, Step};
-use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
+use crate::linalg::{Matrix, Svd, Vector, stack};
 use crate::tolerances::TOLERANCES;
 
 /// The direction rows of the task that was examined last.
@@ -44,10 +44,10 @@ impl ScaledTasks {
         self.norm = jacobian.norm();
         self.size = velocity.norm();
         let svd = Svd::new(&above);
-        let rank = svd.rank(RANK_TOLERANCE * above.norm());
+        let rank = svd.rank(TOLERANCES.rank * above.norm());
         let open = &jacobian - &jacobian * svd.inverse(rank, 0.0) * &above;
         let open = Svd::new(&open);
-        let basis = open.range(open.rank(RANK_TOLERANCE * self.norm));
+        let basis = open.range(open.rank(TOLERANCES.rank * self.norm));
         let direction = if self.size > 0.0 { velocity / self.size } else { velocity };
         let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&direction));
         self.columns = n + 1;

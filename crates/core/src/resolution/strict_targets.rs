@@ -6,7 +6,7 @@
 use revprio_problem::{Damping, Problem, Task};
 
 use super::level::refill;
-use crate::linalg::{DampingFactor, RANK_TOLERANCE, SmallSvd, dot, row_times};
+use crate::linalg::{DampingFactor, SmallSvd, dot, row_times};
 use crate::tolerances::TOLERANCES;
 
 const MAX_CHAINS: usize = 64;
@@ -86,7 +86,7 @@ impl StrictTargets {
         let rows = &self.rows;
         self.svd.decompose(m, n, |i, j| rows[i * n + j]);
         let open = self.svd.count().min(n - chain.kept.len() / n);
-        let rank = self.svd.rank(RANK_TOLERANCE.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
+        let rank = self.svd.rank(TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
         let kkt_residual = self.step(chain, task, target, rank, lambda);
         let keeps = |svd: &SmallSvd, place: usize| damping.keeps(svd.sigma(place));

@@ -11,9 +11,11 @@ mod primal;
 mod problem_rows;
 #[cfg(test)]
 mod random_sets;
+mod rungs;
 mod search;
 mod sized;
 
+pub use rungs::{Rung, RungCount, Rungs};
 pub use sized::{HierarchicalSolver, SizedSolver};
 
 use cascade::Cascade;
@@ -25,8 +27,8 @@ use search::Search;
 
 use revprio_problem::Side;
 
-use super::level::{Hierarchy, Solution, WorkingSet, refill};
-use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
+use super::level::{Hierarchy, Solution, Start, WorkingSet, refill};
+use crate::linalg::{Row, SingularValues, all_finite};
 use crate::tolerances::TOLERANCES;
 
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
@@ -51,6 +53,7 @@ pub struct ActiveSetSolver<const N: usize> {
     search: Search<N>,
     cascade: Cascade<N>,
     primal: PrimalPoint<N>,
+    rungs: Rungs,
     /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values.
     inverse: Vec<Row<N>>,
     gram: Vec<Row<N>>,
@@ -70,31 +73,47 @@ enum Source {
     Primal(usize),
 }
 
+impl Source {
+    /// Returns what a working set counts as; `tried`: sets so far.
+    fn rung(self, tried: u32) -> Rung {
+        match self {
+            Self::Guess if tried <= 1 => Rung::Start,
+            Self::Guess => Rung::StartCorrected,
+            Self::Search => Rung::Search,
+            Self::Cascade(0) => Rung::Cascade,
+            Self::Cascade(_) => Rung::CascadeCorrected,
+            Self::Primal(0) => Rung::LastResort,
+            Self::Primal(_) => Rung::OtherRounding,
+        }
+    }
+}
+
 impl<const N: usize> ActiveSetSolver<N> {
-    /// Solves the problem from the working set `guess` on (section 6).
+    /// Solves the problem from a working set on (section 6).
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.has_new_rows |= !self.problem.load(problem);
+    pub fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution) {
+        self.load(problem);
         self.cascade.reserve(problem.unknowns, problem.row_count());
-        self.solve_loaded(guess, solution);
-    }
-
-    fn solve_loaded(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) {
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
         let is_factorized = !self.has_new_rows
             && !self.problem.has_pinned
             && self.set.is_empty()
             && self.solved.held.is_empty()
-            && self.solved.rank_tolerance == RANK_TOLERANCE;
+            && self.solved.rank_tolerance == TOLERANCES.rank;
         self.has_new_rows = false;
-        self.solved.rank_tolerance = RANK_TOLERANCE;
+        self.solved.rank_tolerance = TOLERANCES.rank;
+        let guess = match start {
+            Start::Empty => None,
+            Start::EmptyThenGuess(_) if is_factorized && self.holds_nothing(solution) => return,
+            Start::Guess(guess) | Start::EmptyThenGuess(guess) => Some(guess).filter(|guess| !guess.is_empty()),
+        };
         let mut met_uncertain_rank = self.solve_from(guess, is_factorized, solution);
         let mut tried = solution.working_sets;
-        let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
-        if is_guessed && (met_uncertain_rank || !solution.is_optimal) {
+        if guess.is_some() && (met_uncertain_rank || !solution.is_optimal) {
             met_uncertain_rank = self.solve_from(None, false, solution);
+            self.count_again(Rung::WithoutGuess, solution);
             tried += solution.working_sets;
         }
         for tolerance in TOLERANCES.uncertain_rank {
@@ -103,25 +122,44 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             self.solved.rank_tolerance = tolerance;
             self.solve_from(None, false, solution);
+            self.count_again(Rung::LargerRankTolerance, solution);
             tried += solution.working_sets;
             solution.rank_uncertain = true;
         }
         solution.working_sets = tried;
     }
 
-    /// Factorises the rows of the problem without active bounds.
-    fn solve_without_bounds(&mut self) {
-        self.solved.rank_tolerance = RANK_TOLERANCE;
-        self.start_from(None);
+    /// Factorises the equations of a problem, without its limits and without active inequality rows.
+    pub fn factorize(&mut self, problem: &Hierarchy) {
+        self.load(problem);
+        self.problem.open_box();
+        self.solved.rank_tolerance = TOLERANCES.rank;
+        self.set.clear(problem.unknowns, problem.row_count());
         self.solved.solve(&self.problem, &self.set);
         self.has_new_rows = false;
     }
 
-    /// Evaluates the optimality conditions on the last working set; returns whether they hold, and the largest relative residual.
-    fn certify(&mut self) -> (bool, f64) {
+    fn load(&mut self, problem: &Hierarchy) {
+        self.has_new_rows |= !self.problem.load(problem);
+    }
+
+    /// Returns whether the empty set, which is factorised, is the right one. The answer is then written.
+    fn holds_nothing(&mut self, solution: &mut Solution) -> bool {
         let Self { problem, set, solved, conditions, .. } = self;
-        conditions.evaluate(Trial { problem, set, solved }, TOLERANCES.rounding);
-        (conditions.are_met() && all_finite(&solved.x.0), conditions.residual)
+        let trial = Trial { problem, set, solved };
+        conditions.check_point(trial, TOLERANCES.rounding);
+        if !conditions.are_met() {
+            return false;
+        }
+        conditions.check_levels(trial);
+        let is_right = conditions.are_met();
+        if is_right {
+            self.count(Source::Guess, 1);
+            self.rungs[Rung::Start].answered += 1;
+            self.write(solution, 1);
+            solution.is_last_resort = false;
+        }
+        is_right
     }
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
@@ -131,6 +169,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         let (mut source, mut tried, mut met_uncertain_rank) = (Source::Guess, 0, false);
         loop {
             tried += 1;
+            self.count(source, tried);
             if !(is_factorized && tried == 1 && self.set.is_empty()) {
                 self.solved.solve(&self.problem, &self.set);
             }
@@ -154,9 +193,21 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             source = self.next_set(source, is_open, tried);
         }
+        if self.conditions.are_met() {
+            self.rungs[source.rung(tried)].answered += 1;
+        }
         self.write(solution, tried);
         solution.is_last_resort = matches!(source, Source::Primal(_));
         met_uncertain_rank
+    }
+
+    fn count(&mut self, source: Source, tried: u32) {
+        self.rungs[source.rung(tried)].tried += 1;
+    }
+
+    fn count_again(&mut self, rung: Rung, solution: &Solution) {
+        self.rungs[rung].tried += u64::from(solution.working_sets);
+        self.rungs[rung].answered += u64::from(solution.is_optimal);
     }
 
     /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
