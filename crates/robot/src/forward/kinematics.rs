@@ -32,7 +32,7 @@ pub struct ForwardKinematics {
     /// m.
     steps: Vec<JointStep>,
     rotations: JointRotations,
-    /// The rotation about z that the next step of the limb begins with, by joint, m.
+    /// The rotation about z that the next step of the limb begins with, one for each joint.
     next_turns: Vec<Angle>,
     /// The step from its joint to the tool.
     tool_step: Step,

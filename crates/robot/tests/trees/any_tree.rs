@@ -25,9 +25,9 @@ struct Draw {
     axis: Vector3<f64>,
     /// 0 fixed, 1 revolute, 2 continuous, 3 prismatic, 4 and 5 mimic of both kinds.
     kind: u8,
-    /// Places of the parent among the links and of the leader among the joints, as fractions.
-    parent: f64,
-    leader: f64,
+    /// Places of the parent among the links and of the leader among the joints, in thousandths.
+    parent: usize,
+    leader: usize,
     multiplier: f64,
     offset: f64,
 }
@@ -43,16 +43,17 @@ fn any_transform() -> impl Strategy<Value = IsometryMatrix3<f64>> {
 fn any_draw() -> impl Strategy<Value = Draw> {
     let axis = prop_oneof![Just(Vector3::z()), Just(-Vector3::x()), vector(2.0)];
     let axis = axis.prop_filter("an axis has a direction", |axis| axis.norm() > 0.1);
-    let numbers = (0.0..1.0_f64, 0.0..1.0_f64, -2.0..2.0_f64, -1.0..1.0_f64);
+    let numbers = (0..1000_usize, 0..1000_usize, -2.0..2.0_f64, -1.0..1.0_f64);
     (any_transform(), axis, 0..6_u8, numbers).prop_map(|(origin, axis, kind, (parent, leader, multiplier, offset))| {
         // Half of the joints hang on the link before, so there are long limbs.
-        let parent = (2.0 * parent).min(1.0);
+        let parent = (2 * parent).min(999);
         Draw { origin, axis, kind, parent, leader, multiplier, offset }
     })
 }
 
-fn place(fraction: f64, count: usize) -> usize {
-    ((fraction * count as f64) as usize).min(count - 1)
+/// Returns a place in a list of `count` entries.
+fn place(thousandths: usize, count: usize) -> usize {
+    thousandths * count / 1000
 }
 
 fn link(i: usize) -> String {
@@ -77,9 +78,9 @@ fn joint(i: usize, draw: &Draw, leaders: &[String]) -> TreeJoint {
 pub fn any_tree() -> impl Strategy<Value = AnyTree> {
     let draws = prop::collection::vec(any_draw(), 1..24);
     let motion = prop::collection::vec((-3.0..3.0_f64, -2.0..2.0_f64), 24);
-    (draws, motion, any_transform(), 0.0..1.0_f64, prop::bool::ANY).prop_map(
+    (draws, motion, any_transform(), 0..1000_usize, prop::bool::ANY).prop_map(
         |(mut draws, motion, offset, tip, is_reversed)| {
-            let first = Draw { kind: 1, parent: 0.0, ..draws[0].clone() };
+            let first = Draw { kind: 1, parent: 0, ..draws[0].clone() };
             draws.insert(0, first);
             let leads = |(i, draw): (usize, &Draw)| (1..4).contains(&draw.kind).then(|| format!("joint_{i}"));
             let leaders: Vec<String> = draws.iter().enumerate().filter_map(leads).collect();
@@ -98,14 +99,13 @@ pub fn any_tree() -> impl Strategy<Value = AnyTree> {
 }
 
 /// Returns a link that a joint moves.
-fn moved_link(joints: &[TreeJoint], fraction: f64) -> String {
+fn moved_link(joints: &[TreeJoint], thousandths: usize) -> String {
     let above: HashMap<&str, &TreeJoint> = joints.iter().map(|joint| (joint.child.as_str(), joint)).collect();
     let moves = |link: &str| std::iter::successors(above.get(link), |joint| above.get(joint.parent.as_str()));
-    let moved: Vec<&str> =
+    let mut moved: Vec<&str> =
         above.keys().copied().filter(|link| moves(link).any(|joint| joint.motion.is_some())).collect();
-    let mut moved = moved;
     moved.sort_unstable();
-    moved[place(fraction, moved.len())].to_owned()
+    moved[place(thousandths, moved.len())].to_owned()
 }
 
 impl AnyTree {
@@ -127,9 +127,9 @@ impl AnyTree {
         poses
     }
 
-    /// Returns a link by a fraction.
-    pub fn link(&self, fraction: f64) -> LinkId {
-        self.robot.link(&link(place(fraction, self.robot.links().len()))).unwrap()
+    /// Returns a link by its place in thousandths.
+    pub fn link(&self, thousandths: usize) -> LinkId {
+        self.robot.link(&link(place(thousandths, self.robot.links().len()))).unwrap()
     }
 
     pub fn name(&self, link: LinkId) -> &str {
