@@ -143,11 +143,6 @@ impl ForwardKinematics {
         frame.moved(self.slide(joint, position), self.next_turns[joint].opposite()).pose()
     }
 
-    /// Returns whether a joint moves along its axis rather than about it.
-    pub fn is_prismatic(&self, joint: usize) -> bool {
-        self.steps[joint].1.is_translation()
-    }
-
     /// Returns the indices of the prismatic joints.
     pub fn prismatic(&self) -> &[usize] {
         &self.prismatic

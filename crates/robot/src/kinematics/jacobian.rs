@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix6xX, Vector3};
 
-use crate::forward::{JointFrame, vector};
+use crate::forward::JointFrame;
 use crate::tree::Tree;
 
 /// Jacobian, 6 × n: linear rows (m/s), then angular rows (rad/s), along the base axes, at a point; by default the tool point.
@@ -33,15 +33,16 @@ impl Mover {
     }
 
     /// Returns the entry of the joint position that moves the joint, and the column it adds for a point (base frame, m).
+    #[inline]
     pub(super) fn column(&self, tree: &Tree, frames: &[JointFrame], point: &Vector3<f64>) -> (usize, [f64; 6]) {
         let (joint, frame) = (&tree.moving()[self.joint], &frames[self.joint]);
-        let axis = vector(&frame.direction) * (self.sign * joint.multiplier);
-        let [x, y, z] = axis.into();
-        let column = if tree.forward().is_prismatic(self.joint) {
+        let scale = self.sign * joint.multiplier;
+        let [x, y, z] = [frame.direction[0] * scale, frame.direction[1] * scale, frame.direction[2] * scale];
+        let column = if joint.kind.is_translation() {
             [x, y, z, 0.0, 0.0, 0.0]
         } else {
-            let [vx, vy, vz] = axis.cross(&(point - vector(&frame.origin))).into();
-            [vx, vy, vz, x, y, z]
+            let [dx, dy, dz] = [point.x - frame.origin[0], point.y - frame.origin[1], point.z - frame.origin[2]];
+            [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx, x, y, z]
         };
         (joint.coordinate, column)
     }
@@ -56,10 +57,12 @@ pub(super) fn write_jacobian(
     point: &Vector3<f64>,
     jacobian: &mut Jacobian,
 ) {
-    jacobian.fill(0.0);
     let (columns, _) = jacobian.as_mut_slice().as_chunks_mut::<6>();
+    columns.fill([0.0; 6]);
     for mover in Mover::between(tree, carrier, observer) {
         let (coordinate, column) = mover.column(tree, frames, point);
-        columns[coordinate].iter_mut().zip(column).for_each(|(entry, slope)| *entry += slope);
+        for row in 0..6 {
+            columns[coordinate][row] += column[row];
+        }
     }
 }
