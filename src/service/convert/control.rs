@@ -4,8 +4,9 @@ use revprio_api::wire;
 use revprio_core::controller::Controller;
 use serde_json::Value;
 
+use super::checks::{Inside, Result, check};
 use super::controller::controller;
-use super::numbers::check_numbers;
+use super::numbers::{between, check_numbers};
 use super::targets::targets;
 use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::Robots;
@@ -19,27 +20,23 @@ pub const MAX_SPEED: f64 = 1000.0;
 pub const MAX_STEPS: usize = 100_000;
 
 /// Checks a speed.
-fn check_speed(speed: f64, pointer: &str) -> Result<(), ApiError> {
-    if (MIN_SPEED..=MAX_SPEED).contains(&speed) {
-        return Ok(());
-    }
-    Err(ApiError::invalid(pointer, format!("{speed} is out of range; give a speed from {MIN_SPEED} to {MAX_SPEED}")))
+fn check_speed(speed: f64, pointer: &str) -> Result<()> {
+    let detail = format_args!("{speed} is out of range; give a speed from {MIN_SPEED} to {MAX_SPEED}");
+    between(speed, MIN_SPEED..=MAX_SPEED, pointer, detail).map(drop)
 }
 
 /// Checks the speed of an interactive run.
-pub fn check_interactive(interactive: Option<&wire::Interactive>) -> Result<(), ApiError> {
+pub fn check_interactive(interactive: Option<&wire::Interactive>) -> Result<()> {
     interactive.map_or(Ok(()), |interactive| check_speed(interactive.speed, "/interactive/speed"))
 }
 
 /// Checks the fields of a command to a run with this controller.
-pub fn check_control(command: &wire::SimulationControl, controller: &Controller) -> Result<(), ApiError> {
+pub fn check_control(command: &wire::SimulationControl, controller: &Controller) -> Result<()> {
     command.speed.map_or(Ok(()), |speed| check_speed(speed, "/speed"))?;
-    if command.step.is_some_and(|step| !(1..=MAX_STEPS as u64).contains(&step)) {
-        return Err(ApiError::invalid("/step", format!("give 1 to {MAX_STEPS} control periods")));
-    }
-    if command.step.is_some() && command.paused == Some(false) {
-        return Err(ApiError::invalid("/step", "a run pauses after a step; omit `paused`"));
-    }
+    let is_possible = command.step.is_none_or(|step| (1..=MAX_STEPS as u64).contains(&step));
+    check(is_possible, "/step", format_args!("give 1 to {MAX_STEPS} control periods"))?;
+    let goes_on = command.step.is_some() && command.paused == Some(false);
+    check(!goes_on, "/step", "a run pauses after a step; omit `paused`")?;
     if let Some((name, _)) = command.targets.iter().find(|(_, target)| target.time_s.is_some()) {
         let pointer = format!("/targets/{}/time_s", escape_pointer(name));
         return Err(ApiError::invalid(pointer, "omit it; the target belongs to the next state"));
@@ -54,14 +51,14 @@ pub fn changed_controller(
     command: &wire::SimulationControl,
     current: &wire::Controller,
     robots: &Robots,
-) -> Result<Option<wire::Controller>, ApiError> {
+) -> Result<Option<wire::Controller>> {
     if command.controller.is_none() && command.method.is_none() && command.solver.is_none() {
         return Ok(None);
     }
     let mut new = command.controller.clone().unwrap_or_else(|| current.clone());
     new.method = command.method.unwrap_or(new.method);
     new.solver = command.solver.unwrap_or(new.solver);
-    controller(&new, robots).map_err(|error| error.inside("/controller"))?;
+    controller(&new, robots).inside("/controller")?;
     match difference(&as_value(&with_allowed_changes(current, &new))?, &as_value(&new)?) {
         None => Ok(Some(new)),
         Some(pointer) => Err(ApiError::invalid(
@@ -86,7 +83,7 @@ fn with_allowed_changes(current: &wire::Controller, new: &wire::Controller) -> w
     changed
 }
 
-fn as_value(controller: &wire::Controller) -> Result<Value, ApiError> {
+fn as_value(controller: &wire::Controller) -> Result<Value> {
     serde_json::to_value(controller).map_err(|_| ApiError::internal())
 }
 

@@ -3,6 +3,7 @@
 use revprio_api::wire::{self, Axis, EnvironmentAxis, Law};
 use revprio_core::controller::{ContactLoop, Margin, StabilityError};
 
+use super::checks::{Result, check};
 use super::numbers::not_negative;
 use crate::service::error::ApiError;
 
@@ -13,7 +14,7 @@ pub const MAX_ENVIRONMENT_DELAY: usize = 8;
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
 /// Checks the numbers of an environment.
-pub fn check(request: &wire::Controller) -> Result<(), ApiError> {
+pub fn check_environment(request: &wire::Controller) -> Result<()> {
     let Some(environment) = &request.environment else { return Ok(()) };
     for axis in AXES {
         if let Some(contact) = along(environment, axis) {
@@ -21,18 +22,15 @@ pub fn check(request: &wire::Controller) -> Result<(), ApiError> {
         }
     }
     not_negative(environment.lag_s, "/environment/lag_s")?;
-    if environment.delay_periods > MAX_ENVIRONMENT_DELAY {
-        let detail = format!("give at most {MAX_ENVIRONMENT_DELAY} periods; for longer delays, use POST /v1/stability");
-        return Err(ApiError::invalid("/environment/delay_periods", detail));
-    }
-    Ok(())
+    let detail =
+        format_args!("give at most {MAX_ENVIRONMENT_DELAY} periods; for longer delays, use POST /v1/stability");
+    check(environment.delay_periods <= MAX_ENVIRONMENT_DELAY, "/environment/delay_periods", detail)
 }
 
-fn check_contact(contact: &EnvironmentAxis) -> Result<(), ApiError> {
+fn check_contact(contact: &EnvironmentAxis) -> Result<()> {
     not_negative(contact.stiffness, "/stiffness")?;
     not_negative(contact.damping, "/damping")?;
-    not_negative(contact.inertia, "/inertia")?;
-    Ok(())
+    not_negative(contact.inertia, "/inertia").map(drop)
 }
 
 fn along(environment: &wire::Environment, axis: Axis) -> Option<EnvironmentAxis> {
@@ -53,7 +51,7 @@ pub const NOT_COMPUTABLE: &str =
 /// Returns a warning for each axis with an unstable loop. The controller must be checked before.
 ///
 /// Only the first task on an axis counts. It moves the axis, and the cost stays bounded.
-pub fn warnings(request: &wire::Controller) -> Result<Vec<String>, ApiError> {
+pub fn warnings(request: &wire::Controller) -> Result<Vec<String>> {
     unstable_axes(request).map_err(|_| ApiError::invalid("/environment", NOT_COMPUTABLE))
 }
 

@@ -5,6 +5,7 @@
 //! reading a controller.
 
 mod arm;
+mod checks;
 mod control;
 mod controller;
 mod environment;

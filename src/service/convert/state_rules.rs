@@ -4,6 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
 use revprio_robot::Joint;
 
+use super::checks::{Result, check};
 use super::numbers::not_negative;
 use crate::service::error::ApiError;
 
@@ -48,22 +49,18 @@ pub struct LastState {
 
 impl StateRules {
     /// Reads the rules of a controller.
-    pub fn read(controller: &wire::Controller) -> Result<Self, ApiError> {
+    pub fn read(controller: &wire::Controller) -> Result<Self> {
         let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
-        if !(1..=MAX_VALID_FOR_MS).contains(&valid_for_ms) {
-            return Err(ApiError::invalid("/valid_for_ms", format!("give 1 to {MAX_VALID_FOR_MS} ms")));
-        }
+        let detail = format_args!("give 1 to {MAX_VALID_FOR_MS} ms");
+        check((1..=MAX_VALID_FOR_MS).contains(&valid_for_ms), "/valid_for_ms", detail)?;
         not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
-        for (bound, pointer) in
-            [(checks.max_force_n, "/state_checks/max_force_n"), (checks.max_torque_nm, "/state_checks/max_torque_nm")]
-        {
-            bound.map(|bound| not_negative(bound, pointer)).transpose()?;
-        }
+        not_negative(checks.max_force_n.unwrap_or_default(), "/state_checks/max_force_n")?;
+        not_negative(checks.max_torque_nm.unwrap_or_default(), "/state_checks/max_torque_nm")?;
         Ok(Self { valid_for_ms, why, checks })
     }
 
     /// Refuses a state beyond a bound.
-    pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<(), ApiError> {
+    pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<()> {
         if controller.config().keeps_positions() {
             let tolerance = self.checks.position_tolerance;
             let outside = outside(controller, &state.joint_position).find(|(_, _, distance)| *distance > tolerance);
@@ -182,7 +179,7 @@ fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator
     controller.config().robot.joints().iter().zip(position).filter_map(distance)
 }
 
-fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<(), ApiError> {
+fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<()> {
     let Some(bound) = bound else { return Ok(()) };
     match values.iter().find(|value| value.abs() > bound) {
         None => Ok(()),
