@@ -10,15 +10,15 @@ use super::checks::{Missing, Result, check, each};
 use super::environment;
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{between, damping, number, velocity_box};
+use super::numbers::{between, damping, not_negative, number, velocity_box};
 use super::pose::with_tool_offset;
 use super::resolve::{known_robot, positive_period};
 use super::resolve_task::check_row_count;
-use super::state_rules::StateRules;
 use super::task::task_config;
 use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
+use crate::service::state_rules::StateRules;
 
 /// Maximum lag of a drive, s.
 pub const MAX_LAG_S: f64 = 1.0;
@@ -29,9 +29,12 @@ pub const CHARACTERISTIC_LENGTH_M: (f64, f64) = (1e-3, 1e3);
 /// Maximum number of tasks of a controller.
 pub const MAX_TASKS: usize = 64;
 
+/// Maximum validity of an answer that a controller can have, ms.
+pub const MAX_VALID_FOR_MS: u64 = 10_000;
+
 /// Reads a controller.
 pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller> {
-    StateRules::read(request)?;
+    state_rules(request)?;
     let robot = with_tool_offset(&known_robot(&request.robot, robots)?, request.tool_offset.as_ref())?;
     check(request.tasks.len() <= MAX_TASKS, "/tasks", format_args!("give at most {MAX_TASKS} tasks"))?;
     let tasks: Vec<_> = each("/tasks", &request.tasks, |_, task| task_config(task, &robot))?;
@@ -65,6 +68,17 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
     environment::check_environment(request)?;
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
+}
+
+/// Reads the rules for the states of a controller.
+pub fn state_rules(controller: &wire::Controller) -> Result<StateRules> {
+    let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
+    let detail = format_args!("give 1 to {MAX_VALID_FOR_MS} ms");
+    check((1..=MAX_VALID_FOR_MS).contains(&valid_for_ms), "/valid_for_ms", detail)?;
+    not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
+    not_negative(checks.max_force_n.unwrap_or_default(), "/state_checks/max_force_n")?;
+    not_negative(checks.max_torque_nm.unwrap_or_default(), "/state_checks/max_torque_nm")?;
+    Ok(StateRules { valid_for_ms, why, checks })
 }
 
 fn characteristic_length(length: f64) -> Result<f64> {

@@ -8,12 +8,13 @@ use revprio_core::resolution::{ActiveSet, Side};
 use revprio_robot::Joint;
 
 use super::checks::{Inside, Result, check, each, foreign};
+use super::controller::MAX_VALID_FOR_MS;
 use super::numbers::{check_numbers, joint_index, joint_list, number, numbers};
-use super::state_rules::{LastState, MAX_VALID_FOR_MS};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
 use crate::service::error::ApiError;
+use crate::service::state_rules::LastState;
 
 /// Maximum deviation of RᵀR from the identity. The matrices of the service deviate by 1e-15.
 const MAX_ROTATION_ERROR: f64 = 1e-9;

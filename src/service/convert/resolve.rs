@@ -20,9 +20,9 @@ use super::outcome::{Outcome, elapsed_us};
 use super::pose::with_tool_offset;
 use super::resolve_task::task_stack;
 use super::terms;
-use super::why::{Explained, LimitedState, NamedTask, Unit};
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
+use crate::service::why::{Explained, LimitedState, NamedTask, Unit};
 
 /// Minimum control period, s.
 pub const MIN_PERIOD_S: f64 = 1e-6;

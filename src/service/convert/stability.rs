@@ -4,9 +4,12 @@ use revprio_api::wire;
 use revprio_core::controller::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 
 use super::checks::{Missing, Result, check};
-use super::environment::NOT_COMPUTABLE;
 use super::numbers::{inertia, not_negative};
 use super::resolve::positive_period;
+
+/// Error text for a loop whose eigenvalues cannot be computed.
+pub const NOT_COMPUTABLE: &str =
+    "the stability of this loop cannot be computed; use quantities with a smaller ratio of largest to smallest";
 
 /// Reads a request.
 pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop> {

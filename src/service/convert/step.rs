@@ -11,9 +11,9 @@ use super::arm::arm_view;
 use super::checks::{Result, check};
 use super::numbers::{check_numbers, joint_names, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
-use super::state_rules::StateRules;
 use super::{targets, terms};
 use crate::service::error::ApiError;
+use crate::service::state_rules::StateRules;
 
 /// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
 pub const MAX_SEQUENCE: u64 = (1 << 53) - 1;

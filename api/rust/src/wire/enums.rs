@@ -61,6 +61,11 @@ pub enum Axis {
     Rz,
 }
 
+impl Axis {
+    /// All axes.
+    pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Rx, Self::Ry, Self::Rz];
+}
+
 /// The resolution method, the meaning of priorities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{defaults, integer, object};
+use super::{Axis, defaults, integer, object};
 
 /// One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -78,6 +78,20 @@ pub struct Environment {
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
     #[serde(default = "defaults::yes")]
     pub velocity_measured: bool,
+}
+
+impl Environment {
+    /// Returns the environment on one axis.
+    pub fn along(&self, axis: Axis) -> Option<EnvironmentAxis> {
+        match axis {
+            Axis::X => self.x,
+            Axis::Y => self.y,
+            Axis::Z => self.z,
+            Axis::Rx => self.rx,
+            Axis::Ry => self.ry,
+            Axis::Rz => self.rz,
+        }
+    }
 }
 
 /// The stability margins of a loop.

@@ -4,12 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
 use revprio_robot::Joint;
 
-use super::checks::{Result, check};
-use super::numbers::not_negative;
-use crate::service::error::ApiError;
-
-/// Maximum validity of an answer that a controller can have, ms.
-pub const MAX_VALID_FOR_MS: u64 = 10_000;
+use super::error::ApiError;
 
 /// Distance outside the range that is reported, rad or m. Sensors of joints are more exact.
 const REPORTED_DISTANCE: f64 = 1e-3;
@@ -33,7 +28,8 @@ pub struct StateRules {
     pub valid_for_ms: u64,
     /// Whether answers have `why`.
     pub why: bool,
-    checks: wire::StateChecks,
+    /// Bounds of a plausible state.
+    pub checks: wire::StateChecks,
 }
 
 /// The parts of the last state with which the next state is compared.
@@ -48,19 +44,8 @@ pub struct LastState {
 }
 
 impl StateRules {
-    /// Reads the rules of a controller.
-    pub fn read(controller: &wire::Controller) -> Result<Self> {
-        let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
-        let detail = format_args!("give 1 to {MAX_VALID_FOR_MS} ms");
-        check((1..=MAX_VALID_FOR_MS).contains(&valid_for_ms), "/valid_for_ms", detail)?;
-        not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
-        not_negative(checks.max_force_n.unwrap_or_default(), "/state_checks/max_force_n")?;
-        not_negative(checks.max_torque_nm.unwrap_or_default(), "/state_checks/max_torque_nm")?;
-        Ok(Self { valid_for_ms, why, checks })
-    }
-
     /// Refuses a state beyond a bound.
-    pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<()> {
+    pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<(), ApiError> {
         if controller.config().keeps_positions() {
             let tolerance = self.checks.position_tolerance;
             let outside = outside(controller, &state.joint_position).find(|(_, _, distance)| *distance > tolerance);
@@ -179,7 +164,7 @@ fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator
     controller.config().robot.joints().iter().zip(position).filter_map(distance)
 }
 
-fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<()> {
+fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<(), ApiError> {
     let Some(bound) = bound else { return Ok(()) };
     match values.iter().find(|value| value.abs() > bound) {
         None => Ok(()),
