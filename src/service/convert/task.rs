@@ -124,8 +124,9 @@ impl LawReader {
     /// Reads a law for axes of the tool.
     fn law(&self, law: &wire::Law) -> Result<Law> {
         // The size of each field was checked, so no law is refused for it.
-        let detail = format!("give one value for each of {} rows in all lists of the law", self.0.rows);
-        let mismatch = || ApiError::invalid("", &detail);
+        let rows = self.0.rows;
+        let mismatch =
+            || ApiError::invalid("", format!("give one value for each of {rows} rows in all lists of the law"));
         Ok(match law {
             wire::Law::Velocity { target_velocity } => {
                 Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
