@@ -1,8 +1,8 @@
 //! Conversion of bodies to the types of the library and back. An error names the wrong field by its JSON pointer.
 //!
 //! A function that reads a part of a body names the field inside that part. Its caller adds the place of the part with
-//! `inside`, or `each` for a list. Pointers are therefore built only for errors. Building them in advance took half of the time of
-//! reading a controller.
+//! `inside`, or `each` for a list. Pointers are therefore built only for errors. Building them in advance took half of
+//! the time of reading a controller.
 
 mod arm;
 mod checks;
