@@ -142,7 +142,8 @@ pub enum PostureTarget {
 }
 
 string_or_object! {
-    PostureTarget { MidRange = "mid_range" } or Profile(Profile), expected "`mid_range` or a profile of joint positions",
-    "Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per joint, \
-     rad or m."
+    PostureTarget { MidRange = "mid_range" } or Profile(Profile),
+    expected "`mid_range` or a profile of joint positions",
+    "Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per \
+     joint, rad or m."
 }

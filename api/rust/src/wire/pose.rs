@@ -42,7 +42,8 @@ pub enum TargetPose {
 }
 
 string_or_object! {
-    TargetPose { Initial = "initial" } or Fixed(Pose), expected "`initial` or an object with `position` and `orientation`",
+    TargetPose { Initial = "initial" } or Fixed(Pose),
+    expected "`initial` or an object with `position` and `orientation`",
     "Target pose, from which displacements are measured: `initial` (the pose at the first step), or a pose of the \
      reference point (m, unit quaternion), in the task's `frame` if that is a pose, otherwise in the base frame."
 }
@@ -62,6 +63,6 @@ pub enum Frame {
 string_or_object! {
     Frame { Base = "base", Tool = "tool" } or Fixed(Pose),
     expected "`base`, `tool` or an object with `position` and `orientation`",
-    "Axes of a task: of the base, of the tool, or of a frame with this pose in the base (m, unit quaternion). In the last \
-     case, target poses are given in that frame."
+    "Axes of a task: of the base, of the tool, or of a frame with this pose in the base (m, unit quaternion). In the \
+     last case, target poses are given in that frame."
 }

@@ -45,9 +45,9 @@ impl<'de, T: StringOrMap> Visitor<'de> for StringOrMapVisitor<T> {
 
 /// Implements reading, writing and the schema of an enum that is written as one of several strings or as an object.
 ///
-/// `TargetPose { Initial = "initial" } or Fixed(Pose), expected "…", "…"` writes `TargetPose::Initial` as `"initial"`, and
-/// `TargetPose::Fixed` as the object of its `Pose`. The first text is what an error names as expected, the second one is
-/// the description in the schema.
+/// `TargetPose { Initial = "initial" } or Fixed(Pose), expected "…", "…"` writes `TargetPose::Initial` as `"initial"`,
+/// and `TargetPose::Fixed` as the object of its `Pose`. The first text is what an error names as expected, the second
+/// one is the description in the schema.
 macro_rules! string_or_object {
     (
         $name:ident { $($variant:ident = $string:literal),+ } or $other:ident($object:ident),
@@ -97,7 +97,8 @@ macro_rules! string_or_object {
 
         impl utoipa::ToSchema for $name {
             fn schemas(schemas: &mut Vec<(String, utoipa::openapi::RefOr<utoipa::openapi::schema::Schema>)>) {
-                schemas.push((<$object as utoipa::ToSchema>::name().into_owned(), <$object as utoipa::PartialSchema>::schema()));
+                let name = <$object as utoipa::ToSchema>::name().into_owned();
+                schemas.push((name, <$object as utoipa::PartialSchema>::schema()));
                 <$object as utoipa::ToSchema>::schemas(schemas);
             }
         }
