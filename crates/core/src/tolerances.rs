@@ -1,7 +1,7 @@
 //! All numbers of the solver that stand for a judgement: what counts as zero, as dependent, as proved.
 //!
 //! Each entry says what it measures, relative to what, and why it has this value. `tools/mutants/tolerances` multiplies and
-//! divides each one by ten and runs the tests; its table, with what breaks, is in `docs/appendix/tolerances.md`.
+//! divides each one by ten, and lists the tests that then fail.
 
 /// The tolerances of the solver and of its linear algebra. All are dimensionless unless stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
