@@ -7,10 +7,12 @@ use revprio_core::controller::{Command, Controller, Measurement, Memory, Stepper
 use revprio_core::linalg::Vector;
 use tokio::time::Instant;
 
-use super::convert::{self, LastState, StateRules};
+use super::convert;
 use super::error::ApiError;
 use super::robots::Robots;
 use super::solvers::stepper;
+use super::state_rules::{LastState, StateRules};
+use super::{warnings, why};
 
 /// A controller with its workspace, and the rules for its states.
 pub struct CheckedStepper {
@@ -21,7 +23,7 @@ pub struct CheckedStepper {
 impl CheckedStepper {
     /// Creates the stepper of a controller.
     pub fn new(request: &wire::Controller, controller: Controller) -> Result<Self, ApiError> {
-        let rules = StateRules::read(request)?;
+        let rules = convert::state_rules(request)?;
         let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
         Ok(Self { stepper, rules })
     }
@@ -66,11 +68,11 @@ impl CheckedStepper {
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         let mut warnings = Vec::new();
         self.rules.warn(&mut warnings, measurement, &controller, command);
-        convert::warn_about_targets(&mut warnings, &controller, command);
+        warnings::warn_about_targets(&mut warnings, &controller, command);
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
         }
-        let why = if self.rules.why { convert::why_of_step(config, command, measurement) } else { Vec::new() };
+        let why = if self.rules.why { why::why_of_step(config, command, measurement) } else { Vec::new() };
         Ok((command, Remarks { warnings, why }))
     }
 }
@@ -96,7 +98,7 @@ impl PreparedController {
     /// Checks a controller. The warnings take longer than a step.
     pub fn new(request: wire::Controller, robots: &Robots) -> Result<Self, ApiError> {
         let controller = convert::controller(&request, robots)?;
-        let warnings = convert::warnings(&request, controller.config())?;
+        let warnings = warnings::of_controller(&request, controller.config())?;
         let stepper = CheckedStepper::new(&request, controller)?;
         Ok(Self { request, stepper, warnings })
     }

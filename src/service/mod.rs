@@ -178,12 +178,15 @@ mod sessions;
 mod simulations;
 mod solvers;
 mod state;
+mod state_rules;
 mod step;
 mod step_once;
 mod stepper_cache;
 mod stream;
 mod tls;
 mod token;
+mod warnings;
+mod why;
 mod workers;
 
 pub use app::{Service, router};

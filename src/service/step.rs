@@ -5,12 +5,13 @@ use revprio_core::resolution::Resolution;
 use tokio::time::Instant;
 
 use super::checked_stepper::{CheckedStepper, PreparedController};
-use super::convert::{self, LastState, ResolveProblem};
+use super::convert::{self, ResolveProblem};
 use super::error::ApiError;
 use super::ownership::Ownership;
 use super::robots::Robots;
 use super::sessions::Sessions;
 use super::solvers::solver;
+use super::state_rules::LastState;
 
 /// Maximum number of problems in a batch.
 pub const MAX_ITEMS: usize = 10_000;

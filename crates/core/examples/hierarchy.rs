@@ -39,8 +39,8 @@ fn print(name: &str, answer: &Resolution) {
     let residuals: Vec<f64> = answer.tasks.iter().map(|task| task.residual_norm).collect();
     let sets = answer.solver.working_sets;
     println!("{name:<22} x = {:7.4?}  residuals {residuals:.4?}  sets {sets}", answer.joint_velocity.as_slice());
-    for limit in &answer.active_limits {
-        println!("{:<22} joint {} at {} with multiplier {:.4}", "", limit.joint + 1, limit.value, limit.multiplier);
+    for (joint, limit) in answer.active_limits() {
+        println!("{:<22} joint {} at {} with multiplier {:.4}", "", joint + 1, limit.value, limit.multiplier);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Problems with many rows that contradict each other: working sets and times, as docs/solver.md has them.
+//! Problems with many rows that contradict each other: working sets, times, and how often each way to a working set was needed,
+//! as docs/solver.md has them.
 //!
 //!     cargo run --release -p revprio-core --example many_rows
 
@@ -7,7 +8,7 @@ use std::time::{Duration, Instant};
 use revprio_core::constraint::Inequality;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Status};
+use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Rung, Rungs, Status};
 use revprio_core::task::{Task, TaskStack};
 
 const PROBLEMS: u64 = 20;
@@ -15,7 +16,7 @@ const PROBLEMS: u64 = 20;
 /// Joints, hard inequalities, rows of each inequality task, rows of each equation task below them.
 type Family = (usize, usize, &'static [usize], &'static [usize]);
 
-const FAMILIES: [Family; 9] = [
+const FAMILIES: [Family; 10] = [
     (7, 0, &[], &[3, 3]),
     (35, 0, &[], &[12, 6, 6, 8]),
     (7, 8, &[6; 3], &[3, 3]),
@@ -25,6 +26,7 @@ const FAMILIES: [Family; 9] = [
     (32, 400, &[], &[6, 6, 3]),
     (32, 0, &[100; 5], &[6, 6]),
     (32, 0, &[40; 12], &[6, 6]),
+    (128, 400, &[10; 8], &[12, 20]),
 ];
 
 /// How the coefficients of rows are chosen.
@@ -114,6 +116,7 @@ fn main() {
     println!(
         "joints, hard rows, tasks, damping: problems, working sets mean and most, last resorts, not certified, mean and longest ms"
     );
+    let mut rungs = Rungs::default();
     for family in FAMILIES {
         for damping in [None, Some(Damping::STANDARD)] {
             let (mut sets, mut most, mut resorts, mut unsure, mut times) = (0, 0, 0, 0, Vec::new());
@@ -126,6 +129,7 @@ fn main() {
                     let start = Instant::now();
                     resolver.resolve(&problem, &[], &mut answer).expect("the parts fit");
                     times.push(start.elapsed());
+                    rungs = rungs + resolver.rungs();
                     sets += answer.solver.working_sets;
                     most = most.max(answer.solver.working_sets);
                     resorts += answer.solver.last_resorts;
@@ -142,5 +146,9 @@ fn main() {
                 "{n}, {hard}, {inequalities:?} {equations:?}, {damped}: {count}, {mean_sets:.1} {most}, {resorts}, {unsure}, {mean:.3} {longest:.3}"
             );
         }
+    }
+    println!("\nway to a working set: sets tried, problems answered (each problem twice)");
+    for rung in Rung::ALL {
+        println!("{rung:?}: {}, {}", rungs[rung].tried, rungs[rung].answered);
     }
 }

@@ -169,6 +169,7 @@ pub mod linalg;
 pub mod resolution;
 pub mod rows;
 pub mod streaming;
+pub mod tolerances;
 
 pub use revprio_problem as problem;
 pub use revprio_robot as robot;

@@ -100,7 +100,7 @@ fn pairs(name: Solver, method: Method, count: u64) -> Vec<Pair> {
         let problem = any_problem(seed, FAMILIES[(seed % 10) as usize], method);
         auto.solve(&problem, &[], &mut first).unwrap();
         other.solve(&problem, &[], &mut second).unwrap();
-        let is_inside = second.violated_limits.is_empty() && second.violated_inequalities.is_empty();
+        let is_inside = second.broken_limits().next().is_none() && second.broken_constraints().next().is_none();
         let has_bounds = problem.tasks.tasks().iter().any(|task| !task.is_equation());
         if name == Solver::Qp || (is_inside && !has_bounds) {
             pairs.push(Pair::new(seed, &problem, &first, &second));

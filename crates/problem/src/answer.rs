@@ -1,8 +1,6 @@
 //! The answer: joint velocities with their explanation.
 
-use std::sync::Arc;
-
-use crate::{ActiveSet, Certificate, Contradiction, Side, Singularity, Vector};
+use crate::{ActiveBound, ActiveSet, BoundId, BrokenBound, Certificate, Contradiction, Singularity, Vector};
 
 /// Joint velocities and their explanation.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -11,15 +9,11 @@ pub struct Resolution {
     pub joint_velocity: Vector,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
-    /// Active limits: bounds that the answer reaches and that restrict it.
-    pub active_limits: Vec<ActiveLimit>,
-    /// Limits that the answer breaks; empty for every solver that knows them.
-    pub violated_limits: Vec<LimitViolation>,
-    /// Inequalities that hold the answer back.
-    pub active_inequalities: Vec<ActiveInequality>,
-    /// Inequalities that the answer breaks: any of them for the solver `closed_form`, and those that contradict the limits,
-    /// as little as possible, for the others.
-    pub violated_inequalities: Vec<InequalityViolation>,
+    /// Bounds that hold the answer back, and the limits of joints whose bounds coincide; in ascending order.
+    pub active_bounds: Vec<ActiveBound>,
+    /// Limits and constraints that the answer breaks, in ascending order. Solvers that know limits break no joint's, and
+    /// constraints only where these contradict limits or each other, as little as possible.
+    pub broken_bounds: Vec<BrokenBound>,
     /// Inequality rows that cannot be kept together, with what contradicts them; one entry per priority level.
     pub contradictions: Vec<Contradiction>,
     /// How the answer was found and how sure it is.
@@ -32,6 +26,48 @@ pub struct Resolution {
     pub levels: Vec<LevelReport>,
     /// What a check of the answer needs, if the problem wants it.
     pub certificate: Option<Box<Certificate>>,
+}
+
+impl Resolution {
+    /// Returns the limits of joints that hold the answer back, with the index of the joint.
+    pub fn active_limits(&self) -> impl Iterator<Item = (usize, &ActiveBound)> {
+        self.active_bounds.iter().filter_map(|active| match active.bound.id {
+            BoundId::Joint(joint) => Some((joint, active)),
+            _ => None,
+        })
+    }
+
+    /// Returns the rows of constraints that hold the answer back, with the index of the constraint.
+    pub fn active_constraints(&self) -> impl Iterator<Item = (usize, &ActiveBound)> {
+        self.active_bounds.iter().filter_map(|active| match active.bound.id {
+            BoundId::Constraint { index, .. } => Some((index, active)),
+            _ => None,
+        })
+    }
+
+    /// Returns the rows of task `k` that hold the answer back, with the index of the row.
+    pub fn active_rows(&self, k: usize) -> impl Iterator<Item = (usize, &ActiveBound)> {
+        self.active_bounds.iter().filter_map(move |active| match active.bound.id {
+            BoundId::Task { index, row } if index == k => Some((row, active)),
+            _ => None,
+        })
+    }
+
+    /// Returns the limits of joints that the answer breaks, with the index of the joint.
+    pub fn broken_limits(&self) -> impl Iterator<Item = (usize, &BrokenBound)> {
+        self.broken_bounds.iter().filter_map(|broken| match broken.bound.id {
+            BoundId::Joint(joint) => Some((joint, broken)),
+            _ => None,
+        })
+    }
+
+    /// Returns the rows of constraints that the answer breaks, with the index of the constraint.
+    pub fn broken_constraints(&self) -> impl Iterator<Item = (usize, &BrokenBound)> {
+        self.broken_bounds.iter().filter_map(|broken| match broken.bound.id {
+            BoundId::Constraint { index, .. } => Some((index, broken)),
+            _ => None,
+        })
+    }
 }
 
 /// What Clarabel did at one level.
@@ -66,70 +102,6 @@ pub struct TaskOutcome {
     /// s of a scaled task, J_k q̇ = s ẋ_k: 1 where no limit cuts it; `None` where no s keeps its direction, and for other
     /// tasks. Reverse priority knows limits, and so scaling, at its highest task alone.
     pub scale: Option<f64>,
-    /// Rows of an inequality task that hold the answer back.
-    pub active_rows: Vec<ActiveRow>,
-}
-
-/// A row of an inequality task that holds the answer back.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ActiveRow {
-    /// Index of the row, from 0.
-    pub row: usize,
-    /// Which bound.
-    pub side: Side,
-    /// Multiplier ≥ 0 at the highest level that the row holds back.
-    pub multiplier: f64,
-}
-
-/// A limit that holds the answer back.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ActiveLimit {
-    /// Joint index, from 0.
-    pub joint: usize,
-    /// Which bound.
-    pub side: Side,
-    /// The bound, rad/s.
-    pub value: f64,
-    /// Multiplier ≥ 0 at the highest level that the limit holds back; 0 for a joint whose bounds coincide and that holds no
-    /// level back, which is listed all the same. It says how much ½‖J_k q̇ − ẋ_k‖² of that level would fall per rad/s of a
-    /// wider limit.
-    pub multiplier: f64,
-}
-
-/// An inequality that holds the answer back.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ActiveInequality {
-    /// Its name.
-    pub name: Arc<str>,
-    /// b.
-    pub bound: f64,
-    /// Multiplier ≥ 0 at the highest level that it holds back: how much ½‖J_k q̇ − ẋ_k‖² of that level would fall per unit
-    /// of a larger b.
-    pub multiplier: f64,
-}
-
-/// An inequality that the answer breaks.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InequalityViolation {
-    /// Its name.
-    pub name: Arc<str>,
-    /// b.
-    pub bound: f64,
-    /// a·q̇, above b.
-    pub value: f64,
-}
-
-/// A limit that the answer breaks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LimitViolation {
-    /// Joint index, from 0.
-    pub joint: usize,
-    /// Which bound.
-    pub side: Side,
-    /// The bound, rad/s.
-    pub limit: f64,
-    /// The velocity, rad/s.
-    pub value: f64,
 }
 
 /// The way that led to the answer.

@@ -1,5 +1,7 @@
 //! What an answer needs so that anyone can check that it is optimal.
 
+use crate::BoundId;
+
 /// The problems that were solved on the way to an answer, their solutions and multipliers.
 ///
 /// A level minimises the squared slack of its rows inside the box, without changing what higher levels achieved. With
@@ -49,24 +51,8 @@ pub struct CertifiedLevel {
     pub lower: Vec<f64>,
     /// The upper bounds of the rows.
     pub upper: Vec<f64>,
-    /// What the rows stand for.
-    pub names: Vec<RowName>,
-}
-
-/// What a row stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RowName {
-    /// A row of a task.
-    Task {
-        /// Index of the task, from 0.
-        task: usize,
-        /// Index of the row, from 0.
-        row: usize,
-    },
-    /// A hard inequality, index from 0. Its row has length one.
-    Inequality(usize),
-    /// A row of damping, or a part of a scaled task.
-    Auxiliary,
+    /// What the rows stand for; `None` for rows of damping and parts of scaled tasks. The rows of constraints have length one.
+    pub names: Vec<Option<BoundId>>,
 }
 
 /// The multipliers of one level.

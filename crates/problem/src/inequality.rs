@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use crate::Vector;
 
-/// The inequality a·q̇ ≤ b, for example a virtual wall or a coupling of joints.
+/// The inequality a·q̇ ≤ b, for example a virtual wall or a coupling of joints: a constraint, or one of its rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inequality {
     name: Arc<str>,
+    row: usize,
     coefficients: Vector,
     bound: f64,
 }
@@ -34,12 +35,12 @@ impl Inequality {
         if !coefficients.norm().is_normal() {
             return Err(InequalityError::Zero);
         }
-        Ok(Self { name: name.into(), coefficients, bound })
+        Ok(Self { name: name.into(), row: 0, coefficients, bound })
     }
 
-    /// Returns 0·q̇ ≤ ∞ for n joints, which always holds.
-    pub fn always_satisfied(name: Arc<str>, n: usize) -> Self {
-        Self { name, coefficients: Vector::zeros(n), bound: f64::INFINITY }
+    /// Returns 0·q̇ ≤ ∞ for n joints, which always holds, as row `row` (from 0) of the constraint with this name.
+    pub fn always_satisfied(name: Arc<str>, row: usize, n: usize) -> Self {
+        Self { name, row, coefficients: Vector::zeros(n), bound: f64::INFINITY }
     }
 
     /// Overwrites a and b without allocating. `write` overwrites a, n entries, and returns b. The checks of [`Self::new`] are not
@@ -56,6 +57,11 @@ impl Inequality {
     /// Returns the name that answers use, without copying its text.
     pub fn shared_name(&self) -> Arc<str> {
         Arc::clone(&self.name)
+    }
+
+    /// Returns the index of this row in its constraint, from 0. A constraint of one row has the row 0.
+    pub fn row(&self) -> usize {
+        self.row
     }
 
     /// Returns a, n.

@@ -20,29 +20,26 @@
 //! | check an answer | [`Certificate`] |
 
 mod answer;
+mod bound;
 mod certificate;
 mod contradiction;
 mod damping;
 mod equation_rows;
 mod inequality;
 mod problem;
-mod side;
 mod singularity;
 mod solve;
 mod task;
 mod velocity_box;
 
-pub use answer::{
-    ActiveInequality, ActiveLimit, ActiveRow, InequalityViolation, LevelReport, LimitViolation, Path, Resolution,
-    SolverReport, Status, TaskOutcome,
-};
-pub use certificate::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part, RowName};
-pub use contradiction::{Contradiction, Member};
+pub use answer::{LevelReport, Path, Resolution, SolverReport, Status, TaskOutcome};
+pub use bound::{ActiveBound, ActiveSet, Bound, BoundId, BrokenBound, Side};
+pub use certificate::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part};
+pub use contradiction::Contradiction;
 pub use damping::Damping;
 pub use equation_rows::EquationRows;
 pub use inequality::{Inequality, InequalityError};
 pub use problem::{MAX_UNKNOWNS, Method, Problem, ProblemError, Solver};
-pub use side::{ActiveSet, Side};
 pub use singularity::Singularity;
 pub use solve::Solve;
 pub use task::{Task, TaskError, TaskStack};

@@ -1,6 +1,6 @@
 //! The problem that solvers solve.
 
-use crate::{Damping, Inequality, TaskStack, Vector, VelocityBox};
+use crate::{BoundId, Damping, Inequality, TaskStack, Vector, VelocityBox};
 
 /// The largest number of unknowns of a problem: joints, and one for each scaled task.
 pub const MAX_UNKNOWNS: usize = 136;
@@ -107,6 +107,15 @@ impl Problem {
             null_space_velocity: None,
             wants_certificate: false,
         }
+    }
+
+    /// Returns the names of the rows of the constraints, in the order of `inequalities`: each row 0 begins a constraint.
+    pub fn constraint_rows(&self) -> impl Iterator<Item = (BoundId, &Inequality)> {
+        let mut begun = 0;
+        self.inequalities.iter().map(move |inequality| {
+            begun += usize::from(inequality.row() == 0);
+            (BoundId::Constraint { index: begun.saturating_sub(1), row: inequality.row() }, inequality)
+        })
     }
 
     /// Checks that there are at most [`MAX_UNKNOWNS`] unknowns, that all parts are about the same joints, and that the

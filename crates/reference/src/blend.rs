@@ -8,7 +8,7 @@
 //! `docs/solver.md`, section 9, has the definitions and the proof.
 #![allow(non_snake_case)]
 
-use revprio_problem::{Damping, Matrix, Part, RowName, Vector};
+use revprio_problem::{BoundId, Damping, Matrix, Part, Vector};
 
 use crate::damping::smoothstep;
 use crate::hierarchy::{Hierarchy, Level, Solution};
@@ -36,7 +36,7 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
         return;
     }
     let has_inequalities =
-        hierarchy.levels.first().is_some_and(|level| matches!(level.names[0], RowName::Inequality(_)));
+        hierarchy.levels.first().is_some_and(|level| matches!(level.names[0], Some(BoundId::Constraint { .. })));
     let hard = usize::from(has_inequalities);
     let mut weight = regularity(hierarchy, count, &solution.x, damping.threshold());
     if weight == 1.0 {
@@ -122,7 +122,7 @@ fn regularity(hierarchy: &Hierarchy, kept: usize, x: &Vector, threshold: f64) ->
 /// not count.
 fn row_regularity(hierarchy: &Hierarchy, levels: &[Level], x: &Vector) -> f64 {
     let n = hierarchy.unknowns();
-    let is_auxiliary = |level: &Level, row: usize| level.names[row] == RowName::Auxiliary;
+    let is_auxiliary = |level: &Level, row: usize| level.names[row].is_none();
     let rows: Vec<(&Level, usize)> = levels
         .iter()
         .flat_map(|level| (0..level.rows.nrows()).map(move |row| (level, row)))
@@ -168,7 +168,7 @@ impl<'a> Reach<'a> {
             let rows: Vec<usize> = (0..level.rows.nrows()).filter(|&row| level.is_equation(row)).collect();
             let targets: Vec<f64> = rows.iter().map(|&row| level.lower[row]).collect();
             let mut equations = Level::new(hierarchy.unknowns());
-            equations.push(&level.rows.select_rows(&rows), &targets, &targets, |_| RowName::Auxiliary);
+            equations.push(&level.rows.select_rows(&rows), &targets, &targets, |_| None);
             unlimited.push(equations);
         }
         let free = recorder.solve(&unlimited).x;
@@ -218,7 +218,7 @@ impl<'a> Reach<'a> {
                 push_weighted(&mut reaching, level, first * self.weight, &self.free, self.tau);
             }
         }
-        reaching.push(&Matrix::identity(n, n), near.as_slice(), near.as_slice(), |_| RowName::Auxiliary);
+        reaching.push(&Matrix::identity(n, n), near.as_slice(), near.as_slice(), |_| None);
         problem.push(reaching);
         problem
     }
@@ -240,7 +240,7 @@ fn push_weighted(reaching: &mut Level, level: &Level, weight: f64, point: &Vecto
     let lower: Vec<f64> = rows.clone().map(|row| bound(row, level.lower[row], true)).collect();
     let upper: Vec<f64> =
         rows.map(|row| if level.is_equation(row) { lower[row] } else { bound(row, level.upper[row], false) }).collect();
-    reaching.push(&(&level.rows * weight), &lower, &upper, |_| RowName::Auxiliary);
+    reaching.push(&(&level.rows * weight), &lower, &upper, |_| None);
 }
 
 /// Returns the middle between two bounds. Bounds farther apart mean none: the speed next to zero that is [`WIDEST`] inside, and

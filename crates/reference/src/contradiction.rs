@@ -1,6 +1,6 @@
 //! Minimal sets of demands that contradict each other, by deletion: a member stays if the others can hold without it.
 
-use revprio_problem::{Contradiction, Member, RowName, Side, Vector};
+use revprio_problem::{Bound, BoundId, Contradiction, Side, Vector};
 
 use crate::clarabel::least_excess;
 use crate::hierarchy::{Hierarchy, Solution};
@@ -20,7 +20,7 @@ const MAX_PROGRAMS: usize = 100;
 /// A demand a·x ≤ b with a of length one.
 #[derive(Clone)]
 struct Demand {
-    member: Member,
+    member: Bound,
     row: Vec<f64>,
     bound: f64,
 }
@@ -31,9 +31,9 @@ pub fn contradictions(hierarchy: &Hierarchy, solution: &Solution, joints: usize)
     for (index, level) in hierarchy.levels.iter().enumerate() {
         let broken = (0..level.rows.nrows()).find(|&row| is_broken(hierarchy, solution, index, row));
         let task = match broken.map(|row| level.names[row]) {
-            Some(RowName::Inequality(_)) => None,
-            Some(RowName::Task { task, .. }) => Some(task),
-            Some(RowName::Auxiliary) | None => continue,
+            Some(Some(BoundId::Task { index, .. })) => Some(index),
+            Some(Some(_)) => None,
+            Some(None) | None => continue,
         };
         let members = minimal(demands(hierarchy, solution, index, joints));
         if !members.is_empty() {
@@ -67,7 +67,7 @@ fn demands(hierarchy: &Hierarchy, solution: &Solution, index: usize, joints: usi
     for joint in 0..joints {
         for side in [Side::Lower, Side::Upper] {
             let unit = (0..n).map(|j| if j == joint { 1.0 } else { 0.0 }).collect();
-            push(Member::Limit { joint, side }, unit, hierarchy.bound(joint, side), side);
+            push(Bound { id: BoundId::Joint(joint), side }, unit, hierarchy.bound(joint, side), side);
         }
     }
     for (above, level) in hierarchy.levels[..=index].iter().enumerate() {
@@ -75,14 +75,10 @@ fn demands(hierarchy: &Hierarchy, solution: &Solution, index: usize, joints: usi
             let value = level.value(row, &solution.x);
             let is_fixed = above < index && (level.is_equation(row) || is_broken(hierarchy, solution, above, row));
             for (side, bound) in [(Side::Lower, level.lower[row]), (Side::Upper, level.upper[row])] {
-                let member = match level.names[row] {
-                    RowName::Inequality(index) => Member::Inequality { index, side },
-                    RowName::Task { task, row } => Member::Row { task, row, side },
-                    RowName::Auxiliary => continue,
-                };
+                let Some(id) = level.names[row] else { continue };
                 // What a higher level achieved is kept, whatever it asked for.
                 let bound = if is_fixed { value } else { bound };
-                push(member, level.rows.row(row).iter().copied().collect(), bound, side);
+                push(Bound { id, side }, level.rows.row(row).iter().copied().collect(), bound, side);
             }
         }
     }
@@ -91,7 +87,7 @@ fn demands(hierarchy: &Hierarchy, solution: &Solution, index: usize, joints: usi
 
 /// Returns a set of demands that cannot hold together, and of which any one less can; empty if all can, or if the search takes too
 /// long.
-fn minimal(demands: Vec<Demand>) -> Vec<Member> {
+fn minimal(demands: Vec<Demand>) -> Vec<Bound> {
     let Some((mut members, total)) = proof(demands) else { return Vec::new() };
     let mut programs = 0;
     let mut place = members.len();

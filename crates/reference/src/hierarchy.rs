@@ -1,6 +1,6 @@
 //! A problem with priority levels inside a box, and its solution.
 
-use revprio_problem::{LevelReport, Matrix, Multipliers, RowName, Side, Vector};
+use revprio_problem::{BoundId, LevelReport, Matrix, Multipliers, Side, Vector};
 
 /// Rows of one priority: lower ≤ a·x ≤ upper. A row with equal bounds is an equation.
 #[derive(Debug, Clone)]
@@ -12,7 +12,7 @@ pub struct Level {
     /// Upper bound of each row, ∞ without one.
     pub upper: Vec<f64>,
     /// Where each row comes from.
-    pub names: Vec<RowName>,
+    pub names: Vec<Option<BoundId>>,
 }
 
 impl Level {
@@ -22,7 +22,7 @@ impl Level {
     }
 
     /// Adds rows. Missing columns are zero.
-    pub fn push(&mut self, rows: &Matrix, lower: &[f64], upper: &[f64], name: impl Fn(usize) -> RowName) {
+    pub fn push(&mut self, rows: &Matrix, lower: &[f64], upper: &[f64], name: impl Fn(usize) -> Option<BoundId>) {
         let (start, count) = (self.rows.nrows(), rows.nrows());
         self.rows.resize_vertically_mut(start + count, 0.0);
         self.rows.view_mut((start, 0), rows.shape()).copy_from(rows);
@@ -37,7 +37,7 @@ impl Level {
             let mut rows = Matrix::zeros(near.len(), self.rows.ncols());
             rows.fill_diagonal(lambda);
             let targets: Vec<f64> = near.iter().map(|x| lambda * x).collect();
-            self.push(&rows, &targets, &targets, |_| RowName::Auxiliary);
+            self.push(&rows, &targets, &targets, |_| None);
         }
     }
 

@@ -307,6 +307,6 @@ fn last_objective(problem: &Hierarchy) -> Level {
     let n = problem.unknowns();
     let mut level = Level::new(n);
     let reference = problem.reference.as_slice();
-    level.push(&Matrix::identity(n, n), reference, reference, |_| revprio_problem::RowName::Auxiliary);
+    level.push(&Matrix::identity(n, n), reference, reference, |_| None);
     level
 }

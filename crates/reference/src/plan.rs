@@ -1,6 +1,6 @@
 //! The problem of each step of a method, with its limits, inequalities and scaled tasks.
 
-use revprio_problem::{Matrix, Problem, RowName, Vector};
+use revprio_problem::{BoundId, Matrix, Problem, Vector};
 
 use crate::hierarchy::{Hierarchy, Level};
 use crate::scaled::ScaledTask;
@@ -133,7 +133,7 @@ impl<'a> Posed<'a> {
             let upper: Vec<f64> = rows
                 .map(|row| if is_equation(row) { achieved[row] } else { achieved[row].max(task.upper[row]) })
                 .collect();
-            level.push(&task.jacobian, &lower, &upper, |row| RowName::Task { task: index, row });
+            level.push(&task.jacobian, &lower, &upper, |row| Some(BoundId::Task { index, row }));
         }
         level.push_damping(self.aim.lambda, &self.aim.before);
         self.hierarchy.push(level);
@@ -152,7 +152,7 @@ impl<'a> Posed<'a> {
             (0..bounds.len()).map(bound).collect()
         };
         let (lower, upper) = (bounds(&task.lower), bounds(&task.upper));
-        level.push(&task.jacobian, &lower, &upper, |row| RowName::Task { task: k, row });
+        level.push(&task.jacobian, &lower, &upper, |row| Some(BoundId::Task { index: k, row }));
     }
 
     /// Adds the two levels of a scaled task: its direction, with the rows of `level`, then its speed r → ‖ẋ‖.
@@ -163,12 +163,12 @@ impl<'a> Posed<'a> {
         let mut direction = Matrix::zeros(count, total);
         direction.columns_mut(0, n).copy_from(&scaled.rows);
         direction.column_mut(unknown).copy_from(&scaled.direction);
-        level.push(&direction, &vec![0.0; count], &vec![0.0; count], |_| RowName::Auxiliary);
+        level.push(&direction, &vec![0.0; count], &vec![0.0; count], |_| None);
         self.hierarchy.push(level);
         let mut speed = Matrix::zeros(1, total);
         speed[(0, unknown)] = 1.0;
         let mut level = self.level();
-        level.push(&speed, &[scaled.speed], &[scaled.speed], |_| RowName::Auxiliary);
+        level.push(&speed, &[scaled.speed], &[scaled.speed], |_| None);
         self.hierarchy.push(level);
     }
 }
@@ -176,11 +176,11 @@ impl<'a> Posed<'a> {
 /// Returns the level of the hard inequalities, with rows of length one: they are violated by the least joint speed.
 fn inequalities(problem: &Problem, unknowns: usize) -> Level {
     let mut level = Level::new(unknowns);
-    for (index, inequality) in problem.inequalities.iter().enumerate() {
+    for (id, inequality) in problem.constraint_rows() {
         let norm = inequality.coefficients().norm();
         let norm = if norm > 0.0 { norm } else { 1.0 };
         let row = Matrix::from_row_slice(1, inequality.coefficients().len(), inequality.coefficients().as_slice());
-        level.push(&(row / norm), &[f64::NEG_INFINITY], &[inequality.bound() / norm], |_| RowName::Inequality(index));
+        level.push(&(row / norm), &[f64::NEG_INFINITY], &[inequality.bound() / norm], |_| Some(id));
     }
     level
 }

@@ -1,8 +1,8 @@
 //! Writing the answer of a reference solver.
 
 use revprio_problem::{
-    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, InequalityViolation, LimitViolation, Problem, Resolution,
-    RowName, Side, SolverReport, Status, TaskOutcome, Vector,
+    ActiveBound, ActiveSet, Bound, BoundId, BrokenBound, Problem, Resolution, Side, SolverReport, Status, TaskOutcome,
+    Vector,
 };
 
 use crate::hierarchy::{Hierarchy, Solution};
@@ -26,7 +26,6 @@ pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answ
             rank: if is_finite { known.rank } else { 0 },
             algorithmic: is_finite && known.algorithmic,
             scale: (task.scaled && is_finite).then_some(1.0),
-            active_rows: Vec::new(),
         }
     };
     answer.tasks = problem.tasks.tasks().iter().zip(&known.tasks).map(outcome).collect();
@@ -35,16 +34,14 @@ pub fn write_velocity(problem: &Problem, known: &Singularities, x: &Vector, answ
         answer.singularity.algorithmic = known.tasks.iter().any(|task| task.algorithmic);
         answer.singularity.set(known.smallest, known.product);
     }
-    let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(velocity) > 0.0);
-    let violation = |inequality: &revprio_problem::Inequality| InequalityViolation {
-        name: inequality.shared_name(),
-        bound: inequality.bound(),
+    let broken = problem.constraint_rows().filter(|(_, inequality)| inequality.violation(velocity) > 0.0);
+    let violation = |(id, inequality): (BoundId, &revprio_problem::Inequality)| BrokenBound {
+        bound: Bound::upper(id),
+        limit: inequality.bound(),
         value: inequality.value(velocity),
     };
-    answer.violated_inequalities = broken.map(violation).collect();
-    answer.violated_limits.clear();
-    answer.active_limits.clear();
-    answer.active_inequalities.clear();
+    answer.broken_bounds = broken.map(violation).collect();
+    answer.active_bounds.clear();
     answer.contradictions.clear();
     answer.active_set.clear();
     answer.levels.clear();
@@ -63,60 +60,48 @@ pub fn write_violations(problem: &Problem, answer: &mut Resolution) {
     let bounds = problem.limits.lower().iter().zip(problem.limits.upper().iter());
     let broken = |(joint, (&value, (&lower, &upper))): (usize, (&f64, (&f64, &f64)))| {
         let (side, limit) = if value > upper { (Side::Upper, upper) } else { (Side::Lower, lower) };
-        (value > upper || value < lower).then_some(LimitViolation { joint, side, limit, value })
+        let bound = Bound { id: BoundId::Joint(joint), side };
+        (value > upper || value < lower).then_some(BrokenBound { bound, limit, value })
     };
-    answer.violated_limits = answer.joint_velocity.iter().zip(bounds).enumerate().filter_map(broken).collect();
+    let broken = answer.joint_velocity.iter().zip(bounds).enumerate().filter_map(broken);
+    // Joints come first.
+    answer.broken_bounds.splice(..0, broken);
 }
 
 /// Writes what holds the answer back, from the multipliers of the last problem.
 pub fn write_bounds(problem: &Problem, hierarchy: &Hierarchy, solution: &Solution, answer: &mut Resolution) {
-    for joint in 0..problem.tasks.joint_count() {
-        let multiplier = solution.multipliers[joint];
-        let side = if multiplier < 0.0 { Side::Lower } else { Side::Upper };
+    let n = problem.tasks.joint_count();
+    let mut set = ActiveSet::new();
+    for joint in 0..n {
+        let (id, multiplier) = (BoundId::Joint(joint), solution.multipliers[joint]);
+        set.extend(solution.active[joint].map(|side| Bound { id, side }));
         if multiplier != 0.0 || hierarchy.is_pinned(joint) {
+            let side = Side::of_multiplier(multiplier);
             let value = hierarchy.bound(joint, side);
-            answer.active_limits.push(ActiveLimit { joint, side, value, multiplier: multiplier.abs() });
+            answer.active_bounds.push(ActiveBound { bound: Bound { id, side }, value, multiplier: multiplier.abs() });
         }
     }
-    let n = problem.tasks.joint_count();
-    let joints = (0..n).filter_map(|joint| Some((joint, solution.active[joint]?)));
-    let mut set: ActiveSet = joints.collect();
     for (index, level) in hierarchy.levels.iter().enumerate() {
-        for (row, name) in level.names.iter().enumerate() {
+        for (row, &name) in level.names.iter().enumerate() {
+            let Some(id) = name else { continue };
+            set.extend(solution.active_rows[index][row].map(|side| Bound { id, side }));
             let multiplier = solution.row_multipliers[index][row];
-            if let Some(side) = solution.active_rows[index][row] {
-                set.extend(place(problem, *name).map(|place| (place, side)));
-            }
             if multiplier == 0.0 {
                 continue;
             }
-            let side = if multiplier < 0.0 { Side::Lower } else { Side::Upper };
-            match *name {
-                RowName::Inequality(index) => {
-                    let inequality = &problem.inequalities[index];
-                    answer.active_inequalities.push(ActiveInequality {
-                        name: inequality.shared_name(),
-                        bound: inequality.bound(),
-                        // The rows of the problem have length one.
-                        multiplier: multiplier.abs() / inequality.coefficients().norm(),
-                    });
+            let side = Side::of_multiplier(multiplier);
+            let (value, length) = match id {
+                // Constraints are the rows of the first level, with length one.
+                BoundId::Constraint { .. } => {
+                    let inequality = &problem.inequalities[row];
+                    (inequality.bound(), inequality.coefficients().norm())
                 }
-                RowName::Task { task, row } => {
-                    answer.tasks[task].active_rows.push(ActiveRow { row, side, multiplier: multiplier.abs() });
-                }
-                RowName::Auxiliary => {}
-            }
+                _ if side == Side::Lower => (level.lower[row], 1.0),
+                _ => (level.upper[row], 1.0),
+            };
+            let bound = Bound { id, side };
+            answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
         }
     }
     answer.active_set = vec![set];
-}
-
-/// Returns the index of a row in an active set.
-fn place(problem: &Problem, name: RowName) -> Option<usize> {
-    let n = problem.tasks.joint_count();
-    match name {
-        RowName::Inequality(index) => Some(n + index),
-        RowName::Task { task, row } => Some(n + problem.inequalities.len() + problem.tasks.first_row(task) + row),
-        RowName::Auxiliary => None,
-    }
 }

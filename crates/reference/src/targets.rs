@@ -3,7 +3,7 @@
 //! Each of them is the solution of a least-squares problem, which Clarabel solves as all other levels.
 #![allow(non_snake_case)]
 
-use revprio_problem::{Damping, Matrix, Problem, RowName, Task, Vector};
+use revprio_problem::{BoundId, Damping, Matrix, Problem, Task, Vector};
 
 use crate::damping::{factor, kept_directions};
 use crate::hierarchy::{Hierarchy, Level};
@@ -53,7 +53,7 @@ fn lower(problem: &Problem, tasks: std::ops::Range<usize>, lambda: f64, aim: &mu
     let mut level = Level::new(aim.before.len());
     for (k, task) in own() {
         let target = aim.targets[k].as_slice();
-        level.push(&task.jacobian, target, target, |row| RowName::Task { task: k, row });
+        level.push(&task.jacobian, target, target, |row| Some(BoundId::Task { index: k, row }));
     }
     level.push_damping(lambda, &aim.before);
     let mut hierarchy = Hierarchy::new(aim.before.clone());
@@ -79,12 +79,12 @@ fn fade(problem: &Problem, k: usize, lambda: f64, reached: &Vector, aim: &mut Ai
         let mut level = Level::new(aim.before.len());
         let directions = svd.row_space(kept).transpose();
         let values = &directions * reached;
-        level.push(&directions, values.as_slice(), values.as_slice(), |_| RowName::Auxiliary);
+        level.push(&directions, values.as_slice(), values.as_slice(), |_| None);
         hierarchy.push(level);
         let mut level = Level::new(aim.before.len());
         for lower in problem.tasks.tasks()[k + 1..].iter().filter(|task| task.is_equation()) {
             let achieved = &lower.jacobian * &aim.before;
-            level.push(&lower.jacobian, achieved.as_slice(), achieved.as_slice(), |_| RowName::Auxiliary);
+            level.push(&lower.jacobian, achieved.as_slice(), achieved.as_slice(), |_| None);
         }
         level.push_damping(lambda, &aim.before);
         hierarchy.push(level);
@@ -198,7 +198,7 @@ impl Chain {
         }
         let rest = Vector::zeros(self.point.len());
         let mut level = Level::new(rest.len());
-        level.push(&rows, missing.as_slice(), missing.as_slice(), |_| RowName::Auxiliary);
+        level.push(&rows, missing.as_slice(), missing.as_slice(), |_| None);
         level.push_damping(factor(Some(damping), *smallest), &rest);
         let mut hierarchy = Hierarchy::new(rest);
         hierarchy.push(level);

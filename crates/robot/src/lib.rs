@@ -1,11 +1,16 @@
-//! Models of robot arms: serial chains of joints with limits, their kinematics, and set-points over time.
+//! Models of robots: trees of links that joints connect, their kinematics, and set-points over time.
+//!
+//! A serial arm is a tree without branches.
 //!
 //! | to | see |
 //! |---|---|
 //! | use a robot that ships with the crate | [`built_in`] |
-//! | read a robot from URDF | [`RobotModel::from_urdf`] |
+//! | read a serial arm from URDF | [`RobotModel::from_urdf`] |
+//! | read a whole tree, for example two arms, from URDF | [`RobotModel::from_urdf_tree`] |
+//! | describe a tree in code | [`TreeDescription`] |
 //! | read a robot from a file (`.urdf`, `.toml`, `.json`) | [`from_file`] |
 //! | compute tool pose and Jacobian at a posture | [`kinematics::Configuration`] |
+//! | compute pose, Jacobian and twist of a point of any link | [`kinematics::LinkPoint`] |
 //! | measure how near the joints are to their position limits | [`kinematics::joint_limit_index`] |
 //! | describe a set-point over time | [`profile::Profile`] |
 //!
@@ -32,20 +37,35 @@
 //! # }
 //! ```
 
+mod assembly;
+mod denavit_hartenberg;
 mod description;
 mod file;
+mod forward;
+mod joint;
 mod joint_kind;
 pub mod kinematics;
+mod link;
 mod model;
+mod model_error;
+mod moving_joint;
 mod overrides;
 pub mod profile;
 mod selection;
+mod tree;
+mod tree_description;
 mod urdf;
 
-pub use description::{DenavitHartenberg, DescriptionError, from_json, from_toml};
+pub use denavit_hartenberg::DenavitHartenberg;
+pub use description::{DescriptionError, from_json, from_toml};
 pub use file::{RobotFileError, built_in, from_file};
+pub use joint::{Joint, JointLimits};
 pub use joint_kind::JointKind;
-pub use model::{Joint, JointLimits, ModelError, RobotModel};
+pub use link::{Link, LinkId, Tip};
+pub use model::RobotModel;
+pub use model_error::ModelError;
+pub use moving_joint::MovingJoint;
 pub use overrides::{LimitOverride, Overrides};
 pub use selection::{ChainSelection, LeftOut, LeftOutReason, TipReason};
-pub use urdf::{UrdfError, UrdfOptions};
+pub use tree_description::{JointMotion, Mimic, TreeDescription, TreeJoint, TreeTip};
+pub use urdf::{UrdfError, UrdfOptions, UrdfTip, UrdfTreeOptions};

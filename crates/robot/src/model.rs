@@ -1,107 +1,30 @@
-//! The model of an arm: a serial chain, independent of the format that described it.
+//! The model of a robot: a tree of links, independent of the format that described it.
 
 use std::sync::Arc;
 
 use nalgebra::IsometryMatrix3;
 
-use super::{ChainSelection, DenavitHartenberg, JointKind};
-use crate::kinematics::Chain;
+use super::assembly::assemble;
+use super::tree::{Tree, is_finite};
+use super::{ChainSelection, Joint, Link, LinkId, ModelError, MovingJoint, Tip, TreeDescription};
 
-/// Position, velocity, acceleration and jerk limits of one joint; infinite where there is none.
+/// A robot: a tree of links that joints connect. A serial arm is a tree without branches.
 ///
-/// Units: rad, rad/s, rad/s², rad/s³ for a revolute joint; m, m/s, m/s², m/s³ for a prismatic one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointLimits {
-    /// q_lo, the smallest position.
-    pub lower: f64,
-    /// q_hi, the largest position.
-    pub upper: f64,
-    /// V, the largest speed in either direction.
-    pub velocity: f64,
-    /// A, the largest acceleration in either direction.
-    pub acceleration: f64,
-    /// J, the largest change of the acceleration in a second, in either direction.
-    pub jerk: f64,
-}
-
-impl JointLimits {
-    /// No limits.
-    pub const NONE: Self = Self {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        velocity: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        jerk: f64::INFINITY,
-    };
-
-    /// Returns whether the position range is not empty, and speed, acceleration and jerk are positive.
-    fn is_valid(&self) -> bool {
-        self.lower <= self.upper && self.velocity > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0
-    }
-}
-
-/// One joint of the chain.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    /// Name, unique in the robot.
-    pub name: String,
-    /// Kind of motion.
-    pub kind: JointKind,
-    /// Pose of the joint's frame at position zero, in the frame that the previous joint moves (first joint: the base).
-    pub placement: IsometryMatrix3<f64>,
-    /// Limits of the real arm.
-    pub limits: JointLimits,
-    /// Position range (lower, upper) in a publication, if it differs from `limits`. For information only.
-    pub published_range: Option<[f64; 2]>,
-    /// Denavit-Hartenberg row, if the joint was described by one. For information only: `placement` contains it.
-    pub denavit_hartenberg: Option<DenavitHartenberg>,
-}
-
-/// Why a robot description is refused.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ModelError {
-    /// A chain without joints cannot move.
-    #[error("a robot needs at least one joint")]
-    NoJoints,
-    /// Two joints share a name.
-    #[error("two joints are named `{name}`; give each its own name")]
-    DuplicateJoint {
-        /// The repeated name.
-        name: String,
-    },
-    /// The position range is empty, or a speed, acceleration or jerk is not positive.
-    #[error(
-        "joint `{joint}`: the position range must not be empty, velocity, acceleration and jerk limits must be positive"
-    )]
-    Limits {
-        /// The joint.
-        joint: String,
-    },
-    /// A length or an angle is NaN or infinite.
-    #[error("joint `{joint}`: lengths and angles must be finite numbers")]
-    NotFinite {
-        /// The joint.
-        joint: String,
-    },
-}
-
-fn is_finite(transform: &IsometryMatrix3<f64>) -> bool {
-    transform.to_homogeneous().iter().all(|entry| entry.is_finite())
-}
-
-/// A robot arm: its joints from base to tool, which is the order of all vectors of joints.
+/// The joints with a coordinate are in depth-first order, which is the order of all vectors of joints. For a serial arm,
+/// this is the order from base to tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotModel {
     name: String,
     description: String,
     joints: Vec<Joint>,
-    tool: IsometryMatrix3<f64>,
-    chain: Chain,
+    tree: Arc<Tree>,
     selection: Option<Arc<ChainSelection>>,
 }
 
 impl RobotModel {
-    /// Builds and checks a model from its joints and the pose of the tool frame in the frame that the last joint moves.
+    /// Builds and checks a serial arm from its joints and the pose of the tool frame in the frame that the last joint moves.
+    ///
+    /// Its links are `base` and, with the name of the joint, what each joint moves, in the joint's frame. Its tip is `tool`.
     pub fn new(
         name: impl Into<String>,
         description: impl Into<String>,
@@ -124,8 +47,19 @@ impl RobotModel {
                 return Err(ModelError::DuplicateJoint { name: joint.name.clone() });
             }
         }
-        let chain = Chain::new(&joints, &tool);
-        Ok(Self { name: name.into(), description: description.into(), joints, tool, chain, selection: None })
+        let tree = Arc::new(Tree::serial(&joints, &tool));
+        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None })
+    }
+
+    /// Builds and checks a robot from the description of its tree.
+    pub fn from_tree(
+        name: impl Into<String>,
+        description: impl Into<String>,
+        tree: &TreeDescription,
+    ) -> Result<Self, ModelError> {
+        let (joints, tree) = assemble(tree)?;
+        let tree = Arc::new(tree);
+        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None })
     }
 
     /// Returns the same robot with a note about the chain that it was read from.
@@ -133,7 +67,7 @@ impl RobotModel {
         Self { selection: Some(Arc::new(selection)), ..self }
     }
 
-    /// Returns which chain of the description the robot is; `None` if the description has only one.
+    /// Returns which chain of the description the robot is; `None` if it is all of the description.
     pub fn selection(&self) -> Option<&ChainSelection> {
         self.selection.as_deref()
     }
@@ -144,13 +78,15 @@ impl RobotModel {
         Self { name: name.into(), ..self }
     }
 
-    /// Returns the same arm with its tool frame moved by `offset`, a pose in the present tool frame, m.
+    /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m.
     pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
-        let tool = self.tool * offset;
-        match self.joints.last() {
-            Some(last) if !is_finite(&tool) => Err(ModelError::NotFinite { joint: last.name.clone() }),
-            _ => Ok(Self { tool, chain: Chain::new(&self.joints, &tool), ..self.clone() }),
+        let tool = self.tool() * offset;
+        if !is_finite(&tool) {
+            let joint = self.tree.moving()[self.tree.tool_joint()].name.clone();
+            return Err(ModelError::NotFinite { joint });
         }
+        let tree = Arc::new(self.tree.with_tool(self.tips()[0].offset * offset, tool));
+        Ok(Self { tree, ..self.clone() })
     }
 
     /// Returns the name of the robot.
@@ -163,30 +99,57 @@ impl RobotModel {
         &self.description
     }
 
-    /// Returns n, the number of joints.
+    /// Returns n, the number of joints with a coordinate.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
-    /// Returns the joints, base first.
+    /// Returns the joints with a coordinate, n, each behind the joint that it hangs on.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
+    }
+
+    /// Returns the joints that move, mimic joints included, each behind the joint that it hangs on.
+    pub fn moving_joints(&self) -> &[MovingJoint] {
+        self.tree.moving()
+    }
+
+    /// Returns the links, base first, each behind the link above it.
+    pub fn links(&self) -> &[Link] {
+        self.tree.links()
+    }
+
+    /// Returns the first link with a name.
+    pub fn link(&self, name: &str) -> Option<LinkId> {
+        self.links().iter().position(|link| link.name == name).map(LinkId)
+    }
+
+    /// Returns the tips; the first one is the tool.
+    pub fn tips(&self) -> &[Tip] {
+        self.tree.tips()
+    }
+
+    /// Returns the tip with a name.
+    pub fn tip(&self, name: &str) -> Option<&Tip> {
+        self.tips().iter().find(|tip| tip.name == name)
     }
 
     /// Returns the length of the stretched chain from the first joint to the tool, m: no point of the chain is farther away,
     /// apart from prismatic motion.
     pub fn reach(&self) -> f64 {
-        let links = self.joints.iter().skip(1).map(|joint| &joint.placement).chain([&self.tool]);
+        let mut path: Vec<usize> = self.tree.path_up(Some(self.tree.tool_joint())).collect();
+        path.reverse();
+        let links = path.iter().skip(1).map(|&joint| &self.moving_joints()[joint].placement).chain([self.tool()]);
         links.map(|placement| placement.translation.vector.norm()).sum()
     }
 
-    /// Returns the pose of the tool frame in the frame that the last joint moves.
+    /// Returns the pose of the tool frame in the frame that its joint moves, m. For a serial arm, this is the last joint.
     pub fn tool(&self) -> &IsometryMatrix3<f64> {
-        &self.tool
+        self.tree.tool()
     }
 
-    /// Returns the fixed transforms, for forward kinematics.
-    pub(crate) fn chain(&self) -> &Chain {
-        &self.chain
+    /// Returns links, tips and the constants of the kinematics.
+    pub(crate) fn tree(&self) -> &Arc<Tree> {
+        &self.tree
     }
 }

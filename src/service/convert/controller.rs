@@ -7,18 +7,19 @@ use revprio_core::controller::{
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 use revprio_core::rows::RowsError;
 
+use super::checks::{Missing, Result, check, each};
 use super::environment;
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{damping, number, velocity_box};
+use super::numbers::{between, damping, not_negative, number, velocity_box};
 use super::pose::with_tool_offset;
 use super::resolve::{known_robot, positive_period};
 use super::resolve_task::check_row_count;
-use super::state_rules::StateRules;
 use super::task::task_config;
 use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
+use crate::service::state_rules::StateRules;
 
 /// Maximum lag of a drive, s.
 pub const MAX_LAG_S: f64 = 1.0;
@@ -29,18 +30,17 @@ pub const CHARACTERISTIC_LENGTH_M: (f64, f64) = (1e-3, 1e3);
 /// Maximum number of tasks of a controller.
 pub const MAX_TASKS: usize = 64;
 
+/// Maximum validity of an answer that a controller can have, ms.
+pub const MAX_VALID_FOR_MS: u64 = 10_000;
+
 /// Reads a controller.
-pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller, ApiError> {
-    StateRules::read(request)?;
+pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Controller> {
+    state_rules(request)?;
     let robot = with_tool_offset(&known_robot(&request.robot, robots)?, request.tool_offset.as_ref())?;
-    if request.tasks.len() > MAX_TASKS {
-        return Err(ApiError::invalid("/tasks", format!("give at most {MAX_TASKS} tasks")));
-    }
-    let task = |(k, task): (usize, &wire::ControllerTask)| {
-        task_config(task, &robot).map_err(|error| error.inside(&format!("/tasks/{k}")))
-    };
-    let tasks = request.tasks.iter().enumerate().map(task).collect::<Result<Vec<_>, _>>()?;
+    check(request.tasks.len() <= MAX_TASKS, "/tasks", format_args!("give at most {MAX_TASKS} tasks"))?;
+    let tasks: Vec<_> = each("/tasks", &request.tasks, |_, task| task_config(task, &robot))?;
     let (period_s, drive) = (positive_period(request.period_s, "/period_s")?, drive(request.drive)?);
+    let joints = robot.joint_count();
     let config = ControllerConfig {
         period_s,
         method: terms::method(request.method),
@@ -49,20 +49,16 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         characteristic_length_m: characteristic_length(request.characteristic_length_m)?,
         limits: match &request.limits {
             wire::Limits::Robot(kind) => Limits::Robot(terms::limit_kind(*kind)),
-            wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, robot.joint_count())?),
+            wire::Limits::Box { lower, upper } => Limits::Fixed(velocity_box(lower, upper, joints)?),
         },
         drive,
         valid_for_ms: request.valid_for_ms,
-        constraints: InequalityReader {
-            robot: Some(&robot),
-            joints: robot.joint_count(),
-            period_s: Some(request.period_s),
-        }
-        .read(&request.inequalities)?,
+        constraints: InequalityReader { robot: Some(&robot), joints, period_s: Some(request.period_s) }
+            .read(&request.inequalities)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: match &request.null_space_velocity {
-            Some(motion) => null_space(motion, Some(&robot), robot.joint_count())?,
+            Some(motion) => null_space(motion, Some(&robot), joints)?,
             None => NullSpaceMotion::default_for(&robot, &tasks, drive, period_s),
         },
         leave_local_minima: request.leave_local_minima,
@@ -71,29 +67,32 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         robot,
     };
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
-    environment::check(request)?;
+    environment::check_environment(request)?;
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
 }
 
-fn characteristic_length(length: f64) -> Result<f64, ApiError> {
-    let pointer = "/characteristic_length_m";
-    let (least, greatest) = CHARACTERISTIC_LENGTH_M;
-    let length = number(length, pointer)?;
-    if (least..=greatest).contains(&length) {
-        Ok(length)
-    } else {
-        Err(ApiError::invalid(pointer, format!("give {least} to {greatest} m")))
-    }
+/// Reads the rules for the states of a controller.
+pub fn state_rules(controller: &wire::Controller) -> Result<StateRules> {
+    let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
+    let detail = format_args!("give 1 to {MAX_VALID_FOR_MS} ms");
+    check((1..=MAX_VALID_FOR_MS).contains(&valid_for_ms), "/valid_for_ms", detail)?;
+    not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
+    not_negative(checks.max_force_n.unwrap_or_default(), "/state_checks/max_force_n")?;
+    not_negative(checks.max_torque_nm.unwrap_or_default(), "/state_checks/max_torque_nm")?;
+    Ok(StateRules { valid_for_ms, why, checks })
 }
 
-fn drive(drive: wire::JointDrive) -> Result<Drive, ApiError> {
-    let delay = usize::try_from(drive.delay_periods).ok().filter(|delay| *delay <= MAX_DRIVE_DELAY);
-    let too_long = || ApiError::invalid("/drive/delay_periods", format!("give at most {MAX_DRIVE_DELAY}"));
+fn characteristic_length(length: f64) -> Result<f64> {
+    let (pointer, (least, greatest)) = ("/characteristic_length_m", CHARACTERISTIC_LENGTH_M);
+    between(number(length, pointer)?, least..=greatest, pointer, format_args!("give {least} to {greatest} m"))
+}
+
+fn drive(drive: wire::JointDrive) -> Result<Drive> {
     let lag_s = number(drive.lag_s, "/drive/lag_s")?;
-    if !(0.0..=MAX_LAG_S).contains(&lag_s) {
-        return Err(ApiError::invalid("/drive/lag_s", format!("give 0 to {MAX_LAG_S} s")));
-    }
-    Ok(Drive { lag_s, delay_periods: delay.ok_or_else(too_long)? })
+    let lag_s = between(lag_s, 0.0..=MAX_LAG_S, "/drive/lag_s", format_args!("give 0 to {MAX_LAG_S} s"))?;
+    let delay = usize::try_from(drive.delay_periods).ok().filter(|delay| *delay <= MAX_DRIVE_DELAY);
+    let too_long = format_args!("give at most {MAX_DRIVE_DELAY}");
+    Ok(Drive { lag_s, delay_periods: delay.or_invalid("/drive/delay_periods", too_long)? })
 }
 
 fn config_pointer(error: &ConfigError) -> String {

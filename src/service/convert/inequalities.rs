@@ -4,7 +4,8 @@ use revprio_api::wire;
 use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, MAX_CONSTRAINT_ROWS, PlanePoint, VirtualPlane};
 use revprio_robot::RobotModel;
 
-use super::numbers::{check_numbers, joint_list, number};
+use super::checks::{Missing, Refused, Result, check, each};
+use super::numbers::{check_numbers, joint_index, joint_list, joint_names, number};
 use crate::service::error::ApiError;
 
 /// Maximum number of inequalities of a request.
@@ -22,18 +23,10 @@ pub struct InequalityReader<'a> {
 
 impl InequalityReader<'_> {
     /// Reads the list at the JSON pointer `/inequalities`.
-    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Constraint>, ApiError> {
-        if list.len() > MAX_INEQUALITIES {
-            let detail = format!("give at most {MAX_INEQUALITIES} inequalities");
-            return Err(ApiError::invalid("/inequalities", detail));
-        }
-        let constraints = list
-            .iter()
-            .enumerate()
-            .map(|(i, inequality)| {
-                self.constraint(i, inequality).map_err(|error| error.inside(&format!("/inequalities/{i}")))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Constraint>> {
+        let detail = format_args!("give at most {MAX_INEQUALITIES} inequalities");
+        check(list.len() <= MAX_INEQUALITIES, "/inequalities", detail)?;
+        let constraints: Vec<Constraint> = each("/inequalities", list, |i, inequality| self.constraint(i, inequality))?;
         for (i, constraint) in constraints.iter().enumerate() {
             if constraints[..i].iter().any(|earlier| earlier.name() == constraint.name()) {
                 let detail = format!("two inequalities are named `{}`; give each its own name", constraint.name());
@@ -43,53 +36,40 @@ impl InequalityReader<'_> {
         Ok(constraints)
     }
 
-    fn constraint(&self, index: usize, inequality: &wire::Inequality) -> Result<Constraint, ApiError> {
-        let name_or_default =
-            |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
+    fn constraint(&self, index: usize, inequality: &wire::Inequality) -> Result<Constraint> {
+        let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
             wire::Inequality::Joints { name, coefficients, upper } => {
-                let coefficients = joint_list(coefficients, self.joints, "/coefficients")?;
+                let coefficients: Vec<f64> = joint_list(coefficients, self.joints, "/coefficients")?;
                 let upper = number(*upper, "/upper")?;
-                Inequality::new(name_or_default(name), coefficients, upper)
-                    .map(Constraint::Fixed)
-                    .map_err(|error| ApiError::invalid("/coefficients", error))
+                Inequality::new(named(name), coefficients, upper).map(Constraint::Fixed).at("/coefficients")
             }
             wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
                 check_numbers(normal, "/normal")?;
                 let offset = number(*offset_m, "/offset_m")?;
                 let point = self.point(point, "/point")?;
                 let rate = self.rate(*rate_per_s, "/rate_per_s")?;
-                VirtualPlane::new(name_or_default(name), *normal, offset, point, rate)
-                    .map(Constraint::Plane)
-                    .map_err(|error| ApiError::invalid("/normal", error))
+                VirtualPlane::new(named(name), *normal, offset, point, rate).map(Constraint::Plane).at("/normal")
             }
         }
     }
 
-    fn point(&self, point: &str, pointer: &str) -> Result<PlanePoint, ApiError> {
-        let Some(robot) = self.robot else {
-            return Err(ApiError::invalid(pointer, "a plane needs `robot` and `joint_position`"));
-        };
+    fn point(&self, point: &str, pointer: &str) -> Result<PlanePoint> {
+        let robot = self.robot.or_invalid(pointer, "a plane needs `robot` and `joint_position`")?;
         if point == "tool" {
             return Ok(PlanePoint::Tool);
         }
-        let joint = robot.joints().iter().position(|joint| joint.name == point);
-        let unknown = || {
-            let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-            format!("`{}` has no joint `{point}`; give `tool` or one of {}", robot.name(), names.join(", "))
-        };
-        joint.map(PlanePoint::Joint).ok_or_else(|| ApiError::invalid(pointer, unknown()))
+        joint_index(robot, point).map(PlanePoint::Joint).ok_or_else(|| {
+            let (robot, names) = (robot.name(), joint_names(robot).join(", "));
+            ApiError::invalid(pointer, format!("`{robot}` has no joint `{point}`; give `tool` or one of {names}"))
+        })
     }
 
-    fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64, ApiError> {
+    fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64> {
         let max = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
-        match rate {
-            None => Ok(APPROACH_RATE.min(max)),
-            Some(rate) if rate > 0.0 && rate <= max => number(rate, pointer),
-            Some(rate) => Err(ApiError::invalid(
-                pointer,
-                format!("{rate} is out of range; give a positive rate of at most 1 / `period_s`"),
-            )),
-        }
+        let Some(rate) = rate else { return Ok(APPROACH_RATE.min(max)) };
+        let detail = format_args!("{rate} is out of range; give a positive rate of at most 1 / `period_s`");
+        check(rate > 0.0 && rate <= max, pointer, detail)?;
+        number(rate, pointer)
     }
 }

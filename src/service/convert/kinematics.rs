@@ -5,19 +5,19 @@ use revprio_api::wire;
 use revprio_core::linalg::{Matrix, Svd};
 use revprio_robot::kinematics::{Configuration, link_frames};
 
+use super::checks::{Refused, Result};
 use super::numbers::joint_vector;
 use super::pose::pose_answer;
 use super::resolve::known_robot;
-use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Computes the answer.
-pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer, ApiError> {
+pub fn kinematics(request: &wire::KinematicsRequest, robots: &Robots) -> Result<wire::KinematicsAnswer> {
     let pointer = "/joint_position";
     let robot = &*known_robot(&request.robot, robots)?;
-    let position = joint_vector(&request.joint_position, robot, pointer)?;
-    let configuration = Configuration::new(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
-    let links = link_frames(robot, &position).map_err(|error| ApiError::invalid(pointer, error))?;
+    let position: Vec<f64> = joint_vector(&request.joint_position, robot, pointer)?;
+    let configuration = Configuration::new(robot, &position).at(pointer)?;
+    let links = link_frames(robot, &position).at(pointer)?;
     let jacobian = configuration.jacobian();
     let svd = Svd::new(&Matrix::from_fn(6, jacobian.ncols(), |i, j| jacobian[(i, j)]));
     let singular_values = svd.singular_values();

@@ -2,60 +2,61 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use revprio_api::wire;
-use revprio_core::constraint::Constraint;
 use revprio_core::controller::{AnsweredState, Controller, ControllerConfig, JerkState, Memory, Progress, Stall};
 use revprio_core::limits::DriveState;
-use revprio_core::linalg::Vector;
-use revprio_core::resolution::{ActiveSet, Side};
+use revprio_core::resolution::{ActiveSet, Bound, BoundId};
 use revprio_robot::Joint;
 
-use super::numbers::{check_numbers, joint_list, number, numbers};
-use super::state_rules::{LastState, MAX_VALID_FOR_MS};
+use super::checks::{Inside, Result, check, each, foreign};
+use super::controller::MAX_VALID_FOR_MS;
+use super::numbers::{check_numbers, joint_index, joint_list, number, numbers};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
 use crate::service::error::ApiError;
+use crate::service::state_rules::LastState;
 
 /// Maximum deviation of RᵀR from the identity. The matrices of the service deviate by 1e-15.
 const MAX_ROTATION_ERROR: f64 = 1e-9;
 
 /// Reads the memory of a stateless step with this sequence number; `None` at the first step. Pointers begin at the whole
 /// request.
-pub fn memory(
-    memory: Option<&wire::Memory>,
-    sequence: u64,
-    controller: &Controller,
-) -> Result<Option<Memory>, ApiError> {
+pub fn memory(memory: Option<&wire::Memory>, sequence: u64, controller: &Controller) -> Result<Option<Memory>> {
     let Some(memory) = memory else { return Ok(None) };
-    check_sequence(memory.sequence, sequence).map_err(|error| error.inside("/state"))?;
-    read(memory, controller.config()).map(Some).map_err(|error| error.inside("/memory"))
+    check_sequence(memory.sequence, sequence).inside("/state")?;
+    read(memory, controller.config()).map(Some).inside("/memory")
 }
 
-fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory, ApiError> {
-    let velocity = |(k, values): (usize, &Vec<f64>)| {
-        let values = numbers(values, "").map_err(|error| error.inside(&format!("/task_velocities/{k}")));
-        values.map(Vector::from_vec)
+fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
+    let joints = |values: &Vec<f64>, pointer: &str| joint_list(values, config.robot.joint_count(), pointer);
+    let jerk = |jerk: &wire::JerkState| {
+        let acceleration = joints(&jerk.acceleration, "/jerk/acceleration")?;
+        Ok(JerkState { acceleration, requested: joints(&jerk.requested, "/jerk/requested")? })
     };
+    let initial_position = |position| joints(position, "/initial_joint_position");
+    let task_velocities = each("/task_velocities", &memory.task_velocities, |_, values| numbers(values, ""))?;
+    let initial_pose = pose(&memory.initial_pose)?;
+    let last_command = joints(&memory.last_command, "/last_command")?;
     Ok(Memory {
-        task_velocities: memory.task_velocities.iter().enumerate().map(velocity).collect::<Result<_, _>>()?,
-        initial_pose: pose(&memory.initial_pose)?,
-        last_command: joint_list(&memory.last_command, config.robot.joint_count(), "/last_command")
-            .map(Vector::from_vec)?,
-        drive: drive_state(memory, config)?,
+        task_velocities,
+        initial_pose,
+        drive: match &memory.drive {
+            None => DriveState::moving(config.drive, &last_command),
+            Some(drive) => DriveState {
+                velocity: joints(&drive.velocity, "/drive/velocity")?,
+                pending: each("/drive/pending", &drive.pending, |_, command| joints(command, ""))?,
+            },
+        },
+        last_command,
         answered: answered_state(memory, config)?,
-        jerk: memory.jerk.as_ref().map(|state| jerk_state(state, config)).transpose()?,
-        active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_, _>>()?,
+        jerk: memory.jerk.as_ref().map(jerk).transpose()?,
+        active_set: memory.active_set.iter().map(|set| active_set(set, config)).collect::<Result<_>>()?,
         target_streams: target_streams(&memory.target_streams, config)?,
-        initial_position: initial_position(memory, config)?,
+        initial_position: memory.initial_joint_position.as_ref().map(initial_position).transpose()?,
         progress: memory.task_progress.iter().map(progress).collect(),
         stalls: stalls(&memory.stalls, config)?,
         in_transition: memory.in_transition,
     })
-}
-
-fn initial_position(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<Vector>, ApiError> {
-    let read = |position: &Vec<f64>| joint_list(position, config.robot.joint_count(), "/initial_joint_position");
-    Ok(memory.initial_joint_position.as_ref().map(read).transpose()?.map(Vector::from_vec))
 }
 
 fn progress(progress: &wire::Progress) -> Progress {
@@ -69,18 +70,16 @@ fn progress_answer(progress: &Progress) -> wire::Progress {
 }
 
 /// Reads the joints that did not follow; all others did.
-fn stalls(listed: &[wire::Stall], config: &ControllerConfig) -> Result<Vec<Stall>, ApiError> {
-    let joints = config.robot.joints();
-    let mut stalls = vec![Stall::NONE; if listed.is_empty() { 0 } else { joints.len() }];
-    for (k, wire::Stall { joint: name, commanded, moved, time_s }) in listed.iter().enumerate() {
-        let inside = |error: ApiError| error.inside(&format!("/stalls/{k}"));
-        let joint = joints.iter().position(|joint| joint.name == *name).ok_or_else(|| {
-            let message = "not a joint of this robot; send the memory of the last answer unchanged";
-            inside(ApiError::invalid("/joint", message))
-        })?;
-        let read = |value, pointer| number(value, pointer).map_err(inside);
-        let (commanded, moved) = (read(*commanded, "/commanded")?, read(*moved, "/moved")?);
-        stalls[joint] = Stall { commanded, moved, time_s: read(*time_s, "/time_s")? };
+fn stalls(listed: &[wire::Stall], config: &ControllerConfig) -> Result<Vec<Stall>> {
+    let read = |_, stall: &wire::Stall| {
+        let joint = joint_index(&config.robot, &stall.joint);
+        let joint = joint.ok_or_else(|| foreign("/joint", "not a joint of this robot"))?;
+        let (commanded, moved) = (number(stall.commanded, "/commanded")?, number(stall.moved, "/moved")?);
+        Ok((joint, Stall { commanded, moved, time_s: number(stall.time_s, "/time_s")? }))
+    };
+    let mut stalls = vec![Stall::NONE; if listed.is_empty() { 0 } else { config.robot.joint_count() }];
+    for (joint, stall) in each::<_, _, Vec<_>>("/stalls", listed, read)? {
+        stalls[joint] = stall;
     }
     Ok(stalls)
 }
@@ -94,122 +93,81 @@ fn stalls_answer(stalls: &[Stall], config: &ControllerConfig) -> Vec<wire::Stall
     config.robot.joints().iter().zip(stalls).filter_map(entry).collect()
 }
 
-fn drive_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<DriveState, ApiError> {
-    let joints = config.robot.joint_count();
-    let list = |values: &Vec<f64>, pointer: &str| joint_list(values, joints, pointer).map(Vector::from_vec);
-    let Some(state) = &memory.drive else {
-        return Ok(DriveState::moving(config.drive, &list(&memory.last_command, "/last_command")?));
-    };
-    let pending = |(k, command): (usize, &Vec<f64>)| list(command, &format!("/drive/pending/{k}"));
-    Ok(DriveState {
-        velocity: list(&state.velocity, "/drive/velocity")?,
-        pending: state.pending.iter().enumerate().map(pending).collect::<Result<_, _>>()?,
-    })
+/// Reads time and joint position of the last state, if the memory has both.
+fn last_position(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<(f64, Vec<f64>)>> {
+    let (Some(time_s), Some(position)) = (memory.time_s, &memory.joint_position) else { return Ok(None) };
+    let time_s = number(time_s, "/time_s")?;
+    Ok(Some((time_s, joint_list(position, config.robot.joint_count(), "/joint_position")?)))
 }
 
-fn answered_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<AnsweredState>, ApiError> {
-    let wire::Memory { time_s: Some(time_s), joint_position: Some(position), valid_for_ms: Some(valid_for_ms), .. } =
-        memory
-    else {
+fn answered_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<AnsweredState>> {
+    let Some((valid_for_ms, (time_s, position))) = memory.valid_for_ms.zip(last_position(memory, config)?) else {
         return Ok(None);
     };
-    if *valid_for_ms > MAX_VALID_FOR_MS {
-        return Err(ApiError::invalid("/valid_for_ms", format!("give at most {MAX_VALID_FOR_MS} ms")));
-    }
-    Ok(Some(AnsweredState {
-        time_s: number(*time_s, "/time_s")?,
-        joint_position: joint_list(position, config.robot.joint_count(), "/joint_position").map(Vector::from_vec)?,
-        valid_for_ms: *valid_for_ms,
-    }))
-}
-
-fn jerk_state(state: &wire::JerkState, config: &ControllerConfig) -> Result<JerkState, ApiError> {
-    let list = |values: &Vec<f64>, pointer: &str| {
-        joint_list(values, config.robot.joint_count(), pointer).map(Vector::from_vec)
-    };
-    Ok(JerkState {
-        acceleration: list(&state.acceleration, "/jerk/acceleration")?,
-        requested: list(&state.requested, "/jerk/requested")?,
-    })
+    check(valid_for_ms <= MAX_VALID_FOR_MS, "/valid_for_ms", format_args!("give at most {MAX_VALID_FOR_MS} ms"))?;
+    Ok(Some(AnsweredState { time_s, joint_position: position.into(), valid_for_ms }))
 }
 
 /// Reads the last state from the memory of a stateless step; `None` if it has none.
-pub fn last_state(memory: Option<&wire::Memory>, controller: &Controller) -> Result<Option<LastState>, ApiError> {
-    let Some(wire::Memory { sequence, time_s: Some(time_s), joint_position: Some(position), .. }) = memory else {
-        return Ok(None);
-    };
-    let joints = controller.config().robot.joint_count();
-    let read = |position| {
-        let (time_s, joint_position) = (number(*time_s, "/time_s")?, joint_list(position, joints, "/joint_position")?);
-        Ok(Some(LastState { sequence: *sequence, time_s, joint_position }))
-    };
-    read(position).map_err(|error: ApiError| error.inside("/memory"))
+pub fn last_state(memory: Option<&wire::Memory>, controller: &Controller) -> Result<Option<LastState>> {
+    let Some(memory) = memory else { return Ok(None) };
+    let state = |(time_s, joint_position)| LastState { sequence: memory.sequence, time_s, joint_position };
+    last_position(memory, controller.config()).map(|found| found.map(state)).inside("/memory")
 }
 
-fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>, ApiError> {
+fn pose(pose: &wire::FramePose) -> Result<IsometryMatrix3<f64>> {
     check_numbers(&pose.position, "/initial_pose/position")?;
-    let [x, y, z] = pose.position;
     let matrix = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
-    if !((matrix.transpose() * matrix - Matrix3::identity()).amax() <= MAX_ROTATION_ERROR && matrix.determinant() > 0.0)
-    {
-        return Err(ApiError::invalid(
-            "/initial_pose/rotation",
-            "not a rotation matrix; send the memory of the last answer unchanged",
-        ));
+    let error = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    if !(error <= MAX_ROTATION_ERROR && matrix.determinant() > 0.0) {
+        return Err(foreign("/initial_pose/rotation", "not a rotation matrix"));
     }
-    Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix)))
+    let position = Translation3::from(pose.position);
+    Ok(IsometryMatrix3::from_parts(position, Rotation3::from_matrix_unchecked(matrix)))
 }
 
 fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Result<ActiveSet, ApiError> {
-    let joints = config.robot.joints();
-    let index = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
-        (Some(name), None, None, None) => joints.iter().position(|joint| joint.name == *name),
-        (None, Some(name), None, None) => {
-            constraint_rows(config).position(|constraint| constraint.name() == name).map(|index| joints.len() + index)
+    let id = |limit: &wire::ActiveLimitName| match (&limit.joint, &limit.inequality, &limit.task, limit.row) {
+        (Some(name), None, None, None) => {
+            config.robot.joints().iter().position(|joint| joint.name == *name).map(BoundId::Joint)
+        }
+        (None, Some(name), None, row) => {
+            let index = config.constraints.iter().position(|constraint| constraint.name() == name)?;
+            let row = row.unwrap_or(0);
+            (row < config.constraints[index].row_count()).then_some(BoundId::Constraint { index, row })
         }
         (None, None, Some(name), Some(row)) => {
-            let k = config.tasks.iter().position(|task| task.name == *name)?;
-            (row < config.tasks[k].rows.len()).then(|| first_row(config, k) + row)
+            let index = config.tasks.iter().position(|task| task.name == *name)?;
+            (row < config.tasks[index].rows.len()).then_some(BoundId::Task { index, row })
         }
         _ => None,
     };
     let unknown = || {
         ApiError::invalid("/active_set", "not a limit of this controller; send the memory of the last answer unchanged")
     };
-    let limit = |limit: &wire::ActiveLimitName| Ok((index(limit).ok_or_else(unknown)?, terms::side(limit.side)));
+    let limit =
+        |limit: &wire::ActiveLimitName| Ok(Bound { id: id(limit).ok_or_else(unknown)?, side: terms::side(limit.side) });
     names.iter().map(limit).collect()
 }
 
-/// Returns the place of the first row of a task in an active set: after the joints, the inequalities and the rows of the
-/// tasks before it.
-fn first_row(config: &ControllerConfig, task: usize) -> usize {
-    let before: usize = config.tasks[..task].iter().map(|task| task.rows.len()).sum();
-    config.robot.joint_count() + constraint_rows(config).count() + before
-}
-
-/// Returns the constraint of each row of the constraints.
-fn constraint_rows(config: &ControllerConfig) -> impl Iterator<Item = &Constraint> {
-    config.constraints.iter().flat_map(|constraint| std::iter::repeat_n(constraint, constraint.row_count()))
-}
-
-/// Returns the name of a limit at a place in an active set.
-fn limit_name(config: &ControllerConfig, &(place, side): &(usize, Side)) -> wire::ActiveLimitName {
-    let joint = config.robot.joints().get(place).map(|joint| joint.name.clone());
-    let after_joints = place.checked_sub(config.robot.joint_count());
-    let constraint = after_joints.and_then(|index| constraint_rows(config).nth(index));
-    let task = (0..config.tasks.len()).rfind(|&k| first_row(config, k) <= place);
-    wire::ActiveLimitName {
-        joint,
-        inequality: constraint.map(|constraint| constraint.name().to_owned()),
-        task: task.map(|k| config.tasks[k].name.clone()),
-        row: task.map(|k| place - first_row(config, k)),
-        side: terms::side_answer(side),
+/// Returns the name of a bound of an active set.
+fn limit_name(config: &ControllerConfig, bound: &Bound) -> wire::ActiveLimitName {
+    let (mut joint, mut inequality, mut task, mut row) = (None, None, None, None);
+    match bound.id {
+        BoundId::Joint(index) => joint = Some(config.robot.joints()[index].name.clone()),
+        BoundId::Constraint { index, row: own } => {
+            inequality = Some(config.constraints[index].name().to_owned());
+            // The first row needs no number: most constraints have one row.
+            row = Some(own).filter(|own| *own > 0);
+        }
+        BoundId::Task { index, row: own } => (task, row) = (Some(config.tasks[index].name.clone()), Some(own)),
     }
+    wire::ActiveLimitName { joint, inequality, task, row, side: terms::side_answer(bound.side) }
 }
 
 /// Returns the memory as a part of an answer.
 pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) -> wire::Memory {
-    let name = |limit: &(usize, Side)| limit_name(controller.config(), limit);
+    let name = |limit: &Bound| limit_name(controller.config(), limit);
     let (position, rotation) = (&memory.initial_pose.translation, memory.initial_pose.rotation.matrix());
     wire::Memory {
         sequence: last.sequence,
@@ -218,7 +176,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         valid_for_ms: memory.answered.as_ref().map(|answered| answered.valid_for_ms),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {
-            position: [position.x, position.y, position.z],
+            position: position.vector.into(),
             rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
         },
         last_command: memory.last_command.as_slice().to_vec(),
@@ -255,7 +213,10 @@ mod tests {
         let request: wire::Controller = serde_json::from_str(CONTROLLER).unwrap();
         let controller = controller(&request, &Robots::built_in()).unwrap();
         let config = controller.config();
-        let places: ActiveSet = (0..11).map(|place| (place, Side::Upper)).collect();
+        let joints = (0..7).map(BoundId::Joint);
+        let rows = [(0, 0), (0, 1), (1, 0)].map(|(index, row)| BoundId::Task { index, row });
+        let ids = joints.chain([BoundId::Constraint { index: 0, row: 0 }]).chain(rows);
+        let places: ActiveSet = ids.map(Bound::upper).collect();
         let names: Vec<_> = places.iter().map(|limit| limit_name(config, limit)).collect();
         assert_eq!(active_set(&names, config).unwrap(), places);
         let written: Vec<String> = names[6..].iter().map(|name| serde_json::to_string(name).unwrap()).collect();

@@ -1,14 +1,14 @@
 //! Conversion of bodies to the types of the library and back. An error names the wrong field by its JSON pointer.
 //!
 //! A function that reads a part of a body names the field inside that part. Its caller adds the place of the part with
-//! `ApiError::inside`. Pointers are therefore built only for errors. Building them in advance took half of the time of
-//! reading a controller.
+//! `inside`, or `each` for a list. Pointers are therefore built only for errors. Building them in advance took half of
+//! the time of reading a controller.
 
 mod arm;
+mod checks;
 mod control;
 mod controller;
 mod environment;
-mod free_space;
 mod inequalities;
 mod kinematics;
 mod memory;
@@ -22,18 +22,15 @@ mod resolve_task;
 mod robot;
 mod simulation;
 mod stability;
-mod state_rules;
 mod step;
 mod target_memory;
 mod targets;
 mod task;
 mod terms;
-mod warnings;
-mod why;
 
 pub use arm::{arm_view, finite, single};
-pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, changed_controller, check_control, check_interactive};
-pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, controller};
+pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, check_control, check_interactive};
+pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, MAX_VALID_FOR_MS, controller, state_rules};
 pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
@@ -44,11 +41,7 @@ pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, 
 pub use resolve_task::MAX_ROWS;
 pub use robot::{overrides, robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
-pub use stability::{contact_loop, margin, margin_answer};
-pub use state_rules::{LastState, MAX_VALID_FOR_MS, StateRules};
+pub use stability::{NOT_COMPUTABLE, contact_loop, margin, margin_answer};
 pub use step::{
     MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, transition_error, valid_for_ms, watched_step,
 };
-pub use targets::warn as warn_about_targets;
-pub use warnings::warnings;
-pub use why::why_of_step;

@@ -4,8 +4,8 @@ use revprio_api::wire;
 use revprio_core::controller::NullSpaceMotion;
 use revprio_robot::RobotModel;
 
+use super::checks::{Missing, Result};
 use super::numbers::{joint_vector, joint_vector_of, not_negative};
-use crate::service::error::ApiError;
 
 /// Reads the null-space velocity ζ̇ at `/null_space_velocity` for `joints` joints; `None`: rest. One that depends on the
 /// posture needs a robot.
@@ -13,7 +13,7 @@ pub fn null_space(
     request: &wire::NullSpaceVelocity,
     robot: Option<&RobotModel>,
     joints: usize,
-) -> Result<Option<NullSpaceMotion>, ApiError> {
+) -> Result<Option<NullSpaceMotion>> {
     let motion = match request {
         wire::NullSpaceVelocity::Constant(velocity) => {
             let velocity = joint_vector_of(velocity, robot, joints, "/null_space_velocity")?;
@@ -22,8 +22,7 @@ pub fn null_space(
         wire::NullSpaceVelocity::Motion(wire::NullSpaceMotion::Rest {}) => return Ok(None),
         wire::NullSpaceVelocity::Motion(motion) => motion,
     };
-    let robot =
-        robot.ok_or_else(|| ApiError::invalid("/robot", "this null-space velocity needs the name of a robot"))?;
+    let robot = robot.or_invalid("/robot", "this null-space velocity needs the name of a robot")?;
     let gain = |gain: f64| not_negative(gain, "/null_space_velocity/gain");
     Ok(Some(match motion {
         wire::NullSpaceMotion::JointLimits { gain: k } => NullSpaceMotion::JointLimits { gain: gain(*k)? },

@@ -2,8 +2,8 @@
 
 use revprio_api::wire;
 use revprio_core::resolution::{
-    Certificate, CertifiedLevel, CertifiedProblem, LevelReport, LimitViolation, Member, Multipliers, Part, Resolution,
-    RowName, Side,
+    ActiveBound, Bound, BoundId, BrokenBound, Certificate, CertifiedLevel, CertifiedProblem, LevelReport, Multipliers,
+    Part, Resolution, Side,
 };
 use revprio_robot::{Joint, RobotModel};
 use tokio::time::Instant;
@@ -38,9 +38,9 @@ impl Outcome<'_> {
         let outcome = |(k, outcome): (usize, &revprio_core::resolution::TaskOutcome)| {
             let (requested, target_force) = describe(k);
             let achieved: Vec<f64> = outcome.achieved.iter().copied().map(finite).collect();
-            let active_row = |active: &revprio_core::resolution::ActiveRow| wire::ActiveRow {
-                row: active.row,
-                side: terms::side_answer(active.side),
+            let active_row = |(row, active): (usize, &ActiveBound)| wire::ActiveRow {
+                row,
+                side: terms::side_answer(active.bound.side),
                 multiplier: active.multiplier,
             };
             wire::TaskOutcome {
@@ -54,7 +54,7 @@ impl Outcome<'_> {
                 target_force,
                 target_state: None,
                 target_age_s: None,
-                active_rows: outcome.active_rows.iter().map(active_row).collect(),
+                active_rows: self.resolution.active_rows(k).map(active_row).collect(),
             }
         };
         self.resolution.tasks.iter().enumerate().map(outcome).collect()
@@ -62,76 +62,71 @@ impl Outcome<'_> {
 
     /// Active joint limits.
     pub fn active_limits(&self) -> Vec<wire::ActiveLimit> {
-        let limit = |limit: &revprio_core::resolution::ActiveLimit| wire::ActiveLimit {
-            joint: self.joints[limit.joint].to_owned(),
-            side: terms::side_answer(limit.side),
-            value: limit.value,
-            multiplier: limit.multiplier,
+        let limit = |(joint, active): (usize, &ActiveBound)| wire::ActiveLimit {
+            joint: self.joints[joint].to_owned(),
+            side: terms::side_answer(active.bound.side),
+            value: active.value,
+            multiplier: active.multiplier,
         };
-        self.resolution.active_limits.iter().map(limit).collect()
+        self.resolution.active_limits().map(limit).collect()
     }
 
     /// Violated joint limits. Limits that are not the robot's may allow more than its speed limits; a joint that exceeds
     /// them is listed too.
     pub fn violated_limits(&self) -> Vec<wire::ViolatedLimit> {
-        let violation = |violation: &LimitViolation| wire::ViolatedLimit {
-            joint: self.joints[violation.joint].to_owned(),
-            side: terms::side_answer(violation.side),
-            limit: violation.limit,
-            value: violation.value,
+        let violation = |joint: usize, side: Side, limit: f64, value: f64| wire::ViolatedLimit {
+            joint: self.joints[joint].to_owned(),
+            side: terms::side_answer(side),
+            limit,
+            value,
         };
-        let violated = &self.resolution.violated_limits;
-        let is_listed = |joint: usize| violated.iter().any(|violation| violation.joint == joint);
-        let too_fast = self.too_fast().filter(|violation| !is_listed(violation.joint));
-        violated.iter().map(violation).chain(too_fast.map(|ref found| violation(found))).collect()
+        let broken = self.resolution.broken_limits();
+        let broken = broken.map(|(joint, broken)| violation(joint, broken.bound.side, broken.limit, broken.value));
+        let is_listed = |joint: usize| self.resolution.broken_limits().any(|(listed, _)| listed == joint);
+        let too_fast = self.too_fast().filter(|(joint, ..)| !is_listed(*joint));
+        broken.chain(too_fast.map(|(joint, side, limit, value)| violation(joint, side, limit, value))).collect()
     }
 
-    /// Returns the joints that exceed the speed limits of the robot.
-    fn too_fast(&self) -> impl Iterator<Item = LimitViolation> {
+    /// Returns the joints that exceed the speed limits of the robot, with side, limit and value.
+    fn too_fast(&self) -> impl Iterator<Item = (usize, Side, f64, f64)> {
         let joints = self.faster_than.map_or(&[][..], |robot| robot.joints());
         let found = |(joint, (limits, &value)): (usize, (&Joint, &f64))| {
             let (side, limit) = if value > 0.0 { (Side::Upper, 1.0) } else { (Side::Lower, -1.0) };
             let limit = limit * limits.limits.velocity;
-            (value.abs() > limit.abs() * (1.0 + SPEED_TOLERANCE)).then_some(LimitViolation {
-                joint,
-                side,
-                limit,
-                value,
-            })
+            (value.abs() > limit.abs() * (1.0 + SPEED_TOLERANCE)).then_some((joint, side, limit, value))
         };
         joints.iter().zip(&self.resolution.joint_velocity).enumerate().filter_map(found)
     }
 
     /// Active inequalities.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
-        let active = |active: &revprio_core::resolution::ActiveInequality| wire::ActiveInequality {
-            name: active.name.to_string(),
-            bound: active.bound,
+        let active = |(index, active): (usize, &ActiveBound)| wire::ActiveInequality {
+            name: self.inequalities[index].to_owned(),
+            bound: active.value,
             multiplier: active.multiplier,
         };
-        self.resolution.active_inequalities.iter().map(active).collect()
+        self.resolution.active_constraints().map(active).collect()
     }
 
     /// Violated inequalities.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
-        let violation = |violation: &revprio_core::resolution::InequalityViolation| wire::ViolatedInequality {
-            name: violation.name.to_string(),
-            bound: violation.bound,
-            value: violation.value,
+        let violation = |(index, broken): (usize, &BrokenBound)| wire::ViolatedInequality {
+            name: self.inequalities[index].to_owned(),
+            bound: broken.limit,
+            value: broken.value,
         };
-        self.resolution.violated_inequalities.iter().map(violation).collect()
+        self.resolution.broken_constraints().map(violation).collect()
     }
 
     /// Contradictions.
     pub fn contradictions(&self) -> Vec<wire::Contradiction> {
-        let member = |member: &Member| {
-            let (task, row, joint, inequality, side) = match *member {
-                Member::Row { task, row, side } => (Some(self.tasks[task]), Some(row), None, None, side),
-                Member::Limit { joint, side } => (None, None, Some(self.joints[joint]), None, side),
-                Member::Inequality { index, side } => (None, None, None, Some(self.inequalities[index]), side),
+        let member = |member: &Bound| {
+            let wire::RowName { task, row, inequality } = self.row_name(Some(member.id));
+            let joint = match member.id {
+                BoundId::Joint(joint) => Some(self.joints[joint].to_owned()),
+                _ => None,
             };
-            let [task, joint, inequality] = [task, joint, inequality].map(|name| name.map(str::to_owned));
-            wire::ContradictionMember { task, row, joint, inequality, side: terms::side_answer(side) }
+            wire::ContradictionMember { task, row, joint, inequality, side: terms::side_answer(member.side) }
         };
         let contradiction = |contradiction: &revprio_core::resolution::Contradiction| wire::Contradiction {
             task: contradiction.task.map(|task| self.tasks[task].to_owned()),
@@ -191,11 +186,11 @@ impl Outcome<'_> {
         }
     }
 
-    fn row_name(&self, name: RowName) -> wire::RowName {
+    fn row_name(&self, name: Option<BoundId>) -> wire::RowName {
         let (task, row, inequality) = match name {
-            RowName::Task { task, row } => (Some(self.tasks[task].to_owned()), Some(row), None),
-            RowName::Inequality(index) => (None, None, Some(self.inequalities[index].to_owned())),
-            RowName::Auxiliary => (None, None, None),
+            Some(BoundId::Task { index, row }) => (Some(self.tasks[index].to_owned()), Some(row), None),
+            Some(BoundId::Constraint { index, .. }) => (None, None, Some(self.inequalities[index].to_owned())),
+            Some(BoundId::Joint(_)) | None => (None, None, None),
         };
         wire::RowName { task, row, inequality }
     }
@@ -248,7 +243,7 @@ pub fn elapsed_us(start: Instant) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use revprio_core::resolution::{ActiveRow, Contradiction, Side, TaskOutcome};
+    use revprio_core::resolution::{Contradiction, TaskOutcome};
 
     use super::*;
 
@@ -285,14 +280,16 @@ mod tests {
     #[test]
     fn contradictions_and_active_rows_are_written_by_name() {
         let members = vec![
-            Member::Row { task: 0, row: 2, side: Side::Lower },
-            Member::Limit { joint: 1, side: Side::Upper },
-            Member::Inequality { index: 0, side: Side::Upper },
+            Bound::lower(BoundId::Task { index: 0, row: 2 }),
+            Bound::upper(BoundId::Joint(1)),
+            Bound::upper(BoundId::Constraint { index: 0, row: 0 }),
         ];
         let resolution = Resolution {
-            tasks: vec![TaskOutcome {
-                active_rows: vec![ActiveRow { row: 1, side: Side::Lower, multiplier: 0.5 }],
-                ..TaskOutcome::default()
+            tasks: vec![TaskOutcome::default()],
+            active_bounds: vec![ActiveBound {
+                bound: Bound::lower(BoundId::Task { index: 0, row: 1 }),
+                value: 0.0,
+                multiplier: 0.5,
             }],
             contradictions: vec![
                 Contradiction { task: Some(0), members },

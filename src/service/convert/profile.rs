@@ -3,6 +3,7 @@
 use revprio_api::wire::{self, PerAxis};
 use revprio_core::law::{Point, Profile, ProfileError};
 
+use super::checks::{Result, check, each};
 use super::numbers::{check_numbers, number};
 use crate::service::error::ApiError;
 
@@ -18,20 +19,19 @@ pub struct PerRow {
 
 impl PerRow {
     /// Reads one value per row.
-    pub fn each<T: Clone>(self, values: &PerAxis<T>, field: &str) -> Result<Vec<T>, ApiError> {
+    pub fn each<T: Clone>(self, values: &PerAxis<T>, field: &str) -> Result<Vec<T>> {
         match values {
             PerAxis::All(value) => Ok(vec![value.clone(); self.rows]),
-            PerAxis::Each(values) if values.len() == self.rows => Ok(values.clone()),
             PerAxis::Each(values) => {
-                let detail =
-                    format!("{} values for {} rows; give one per row, or one for all", values.len(), self.rows);
-                Err(ApiError::invalid(field, detail))
+                let (given, rows) = (values.len(), self.rows);
+                let detail = format_args!("{given} values for {rows} rows; give one per row, or one for all");
+                check(given == rows, field, detail).map(|()| values.clone())
             }
         }
     }
 
     /// Reads one number per row.
-    pub fn numbers(self, values: &PerAxis<f64>, field: &str) -> Result<Vec<f64>, ApiError> {
+    pub fn numbers(self, values: &PerAxis<f64>, field: &str) -> Result<Vec<f64>> {
         let each = self.each(values, field)?;
         match values {
             PerAxis::All(value) => number(*value, field).map(drop)?,
@@ -41,7 +41,7 @@ impl PerRow {
     }
 
     /// Reads a profile.
-    pub fn profile(self, profile: &wire::Profile) -> Result<Profile, ApiError> {
+    pub fn profile(self, profile: &wire::Profile) -> Result<Profile> {
         let profile = match profile {
             wire::Profile::Constant { value } => Profile::constant(self.numbers(value, "/value")?),
             wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad } => Profile::sine(
@@ -62,17 +62,12 @@ impl PerRow {
         profile.map_err(|error| ApiError::invalid(error_pointer(error), error))
     }
 
-    fn points(self, points: &[wire::ProfilePoint]) -> Result<Vec<Point>, ApiError> {
-        if points.len() > MAX_POINTS {
-            return Err(ApiError::invalid("/points", format!("give at most {MAX_POINTS} points")));
-        }
-        let read = |(i, point)| self.point(point).map_err(|error: ApiError| error.inside(&format!("/points/{i}")));
-        points.iter().enumerate().map(read).collect()
-    }
-
-    fn point(self, point: &wire::ProfilePoint) -> Result<Point, ApiError> {
-        let value = self.numbers(&point.value, "/value")?;
-        Ok(Point { time_s: number(point.time_s, "/time_s")?, value })
+    fn points(self, points: &[wire::ProfilePoint]) -> Result<Vec<Point>> {
+        check(points.len() <= MAX_POINTS, "/points", format_args!("give at most {MAX_POINTS} points"))?;
+        each("/points", points, |_, point| {
+            let value = self.numbers(&point.value, "/value")?;
+            Ok(Point { time_s: number(point.time_s, "/time_s")?, value })
+        })
     }
 }
 

@@ -13,16 +13,17 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, joint_limit_index};
 use tokio::time::Instant;
 
+use super::checks::{Missing, Refused, Result, check};
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
-use super::numbers::{damping, joint_vector, joint_vector_of, number, velocity_box};
+use super::numbers::{between, damping, joint_names, joint_vector, joint_vector_of, velocity_box};
 use super::outcome::{Outcome, elapsed_us};
 use super::pose::with_tool_offset;
 use super::resolve_task::task_stack;
 use super::terms;
-use super::why::{Explained, NamedTask, Unit};
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
+use crate::service::why::{Explained, NamedTask, Unit};
 
 /// Minimum control period, s.
 pub const MIN_PERIOD_S: f64 = 1e-6;
@@ -56,208 +57,168 @@ struct WhyInputs {
     units: Vec<Vec<Unit>>,
 }
 
+/// A request, with the robot and the configuration that it names.
+struct Request<'a> {
+    body: &'a wire::ResolveRequest,
+    robot: Option<Arc<RobotModel>>,
+    configuration: Option<Configuration>,
+}
+
 /// Reads a request.
-pub fn resolve_problem(request: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem, ApiError> {
-    let robot = robot(request, robots)?;
-    let robot = robot.as_ref();
-    let configuration = configuration(request, robot)?;
-    let tasks = task_stack(request, configuration.as_ref())?;
-    if request.certificate {
+pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem> {
+    let request = Request::read(body, robots)?;
+    let tasks = task_stack(body, request.configuration.as_ref())?;
+    if body.certificate {
         check_names(tasks.tasks())?;
     }
     let joints = tasks.joint_count();
-    if let Some(robot) = robot.filter(|robot| robot.joint_count() != joints) {
-        let detail = format!("{joints} columns, but `{}` has {} joints", robot.name(), robot.joint_count());
-        return Err(ApiError::invalid("/tasks/0/jacobian", detail));
+    if let Some(robot) = &request.robot {
+        let (name, given) = (robot.name(), robot.joint_count());
+        let detail = format_args!("{joints} columns, but `{name}` has {given} joints");
+        check(given == joints, "/tasks/0/jacobian", detail)?;
     }
-    let limited = limits(request, robot, configuration.as_ref(), joints)?;
-    let are_others =
-        matches!(request.limits, Some(wire::Limits::Box { .. } | wire::Limits::Robot(wire::LimitKind::None)));
-    let zeta = null_space_velocity(request, robot, configuration.as_ref(), joints)?;
-    let why = request.why.then(|| why_inputs(request, robot, configuration.as_ref(), are_others));
+    let limited = request.limits(joints)?;
+    let null_space_velocity = request.null_space_velocity(joints)?;
     Ok(ResolveProblem {
         problem: Problem {
             tasks,
             limits: limited.velocity_box.clone(),
-            inequalities: inequalities(request, robot, configuration.as_ref(), joints)?,
-            method: terms::method(request.method),
-            damping: damping(request.damping)?,
-            null_space_velocity: zeta,
-            wants_certificate: request.certificate,
+            inequalities: request.inequalities(joints)?,
+            method: terms::method(body.method),
+            damping: damping(body.damping)?,
+            null_space_velocity,
+            wants_certificate: body.certificate,
         },
-        solver: terms::solver(request.solver),
-        joints: joint_names(robot.map(Arc::as_ref), joints),
-        faster_than: robot.filter(|_| are_others).cloned(),
+        solver: terms::solver(body.solver),
+        joints: match &request.robot {
+            Some(robot) => joint_names(robot).into_iter().map(str::to_owned).collect(),
+            None => (1..=joints).map(|joint| format!("j{joint}")).collect(),
+        },
+        faster_than: request.robot.clone().filter(|_| request.has_other_limits()),
         limited,
-        joint_limit_index: robot.zip(configuration).map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
-        why,
+        joint_limit_index: request.at().map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
+        why: body.why.then(|| request.why_inputs()),
     })
 }
 
 /// Checks that the rows of a certificate can be told apart: its tasks have different names.
-fn check_names(tasks: &[Task]) -> Result<(), ApiError> {
+fn check_names(tasks: &[Task]) -> Result<()> {
     let is_known = |k: usize| tasks[..k].iter().any(|task| task.name == tasks[k].name);
     let Some(k) = (0..tasks.len()).find(|&k| is_known(k)) else { return Ok(()) };
     let detail = format!("two tasks are named `{}`; a certificate needs different names", tasks[k].name);
     Err(ApiError::invalid(format!("/tasks/{k}/name"), detail))
 }
 
-/// Collects what the sentences of the answer need. `are_others`: the limits are not the robot's.
-fn why_inputs(
-    request: &wire::ResolveRequest,
-    robot: Option<&Arc<RobotModel>>,
-    configuration: Option<&Configuration>,
-    are_others: bool,
-) -> WhyInputs {
-    let kind = match request.limits {
-        Some(wire::Limits::Robot(kind)) => kind,
-        _ => wire::LimitKind::PositionVelocity,
-    };
-    let applies = robot.is_some() && !are_others && kind.includes_position();
-    let position = configuration.filter(|_| applies).map(|at| at.joint_position().to_vec());
-    let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
-        (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
-        (None, rows) => vec![Unit::Unknown; rows.as_ref().map_or(0, Vec::len)],
-    };
-    WhyInputs { robot: robot.cloned(), position, units: request.tasks.iter().map(units).collect() }
-}
-
-/// Returns the robot of the request, with its tool offset.
-fn robot(request: &wire::ResolveRequest, robots: &Robots) -> Result<Option<Arc<RobotModel>>, ApiError> {
-    match (&request.robot, &request.tool_offset) {
-        (Some(name), offset) => with_tool_offset(&known_robot(name, robots)?, offset.as_ref()).map(Some),
-        (None, Some(_)) => Err(ApiError::invalid("/robot", "`tool_offset` needs the name of a robot")),
-        (None, None) => Ok(None),
-    }
-}
-
-/// Reads the null-space velocity ζ̇, if the request has one.
-fn null_space_velocity(
-    request: &wire::ResolveRequest,
-    robot: Option<&Arc<RobotModel>>,
-    configuration: Option<&Configuration>,
-    joints: usize,
-) -> Result<Option<Vector>, ApiError> {
-    let Some(motion) = &request.null_space_velocity else { return Ok(None) };
-    let motion = match null_space(motion, robot.map(Arc::as_ref), joints)? {
-        None => return Ok(None),
-        Some(NullSpaceMotion::Constant(velocity)) => return Ok(Some(velocity)),
-        Some(NullSpaceMotion::InitialPosture { .. }) => {
-            let detail = "a single problem has no first state; use it in a controller, or give `posture`";
-            return Err(ApiError::invalid("/null_space_velocity/kind", detail));
+impl<'a> Request<'a> {
+    /// Finds the robot of a request, with its tool offset, and reads its configuration.
+    fn read(body: &'a wire::ResolveRequest, robots: &Robots) -> Result<Self> {
+        let robot = body.robot.as_ref().map(|name| known_robot(name, robots)).transpose()?;
+        let robot = robot.map(|robot| with_tool_offset(&robot, body.tool_offset.as_ref())).transpose()?;
+        for (field, is_given) in
+            [("tool_offset", body.tool_offset.is_some()), ("joint_position", body.joint_position.is_some())]
+        {
+            check(robot.is_some() || !is_given, "/robot", format_args!("`{field}` needs the name of a robot"))?;
         }
-        Some(motion) => motion,
-    };
-    let missing = || ApiError::invalid("/joint_position", "this null-space velocity needs `joint_position`");
-    let (robot, configuration) = robot.zip(configuration).ok_or_else(missing)?;
-    Ok(Some(motion.velocity(robot, configuration.joint_position())))
+        let configuration = robot.as_ref().zip(body.joint_position.as_ref()).map(|(robot, position)| {
+            let position: Vec<f64> = joint_vector(position, robot, "/joint_position")?;
+            Configuration::new(robot, &position).at("/joint_position")
+        });
+        Ok(Self { body, configuration: configuration.transpose()?, robot })
+    }
+
+    /// Returns the robot and its configuration, if both are known.
+    fn at(&self) -> Option<(&RobotModel, &Configuration)> {
+        self.robot.as_deref().zip(self.configuration.as_ref())
+    }
+
+    /// Returns whether the limits are not the robot's.
+    fn has_other_limits(&self) -> bool {
+        matches!(self.body.limits, Some(wire::Limits::Box { .. } | wire::Limits::Robot(wire::LimitKind::None)))
+    }
+
+    /// Collects what the sentences of the answer need.
+    fn why_inputs(&self) -> WhyInputs {
+        let kind = match self.body.limits {
+            Some(wire::Limits::Robot(kind)) => kind,
+            _ => wire::LimitKind::PositionVelocity,
+        };
+        let applies = self.robot.is_some() && !self.has_other_limits() && kind.includes_position();
+        let position = self.configuration.as_ref().filter(|_| applies).map(|at| at.joint_position().to_vec());
+        let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
+            (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
+            (None, rows) => vec![Unit::Unknown; rows.as_ref().map_or(0, Vec::len)],
+        };
+        WhyInputs { robot: self.robot.clone(), position, units: self.body.tasks.iter().map(units).collect() }
+    }
+
+    /// Reads the null-space velocity ζ̇, if the request has one.
+    fn null_space_velocity(&self, joints: usize) -> Result<Option<Vector>> {
+        let Some(motion) = &self.body.null_space_velocity else { return Ok(None) };
+        let motion = match null_space(motion, self.robot.as_deref(), joints)? {
+            None => return Ok(None),
+            Some(NullSpaceMotion::Constant(velocity)) => return Ok(Some(velocity)),
+            Some(NullSpaceMotion::InitialPosture { .. }) => {
+                let detail = "a single problem has no first state; use it in a controller, or give `posture`";
+                return Err(ApiError::invalid("/null_space_velocity/kind", detail));
+            }
+            Some(motion) => motion,
+        };
+        let detail = "this null-space velocity needs `joint_position`";
+        let (robot, configuration) = self.at().or_invalid("/joint_position", detail)?;
+        Ok(Some(motion.velocity(robot, configuration.joint_position())))
+    }
+
+    fn inequalities(&self, joints: usize) -> Result<Vec<Inequality>> {
+        let robot = self.at().map(|(robot, _)| robot);
+        let constraints =
+            InequalityReader { robot, joints, period_s: self.body.period_s }.read(&self.body.inequalities)?;
+        let configuration = self.configuration.as_ref();
+        Ok(constraints.iter().flat_map(|constraint| constraint.rows_at(configuration)).collect())
+    }
+
+    fn limits(&self, joints: usize) -> Result<LimitedBox> {
+        let period = self.body.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
+        let kind = match &self.body.limits {
+            Some(wire::Limits::Box { lower, upper }) => {
+                return Ok(LimitedBox::given(velocity_box(lower, upper, joints)?));
+            }
+            Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
+            None if self.configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
+            None if self.robot.is_some() => LimitKind::Velocity,
+            None => LimitKind::None,
+        };
+        let last = self.body.joint_velocity.as_ref();
+        let last =
+            last.map(|last| joint_vector_of(last, self.robot.as_deref(), joints, "/joint_velocity")).transpose()?;
+        if kind == LimitKind::None {
+            return Ok(LimitedBox::unbounded(joints));
+        }
+        let detail = "the limits of a robot need `robot`; or give `lower` and `upper`";
+        let robot = self.robot.as_ref().or_invalid("/limits", detail)?;
+        for (is_missing, pointer, what) in [
+            (kind.includes_position() && self.configuration.is_none(), "/joint_position", "`joint_position`"),
+            (kind.includes_position() && period.is_none(), "/period_s", "`period_s`"),
+            (kind.includes_acceleration() && last.is_none(), "/joint_velocity", "`joint_velocity`, the last command"),
+        ] {
+            check(!is_missing, pointer, format_args!("these limits need {what}"))?;
+        }
+        let zeros = vec![0.0; joints];
+        let position = self.configuration.as_ref().map_or(zeros.as_slice(), Configuration::joint_position);
+        let last_command = last.as_ref().map_or(zeros.as_slice(), Vector::as_slice);
+        let motion = JointMotion { position, distance_to_rest: &[], last_command, last_acceleration: &[] };
+        Ok(Limits::Robot(kind).at(robot, motion, period.unwrap_or(1.0)))
+    }
 }
 
 /// Returns the robot with the name at `/robot`.
-pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>, ApiError> {
-    robots.get(name).map_err(|error| ApiError::invalid("/robot", error))
-}
-
-fn joint_names(robot: Option<&RobotModel>, joints: usize) -> Vec<String> {
-    match robot {
-        Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-        None => (1..=joints).map(|joint| format!("j{joint}")).collect(),
-    }
-}
-
-fn configuration(
-    request: &wire::ResolveRequest,
-    robot: Option<&Arc<RobotModel>>,
-) -> Result<Option<Configuration>, ApiError> {
-    match (robot, &request.joint_position) {
-        (Some(robot), Some(position)) => {
-            let position = joint_vector(position, robot, "/joint_position")?;
-            let invalid = |error| ApiError::invalid("/joint_position", error);
-            Configuration::new(robot, &position).map(Some).map_err(invalid)
-        }
-        (None, Some(_)) => Err(ApiError::invalid("/robot", "`joint_position` needs the name of a robot")),
-        (_, None) => Ok(None),
-    }
-}
-
-fn inequalities(
-    request: &wire::ResolveRequest,
-    robot: Option<&Arc<RobotModel>>,
-    configuration: Option<&Configuration>,
-    joints: usize,
-) -> Result<Vec<Inequality>, ApiError> {
-    let robot = robot.filter(|_| configuration.is_some()).map(Arc::as_ref);
-    let reader = InequalityReader { robot, joints, period_s: request.period_s };
-    let constraints = reader.read(&request.inequalities)?;
-    Ok(constraints.iter().flat_map(|constraint| constraint.rows_at(configuration)).collect())
-}
-
-fn limits(
-    request: &wire::ResolveRequest,
-    robot: Option<&Arc<RobotModel>>,
-    configuration: Option<&Configuration>,
-    joints: usize,
-) -> Result<LimitedBox, ApiError> {
-    let period = request.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
-    let kind = match &request.limits {
-        Some(wire::Limits::Box { lower, upper }) => {
-            let velocity_box = velocity_box(lower, upper, joints)?;
-            return Ok(LimitedBox::given(velocity_box));
-        }
-        Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
-        None if configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
-        None if robot.is_some() => LimitKind::Velocity,
-        None => LimitKind::None,
-    };
-    let last = request.joint_velocity.as_ref();
-    let last = last.map(|last| joint_vector_of(last, robot.map(Arc::as_ref), joints, "/joint_velocity")).transpose()?;
-    match (kind, robot) {
-        (LimitKind::None, _) => Ok(LimitedBox::unbounded(joints)),
-        (_, None) => {
-            Err(ApiError::invalid("/limits", "the limits of a robot need `robot`; or give `lower` and `upper`"))
-        }
-        (kind, Some(robot)) => {
-            let state = RobotState { configuration, last: last.as_ref(), period };
-            state.limited_box(kind, robot)
-        }
-    }
-}
-
-/// The state that the limits of a robot depend on, as far as the request has it.
-struct RobotState<'a> {
-    configuration: Option<&'a Configuration>,
-    last: Option<&'a Vector>,
-    period: Option<f64>,
-}
-
-impl RobotState<'_> {
-    fn limited_box(&self, kind: LimitKind, robot: &RobotModel) -> Result<LimitedBox, ApiError> {
-        let needs_state = kind.includes_position();
-        let needs_last = kind.includes_acceleration();
-        let missing = |pointer: &str, what: &str| ApiError::invalid(pointer, format!("these limits need {what}"));
-        if needs_state && self.configuration.is_none() {
-            return Err(missing("/joint_position", "`joint_position`"));
-        }
-        if needs_state && self.period.is_none() {
-            return Err(missing("/period_s", "`period_s`"));
-        }
-        if needs_last && self.last.is_none() {
-            return Err(missing("/joint_velocity", "`joint_velocity`, the last command"));
-        }
-        let zeros = vec![0.0; robot.joint_count()];
-        let position = self.configuration.map_or(zeros.as_slice(), Configuration::joint_position);
-        let last = self.last.map_or(zeros.as_slice(), Vector::as_slice);
-        let motion = JointMotion { position, distance_to_rest: &[], last_command: last, last_acceleration: &[] };
-        Ok(Limits::Robot(kind).at(robot, motion, self.period.unwrap_or(1.0)))
-    }
+pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>> {
+    robots.get(name).at("/robot")
 }
 
 /// Checks a control period.
-pub fn positive_period(period: f64, pointer: &str) -> Result<f64, ApiError> {
-    if (MIN_PERIOD_S..=MAX_PERIOD_S).contains(&period) {
-        return number(period, pointer);
-    }
-    Err(ApiError::invalid(pointer, format!("{period} is out of range; give a control period from 1e-6 to 10 s")))
+pub fn positive_period(period: f64, pointer: &str) -> Result<f64> {
+    let detail = format_args!("{period} is out of range; give a control period from 1e-6 to 10 s");
+    between(period, MIN_PERIOD_S..=MAX_PERIOD_S, pointer, detail)
 }
 
 /// Converts the error of a problem whose parts were checked one by one.
@@ -310,12 +271,12 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     let explained = Explained {
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
+        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
         robot: inputs.robot.as_deref(),
         position: inputs.position.as_deref(),
         causes: resolution
-            .active_limits
-            .iter()
-            .map(|active| problem.limited.cause(active.joint, active.side))
+            .active_limits()
+            .map(|(joint, active)| problem.limited.cause(joint, active.bound.side))
             .collect(),
         keeps_jerk: false,
         threshold: problem.problem.damping.map(|damping| damping.threshold()),

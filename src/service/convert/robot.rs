@@ -1,8 +1,11 @@
 //! Robots.
 
 use revprio_api::wire;
-use revprio_robot::{ChainSelection, Joint, LimitOverride, ModelError, Overrides, RobotModel, UrdfError, UrdfOptions};
+use revprio_robot::{
+    ChainSelection, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, UrdfError, UrdfOptions,
+};
 
+use super::checks::{Inside, Result, check};
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
@@ -10,7 +13,7 @@ use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::RobotsError;
 
 /// Reads a robot to be registered.
-pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> {
+pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let overrides = overrides(request)?;
     let options = UrdfOptions {
         name: Some(&request.name),
@@ -20,36 +23,24 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel, ApiError> 
         overrides: Some(&overrides),
     };
     let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| urdf_error(request, &error))?;
-    match robot.joint_count() {
-        0..=MAX_JOINTS => Ok(robot),
-        joints => {
-            let detail = format!("{joints} joints in the chain; a robot has at most {MAX_JOINTS}");
-            Err(ApiError::invalid("/urdf", detail))
-        }
-    }
+    let joints = robot.joint_count();
+    let detail = format_args!("{joints} joints in the chain; a robot has at most {MAX_JOINTS}");
+    check(joints <= MAX_JOINTS, "/urdf", detail).map(|()| robot)
 }
 
 /// Reads the values of a registration that replace those of its text.
-pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides, ApiError> {
-    let limits = || request.limits.iter().flatten();
-    for (joint, stated) in limits() {
-        let numbers = stated.position.into_iter().flatten().chain(stated.velocity);
-        let numbers = numbers.chain(stated.acceleration).chain(stated.jerk);
-        let numbers: Vec<f64> = numbers.collect();
-        let at = |error: ApiError| error.inside(&format!("/limits/{}", escape_pointer(joint)));
-        check_numbers(&numbers, "").map_err(at)?;
-    }
-    let limit = |stated: &wire::StatedLimits| LimitOverride {
-        position: stated.position,
-        velocity: stated.velocity,
-        acceleration: stated.acceleration,
-        jerk: stated.jerk,
+pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides> {
+    let limit = |(joint, stated): (&String, &wire::StatedLimits)| {
+        let wire::StatedLimits { position, velocity, acceleration, jerk } = *stated;
+        let numbers = position.into_iter().flatten().chain(velocity).chain(acceleration).chain(jerk);
+        check_numbers(&numbers.collect::<Vec<f64>>(), "")
+            .map_err(|error| error.inside(&format!("/limits/{}", escape_pointer(joint))))?;
+        Ok((joint.clone(), LimitOverride { position, velocity, acceleration, jerk }))
     };
-    let tool_offset = request.tool_offset.as_ref().map(pose).transpose();
     Ok(Overrides {
-        limits: limits().map(|(joint, stated)| (joint.clone(), limit(stated))).collect(),
+        limits: request.limits.iter().flatten().map(limit).collect::<Result<_>>()?,
         joint_names: request.joint_names.clone().unwrap_or_default(),
-        tool_offset: tool_offset.map_err(|error| error.inside("/tool_offset"))?,
+        tool_offset: request.tool_offset.as_ref().map(pose).transpose().inside("/tool_offset")?,
     })
 }
 
@@ -91,18 +82,16 @@ pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
 }
 
 fn chain_answer(robot: &RobotModel, selection: &ChainSelection) -> wire::RobotChain {
-    let left_out = selection.left_out.iter();
+    let left_out = |joint: &LeftOut| wire::LeftOutJoint {
+        joint: joint.joint.clone(),
+        reason: terms::left_out_answer(joint.reason),
+    };
     wire::RobotChain {
         base: selection.base.clone(),
         tip: selection.tip.clone(),
         reason: terms::tip_reason_answer(selection.reason),
         joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-        left_out: left_out
-            .map(|joint| wire::LeftOutJoint {
-                joint: joint.joint.clone(),
-                reason: terms::left_out_answer(joint.reason),
-            })
-            .collect(),
+        left_out: selection.left_out.iter().map(left_out).collect(),
     }
 }
 

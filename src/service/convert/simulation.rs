@@ -7,6 +7,7 @@ use revprio_lab::report::metrics::Metrics;
 use revprio_lab::simulator::{NamedScenario, Scenario, SimulationRequest};
 use revprio_robot::RobotModel;
 
+use super::checks::{Inside, Missing, Result};
 use super::controller::controller;
 use super::numbers::joint_list;
 use super::resolve::known_robot;
@@ -14,10 +15,10 @@ use crate::service::error::ApiError;
 use crate::service::robots::Robots;
 
 /// Reads a request. Returns the checked scenario and its robot.
-pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>), ApiError> {
+pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario, Arc<RobotModel>)> {
     let mut scenario = match request.scenario {
         NamedScenario::BuiltIn(name) => built_in(&name)?,
-        NamedScenario::Own(scenario) => own(*scenario, robots).map_err(|error| error.inside("/scenario"))?,
+        NamedScenario::Own(scenario) => own(*scenario, robots).inside("/scenario")?,
     };
     scenario.controller.method = request.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = request.solver.unwrap_or(scenario.controller.solver);
@@ -25,25 +26,17 @@ pub fn scenario(request: SimulationRequest, robots: &Robots) -> Result<(Scenario
     Ok((scenario, robot))
 }
 
-fn built_in(name: &str) -> Result<Scenario, ApiError> {
-    let unknown = || {
-        let known = Scenario::names();
-        ApiError::invalid(
-            "/scenario",
-            format!("there is no scenario `{name}`; known: {known}; or give a whole scenario"),
-        )
-    };
-    Scenario::built_in(name).ok_or_else(unknown)?.map_err(|_| ApiError::internal())
+fn built_in(name: &str) -> Result<Scenario> {
+    let known = Scenario::names();
+    let unknown = format_args!("there is no scenario `{name}`; known: {known}; or give a whole scenario");
+    Scenario::built_in(name).or_invalid("/scenario", unknown)?.map_err(|_| ApiError::internal())
 }
 
-fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario, ApiError> {
-    if let Err(error) = scenario.check() {
-        return Err(ApiError::invalid(error.pointer, error.problem));
-    }
-    let controller = controller(&scenario.controller, robots).map_err(|error| error.inside("/controller"))?;
+fn own(scenario: Scenario, robots: &Robots) -> Result<Scenario> {
+    scenario.check().map_err(|error| ApiError::invalid(error.pointer, error.problem))?;
+    let controller = controller(&scenario.controller, robots).inside("/controller")?;
     let joints = controller.config().robot.joint_count();
-    joint_list(&scenario.start_joint_position, joints, "/start_joint_position")?;
-    Ok(scenario)
+    joint_list::<Vec<f64>>(&scenario.start_joint_position, joints, "/start_joint_position").map(|_| scenario)
 }
 
 /// Returns the measures of a run.

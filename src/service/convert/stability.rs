@@ -3,17 +3,19 @@
 use revprio_api::wire;
 use revprio_core::controller::{ContactLoop, MAX_DELAY_PERIODS, Margin};
 
-use super::environment::NOT_COMPUTABLE;
+use super::checks::{Missing, Result, check};
 use super::numbers::{inertia, not_negative};
 use super::resolve::positive_period;
-use crate::service::error::ApiError;
+
+/// Error text for a loop whose eigenvalues cannot be computed.
+pub const NOT_COMPUTABLE: &str =
+    "the stability of this loop cannot be computed; use quantities with a smaller ratio of largest to smallest";
 
 /// Reads a request.
-pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, ApiError> {
+pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop> {
     let wire::StabilityRequest { environment, .. } = request;
-    if request.delay_periods > MAX_DELAY_PERIODS {
-        return Err(ApiError::invalid("/delay_periods", format!("give at most {MAX_DELAY_PERIODS} periods")));
-    }
+    let detail = format_args!("give at most {MAX_DELAY_PERIODS} periods");
+    check(request.delay_periods <= MAX_DELAY_PERIODS, "/delay_periods", detail)?;
     Ok(ContactLoop {
         inertia: inertia(request.inertia, "/inertia")?,
         damping: not_negative(request.damping, "/damping")?,
@@ -29,9 +31,9 @@ pub fn contact_loop(request: &wire::StabilityRequest) -> Result<ContactLoop, Api
 }
 
 /// Computes the stability margins of the loop. `is_abandoned` ends the computation early; nobody reads its error then.
-pub fn margin(contact: &ContactLoop, is_abandoned: impl Fn() -> bool) -> Result<Margin, ApiError> {
-    let margin = contact.margin_unless(&is_abandoned).ok().filter(|margin| margin.spectral_radius.is_finite());
-    margin.ok_or_else(|| ApiError::invalid("", NOT_COMPUTABLE))
+pub fn margin(contact: &ContactLoop, is_abandoned: impl Fn() -> bool) -> Result<Margin> {
+    let margin = contact.margin_unless(&is_abandoned).ok();
+    margin.filter(|margin| margin.spectral_radius.is_finite()).or_invalid("", NOT_COMPUTABLE)
 }
 
 /// Returns the body of the answer.

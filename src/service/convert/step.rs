@@ -9,17 +9,18 @@ use revprio_robot::kinematics::ConfigurationError;
 use tokio::time::Instant;
 
 use super::arm::arm_view;
-use super::numbers::{check_numbers, joint_vector, number};
+use super::checks::{Result, check};
+use super::numbers::{check_numbers, joint_names, joint_vector, number};
 use super::outcome::{Outcome, elapsed_us};
-use super::state_rules::StateRules;
 use super::{targets, terms};
 use crate::service::error::ApiError;
+use crate::service::state_rules::StateRules;
 
 /// Maximum sequence number. Clients with double-precision numbers cannot count beyond it.
 pub const MAX_SEQUENCE: u64 = (1 << 53) - 1;
 
 /// Refuses a sequence number that is not greater than the last one.
-pub fn check_sequence(last: u64, new: u64) -> Result<(), ApiError> {
+pub fn check_sequence(last: u64, new: u64) -> Result<()> {
     if new > last {
         return Ok(());
     }
@@ -29,11 +30,9 @@ pub fn check_sequence(last: u64, new: u64) -> Result<(), ApiError> {
 }
 
 /// Reads a state.
-pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement, ApiError> {
+pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement> {
     let robot = &controller.config().robot;
-    if state.sequence > MAX_SEQUENCE {
-        return Err(ApiError::invalid("/sequence", format!("give at most {MAX_SEQUENCE}")));
-    }
+    check(state.sequence <= MAX_SEQUENCE, "/sequence", format_args!("give at most {MAX_SEQUENCE}"))?;
     let time_s = number(state.time_s, "/time_s")?;
     let targets = targets::targets(&state.targets, time_s, controller)?;
     targets::check_times(&targets, time_s, controller)?;
@@ -46,18 +45,16 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     })
 }
 
-fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6], ApiError> {
-    let Some(wire::Wrench { force, torque }) = wrench else {
-        return match controller.config().tasks.iter().find(|task| task.law.integrates()) {
-            None => Ok([0.0; 6]),
-            Some(task) => {
-                Err(ApiError::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name)))
-            }
+fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6]> {
+    let Some(wire::Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] }) = wrench.copied() else {
+        let Some(task) = controller.config().tasks.iter().find(|task| task.law.integrates()) else {
+            return Ok([0.0; 6]);
         };
+        return Err(ApiError::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name)));
     };
-    check_numbers(force, "/wrench/force")?;
-    check_numbers(torque, "/wrench/torque")?;
-    Ok([force[0], force[1], force[2], torque[0], torque[1], torque[2]])
+    check_numbers(&[fx, fy, fz], "/wrench/force")?;
+    check_numbers(&[tx, ty, tz], "/wrench/torque")?;
+    Ok([fx, fy, fz, tx, ty, tz])
 }
 
 /// Converts the error of a step. Pointers begin at the state, except those to the memory.
@@ -104,10 +101,9 @@ pub fn step_answer(
     let deceleration = |joint: &revprio_robot::Joint| {
         Some(braking_deceleration(&joint.limits)).filter(|deceleration| deceleration.is_finite())
     };
-    let joints = config.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     let outcome = Outcome {
         resolution: &command.resolution,
-        joints,
+        joints: joint_names(&config.robot),
         tasks: config.tasks.iter().map(|task| task.name.as_str()).collect(),
         inequalities: config.constraints.iter().map(Constraint::name).collect(),
         faster_than: (!config.limits.include_speeds()).then_some(&config.robot),
@@ -167,8 +163,7 @@ pub fn watched_step(
     let config = controller.config();
     let position = joint_vector(&state.joint_position, &config.robot, "").ok();
     let measured = state.joint_velocity.as_ref().and_then(|v| joint_vector(v, &config.robot, "").ok());
-    let last = last_command.map(|last| last.as_slice().to_vec()).or(measured);
-    let last = last.unwrap_or_else(|| vec![0.0; config.robot.joint_count()]);
-    let arm = position.and_then(|position| arm_view(config, &position, &last));
+    let last = last_command.cloned().or(measured).unwrap_or_else(|| Vector::zeros(config.robot.joint_count()));
+    let arm = position.and_then(|position: Vec<f64>| arm_view(config, &position, last.as_slice()));
     wire::WatchedStep { state: state.clone(), answer: answer.clone(), arm }
 }

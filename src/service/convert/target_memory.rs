@@ -6,55 +6,45 @@ use revprio_core::controller::ControllerConfig;
 use revprio_core::linalg::TaskVector;
 use revprio_core::streaming::{Reference, Target, TargetStream, TargetValue};
 
+use super::checks::{Inside, Result, each, foreign};
 use super::numbers::{check_numbers, number};
 use super::terms;
-use crate::service::error::ApiError;
 
 /// Reads the streams of a memory.
-pub fn target_streams(
-    streams: &[wire::TargetStream],
-    config: &ControllerConfig,
-) -> Result<Vec<TargetStream>, ApiError> {
-    let at = |index: usize| move |error: ApiError| error.inside(&format!("/target_streams/{index}"));
-    streams.iter().enumerate().map(|(index, stream)| read(stream, config).map_err(at(index))).collect()
+pub fn target_streams(streams: &[wire::TargetStream], config: &ControllerConfig) -> Result<Vec<TargetStream>> {
+    each("/target_streams", streams, |_, stream| read(stream, config))
 }
 
-fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<TargetStream, ApiError> {
+fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<TargetStream> {
     let task = config.tasks.iter().position(|task| task.name == stream.task);
-    let unknown =
-        || ApiError::invalid("/task", "not a task of this controller; send the memory of the last answer unchanged");
-    let sample = |sample: &Option<wire::TargetSample>, field: &str| {
-        sample.as_ref().map(|sample| target(sample).map_err(|error| error.inside(field))).transpose()
-    };
+    let sample = |sample: &Option<wire::TargetSample>, field| sample.as_ref().map(target).transpose().inside(field);
     let wire::TargetReference { pose, values, velocity } = &stream.reference;
     let reference = || {
-        check_numbers(velocity, "/velocity")?;
-        Ok(Reference { value: value(pose.as_ref(), values.as_deref())?, velocity: TaskVector::from_slice(velocity) })
+        let velocity = task_vector(velocity, "/velocity")?;
+        Ok(Reference { value: value(pose.as_ref(), values.as_deref())?, velocity })
     };
     Ok(TargetStream {
-        task: task.ok_or_else(unknown)?,
+        task: task.ok_or_else(|| foreign("/task", "not a task of this controller"))?,
         quantity: terms::quantity(stream.quantity),
         newest: sample(&stream.newest, "/newest")?,
         previous: sample(&stream.previous, "/previous")?,
-        reference: reference().map_err(|error: ApiError| error.inside("/reference"))?,
+        reference: reference().inside("/reference")?,
         state: terms::target_state(stream.state),
     })
 }
 
-fn target(sample: &wire::TargetSample) -> Result<Target, ApiError> {
-    let velocity = sample.velocity.as_ref().map(|velocity| {
-        check_numbers(velocity, "/velocity")?;
-        Ok(TaskVector::from_slice(velocity))
-    });
-    Ok(Target {
-        time_s: number(sample.time_s, "/time_s")?,
-        value: value(sample.pose.as_ref(), sample.values.as_deref())?,
-        velocity: velocity.transpose()?,
-    })
+fn target(sample: &wire::TargetSample) -> Result<Target> {
+    let velocity = sample.velocity.as_ref().map(|velocity| task_vector(velocity, "/velocity")).transpose()?;
+    let value = value(sample.pose.as_ref(), sample.values.as_deref())?;
+    Ok(Target { time_s: number(sample.time_s, "/time_s")?, value, velocity })
+}
+
+fn task_vector(values: &[f64], pointer: &str) -> Result<TaskVector> {
+    check_numbers(values, pointer).map(|()| TaskVector::from_slice(values))
 }
 
 /// Reads a value. The quaternion keeps every bit; the controller checks its length.
-fn value(pose: Option<&wire::Pose>, values: Option<&[f64]>) -> Result<TargetValue, ApiError> {
+fn value(pose: Option<&wire::Pose>, values: Option<&[f64]>) -> Result<TargetValue> {
     match (pose, values) {
         (Some(wire::Pose { position, orientation: wire::Orientation { w, x, y, z } }), None) => {
             check_numbers(position, "/pose/position")?;
@@ -62,11 +52,8 @@ fn value(pose: Option<&wire::Pose>, values: Option<&[f64]>) -> Result<TargetValu
             let rotation = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z));
             Ok(TargetValue::Pose(Isometry3::from_parts(Translation3::from(*position), rotation)))
         }
-        (None, Some(values)) => {
-            check_numbers(values, "/values")?;
-            Ok(TargetValue::Rows(TaskVector::from_slice(values)))
-        }
-        _ => Err(ApiError::invalid("", "not a target; send the memory of the last answer unchanged")),
+        (None, Some(values)) => task_vector(values, "/values").map(TargetValue::Rows),
+        _ => Err(foreign("", "not a target")),
     }
 }
 

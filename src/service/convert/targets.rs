@@ -1,23 +1,22 @@
-//! Streamed targets: their settings, the targets of a state, and the warnings about them.
+//! Streamed targets: their settings, and the targets of a state.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use revprio_api::wire::{self, JointVector};
-use revprio_core::controller::{Command, Controller, TaskConfig};
+use revprio_core::controller::{Controller, TaskConfig};
 use revprio_core::rows::TaskRows;
-use revprio_core::streaming::{
-    Ignored, Quantity, StreamedTarget, StreamedValue, Streaming, TargetError, TargetReport, TargetState,
-};
+use revprio_core::streaming::{Quantity, StreamedTarget, StreamedValue, Streaming, TargetError};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::pose as pose_of;
 
-use super::numbers::{check_numbers, number};
+use super::checks::{Inside, Refused, Result, check};
+use super::numbers::{by_name, check_numbers, number, numbers};
 use super::profile::PerRow;
 use crate::service::error::{ApiError, escape_pointer};
 
 /// Reads the settings of a task with `rows` rows.
-pub fn streaming(given: Option<&wire::Streaming>, rows: usize) -> Result<Streaming, ApiError> {
+pub fn streaming(given: Option<&wire::Streaming>, rows: usize) -> Result<Streaming> {
     let Some(given) = given else { return Ok(Streaming::default()) };
     let default = Streaming::default();
     let bounds = |values: &Option<wire::PerAxis<f64>>, field: &str| {
@@ -38,16 +37,21 @@ pub fn targets(
     given: &BTreeMap<String, wire::StreamedTarget>,
     time_s: f64,
     controller: &Controller,
-) -> Result<Vec<StreamedTarget>, ApiError> {
+) -> Result<Vec<StreamedTarget>> {
     let mut targets = Vec::with_capacity(given.len());
     for (name, target) in given {
         let read = task_index(name, controller).and_then(|task| read(target, task, time_s, controller));
-        targets.extend(read.map_err(|error| error.inside(&format!("/targets/{}", escape_pointer(name))))?);
+        targets.extend(read.map_err(|error| error.inside(&place(name)))?);
     }
     Ok(targets)
 }
 
-fn task_index(name: &str, controller: &Controller) -> Result<usize, ApiError> {
+/// Returns the JSON pointer of the target of a task.
+fn place(task: &str) -> String {
+    format!("/targets/{}", escape_pointer(task))
+}
+
+fn task_index(name: &str, controller: &Controller) -> Result<usize> {
     let tasks = &controller.config().tasks;
     tasks.iter().position(|task| task.name == name).ok_or_else(|| {
         let known = tasks.iter().map(|task| format!("`{}`", task.name)).collect::<Vec<_>>().join(", ");
@@ -61,7 +65,7 @@ fn read(
     index: usize,
     time_s: f64,
     controller: &Controller,
-) -> Result<Vec<StreamedTarget>, ApiError> {
+) -> Result<Vec<StreamedTarget>> {
     let task = &controller.config().tasks[index];
     let accepts = |quantity: Quantity| task.accepts(quantity);
     let velocity_fits = accepts(Quantity::Velocity) || given.pose.is_some() || given.joint_position.is_some();
@@ -78,7 +82,7 @@ fn read(
     let time_s = given.time_s.map_or(Ok(time_s), |time_s| number(time_s, "/time_s"))?;
     let mut values = Vec::new();
     if let Some(pose) = &given.pose {
-        values.push(read_pose(pose, task).map_err(|error| error.inside("/pose"))?);
+        values.push(read_pose(pose, task).inside("/pose")?);
     }
     if let Some(position) = &given.joint_position {
         values.push(StreamedValue::JointPosition(joint_positions(position, task, &controller.config().robot)?));
@@ -101,12 +105,12 @@ fn read(
 }
 
 /// Checks the times of targets.
-pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Controller) -> Result<(), ApiError> {
+pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Controller) -> Result<()> {
     for target in targets {
         let field = |error: &TargetError| if matches!(error, TargetError::Ahead { .. }) { "/time_s" } else { "" };
         target.check(controller.config(), time_s).map_err(|error| {
-            let name = &controller.config().tasks[target.task].name;
-            ApiError::invalid(format!("/targets/{}{}", escape_pointer(name), field(&error)), error)
+            let place = place(&controller.config().tasks[target.task].name);
+            ApiError::invalid(format!("{place}{}", field(&error)), error)
         })?;
     }
     Ok(())
@@ -127,17 +131,14 @@ fn misfit(task: &TaskConfig) -> String {
     }
 }
 
-fn rows(values: &[f64], task: &TaskConfig, pointer: &str) -> Result<Vec<f64>, ApiError> {
-    let expected = task.rows.len();
-    if values.len() != expected {
-        let detail = format!("{} numbers for {expected} rows of task `{}`; give one per row", values.len(), task.name);
-        return Err(ApiError::invalid(pointer, detail));
-    }
-    check_numbers(values, pointer)?;
-    Ok(values.to_vec())
+fn rows(values: &[f64], task: &TaskConfig, pointer: &str) -> Result<Vec<f64>> {
+    let (given, expected, name) = (values.len(), task.rows.len(), &task.name);
+    let detail = format_args!("{given} numbers for {expected} rows of task `{name}`; give one per row");
+    check(given == expected, pointer, detail)?;
+    numbers(values, pointer)
 }
 
-fn read_pose(pose: &wire::StreamedPose, task: &TaskConfig) -> Result<StreamedValue, ApiError> {
+fn read_pose(pose: &wire::StreamedPose, task: &TaskConfig) -> Result<StreamedValue> {
     let has_axis = |is_linear: bool| match &task.rows {
         TaskRows::Tool(rows) => rows.axes.axes().iter().any(|axis| (axis.index() < 3) == is_linear),
         _ => false,
@@ -145,71 +146,26 @@ fn read_pose(pose: &wire::StreamedPose, task: &TaskConfig) -> Result<StreamedVal
     for (field, is_given, is_linear) in
         [("position", pose.position.is_some(), true), ("orientation", pose.orientation.is_some(), false)]
     {
-        if has_axis(is_linear) && !is_given {
-            let kind = if is_linear { "a linear" } else { "an angular" };
-            let detail = format!("task `{}` has {kind} axis and needs the `{field}`", task.name);
-            return Err(ApiError::invalid("", detail));
-        }
+        let (name, kind) = (&task.name, if is_linear { "a linear" } else { "an angular" });
+        let detail = format_args!("task `{name}` has {kind} axis and needs the `{field}`");
+        check(is_given || !has_axis(is_linear), "", detail)?;
     }
     pose.position.map_or(Ok(()), |position| check_numbers(&position, "/position"))?;
     let orientation = pose.orientation.map(|wire::Orientation { w, x, y, z }| {
-        let pose = pose_of([0.0; 3], [w, x, y, z]).map_err(|error| ApiError::invalid("/orientation", error))?;
+        let pose = pose_of([0.0; 3], [w, x, y, z]).at("/orientation")?;
         Ok(UnitQuaternion::from_rotation_matrix(&pose.rotation))
     });
     Ok(StreamedValue::Pose { position: pose.position.map(Vector3::from), orientation: orientation.transpose()? })
 }
 
 /// Reads one position per joint of the task.
-fn joint_positions(given: &JointVector, task: &TaskConfig, robot: &RobotModel) -> Result<Vec<f64>, ApiError> {
+fn joint_positions(given: &JointVector, task: &TaskConfig, robot: &RobotModel) -> Result<Vec<f64>> {
     let field = "/joint_position";
     let named = match given {
         JointVector::Ordered(values) => return rows(values, task, field),
         JointVector::Named(named) => named,
     };
     let names: Vec<&str> = task.rows.joints().iter().map(|&joint| robot.joints()[joint].name.as_str()).collect();
-    if let Some((name, _)) = named.iter().find(|(name, _)| !names.contains(&name.as_str())) {
-        let detail = format!("task `{}` has no joint `{name}`; its joints: {}", task.name, names.join(", "));
-        return Err(ApiError::invalid(format!("{field}/{}", escape_pointer(name)), detail));
-    }
-    let position = |name: &&str| {
-        let found = named.iter().find(|(given, _)| given == name);
-        let missing = || ApiError::invalid(field, format!("the position of joint `{name}` is missing"));
-        let (name, value) = found.ok_or_else(missing)?;
-        number(*value, "").map_err(|error| error.inside(&format!("{field}/{}", escape_pointer(name))))
-    };
-    names.iter().map(position).collect()
-}
-
-/// Adds warnings about targets that are late, missing or ignored.
-pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {
-    for (task, target) in controller.config().tasks.iter().zip(&command.targets) {
-        let Some(report) = target.streamed else { continue };
-        warnings.extend(late(task, &report));
-        if let Some(Ignored::Older { time_s, newest_s }) = report.ignored {
-            warnings.push(format!(
-                "task `{}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
-                 the order of their times",
-                task.name
-            ));
-        }
-    }
-}
-
-fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
-    let name = &task.name;
-    let age = report.age_s.map_or_else(
-        || "its targets are of another clock".to_owned(),
-        |age| format!("its newest target is {age:.3} s old"),
-    );
-    match report.state {
-        TargetState::Following | TargetState::Extrapolating => None,
-        TargetState::Holding => Some(format!(
-            "task `{name}` holds its last target, because {age}; send targets at least every {} s",
-            task.streaming.hold_after_s
-        )),
-        TargetState::Braking => Some(format!(
-            "task `{name}` brakes to rest, because {age}; it follows again with the next target. Check the sender and \
-             its clock"
-        )),
-    }
+    let unknown = |name: &str| format!("task `{}` has no joint `{name}`; its joints: {}", task.name, names.join(", "));
+    by_name(named, &names, field, unknown, |name| format!("the position of joint `{name}` is missing"))
 }

@@ -9,7 +9,8 @@ use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, 
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 
-use super::numbers::velocity_bounds;
+use super::checks::{Inside, Missing, Result, check, each};
+use super::numbers::{inertia, joint_index, velocity_bounds};
 use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve_task::{axis_selection, own_jacobian, scaled_bounds};
@@ -17,13 +18,13 @@ use super::targets::streaming;
 use crate::service::error::ApiError;
 
 /// Reads a task.
-pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig, ApiError> {
+pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig> {
     let (rows, law) = match &task.law {
         Some(wire::Law::Posture { joints, gain, max_acceleration, braking, target_position }) => {
             check_posture_fields(task)?;
             let joints = joint_indices(joints.as_deref(), target_position, robot);
             let law = |reader: &LawReader| reader.position(gain, max_acceleration.as_ref(), *braking);
-            joints.and_then(|joints| posture(joints, target_position, law)).map_err(|error| error.inside("/law"))?
+            joints.and_then(|joints| posture(joints, target_position, law)).inside("/law")?
         }
         law => match (&task.axes, &task.jacobian) {
             (Some(axes), None) => tool_task(task, axes, law.as_ref())?,
@@ -34,20 +35,16 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
             (Some(_), Some(_)) => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
         },
     };
-    let streaming = streaming(task.streaming.as_ref(), rows.len()).map_err(|error| error.inside("/streaming"))?;
+    let streaming = streaming(task.streaming.as_ref(), rows.len()).inside("/streaming")?;
     Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale, streaming })
 }
 
-fn tool_task(
-    task: &wire::ControllerTask,
-    axes: &[wire::Axis],
-    law: Option<&wire::Law>,
-) -> Result<(TaskRows, Law), ApiError> {
+fn tool_task(task: &wire::ControllerTask, axes: &[wire::Axis], law: Option<&wire::Law>) -> Result<(TaskRows, Law)> {
     let axes = axis_selection(axes, "/axes")?;
     let reader = LawReader(PerRow { rows: axes.len() });
     let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
     let rows = match law {
-        Some(law) => reader.with_target(rows, law).map_err(|error| error.inside("/law"))?,
+        Some(law) => reader.with_target(rows, law).inside("/law")?,
         None => rows,
     };
     Ok((TaskRows::Tool(rows), reader.law_or_bounds(task, law)?))
@@ -59,17 +56,12 @@ fn raw_task(
     jacobian: &[Vec<f64>],
     law: Option<&wire::Law>,
     robot: &RobotModel,
-) -> Result<(TaskRows, Law), ApiError> {
+) -> Result<(TaskRows, Law)> {
     let jacobian = own_jacobian(jacobian, &task.frame, task.reference_point)?;
-    let (given, expected) = (jacobian.ncols(), robot.joint_count());
-    if given != expected {
-        let detail = format!("{given} columns, but `{}` has {expected} joints", robot.name());
-        return Err(ApiError::invalid("/jacobian", detail));
-    }
-    if !matches!(law, None | Some(wire::Law::Velocity { .. })) {
-        let detail = "`jacobian` rows have no position and no force; use the law `velocity`, or `lower` and `upper`";
-        return Err(ApiError::invalid("/law/kind", detail));
-    }
+    let (given, expected, name) = (jacobian.ncols(), robot.joint_count(), robot.name());
+    check(given == expected, "/jacobian", format_args!("{given} columns, but `{name}` has {expected} joints"))?;
+    let detail = "`jacobian` rows have no position and no force; use the law `velocity`, or `lower` and `upper`";
+    check(matches!(law, None | Some(wire::Law::Velocity { .. })), "/law/kind", detail)?;
     let reader = LawReader(PerRow { rows: jacobian.nrows() });
     Ok((TaskRows::Raw(RawRows { jacobian }), reader.law_or_bounds(task, law)?))
 }
@@ -78,7 +70,7 @@ fn posture(
     joints: Vec<usize>,
     target: &wire::PostureTarget,
     law: impl Fn(&LawReader) -> Result<Law, ApiError>,
-) -> Result<(TaskRows, Law), ApiError> {
+) -> Result<(TaskRows, Law)> {
     let reader = LawReader(PerRow { rows: joints.len() });
     let target = match target {
         wire::PostureTarget::MidRange => JointTarget::MidRange,
@@ -88,7 +80,7 @@ fn posture(
 }
 
 /// Refuses the fields that a posture does not have.
-fn check_posture_fields(task: &wire::ControllerTask) -> Result<(), ApiError> {
+fn check_posture_fields(task: &wire::ControllerTask) -> Result<()> {
     let given = [
         ("axes", task.axes.is_some()),
         ("jacobian", task.jacobian.is_some()),
@@ -97,31 +89,22 @@ fn check_posture_fields(task: &wire::ControllerTask) -> Result<(), ApiError> {
         ("frame", task.frame != wire::Frame::Base),
         ("reference_point", task.reference_point.is_some()),
     ];
-    match given.iter().find(|(_, given)| *given) {
-        Some((field, _)) => {
-            let detail = format!("the law `posture` controls joints and has no `{field}`; select joints with `joints`");
-            Err(ApiError::invalid(format!("/{field}"), detail))
-        }
-        None => Ok(()),
-    }
+    let Some((field, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
+    let detail = format!("the law `posture` controls joints and has no `{field}`; select joints with `joints`");
+    Err(ApiError::invalid(format!("/{field}"), detail))
 }
 
 /// Returns the indices of the joints of a posture. The default is all joints; for `mid_range`, all joints with a range.
-fn joint_indices(
-    names: Option<&[String]>,
-    target: &wire::PostureTarget,
-    robot: &RobotModel,
-) -> Result<Vec<usize>, ApiError> {
+fn joint_indices(names: Option<&[String]>, target: &wire::PostureTarget, robot: &RobotModel) -> Result<Vec<usize>> {
     let counts = |joint: &usize| {
         *target != wire::PostureTarget::MidRange || half_range(&robot.joints()[*joint].limits).is_some()
     };
     let Some(names) = names else { return Ok((0..robot.joint_count()).filter(counts).collect()) };
-    let index = |(i, name): (usize, &String)| {
-        let known = robot.joints().iter().position(|joint| joint.name == *name);
-        let detail = || format!("`{}` has no joint `{name}`; see GET /v1/robots/{}", robot.name(), robot.name());
-        known.ok_or_else(|| ApiError::invalid(format!("/joints/{i}"), detail()))
-    };
-    names.iter().enumerate().map(index).collect()
+    each("/joints", names, |_, name| {
+        let known = robot.name();
+        let detail = format_args!("`{known}` has no joint `{name}`; see GET /v1/robots/{known}");
+        joint_index(robot, name).or_invalid("", detail)
+    })
 }
 
 /// Reads a law.
@@ -129,10 +112,10 @@ struct LawReader(PerRow);
 
 impl LawReader {
     /// Reads the law of a task, or the bounds in its place.
-    fn law_or_bounds(&self, task: &wire::ControllerTask, law: Option<&wire::Law>) -> Result<Law, ApiError> {
+    fn law_or_bounds(&self, task: &wire::ControllerTask, law: Option<&wire::Law>) -> Result<Law> {
         let bounds = velocity_bounds(task.lower.as_deref(), task.upper.as_deref(), self.0.rows)?;
         match (law, bounds) {
-            (Some(law), None) => self.law(law).map_err(|error| error.inside("/law")),
+            (Some(law), None) => self.law(law).inside("/law"),
             (None, Some(_)) if task.scale => Err(scaled_bounds()),
             (None, Some(bounds)) => Ok(Law::Bounds(bounds)),
             _ => Err(ApiError::invalid("", "give either `law`, or `lower` and `upper` (or one of them)")),
@@ -140,7 +123,11 @@ impl LawReader {
     }
 
     /// Reads a law for axes of the tool.
-    fn law(&self, law: &wire::Law) -> Result<Law, ApiError> {
+    fn law(&self, law: &wire::Law) -> Result<Law> {
+        // The size of each field was checked, so no law is refused for it.
+        let rows = self.0.rows;
+        let mismatch =
+            || ApiError::invalid("", format!("give one value for each of {rows} rows in all lists of the law"));
         Ok(match law {
             wire::Law::Velocity { target_velocity } => {
                 Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
@@ -151,8 +138,9 @@ impl LawReader {
             }
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;
-                let law = ForceLaw::new(gains, self.profile(target_force, "/target_force")?);
-                Law::Force(law.ok_or_else(|| self.mismatch())?)
+                ForceLaw::new(gains, self.profile(target_force, "/target_force")?)
+                    .map(Law::Force)
+                    .ok_or_else(mismatch)?
             }
             wire::Law::Impedance { inertia, damping, stiffness, .. } => {
                 Law::Impedance(ImpedanceLaw::new(self.gains(inertia, damping, stiffness)?))
@@ -161,13 +149,13 @@ impl LawReader {
                 let gains = self.gains(inertia, damping, stiffness)?;
                 let force = self.profile(target_force, "/target_force")?;
                 let law = HybridLaw::new(gains, force, self.0.each(position_controlled, "/position_controlled")?);
-                Law::Hybrid(law.ok_or_else(|| self.mismatch())?)
+                law.map(Law::Hybrid).ok_or_else(mismatch)?
             }
         })
     }
 
     /// Adds the target of the law to the rows.
-    fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows, ApiError> {
+    fn with_target(&self, rows: ToolRows, law: &wire::Law) -> Result<ToolRows> {
         let (wire::Law::Pose { target_pose, target_displacement, .. }
         | wire::Law::Impedance { target_pose, target_displacement, .. }
         | wire::Law::Hybrid { target_pose, target_displacement, .. }) = law
@@ -176,22 +164,14 @@ impl LawReader {
         };
         let target_pose = match target_pose {
             wire::TargetPose::Initial => TargetPose::Initial,
-            wire::TargetPose::Fixed(fixed) => {
-                TargetPose::Fixed(pose(fixed).map_err(|error| error.inside("/target_pose"))?)
-            }
+            wire::TargetPose::Fixed(fixed) => TargetPose::Fixed(pose(fixed).inside("/target_pose")?),
         };
-        let displacement = target_displacement.as_ref();
-        let target_displacement =
-            displacement.map(|profile| self.profile(profile, "/target_displacement")).transpose()?;
+        let profile = |profile| self.profile(profile, "/target_displacement");
+        let target_displacement = target_displacement.as_ref().map(profile).transpose()?;
         Ok(ToolRows { target_pose, target_displacement, ..rows })
     }
 
-    fn position(
-        &self,
-        gain: &PerAxis<f64>,
-        max_acceleration: Option<&PerAxis<f64>>,
-        braking: bool,
-    ) -> Result<Law, ApiError> {
+    fn position(&self, gain: &PerAxis<f64>, max_acceleration: Option<&PerAxis<f64>>, braking: bool) -> Result<Law> {
         let gains = self.0.numbers(gain, "/gain")?;
         let (field, default) = ("/max_acceleration", PerAxis::All(0.0));
         let braking = match max_acceleration {
@@ -214,22 +194,17 @@ impl LawReader {
         })
     }
 
-    fn gains(
-        &self,
-        inertia: &PerAxis<f64>,
-        damping: &PerAxis<f64>,
-        stiffness: &PerAxis<f64>,
-    ) -> Result<Gains, ApiError> {
+    fn gains(&self, masses: &PerAxis<f64>, damping: &PerAxis<f64>, stiffness: &PerAxis<f64>) -> Result<Gains> {
         let list = |values: &PerAxis<f64>, field: &str| self.0.numbers(values, field);
-        let (m, b, k) = (list(inertia, "/inertia")?, list(damping, "/damping")?, list(stiffness, "/stiffness")?);
+        let (m, b, k) = (list(masses, "/inertia")?, list(damping, "/damping")?, list(stiffness, "/stiffness")?);
         for (row, value) in m.iter().enumerate() {
-            super::numbers::inertia(*value, "").map_err(|error| error.inside(&at_row(inertia, "/inertia", row)))?;
+            inertia(*value, "").map_err(|error| error.inside(&at_row(masses, "/inertia", row)))?;
         }
         Gains::new(self.0.rows, &m, &b, &k).map_err(|error| match error {
             GainError::Size { gain, .. } => ApiError::invalid(format!("/{gain}"), error),
             GainError::Range { gain, row, .. } => {
                 let values = match gain {
-                    "inertia" => inertia,
+                    "inertia" => masses,
                     "damping" => damping,
                     _ => stiffness,
                 };
@@ -238,12 +213,7 @@ impl LawReader {
         })
     }
 
-    fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile, ApiError> {
-        self.0.profile(profile).map_err(|error| error.inside(field))
-    }
-
-    /// Returns the error for a law that is refused although the size of each field was checked.
-    fn mismatch(&self) -> ApiError {
-        ApiError::invalid("", format!("give one value for each of {} rows in all lists of the law", self.0.rows))
+    fn profile(&self, profile: &wire::Profile, field: &str) -> Result<Profile> {
+        self.0.profile(profile).inside(field)
     }
 }

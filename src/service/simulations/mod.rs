@@ -3,6 +3,7 @@
 //! Each run calls the controller through [`InProcess`](super::in_process::InProcess) in its own thread. Its joint
 //! velocities equal those over HTTP to the last bit, and it does not compete with the requests of clients.
 
+mod controller_change;
 mod job;
 mod live;
 mod operator;

@@ -8,6 +8,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Controller, ControllerConfig};
 use tokio::sync::watch;
 
+use super::controller_change::changed_controller;
 use super::live::{LiveView, Picture};
 use crate::service::convert;
 use crate::service::error::ApiError;
@@ -92,7 +93,7 @@ impl RunControl {
     pub fn apply(&self, command: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
         convert::check_control(command, &self.controller)?;
         let mut commands = self.lock();
-        if let Some(controller) = convert::changed_controller(command, &commands.controller, robots)? {
+        if let Some(controller) = changed_controller(command, &commands.controller, robots)? {
             commands.controller = controller;
             commands.is_controller_new = true;
         }

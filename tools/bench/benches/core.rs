@@ -104,7 +104,7 @@ impl Trajectory {
     fn limited(mut self) -> Self {
         self.problems.retain(|problem| {
             let answer = revprio_core::resolution::resolve(problem, &[]).unwrap();
-            !answer.active_limits.is_empty()
+            answer.active_limits().next().is_some()
         });
         self
     }

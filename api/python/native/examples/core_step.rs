@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() };
             let command = stepper.step(&mut memory, &measurement)?;
             micros[i] = micros[i].min(start.elapsed().as_secs_f64() * 1e6);
-            limited[i] = !command.resolution.active_limits.is_empty();
+            limited[i] = command.resolution.active_limits().next().is_some();
         }
     }
     let mut times: Vec<f64> = micros.iter().zip(&limited).filter(|(_, limited)| **limited).map(|(t, _)| *t).collect();

@@ -1,13 +1,14 @@
 //! Controllers and sessions. A controller is the same object in a file, in a request and in a scenario.
 
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{
     AntiWindup, Axis, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits, Method,
     NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
-use super::{bounds, integer, object};
+use super::{bounds, defaults, integer, object};
 
 /// A controller: robot, tasks with their laws, method, solver, limits and control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -30,7 +31,7 @@ pub struct Controller {
     pub limits: Limits,
     /// How the joints follow a command. Set it if you have measured your arm, so that it brakes in time; default: a lag
     /// of 0.03 s and a delay of 2 periods.
-    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "JointDrive::is_default")]
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "defaults::is_default")]
     pub drive: JointDrive,
     /// Sign of the wrench in the states: who exerts it on whom. Set `on_tool` for a wrist sensor that measures the
     /// force on the tool; a wrong sign makes contacts unstable. Default `on_environment`.
@@ -56,7 +57,7 @@ pub struct Controller {
     /// the middle of their ranges for 4 s, up to three times. Tasks above it are not disturbed. Only if the arm has more
     /// joints than its tasks have rows, no task moves single joints, and no task has the law `force`, `impedance` or
     /// `hybrid`; default `true`.
-    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
     pub leave_local_minima: bool,
     /// Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for simulations.
     /// Default: threshold 0.15, max_factor 0.15.
@@ -66,7 +67,7 @@ pub struct Controller {
     /// a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1 m; default
     /// 1.
     #[schema(example = 1.2)]
-    #[serde(default = "default_length", skip_serializing_if = "is_default_length")]
+    #[serde(default = "defaults::one", skip_serializing_if = "is_default_length")]
     pub characteristic_length_m: f64,
     /// Environment that the tool touches, as far as known. Set it before a first contact: `POST /v1/controllers` then
     /// warns of unstable axes. Default: unknown.
@@ -82,11 +83,11 @@ pub struct Controller {
     pub valid_for_ms: u64,
     /// Bounds of a plausible state, beyond which it is refused. Set the largest force and torque that your task needs;
     /// default: those of `StateChecks`.
-    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "StateChecks::is_default")]
+    #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "defaults::is_default")]
     pub state_checks: StateChecks,
     /// When integrators of laws follow the achieved velocity. Set another value only to reproduce the paper; default
     /// `always`.
-    #[serde(default, skip_serializing_if = "AntiWindup::is_default")]
+    #[serde(default, skip_serializing_if = "defaults::is_default")]
     pub anti_windup: AntiWindup,
     /// Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a fault; it
     /// makes answers longer. Default `false`.
@@ -98,23 +99,10 @@ pub struct Controller {
     pub tasks: Vec<ControllerTask>,
 }
 
-fn yes() -> bool {
-    true
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-fn is_yes(value: &bool) -> bool {
-    *value
-}
-
-fn default_length() -> f64 {
-    1.0
-}
-
 #[expect(clippy::float_cmp, reason = "the default is written as it is")]
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
 fn is_default_length(length: &f64) -> bool {
-    *length == default_length()
+    *length == defaults::one()
 }
 
 /// Covers a few periods of a slow loop.
@@ -137,6 +125,7 @@ fn default_damping() -> Option<Damping> {
 }
 
 /// One task of a controller: its rows, and their law or bounds of their velocity.
+#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
@@ -144,7 +133,6 @@ pub struct ControllerTask {
     pub name: String,
     /// Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
     /// others. Required by every law except `posture` if there is no `jacobian`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Axes along which rows, displacements and wrench are measured. Set `tool` for motions relative to the tool, or a
     /// pose for a surface; default `base`.
@@ -152,22 +140,20 @@ pub struct ControllerTask {
     pub frame: Frame,
     /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task moves another point
     /// than the others; default: the tool point.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
     /// Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives, such as a sum
     /// of joints; instead of `axes`, with the law `velocity` or bounds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of `lower` and
     /// `upper`.
-    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional")]
     pub law: Option<Law>,
     /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law` if the
     /// task only limits a motion; `null`: no bound; default: none.
-    #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "bounds::lower")]
     pub lower: Option<Vec<Option<f64>>>,
     /// Upper bounds of the task velocity J_k q̇, as `lower`.
-    #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "bounds::upper")]
     pub upper: Option<Vec<Option<f64>>>,
     /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
     /// must keep their shape; only with `law`; default `false`.
@@ -175,7 +161,7 @@ pub struct ControllerTask {
     pub scale: bool,
     /// How the task follows the `targets` of the states. Set it for a source of targets that is slower than 30 Hz,
     /// noisy or late; default: the defaults of its fields.
-    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional")]
     pub streaming: Option<Streaming>,
 }
 

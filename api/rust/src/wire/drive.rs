@@ -25,13 +25,6 @@ impl Default for JointDrive {
     }
 }
 
-impl JointDrive {
-    /// Returns whether the values are the default ones.
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 /// The commands that the drive still has to follow, in the memory of a controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

@@ -61,6 +61,11 @@ pub enum Axis {
     Rz,
 }
 
+impl Axis {
+    /// All axes.
+    pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Rx, Self::Ry, Self::Rz];
+}
+
 /// The resolution method, the meaning of priorities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case", remote = "Self")]
@@ -186,14 +191,6 @@ pub enum AntiWindup {
     /// As `always`, but not if damping alone holds the axis back, like the laws of the paper. Near a singularity, a damped
     /// task then winds up. Do not use it on a real arm.
     ExceptDamping,
-}
-
-impl AntiWindup {
-    /// Returns whether this is the default.
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// Damping near singularities: λ² = (1 − (σ_min/δ)²) λ_max² for σ_min < δ, otherwise 0.

@@ -4,7 +4,9 @@ use std::fmt;
 
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use utoipa::ToSchema;
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Schema, SchemaType, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 use super::object;
 
@@ -37,6 +39,25 @@ impl<'de> Deserialize<'de> for JointVector {
         deserializer.deserialize_any(JointVectorVisitor)
     }
 }
+
+impl PartialSchema for JointVector {
+    fn schema() -> RefOr<Schema> {
+        let number = |description| {
+            ObjectBuilder::new().schema_type(SchemaType::Type(Type::Number)).description(Some(description))
+        };
+        let list = ArrayBuilder::new()
+            .items(number("Value of one joint."))
+            .description(Some("Values in the robot's joint order."));
+        let named = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::Object))
+            .additional_properties(Some(Schema::Object(number("Value of the joint with this name.").build())))
+            .description(Some("Values by joint name, each joint once."));
+        let description = "One number per joint of the robot, rad or m for positions, rad/s or m/s for velocities.";
+        OneOfBuilder::new().item(list).item(named).description(Some(description)).into()
+    }
+}
+
+impl ToSchema for JointVector {}
 
 struct JointVectorVisitor;
 

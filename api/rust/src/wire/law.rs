@@ -1,14 +1,15 @@
 //! Control laws.
 
-use serde::de::{Error, MapAccess};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
-use super::string_or_map::{self, StringOrMap};
+use super::string_or_map::string_or_object;
 use super::{PerAxis, Profile, TargetPose};
-use super::{object, string_tags};
+use super::{defaults, object};
 
 /// The law that computes the velocity of a task.
+#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Law {
@@ -24,34 +25,31 @@ pub enum Law {
         gain: PerAxis<f64>,
         /// Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints.
         /// Set it for a gentler stop; default: those limits alone.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
-        #[serde(default = "default_braking", skip_serializing_if = "is_default_braking")]
+        #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
         braking: bool,
         /// Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step.
         #[serde(default)]
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+        #[serde(default, deserialize_with = "object::optional")]
         target_displacement: Option<Profile>,
     },
     /// Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1 near
     /// the target, and smaller where the joint could not brake.
     Posture {
         /// Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         joints: Option<Vec<String>>,
         /// Gain K, one for all joints or one per joint, 1/s: within 1/K seconds the distance decreases to 37 %. For
         /// `mid_range` rad²/s or m²/s.
         gain: PerAxis<f64>,
         /// Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints. Set
         /// it for a gentler stop; default: those limits alone.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
-        #[serde(default = "default_braking", skip_serializing_if = "is_default_braking")]
+        #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
         braking: bool,
         /// Target positions q_d, rad or m, or `mid_range`.
         target_position: PostureTarget,
@@ -85,7 +83,7 @@ pub enum Law {
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+        #[serde(default, deserialize_with = "object::optional")]
         target_displacement: Option<Profile>,
     },
     /// Force control on some axes, impedance on the others.
@@ -108,18 +106,9 @@ pub enum Law {
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+        #[serde(default, deserialize_with = "object::optional")]
         target_displacement: Option<Profile>,
     },
-}
-
-fn default_braking() -> bool {
-    true
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-fn is_default_braking(braking: &bool) -> bool {
-    *braking
 }
 
 impl Law {
@@ -152,32 +141,9 @@ pub enum PostureTarget {
     Profile(Profile),
 }
 
-impl Serialize for PostureTarget {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::MidRange => serializer.serialize_str("mid_range"),
-            Self::Profile(profile) => profile.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for PostureTarget {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        string_or_map::deserialize(deserializer)
-    }
-}
-
-impl StringOrMap for PostureTarget {
-    const EXPECTED: &'static str = "`mid_range` or a profile of joint positions";
-
-    fn from_string<E: Error>(text: &str) -> Result<Self, E> {
-        match text {
-            "mid_range" => Ok(Self::MidRange),
-            _ => Err(E::unknown_variant(text, &["mid_range"])),
-        }
-    }
-
-    fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        string_tags::from_map(map).map(Self::Profile)
-    }
+string_or_object! {
+    PostureTarget { MidRange = "mid_range" } or Profile(Profile),
+    expected "`mid_range` or a profile of joint positions",
+    "Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per \
+     joint, rad or m."
 }

@@ -6,6 +6,7 @@
 mod bounds;
 mod certificate;
 mod controller;
+mod defaults;
 mod drive;
 mod enums;
 mod inequality;
@@ -22,7 +23,6 @@ mod profile;
 pub mod read_error;
 mod resolve;
 mod robot;
-mod schema;
 mod simulation;
 mod stability;
 mod state_checks;

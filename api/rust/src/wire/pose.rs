@@ -1,11 +1,10 @@
 //! Poses, target poses and frames.
 
-use serde::de::{Error, MapAccess, value::MapAccessDeserializer};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::object;
-use super::string_or_map::{self, StringOrMap};
+use super::string_or_map::string_or_object;
 
 /// An orientation as a unit quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -42,34 +41,11 @@ pub enum TargetPose {
     Fixed(Pose),
 }
 
-impl Serialize for TargetPose {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Initial => serializer.serialize_str("initial"),
-            Self::Fixed(pose) => pose.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for TargetPose {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        string_or_map::deserialize(deserializer)
-    }
-}
-
-impl StringOrMap for TargetPose {
-    const EXPECTED: &'static str = "`initial` or an object with `position` and `orientation`";
-
-    fn from_string<E: Error>(text: &str) -> Result<Self, E> {
-        match text {
-            "initial" => Ok(Self::Initial),
-            _ => Err(E::unknown_variant(text, &["initial"])),
-        }
-    }
-
-    fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Pose::deserialize(MapAccessDeserializer::new(map)).map(Self::Fixed)
-    }
+string_or_object! {
+    TargetPose { Initial = "initial" } or Fixed(Pose),
+    expected "`initial` or an object with `position` and `orientation`",
+    "Target pose, from which displacements are measured: `initial` (the pose at the first step), or a pose of the \
+     reference point (m, unit quaternion), in the task's `frame` if that is a pose, otherwise in the base frame."
 }
 
 /// The axes of a task.
@@ -84,34 +60,9 @@ pub enum Frame {
     Fixed(Pose),
 }
 
-impl Serialize for Frame {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Base => serializer.serialize_str("base"),
-            Self::Tool => serializer.serialize_str("tool"),
-            Self::Fixed(pose) => pose.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Frame {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        string_or_map::deserialize(deserializer)
-    }
-}
-
-impl StringOrMap for Frame {
-    const EXPECTED: &'static str = "`base`, `tool` or an object with `position` and `orientation`";
-
-    fn from_string<E: Error>(text: &str) -> Result<Self, E> {
-        match text {
-            "base" => Ok(Self::Base),
-            "tool" => Ok(Self::Tool),
-            _ => Err(E::unknown_variant(text, &["base", "tool"])),
-        }
-    }
-
-    fn from_map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Pose::deserialize(MapAccessDeserializer::new(map)).map(Self::Fixed)
-    }
+string_or_object! {
+    Frame { Base = "base", Tool = "tool" } or Fixed(Pose),
+    expected "`base`, `tool` or an object with `position` and `orientation`",
+    "Axes of a task: of the base, of the tool, or of a frame with this pose in the base (m, unit quaternion). In the \
+     last case, target poses are given in that frame."
 }

@@ -1,9 +1,10 @@
 //! `GET /v1/simulations/{id}`: the state and the metrics of a run of the built-in simulator.
 
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
-use super::{Method, Solver};
+use super::{Method, Solver, defaults};
 
 /// The pace of an interactive run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -11,18 +12,15 @@ use super::{Method, Solver};
 pub struct Interactive {
     /// Simulated seconds per second of real time, if the machine is fast enough. Set less than 1 to watch a contact;
     /// default 1.
-    #[serde(default = "real_time")]
+    #[serde(default = "defaults::one")]
     pub speed: f64,
     /// Whether the run starts paused, to step it with `step`; default `false`.
     #[serde(default)]
     pub paused: bool,
 }
 
-fn real_time() -> f64 {
-    1.0
-}
-
 /// A run of a scenario.
+#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Simulation {
     /// Identifier of the run, part of its address.
@@ -41,13 +39,10 @@ pub struct Simulation {
     pub progress: f64,
     /// Reason of the failure; only if the run failed.
     #[schema(example = "the service refused a state: a wrench is needed")]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Pace of the run; only if it is interactive.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interactive: Option<Interactive>,
     /// Metrics of the run; only when it is finished.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metrics: Option<SimulationMetrics>,
 }
 

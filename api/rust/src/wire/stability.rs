@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{integer, object};
+use super::{Axis, defaults, integer, object};
 
 /// One axis of a law in contact. Linear: kg, N·s/m, N/m; angular: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -28,12 +28,8 @@ pub struct StabilityRequest {
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
-    #[serde(default = "measured")]
+    #[serde(default = "defaults::yes")]
     pub velocity_measured: bool,
-}
-
-fn measured() -> bool {
-    true
 }
 
 /// The environment on one axis, F_e = M_e Ẍ + B_e Ẋ + K_e X.
@@ -80,8 +76,22 @@ pub struct Environment {
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.
-    #[serde(default = "measured")]
+    #[serde(default = "defaults::yes")]
     pub velocity_measured: bool,
+}
+
+impl Environment {
+    /// Returns the environment on one axis.
+    pub fn along(&self, axis: Axis) -> Option<EnvironmentAxis> {
+        match axis {
+            Axis::X => self.x,
+            Axis::Y => self.y,
+            Axis::Z => self.z,
+            Axis::Rx => self.rx,
+            Axis::Ry => self.ry,
+            Axis::Rz => self.rz,
+        }
+    }
 }
 
 /// The stability margins of a loop.

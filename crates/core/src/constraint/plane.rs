@@ -93,7 +93,7 @@ impl VirtualPlane {
 
     /// Returns a row of n joints that [`Self::overwrite`] can overwrite.
     fn empty_row(&self, n: usize) -> Inequality {
-        Inequality::always_satisfied(Arc::clone(&self.name), n)
+        Inequality::always_satisfied(Arc::clone(&self.name), 0, n)
     }
 
     /// Returns the point that is held back.

@@ -20,8 +20,10 @@ pub use svd::Svd;
 pub use task_vector::TaskVector;
 pub use triangle::{smallest_and_product, smallest_eigenvalue, smallest_from_inverse, write_inverse};
 
-/// Singular values below this fraction of a matrix's Frobenius norm count as zero.
-pub const RANK_TOLERANCE: f64 = 1e-10;
+use crate::tolerances::TOLERANCES;
+
+/// [`Tolerances::rank`](crate::tolerances::Tolerances::rank): singular values below this fraction of a matrix's Frobenius norm count as zero.
+pub const RANK_TOLERANCE: f64 = TOLERANCES.rank;
 
 /// Returns whether all entries are finite numbers.
 #[inline]

@@ -3,9 +3,7 @@
 //! The decomposition of nalgebra is not used: it returns wrong vectors where singular values coincide.
 
 use super::{Matrix, Vector, dot};
-
-/// Cosine of the angle between two rows that counts as rounding.
-const ORTHOGONAL: f64 = 1e-15;
+use crate::tolerances::TOLERANCES;
 
 /// Sweeps over all pairs of rows. About five are needed.
 const MAX_SWEEPS: usize = 60;
@@ -109,7 +107,7 @@ pub(super) fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) 
 fn rotate(x: &mut [f64], y: &mut [f64], columns: usize) -> bool {
     let (x_own, y_own) = (&x[..columns], &y[..columns]);
     let (a, b, c) = (dot(x_own, x_own), dot(y_own, y_own), dot(x_own, y_own));
-    if c.abs() <= ORTHOGONAL * (a * b).sqrt() || c == 0.0 {
+    if c.abs() <= TOLERANCES.orthogonal * (a * b).sqrt() || c == 0.0 {
         return false;
     }
     let zeta = (b - a) / (2.0 * c);

@@ -1,22 +1,17 @@
 //! Writing the answer: joint velocities with their explanation.
 
 use revprio_problem::{
-    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Inequality, InequalityViolation, Path, Problem, Resolution,
-    Side, Singularity, SolverReport, Status, Task, TaskOutcome,
+    ActiveBound, ActiveSet, Bound, BoundId, BrokenBound, Path, Problem, Resolution, Side, Singularity, SolverReport,
+    Status, Task, TaskOutcome,
 };
 
 use super::engine::Engine;
 use super::level::{Solution, refill};
-use super::plan::{Origin, PlannedProblem};
+use super::plan::PlannedProblem;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
-use super::solver::SizedSolver;
 use crate::linalg::{Vector, all_finite, write_product};
-
-/// Relative optimality residual up to which an answer counts as optimal.
-///
-/// Exact answers of task size stay below 1e-12. A wrong active set is off by orders of magnitude more than this.
-const CERTIFIED: f64 = 1e-9;
+use crate::tolerances::TOLERANCES;
 
 /// Sets the answer from the solution of a plan.
 pub fn write_answer(
@@ -26,10 +21,9 @@ pub fn write_answer(
     run: &mut PlanRun,
     engine: &Engine,
 ) {
-    let PlanRun { planned, solution, scales, contradictions, has_task_values, .. } = run;
+    let PlanRun { planned, solution, scales, contradictions, .. } = run;
     let path = if solution.working_set.is_empty() { Path::ClosedForm } else { Path::ActiveSet };
-    let achieved = if *has_task_values { solution.row_values.as_slice() } else { &[] };
-    report_velocity(answer, problem, singularities, &solution.x, achieved);
+    report_velocity(answer, problem, singularities, &solution.x);
     for (task, (scale, stated)) in answer.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
         task.scale = scale.filter(|_| stated.scaled);
     }
@@ -43,46 +37,17 @@ pub fn write_answer(
     std::mem::swap(&mut answer.contradictions, contradictions);
     answer.solver.rank_uncertain |= singularities.rank_uncertain;
     answer.solver.last_resorts = engine.last_resorts;
-    if answer.active_set.len() != 1 {
-        answer.active_set.resize_with(1, ActiveSet::new);
+    if solution.working_set.is_empty() {
+        answer.active_set.clear();
+        return;
     }
-    planned.write_active_set(problem, &solution.working_set, &mut answer.active_set[0]);
-}
-
-/// Sets the answer to the solution without limits, which is finite and meets every task and limit.
-pub fn write_unlimited(
-    answer: &mut Resolution,
-    problem: &Problem,
-    singularities: &Singularities,
-    solver: &dyn SizedSolver,
-    residual: f64,
-) {
-    set_velocity(answer, solver.x());
-    singularities.write(&problem.tasks, &mut answer.singularity);
-    let achieved = if singularities.has_only_equations { solver.row_values() } else { &[] };
-    report_tasks(answer, problem, singularities, achieved);
-    answer.violated_limits.clear();
-    answer.violated_inequalities.clear();
-    clear_bounds(answer);
-    report_pinned(answer, problem);
-    answer.solver = SolverReport {
-        status: status(residual),
-        kkt_residual: Some(residual).filter(|residual| residual.is_finite()),
-        rank_uncertain: singularities.rank_uncertain,
-        working_sets: 1,
-        ..SolverReport::default()
-    };
+    answer.active_set.resize_with(1, ActiveSet::new);
+    planned.write_active_set(problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
 }
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
 /// status `failed`. `achieved`: as for [`report_tasks`].
-fn report_velocity(
-    answer: &mut Resolution,
-    problem: &Problem,
-    singularities: &Singularities,
-    x: &[f64],
-    achieved: &[f64],
-) {
+fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, x: &[f64]) {
     let x = &x[..problem.tasks.joint_count()];
     let is_finite = all_finite(x);
     if is_finite {
@@ -94,20 +59,22 @@ fn report_velocity(
         answer.singularity = Singularity::default();
         answer.solver.status = Status::Failed;
     }
-    report_tasks(answer, problem, singularities, if is_finite { achieved } else { &[] });
+    report_tasks(answer, problem, singularities);
     if !is_finite {
         for outcome in &mut answer.tasks {
             (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
         }
     }
-    answer.violated_limits.clear();
-    let broken = problem.inequalities.iter().filter(|inequality| inequality.violation(&answer.joint_velocity) > 0.0);
-    let violation = |inequality: &Inequality| InequalityViolation {
-        name: inequality.shared_name(),
-        bound: inequality.bound(),
-        value: inequality.value(&answer.joint_velocity),
-    };
-    refill(&mut answer.violated_inequalities, broken.map(violation));
+    let velocity = &answer.joint_velocity;
+    let broken = problem.constraint_rows().filter(|(_, inequality)| inequality.violation(velocity) > 0.0);
+    refill(
+        &mut answer.broken_bounds,
+        broken.map(|(id, inequality)| BrokenBound {
+            bound: Bound::upper(id),
+            limit: inequality.bound(),
+            value: inequality.value(velocity),
+        }),
+    );
 }
 
 fn set_velocity(answer: &mut Resolution, x: &[f64]) {
@@ -117,59 +84,47 @@ fn set_velocity(answer: &mut Resolution, x: &[f64]) {
     answer.joint_velocity.as_mut_slice().copy_from_slice(x);
 }
 
-/// Sets the outcomes of the tasks at the velocity. `achieved`: the values of the rows of all tasks; empty: they are computed.
-fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, mut achieved: &[f64]) {
+/// Sets the outcomes of the tasks at the velocity.
+fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities) {
     let tasks = problem.tasks.tasks();
     answer.tasks.resize_with(tasks.len(), TaskOutcome::default);
     for ((outcome, task), known) in answer.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-        let own = achieved.split_off(..task.jacobian.nrows());
-        report_task(outcome, task, *known, answer.joint_velocity.as_slice(), own);
+        report_task(outcome, task, *known, answer.joint_velocity.as_slice());
     }
 }
 
 fn clear_bounds(answer: &mut Resolution) {
-    answer.active_limits.clear();
-    answer.active_inequalities.clear();
+    answer.active_bounds.clear();
     answer.contradictions.clear();
     answer.active_set.clear();
 }
 
-/// Lists joints whose bounds coincide.
-fn report_pinned(answer: &mut Resolution, problem: &Problem) {
-    let bounds = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice());
-    for (joint, (_, &value)) in bounds.enumerate().filter(|(_, (lower, upper))| lower == upper) {
-        answer.active_limits.push(ActiveLimit { joint, side: Side::Upper, value, multiplier: 0.0 });
-    }
-}
-
-/// Sets active limits, inequalities and rows from the multipliers.
+/// Lists the active bounds from the multipliers.
 fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedProblem, solution: &Solution) {
     let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
     let active = |(joint, &multiplier): (usize, &f64)| {
-        let (side, bounds) = if multiplier < 0.0 { (Side::Lower, lower) } else { (Side::Upper, upper) };
+        let side = Side::of_multiplier(multiplier);
+        let value = if side == Side::Lower { lower[joint] } else { upper[joint] };
         let is_active = lower[joint] == upper[joint] || multiplier != 0.0;
-        is_active.then_some(ActiveLimit { joint, side, value: bounds[joint], multiplier: multiplier.abs() })
+        let bound = Bound { id: BoundId::Joint(joint), side };
+        is_active.then_some(ActiveBound { bound, value, multiplier: multiplier.abs() })
     };
-    refill(&mut answer.active_limits, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
-    answer.active_inequalities.clear();
-    let rows = planned.origins.iter().zip(&solution.row_multipliers);
-    for (origin, &multiplier) in rows.filter(|(_, multiplier)| **multiplier != 0.0) {
-        match *origin {
-            Origin::Inequality(index) => {
-                let inequality = &problem.inequalities[index];
-                answer.active_inequalities.push(ActiveInequality {
-                    name: inequality.shared_name(),
-                    bound: inequality.bound(),
-                    // Planned rows have length one.
-                    multiplier: multiplier.abs() / inequality.coefficients().norm(),
-                });
+    refill(&mut answer.active_bounds, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
+    let rows = planned.origins.iter().zip(&solution.row_multipliers).enumerate();
+    for (row, (&id, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
+        let Some(id) = id else { continue };
+        let side = Side::of_multiplier(multiplier);
+        let (value, length) = match id {
+            // Constraints are the first rows of a problem, with length one.
+            BoundId::Constraint { .. } => {
+                let inequality = &problem.inequalities[row];
+                (inequality.bound(), inequality.coefficients().norm())
             }
-            Origin::Task { task, row } => {
-                let side = if multiplier < 0.0 { Side::Lower } else { Side::Upper };
-                answer.tasks[task].active_rows.push(ActiveRow { row, side, multiplier: multiplier.abs() });
-            }
-            Origin::Auxiliary => {}
-        }
+            _ if side == Side::Lower => (planned.levels.row_lower[row], 1.0),
+            _ => (planned.levels.row_upper[row], 1.0),
+        };
+        let bound = Bound { id, side };
+        answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
     }
 }
 
@@ -188,22 +143,13 @@ fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
     };
 }
 
-/// Sets the outcome at q̇, whose product with the Jacobian may be known; a scaled task that no limit cuts has the scale 1.
-fn report_task(
-    outcome: &mut TaskOutcome,
-    task: &Task,
-    known: TaskSingularity,
-    joint_velocity: &[f64],
-    achieved: Option<&[f64]>,
-) {
+/// Sets the outcome at q̇; a scaled task that no limit cuts has the scale 1.
+fn report_task(outcome: &mut TaskOutcome, task: &Task, known: TaskSingularity, joint_velocity: &[f64]) {
     let rows = task.jacobian.nrows();
     if outcome.achieved.len() != rows {
         outcome.achieved = Vector::zeros(rows);
     }
-    match achieved {
-        Some(achieved) => outcome.achieved.as_mut_slice().copy_from_slice(achieved),
-        None => write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice()),
-    }
+    write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice());
     let bounds = || task.lower.as_slice().iter().zip(task.upper.as_slice());
     let missing = |(achieved, (lower, upper)): (&f64, (&f64, &f64))| {
         let (above, below) = (achieved - upper, lower - achieved);
@@ -216,10 +162,9 @@ fn report_task(
     outcome.rank = known.rank;
     outcome.algorithmic = known.algorithmic;
     outcome.scale = task.scaled.then_some(1.0);
-    outcome.active_rows.clear();
 }
 
 /// Returns how sure an answer is that meets its optimality conditions up to this residual.
 fn status(residual: f64) -> Status {
-    if residual <= CERTIFIED { Status::Optimal } else { Status::NotCertified }
+    if residual <= TOLERANCES.certified { Status::Optimal } else { Status::NotCertified }
 }

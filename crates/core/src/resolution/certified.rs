@@ -1,9 +1,8 @@
 //! Recording the problems on the way to an answer, for its certificate.
 
-use revprio_problem::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part, RowName};
+use revprio_problem::{BoundId, Certificate, CertifiedLevel, CertifiedProblem, Multipliers, Part};
 
 use super::level::Hierarchy;
-use super::plan::Origin;
 use super::solver::SizedSolver;
 
 /// The problems that were solved, and what the answer consists of.
@@ -14,9 +13,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// Adds the problem that `solver` has solved last, possibly without its inequality rows that hold nothing back. The
-    /// answer is its solution `x`, until [`Self::set_answer`] is called.
-    pub fn push(&mut self, problem: &Hierarchy, origins: &[Origin], x: &[f64], solver: &mut dyn SizedSolver) {
+    /// Adds the problem that `solver` has solved. The answer is its solution `x`, until [`Self::set_answer`] is called.
+    pub fn push(&mut self, problem: &Hierarchy, origins: &[Option<BoundId>], x: &[f64], solver: &mut dyn SizedSolver) {
         let count = problem.level_ends.len();
         let levels = (0..count).map(|level| certified_level(problem, origins, level)).collect();
         let multipliers = (0..=count).map(|level| multipliers(problem, level, x, solver)).collect();
@@ -47,41 +45,25 @@ impl Record {
     }
 }
 
-fn certified_level(problem: &Hierarchy, origins: &[Origin], level: usize) -> CertifiedLevel {
+fn certified_level(problem: &Hierarchy, origins: &[Option<BoundId>], level: usize) -> CertifiedLevel {
     let rows = problem.level_start(level)..problem.level_ends[level];
-    let name = |row: usize| match origins.get(row) {
-        Some(&Origin::Task { task, row }) => RowName::Task { task, row },
-        Some(&Origin::Inequality(index)) => RowName::Inequality(index),
-        Some(Origin::Auxiliary) | None => RowName::Auxiliary,
-    };
     CertifiedLevel {
         rows: rows.clone().map(|row| problem.row(row).to_vec()).collect(),
         lower: problem.row_lower[rows.clone()].to_vec(),
         upper: problem.row_upper[rows.clone()].to_vec(),
-        names: rows.map(name).collect(),
+        names: rows.map(|row| origins.get(row).copied().flatten()).collect(),
     }
 }
 
 /// Returns the multipliers of a level, or of the last objective; `None` where it leaves no residual.
 fn multipliers(problem: &Hierarchy, level: usize, x: &[f64], solver: &mut dyn SizedSolver) -> Option<Multipliers> {
-    let (mut known, mut unknowns) = (Vec::new(), Vec::new());
+    let (mut rows, mut unknowns) = (Vec::new(), Vec::new());
     let count = problem.level_ends.len();
-    let equations = (0..problem.row_count()).filter(|&row| problem.is_equation(row)).count();
     if level == count && x == problem.reference {
         return None;
     }
-    let has_all_rows = solver.row_count() == problem.row_count();
-    if level < count && !(has_all_rows && solver.level_count() == count) {
-        // The solver knows the equations alone, or in other levels, and meets them.
-        return None;
-    }
-    solver.write_level_multipliers(if level < count { level } else { solver.level_count() }, &mut known, &mut unknowns);
-    let end = if level == count { problem.row_count() } else { problem.level_ends[level] };
-    debug_assert!(has_all_rows || known.len() == equations);
-    let mut known = known.into_iter();
-    let rows: Vec<f64> = (0..end)
-        .map(|row| if has_all_rows || problem.is_equation(row) { known.next().unwrap_or(0.0) } else { 0.0 })
-        .collect();
+    solver.write_level_multipliers(level, &mut rows, &mut unknowns);
+    rows.truncate(if level == count { problem.row_count() } else { problem.level_ends[level] });
     let leaves_residual = level == count || rows[problem.level_start(level)..].iter().any(|w| *w != 0.0);
     leaves_residual.then_some(Multipliers { rows, unknowns })
 }

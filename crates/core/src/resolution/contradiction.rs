@@ -4,33 +4,28 @@
 //! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). A proof with the fewest members is found by taking
 //! members away along dependencies of the vectors a_i, as long as the rest still is a proof.
 
-use revprio_problem::{Contradiction, Member, Problem, Side};
+use revprio_problem::{Bound, BoundId, Contradiction, Problem, Side};
 
+use super::engine::Solved;
 use super::level::{Hierarchy, Solution};
-use super::plan::{Origin, PlannedProblem};
-use super::solver::HierarchicalSolver;
+use super::plan::PlannedProblem;
 use crate::linalg::Matrix;
-
-/// A weight below this fraction of the largest one is rounding.
-const NEGLIGIBLE: f64 = 1e-9;
-
-/// A dependency that differs from the weights by less than this fraction is the same one.
-const DISTINCT: f64 = 1e-6;
+use crate::tolerances::TOLERANCES;
 
 /// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
 struct Demand {
-    member: Member,
+    member: Bound,
     coefficients: Vec<f64>,
     bound: f64,
     weight: f64,
 }
 
-/// Writes one contradiction for each level whose inequality rows are not all kept by the last solution of `solver`.
+/// Writes one contradiction for each level whose inequality rows are not all kept by the solution.
 pub fn write_contradictions(
     problem: &Problem,
     planned: &PlannedProblem,
     solution: &Solution,
-    solver: &mut HierarchicalSolver,
+    solved: &mut Solved,
     contradictions: &mut Vec<Contradiction>,
 ) {
     if planned.levels.row_lower == planned.levels.row_upper {
@@ -41,11 +36,11 @@ pub fn write_contradictions(
         let broken = rows.clone().find(|&row| is_broken(&planned.levels, solution, row));
         let Some(broken) = broken else { continue };
         let task = match planned.origins[broken] {
-            Origin::Inequality(_) => None,
-            Origin::Task { task, .. } => Some(task),
-            Origin::Auxiliary => continue,
+            Some(BoundId::Task { index, .. }) => Some(index),
+            Some(_) => None,
+            None => continue,
         };
-        let Some(mut demands) = demands(problem, planned, solution, level, solver) else { continue };
+        let Some(mut demands) = demands(problem, planned, solution, level, solved) else { continue };
         reduce(&mut demands);
         if demands.is_empty() {
             // What is missing is rounding.
@@ -72,7 +67,7 @@ fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
     let bounds = rows.clone().flat_map(|row| [levels.row_lower[row], levels.row_upper[row]]);
     let target = norm(&mut bounds.filter(|bound| bound.is_finite()));
     let size = norm(&mut rows.flat_map(|row| levels.row(row).iter().copied())) * speed + target;
-    missing > NEGLIGIBLE * size
+    missing > TOLERANCES.proof_weight * size
 }
 
 /// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.
@@ -81,7 +76,7 @@ fn demands(
     planned: &PlannedProblem,
     solution: &Solution,
     level: usize,
-    solver: &mut HierarchicalSolver,
+    solved: &mut Solved,
 ) -> Option<Vec<Demand>> {
     let levels = &planned.levels;
     let n = problem.tasks.joint_count();
@@ -89,22 +84,17 @@ fn demands(
     let own = levels.level_start(level)..levels.level_ends[level];
     if let Some(zero) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
         // A row of zeros contradicts itself.
-        let Origin::Task { task, row } = planned.origins[zero] else { return None };
-        let side = solution.working_set.rows[zero]?;
-        return Some(vec![demand(Member::Row { task, row, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
+        let (Some(id), side) = (planned.origins[zero], solution.working_set.rows[zero]?) else { return None };
+        return Some(vec![demand(Bound { id, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
     }
-    let (rows, unknowns) = proof(levels, solution, level, solver);
+    let (rows, unknowns) = proof(levels, solution, level, solved);
     let negligible = negligible_force(levels, &rows, &unknowns);
     // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
     let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
     let mut demands = Vec::new();
     for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * size(*row) > negligible) {
         let side = side(-w);
-        let member = match planned.origins[row] {
-            Origin::Inequality(index) => Member::Inequality { index, side },
-            Origin::Task { task, row } => Member::Row { task, row, side },
-            Origin::Auxiliary => return None,
-        };
+        let member = Bound { id: planned.origins[row]?, side };
         // What a higher level achieved is kept, whatever it asked for.
         let bound = match side {
             _ if row < own.start && (levels.is_equation(row) || is_broken(levels, solution, row)) => {
@@ -122,24 +112,19 @@ fn demands(
         let side = side(h);
         let bound = if side == Side::Lower { levels.lower[joint] } else { levels.upper[joint] };
         let unit: Vec<f64> = (0..n).map(|j| if j == joint { 1.0 } else { 0.0 }).collect();
-        demands.push(demand(Member::Limit { joint, side }, &unit, bound, h.abs(), side));
+        demands.push(demand(Bound { id: BoundId::Joint(joint), side }, &unit, bound, h.abs(), side));
     }
     Some(demands)
 }
 
 /// Returns weights of the rows (sign of b − A x) and of the unknowns with Σ w_i a_i = h, in which every active bound has the
 /// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
-fn proof(
-    levels: &Hierarchy,
-    solution: &Solution,
-    level: usize,
-    solver: &mut HierarchicalSolver,
-) -> (Vec<f64>, Vec<f64>) {
+fn proof(levels: &Hierarchy, solution: &Solution, level: usize, solved: &mut Solved) -> (Vec<f64>, Vec<f64>) {
     let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
-    solver.last().write_level_multipliers(level, &mut rows, &mut unknowns);
+    solved.write_level_multipliers(level, &mut rows, &mut unknowns);
     let set = &solution.working_set;
     for higher in (0..level).rev() {
-        solver.last().write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
+        solved.write_level_multipliers(higher, &mut higher_rows, &mut higher_unknowns);
         let negligible = negligible_force(levels, &higher_rows, &higher_unknowns);
         // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
         let needed = |side: Option<Side>, own: f64, higher: f64, size: f64| {
@@ -159,11 +144,11 @@ fn proof(
 /// Returns the size below which a multiplier, times the length of its row, is rounding of others.
 fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
     let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * norm(levels.row(row)));
-    NEGLIGIBLE * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
+    TOLERANCES.proof_weight * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
 }
 
 /// Turns a demand into side · a·x ≤ side · b with a of length one.
-fn demand(member: Member, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
+fn demand(member: Bound, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Demand {
     let length = norm(coefficients);
     let length = if length > 0.0 { length } else { 1.0 };
     let coefficients = coefficients.iter().map(|a| side.sign() * a / length).collect();
@@ -198,15 +183,16 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         let next = if is_all { other_dependency(&dependencies, demands) } else { dependencies.first().cloned() };
         let Some(mut dependency) = next else { return is_all };
         let largest = dependency.iter().fold(0.0, |largest, d| f64::max(largest, d.abs()));
-        let has = |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > NEGLIGIBLE * largest);
+        let has =
+            |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > TOLERANCES.proof_weight * largest);
         // Along the dependency Σ w_i b_i must not rise, and a weight must fall.
         let parts = || dependency.iter().zip(&*demands).map(|(d, demand)| d * demand.bound);
         let (gain, size): (f64, f64) = (parts().sum(), parts().map(f64::abs).sum());
-        let is_proof = gain.abs() > NEGLIGIBLE * size && !has(&dependency, gain.signum());
+        let is_proof = gain.abs() > TOLERANCES.proof_weight * size && !has(&dependency, gain.signum());
         if !is_all && is_proof {
             // All signs agree: the dependency is a proof itself.
             demands.iter_mut().zip(&dependency).for_each(|(demand, d)| demand.weight = d.abs());
-            demands.retain(|demand| demand.weight > NEGLIGIBLE * largest);
+            demands.retain(|demand| demand.weight > TOLERANCES.proof_weight * largest);
             return true;
         }
         if gain < 0.0 || !has(&dependency, 1.0) {
@@ -216,7 +202,7 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         }
         // One weight vanishes first.
         let step = |(d, demand): (&f64, &Demand)| {
-            if *d > NEGLIGIBLE * largest { demand.weight / d } else { f64::INFINITY }
+            if *d > TOLERANCES.proof_weight * largest { demand.weight / d } else { f64::INFINITY }
         };
         let steps = dependency.iter().zip(&*demands).map(step).enumerate();
         let Some((vanishing, length)) = steps.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, step)| step.is_finite())
@@ -229,7 +215,7 @@ fn reduce_group(demands: &mut Vec<Demand>, is_all: bool) -> bool {
         demands[vanishing].weight = 0.0;
         let largest = demands.iter().map(|demand| demand.weight).fold(0.0, f64::max);
         for member in (0..demands.len()).rev() {
-            if demands[member].weight > NEGLIGIBLE * largest {
+            if demands[member].weight > TOLERANCES.proof_weight * largest {
                 continue;
             }
             demands.remove(member);
@@ -245,7 +231,7 @@ fn dependencies(demands: &[Demand]) -> Vec<Vec<f64>> {
     let (n, count) = (first.coefficients.len(), demands.len());
     let factors = Matrix::from_fn(n, count, |i, j| demands[j].coefficients[i]).col_piv_qr();
     let r = factors.r();
-    let is_pivot = |&i: &usize| r[(i, i)].abs() > NEGLIGIBLE * r[(0, 0)].abs();
+    let is_pivot = |&i: &usize| r[(i, i)].abs() > TOLERANCES.proof_weight * r[(0, 0)].abs();
     let rank = (0..n.min(count)).take_while(is_pivot).count();
     let others = -r.view((0, rank), (rank, count - rank));
     let Some(top) = r.view((0, 0), (rank, rank)).solve_upper_triangular(&others) else { return Vec::new() };
@@ -261,7 +247,7 @@ fn other_dependency(dependencies: &[Vec<f64>], demands: &[Demand]) -> Option<Vec
     dependencies.iter().find_map(|dependency| {
         let along = dependency.iter().zip(demands).map(|(d, demand)| d * demand.weight).sum::<f64>() / weight_square;
         let other: Vec<f64> = dependency.iter().zip(demands).map(|(d, demand)| d - along * demand.weight).collect();
-        (norm(&other) > DISTINCT * norm(dependency)).then_some(other)
+        (norm(&other) > TOLERANCES.proof_distinct * norm(dependency)).then_some(other)
     })
 }
 
@@ -269,7 +255,8 @@ fn other_dependency(dependencies: &[Vec<f64>], demands: &[Demand]) -> Option<Vec
 fn drop_member(dependencies: &mut Vec<Vec<f64>>, member: usize) {
     let share = |dependency: &[f64]| dependency[member].abs() / norm(dependency);
     let by_share = |a: &usize, b: &usize| share(&dependencies[*a]).total_cmp(&share(&dependencies[*b]));
-    let most = (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > NEGLIGIBLE);
+    let most =
+        (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > TOLERANCES.proof_weight);
     if let Some(most) = most {
         let pivot = dependencies.swap_remove(most);
         for dependency in &mut *dependencies {

@@ -3,8 +3,9 @@
 use revprio_problem::{Damping, Problem};
 
 use super::engine::Engine;
-use super::level::{Hierarchy, Solution, refill};
-use crate::linalg::{DampingFactor, RANK_TOLERANCE, SmallSvd, row_times};
+use super::level::{Hierarchy, Solution, Start, refill};
+use crate::linalg::{DampingFactor, SmallSvd, row_times};
+use crate::tolerances::TOLERANCES;
 
 /// Damps the tasks of the stages of reverse priority, and all rows as one level.
 #[derive(Default)]
@@ -66,7 +67,7 @@ impl DampedTargets {
         let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
         let (m, n) = task.jacobian.shape();
         self.svd.decompose(m, n, |i, j| task.jacobian[(i, j)]);
-        let rank = self.svd.rank(RANK_TOLERANCE * task.jacobian.norm());
+        let rank = self.svd.rank(TOLERANCES.rank * task.jacobian.norm());
         let weak = (0..rank).rev().take_while(|&place| damping.keeps(self.svd.sigma(place)) < 1.0).count();
         for kept in (rank - weak..rank).rev() {
             let next = if kept == 0 { 1.0 } else { damping.keeps(self.svd.sigma(kept - 1)) };
@@ -97,7 +98,7 @@ impl DampedTargets {
     }
 
     fn solve(&mut self, engine: &mut Engine) {
-        engine.solve(&self.problem, &[], None, &mut self.solution);
+        engine.solve(&self.problem, &[], Start::Empty, &mut self.solution);
         self.is_optimal &= self.solution.is_optimal;
         self.kkt_residual = self.kkt_residual.max(self.solution.kkt_residual);
     }

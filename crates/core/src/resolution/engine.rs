@@ -1,61 +1,74 @@
-//! The solver of hierarchical problems, and the record of what it solved.
+//! Solving planned problems, and what can be asked about the last one.
+
+use revprio_problem::BoundId;
 
 use super::certified::Record;
-use super::level::{Hierarchy, Solution, WorkingSet};
-use super::plan::Origin;
-use super::solver::HierarchicalSolver;
-use crate::limits::VelocityBox;
+use super::level::{Hierarchy, Solution, Start};
+use super::solver::{HierarchicalSolver, Rungs, SizedSolver};
 
-/// The hierarchical solver with its record.
+/// The hierarchical solver, with a record for certificates.
 #[derive(Default)]
 pub struct Engine {
-    exact: HierarchicalSolver,
-    /// Problems that needed the last resort since [`Self::start`].
+    solver: HierarchicalSolver,
+    /// How many problems since [`Self::start`] needed the last resort.
     pub last_resorts: u32,
-    /// The problems that were solved since [`Self::start`], if they are recorded.
+    /// The problems since then, where a certificate is wanted.
     pub record: Option<Record>,
 }
 
+/// The solver of a problem, which knows its factorisation on the last working set.
+pub struct Solved<'e> {
+    engine: &'e mut Engine,
+    unknowns: usize,
+}
+
 impl Engine {
-    /// Forgets the last answer; `is_recorded`: records the problems of the next one.
+    /// Begins the problems of one answer.
     pub fn start(&mut self, is_recorded: bool) {
         self.last_resorts = 0;
         self.record = is_recorded.then(Record::default);
     }
 
-    /// Returns the hierarchical solver.
-    pub fn exact(&mut self) -> &mut HierarchicalSolver {
-        &mut self.exact
+    /// Returns how often each way to a working set was needed so far.
+    pub fn rungs(&self) -> Rungs {
+        self.solver.rungs()
     }
 
-    /// Solves a problem whose rows mean `origins` (empty: they are auxiliary); `guess` is the working set to start from.
+    /// Factorises the equations of a problem, without its limits and without active inequality rows.
+    pub fn factorize(&mut self, levels: &Hierarchy) -> &mut dyn SizedSolver {
+        let solver = self.solver.of_width(levels.unknowns);
+        solver.factorize(levels);
+        solver
+    }
+
+    /// Solves a problem whose rows mean `origins` (empty: they are auxiliary).
     pub fn solve(
         &mut self,
-        problem: &Hierarchy,
-        origins: &[Origin],
-        guess: Option<&WorkingSet>,
+        levels: &Hierarchy,
+        origins: &[Option<BoundId>],
+        start: Start,
         solution: &mut Solution,
-    ) {
-        let exact = self.exact.of_width(problem.unknowns);
-        exact.solve(problem, guess, solution);
+    ) -> Solved<'_> {
+        let unknowns = levels.unknowns;
+        let solver = self.solver.of_width(unknowns);
+        solver.solve(levels, start, solution);
         self.last_resorts += u32::from(solution.is_last_resort);
         if let Some(record) = &mut self.record {
-            record.push(problem, origins, &solution.x, self.exact.last());
+            record.push(levels, origins, &solution.x, solver);
         }
+        Solved { engine: self, unknowns }
+    }
+}
+
+impl<'e> Solved<'e> {
+    /// Solves another problem instead.
+    pub fn again(self, levels: &Hierarchy, origins: &[Option<BoundId>], start: Start, solution: &mut Solution) -> Self {
+        let engine: &'e mut Engine = self.engine;
+        engine.solve(levels, origins, start, solution)
     }
 
-    /// Solves the equations that the hierarchical solver knows within a box, with the levels from `own_levels` on joined into one.
-    pub fn solve_within(
-        &mut self,
-        limits: &VelocityBox,
-        own_levels: usize,
-        guess: &WorkingSet,
-        solution: &mut Solution,
-    ) {
-        let exact = self.exact.last();
-        exact.join_levels(own_levels);
-        let bounds = (limits.lower().as_slice(), limits.upper().as_slice());
-        exact.solve_within(bounds, Some(guess), solution);
-        self.last_resorts += u32::from(solution.is_last_resort);
+    /// Writes the multipliers of one level: of the rows (sign of b − A x), and of the unknowns.
+    pub fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
+        self.engine.solver.of_width(self.unknowns).write_level_multipliers(level, rows, unknowns);
     }
 }

@@ -1,6 +1,6 @@
 //! The data of a hierarchical problem: levels of rows within a box, a working set, a solution.
 
-use revprio_problem::{ActiveSet, Side};
+use revprio_problem::{ActiveSet, BoundId, Side};
 
 use crate::linalg::Matrix;
 
@@ -172,10 +172,14 @@ impl WorkingSet {
         refill(&mut self.rows, std::iter::repeat_n(None, rows));
     }
 
-    /// Adds the active bounds of the first n unknowns.
-    pub fn hold(&mut self, active: &[ActiveSet], n: usize) {
-        for &(place, side) in active.iter().flatten().filter(|(place, _)| *place < n) {
-            self.unknowns[place] = Some(side);
+    /// Adds the active limits of joints.
+    pub fn hold(&mut self, active: &[ActiveSet]) {
+        for bound in active.iter().flatten() {
+            if let BoundId::Joint(joint) = bound.id
+                && let Some(place) = self.unknowns.get_mut(joint)
+            {
+                *place = Some(bound.side);
+            }
         }
     }
 
@@ -183,6 +187,17 @@ impl WorkingSet {
     pub fn is_empty(&self) -> bool {
         self.unknowns.iter().all(Option::is_none) && self.rows.iter().all(Option::is_none)
     }
+}
+
+/// Where the search for a working set begins.
+#[derive(Debug, Clone, Copy)]
+pub enum Start<'a> {
+    /// Without active bounds.
+    Empty,
+    /// With a guess.
+    Guess(&'a WorkingSet),
+    /// Without active bounds if that is already the answer, otherwise with a guess. Worth while where that set is factorised.
+    EmptyThenGuess(&'a WorkingSet),
 }
 
 /// The solution of a [`Hierarchy`] with its optimality conditions evaluated.

@@ -50,7 +50,8 @@ mod strict_targets;
 
 pub use resolver::{Resolver, resolve};
 pub use revprio_problem::{
-    ActiveInequality, ActiveLimit, ActiveRow, ActiveSet, Certificate, CertifiedLevel, CertifiedProblem, Contradiction,
-    InequalityViolation, LevelReport, LimitViolation, MAX_UNKNOWNS, Member, Method, Multipliers, Part, Path, Problem,
-    ProblemError, Resolution, RowName, Side, Singularity, Solve, Solver, SolverReport, Status, TaskOutcome,
+    ActiveBound, ActiveSet, Bound, BoundId, BrokenBound, Certificate, CertifiedLevel, CertifiedProblem, Contradiction,
+    LevelReport, MAX_UNKNOWNS, Method, Multipliers, Part, Path, Problem, ProblemError, Resolution, Side, Singularity,
+    Solve, Solver, SolverReport, Status, TaskOutcome,
 };
+pub use solver::{Rung, RungCount, Rungs};

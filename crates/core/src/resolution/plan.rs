@@ -12,7 +12,7 @@
 //! Hard inequalities are a level above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
 //! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') next to the rows of the level.
 
-use revprio_problem::{ActiveSet, Method, Problem, Task};
+use revprio_problem::{ActiveSet, Bound, BoundId, Method, Problem, Task};
 
 use super::level::{Hierarchy, WorkingSet, refill};
 use crate::linalg::row_times;
@@ -62,47 +62,16 @@ pub fn steps(method: Method, tasks: usize) -> impl Iterator<Item = Step> {
     single.into_iter().chain(stages.into_iter().flatten())
 }
 
-/// Returns whether independent, undamped tasks within the limits are all met, by the velocity nearest to ζ̇.
-///
-/// Reverse priority corrects ζ̇ for lower inequality tasks before it reaches higher tasks, so it may end elsewhere.
-pub fn meets_independent_tasks(method: Method, are_equations: bool) -> bool {
-    match method {
-        Method::SingularityRobust => false,
-        Method::ReversePriority => are_equations,
-        _ => true,
-    }
-}
-
-/// Returns how many of the highest tasks are levels of their own in the last problem, above one level of all others, if the
-/// problems before it can be left out for independent, undamped equations.
-pub fn own_levels(method: Method, tasks: usize) -> Option<usize> {
-    match method {
-        Method::Pseudoinverse | Method::DampedLeastSquares => Some(0),
-        Method::TaskPriority | Method::StrictReversePriority => Some(tasks),
-        Method::ReversePriority => Some(1),
-        Method::SingularityRobust => None,
-    }
+/// Returns the problem whose equations show how near the tasks are to singularities: the last one, if it holds the rows of all
+/// tasks.
+pub fn examined_step(method: Method, tasks: usize) -> Step {
+    let last = steps(method, tasks).last().filter(|_| method != Method::SingularityRobust);
+    last.unwrap_or(Step::Levels)
 }
 
 /// Returns whether a level that holds all rows is damped.
 pub fn damps_one_level(method: Method) -> bool {
     method == Method::DampedLeastSquares
-}
-
-/// What a row of a planned problem stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Origin {
-    /// A hard inequality.
-    Inequality(usize),
-    /// A row of a task.
-    Task {
-        /// The task, 0 = highest priority.
-        task: usize,
-        /// Its row, from 0.
-        row: usize,
-    },
-    /// A row of damping, or a part of a scaled task.
-    Auxiliary,
 }
 
 /// How a scaled task takes part.
@@ -125,7 +94,7 @@ pub struct PlannedProblem {
     /// The levels.
     pub levels: Hierarchy,
     /// Per row.
-    pub origins: Vec<Origin>,
+    pub origins: Vec<Option<BoundId>>,
     /// The unknown r of each scaled task, its speed along the request.
     pub scale_unknowns: Vec<Option<usize>>,
 }
@@ -201,12 +170,12 @@ impl PlannedProblem {
                 *unknown = Some(self.levels.push_unknown(0.0, *speed));
             }
         }
-        for (index, inequality) in problem.inequalities.iter().enumerate() {
+        for (id, inequality) in problem.constraint_rows() {
             // Rows of length one: they are broken by the least joint speed.
             let norm = inequality.coefficients().norm();
             let norm = if norm > 0.0 { norm } else { 1.0 };
             let coefficients = inequality.coefficients().iter().map(|entry| entry / norm);
-            self.push_row(Origin::Inequality(index), coefficients, f64::NEG_INFINITY, inequality.bound() / norm);
+            self.push_row(Some(id), coefficients, f64::NEG_INFINITY, inequality.bound() / norm);
         }
         self.levels.end_level();
     }
@@ -235,10 +204,10 @@ impl PlannedProblem {
                     0.0
                 }
             };
-            self.push_row(Origin::Auxiliary, (0..total).map(entry), 0.0, 0.0);
+            self.push_row(None, (0..total).map(entry), 0.0, 0.0);
         }
         self.levels.end_level();
-        self.push_row(Origin::Auxiliary, (0..total).map(|j| if j == unknown { 1.0 } else { 0.0 }), *speed, *speed);
+        self.push_row(None, (0..total).map(|j| if j == unknown { 1.0 } else { 0.0 }), *speed, *speed);
         self.levels.end_level();
     }
 
@@ -273,7 +242,7 @@ impl PlannedProblem {
     }
 
     fn push_origins(&mut self, task: &Task, k: usize) {
-        self.origins.extend((0..task.jacobian.nrows()).map(|row| Origin::Task { task: k, row }));
+        self.origins.extend((0..task.jacobian.nrows()).map(|row| Some(BoundId::Task { index: k, row })));
     }
 
     /// Adds the rows λ q̇ = λ q̇'.
@@ -281,54 +250,44 @@ impl PlannedProblem {
         if aim.damping > 0.0 {
             for (i, &before) in aim.before.iter().enumerate() {
                 let row = (0..aim.before.len()).map(|j| if i == j { aim.damping } else { 0.0 });
-                self.push_row(Origin::Auxiliary, row, aim.damping * before, aim.damping * before);
+                self.push_row(None, row, aim.damping * before, aim.damping * before);
             }
         }
     }
 
     /// Adds a row with coefficients for the joints; those of other unknowns are zero.
-    fn push_row(&mut self, origin: Origin, coefficients: impl IntoIterator<Item = f64>, lower: f64, upper: f64) {
+    fn push_row(
+        &mut self,
+        origin: Option<BoundId>,
+        coefficients: impl IntoIterator<Item = f64>,
+        lower: f64,
+        upper: f64,
+    ) {
         self.levels.push_row(coefficients, lower, upper);
         self.origins.push(origin);
     }
 
-    /// Returns the index of a row in an [`ActiveSet`].
-    fn place(problem: &Problem, origin: Origin) -> Option<usize> {
-        let n = problem.tasks.joint_count();
-        match origin {
-            Origin::Inequality(index) => Some(n + index),
-            Origin::Task { task, row } => Some(n + problem.inequalities.len() + problem.tasks.first_row(task) + row),
-            Origin::Auxiliary => None,
-        }
-    }
-
-    /// Forgets what the rows stand for, where the problem is solved without them.
-    pub fn clear_origins(&mut self) {
-        self.origins.clear();
-    }
-
-    /// Writes the working set that a guess means in this problem.
-    pub fn write_guess(&self, problem: &Problem, guess: &[ActiveSet], set: &mut WorkingSet) {
+    /// Writes the working set that a guess means in this problem; bounds that it does not have are left out.
+    pub fn write_guess(&self, guess: &[ActiveSet], set: &mut WorkingSet) {
         set.clear(self.levels.unknowns, self.levels.row_count());
-        set.hold(guess, problem.tasks.joint_count());
-        let n = problem.tasks.joint_count();
-        if guess.iter().flatten().any(|&(place, _)| place >= n) {
-            for (row, &origin) in self.origins.iter().enumerate() {
-                let place = Self::place(problem, origin);
-                let known = guess.iter().flatten().find(|&&(known, _)| Some(known) == place);
-                set.rows[row] = known.map(|&(_, side)| side);
+        set.hold(guess);
+        // Names ascend in a guess and in a problem, so that each search begins where the last one ended.
+        let mut at = 0;
+        for bound in guess.iter().flatten().filter(|bound| !matches!(bound.id, BoundId::Joint(_))) {
+            let is_it = |origin: &Option<BoundId>| *origin == Some(bound.id);
+            let found = self.origins[at..].iter().position(is_it).map(|after| at + after);
+            if let Some(row) = found.or_else(|| self.origins[..at].iter().position(is_it)) {
+                set.rows[row] = Some(bound.side);
+                at = row;
             }
         }
     }
 
-    /// Writes the active bounds of a working set, ascending.
-    pub fn write_active_set(&self, problem: &Problem, set: &WorkingSet, active: &mut ActiveSet) {
-        let n = problem.tasks.joint_count();
+    /// Writes the active bounds of a working set for n joints, ascending.
+    pub fn write_active_set(&self, n: usize, set: &WorkingSet, active: &mut ActiveSet) {
+        let joints = set.unknowns[..n].iter().enumerate().map(|(joint, side)| (Some(BoundId::Joint(joint)), side));
+        let rows = self.origins.iter().copied().zip(&set.rows);
         active.clear();
-        active.extend(set.unknowns[..n].iter().enumerate().filter_map(|(joint, side)| Some((joint, (*side)?))));
-        for (&origin, side) in self.origins.iter().zip(&set.rows) {
-            let Some(side) = *side else { continue };
-            active.extend(Self::place(problem, origin).map(|place| (place, side)));
-        }
+        active.extend(joints.chain(rows).filter_map(|(id, side)| Some(Bound { id: id?, side: (*side)? })));
     }
 }

@@ -4,9 +4,9 @@ use revprio_problem::{ActiveSet, Contradiction, Problem, Task};
 
 use super::contradiction::write_contradictions;
 use super::damped_targets::DampedTargets;
-use super::engine::Engine;
-use super::level::{Solution, WorkingSet, refill};
-use super::plan::{Aim, PlannedProblem, Scaling, Step, damps_one_level, own_levels, steps};
+use super::engine::{Engine, Solved};
+use super::level::{Solution, Start, WorkingSet, refill};
+use super::plan::{Aim, PlannedProblem, Scaling, Step, damps_one_level, examined_step, steps};
 use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
@@ -23,8 +23,8 @@ pub struct PlanRun {
     pub scales: Vec<Option<f64>>,
     /// Inequalities that cannot be kept together.
     pub contradictions: Vec<Contradiction>,
-    /// Whether the row values of `solution` are J_k q̇ of all tasks, in their order.
-    pub has_task_values: bool,
+    /// The step that [`Self::begin`] has written.
+    begun: Option<Step>,
     guess: WorkingSet,
     /// Whether every stage below the highest one meets its task.
     lower_tasks_are_met: bool,
@@ -40,90 +40,53 @@ pub struct PlanRun {
 }
 
 impl PlanRun {
-    /// Solves the plan of the problem's method from ζ̇ = `zeta` on.
+    /// Writes the problem that holds the rows of all tasks, for equations that are independent. Such equations need no other
+    /// problem: each stage below the highest one meets its task.
+    pub fn begin(&mut self, problem: &Problem, zeta: &[f64]) {
+        self.start(problem, zeta);
+        let tasks = problem.tasks.tasks();
+        self.lower_tasks_are_met = tasks.iter().all(Task::is_equation);
+        let step = examined_step(problem.method, tasks.len());
+        self.write(problem, step, 0.0);
+        self.begun = Some(step);
+    }
+
+    /// Solves the plan of the problem's method, after [`Self::begin`].
     pub fn solve(
         &mut self,
         problem: &Problem,
         guess: &[ActiveSet],
-        zeta: &[f64],
         singularities: &Singularities,
+        is_factorized: bool,
         engine: &mut Engine,
     ) {
-        let tasks = problem.tasks.tasks();
-        self.start(problem, zeta);
+        let (tasks, n) = (problem.tasks.tasks(), problem.tasks.joint_count());
         let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
-        // Independent equations: the stages below the highest one need not be solved.
-        self.lower_tasks_are_met = singularities.is_regular && singularities.has_only_equations;
-        if self.lower_tasks_are_met && self.solve_independent(problem, guess, engine) {
-            return;
-        }
+        self.lower_tasks_are_met &= singularities.is_regular;
         let skips_stages = self.lower_tasks_are_met;
         for step in steps(problem.method, tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
             is_optimal &= self.damped.is_optimal;
             kkt_residual = kkt_residual.max(self.damped.kkt_residual);
-            self.write(problem, step, damping);
-            self.planned.write_guess(problem, guess, &mut self.guess);
-            engine.solve(&self.planned.levels, &self.planned.origins, Some(&self.guess), &mut self.solution);
-            self.finish(problem, step, damping, engine);
+            let is_written = skips_stages && self.begun == Some(step);
+            if !is_written {
+                self.write(problem, step, damping);
+            }
+            self.planned.write_guess(guess, &mut self.guess);
+            let start = if is_written && is_factorized { Start::EmptyThenGuess } else { Start::Guess };
+            let PlannedProblem { levels, origins, .. } = &self.planned;
+            let solved = engine.solve(levels, origins, start(&self.guess), &mut self.solution);
+            self.finish(problem, step, (damping, singularities.is_regular), solved);
+            self.smooth(problem, engine);
             kkt_residual = kkt_residual.max(self.solution.kkt_residual);
             is_optimal &= self.solution.is_optimal;
             working_sets += self.solution.working_sets;
             rank_uncertain |= self.solution.rank_uncertain;
-            refill(&mut self.before, self.solution.x[..zeta.len()].iter().copied());
+            refill(&mut self.before, self.solution.x[..n].iter().copied());
         }
         let solution = &mut self.solution;
         (solution.kkt_residual, solution.is_optimal) = (kkt_residual, is_optimal);
         (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
-    }
-
-    /// Solves the last problem of a plan whose tasks are independent equations that the solver knows; `false` if the plan has
-    /// more than these and the box, or without an answer.
-    fn solve_independent(&mut self, problem: &Problem, guess: &[ActiveSet], engine: &mut Engine) -> bool {
-        let tasks = problem.tasks.tasks();
-        let Some(own_levels) = own_levels(problem.method, tasks.len()) else { return false };
-        if !problem.inequalities.is_empty() || tasks.iter().any(|task| task.scaled) {
-            return false;
-        }
-        let n = problem.tasks.joint_count();
-        self.planned.clear_origins();
-        self.guess.clear(n, 0);
-        self.guess.hold(guess, n);
-        engine.solve_within(&problem.limits, own_levels, &self.guess, &mut self.solution);
-        if !self.solution.is_optimal {
-            return false;
-        }
-        // Where x was moved to its bounds, the values of the rows are not those of the answer.
-        self.has_task_values = engine.exact().last().x() == self.solution.x;
-        let Some(last) = steps(problem.method, tasks.len()).last() else { return true };
-        if problem.damping.is_some() || engine.record.is_some() {
-            self.write(problem, last, 0.0);
-        }
-        self.record_last(engine);
-        if let Some(factors) = problem.damping {
-            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
-        }
-        true
-    }
-
-    /// Records the last problem of a plan, which the solver has solved with other data.
-    fn record_last(&mut self, engine: &mut Engine) {
-        if let Some(mut record) = engine.record.take() {
-            record.push(&self.planned.levels, &self.planned.origins, &self.solution.x, engine.exact().last());
-            engine.record = Some(record);
-        }
-    }
-
-    /// Records the last problem of the plan for independent equations that the solver meets without limits.
-    pub fn record_unlimited(&mut self, problem: &Problem, zeta: &[f64], engine: &mut Engine) {
-        let Some(last) = steps(problem.method, problem.tasks.tasks().len()).last() else { return };
-        if engine.record.is_some() {
-            self.start(problem, zeta);
-            self.lower_tasks_are_met = true;
-            self.write(problem, last, 0.0);
-            refill(&mut self.solution.x, engine.exact().last().x().iter().copied());
-            self.record_last(engine);
-        }
     }
 
     /// Forgets the run before.
@@ -137,18 +100,27 @@ impl PlanRun {
         refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
         refill(&mut self.scales, tasks.iter().map(|_| None));
         self.contradictions.clear();
-        self.has_task_values = false;
     }
 
-    /// Scales tasks and explains contradictions after the last problem; makes damped answers continuous.
-    fn finish(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
-        if step.is_last() && problem.tasks.tasks().iter().any(|task| task.scaled) {
-            self.scale(problem, step, damping, engine);
+    /// Keeps the directions of scaled tasks, and names the demands that the last step cannot keep together.
+    fn finish(&mut self, problem: &Problem, step: Step, (damping, is_regular): (f64, bool), mut solved: Solved) {
+        if !step.is_last() {
+            return;
         }
-        if step.is_last() && self.solution.is_optimal {
-            write_contradictions(problem, &self.planned, &self.solution, engine.exact(), &mut self.contradictions);
+        let has_scaled = problem.tasks.tasks().iter().any(|task| task.scaled);
+        if has_scaled && is_regular && !self.solution.is_held_back() {
+            // Independent equations are met where nothing holds them back.
+            self.scales.fill(Some(1.0));
+        } else if has_scaled {
+            solved = self.scale(problem, step, damping, solved);
         }
-        // A scaled task keeps its direction exactly.
+        if self.solution.is_optimal {
+            write_contradictions(problem, &self.planned, &self.solution, &mut solved, &mut self.contradictions);
+        }
+    }
+
+    /// Makes a damped solution continuous. The velocity of a scaled task has one direction, which a blend would not keep.
+    fn smooth(&mut self, problem: &Problem, engine: &mut Engine) {
         let keeps_direction = self.scales.iter().any(Option::is_some);
         if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
             self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
@@ -198,7 +170,7 @@ impl PlanRun {
     }
 
     /// Slows scaled tasks down that the limits bend, from the highest to the lowest.
-    fn scale(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+    fn scale<'e>(&mut self, problem: &Problem, step: Step, damping: f64, mut solved: Solved<'e>) -> Solved<'e> {
         for k in 0..problem.tasks.tasks().len() {
             if !problem.tasks.tasks()[k].scaled || !step.reaches(k) {
                 continue;
@@ -208,27 +180,30 @@ impl PlanRun {
                 self.set_scale(problem, step, k, Some(1.0));
             } else if let Scaling::On { rows, speed } = self.scaled.scaling() {
                 self.scaling[k] = Scaling::On { rows, speed };
-                self.solve_again(problem, step, damping, engine);
+                solved = self.solve_again(problem, step, damping, solved);
                 let scale = self.planned.scale_unknowns[k].map_or(0.0, |unknown| self.solution.x[unknown] / speed);
                 if self.scaled.keeps_direction(&self.solution.x, scale) {
                     self.set_scale(problem, step, k, Some(scale));
                 } else {
                     // No scale keeps the direction.
                     self.scaling[k] = Scaling::Off;
-                    self.solve_again(problem, step, damping, engine);
+                    solved = self.solve_again(problem, step, damping, solved);
                 }
             }
             if step == Step::OneLevel {
-                return;
+                break;
             }
         }
+        solved
     }
 
-    fn solve_again(&mut self, problem: &Problem, step: Step, damping: f64, engine: &mut Engine) {
+    fn solve_again<'e>(&mut self, problem: &Problem, step: Step, damping: f64, solved: Solved<'e>) -> Solved<'e> {
         let tried = self.solution.working_sets;
         self.write(problem, step, damping);
-        engine.solve(&self.planned.levels, &self.planned.origins, None, &mut self.solution);
+        let PlannedProblem { levels, origins, .. } = &self.planned;
+        let solved = solved.again(levels, origins, Start::Empty, &mut self.solution);
         self.solution.working_sets += tried;
+        solved
     }
 
     /// Sets the scale of a task, or of all scaled tasks of one level.

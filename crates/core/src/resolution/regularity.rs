@@ -1,7 +1,7 @@
 //! How far from singular the levels are on what their bounds leave.
 
 use super::level::{Hierarchy, Solution, refill};
-use super::plan::{Origin, PlannedProblem};
+use super::plan::PlannedProblem;
 use crate::linalg::{Matrix, Row, dot, smallest_eigenvalue};
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
@@ -30,7 +30,7 @@ impl Regularity {
     /// Sets the rows that count: all but the damping rows, whose number changes where the factor becomes zero.
     pub fn start(&mut self, planned: &PlannedProblem) {
         let rows = 0..planned.levels.row_count();
-        refill(&mut self.counted, rows.filter(|&row| planned.origins[row] != Origin::Auxiliary));
+        refill(&mut self.counted, rows.filter(|&row| planned.origins[row].is_some()));
     }
 
     /// Returns s for the first `kept` levels at a solution, from 0 (singular) to 1 (singular values above the threshold).

@@ -3,7 +3,7 @@
 use revprio_problem::{Damping, Side};
 
 use super::engine::Engine;
-use super::level::{Hierarchy, Solution, WorkingSet, refill};
+use super::level::{Hierarchy, Solution, Start, WorkingSet, refill};
 use super::plan::PlannedProblem;
 use super::regularity::HALF_WIDTH;
 
@@ -45,7 +45,7 @@ impl RelaxedLevels {
             }
             problem.end_level();
         }
-        engine.solve(problem, &[], None, &mut self.free);
+        engine.solve(problem, &[], Start::Empty, &mut self.free);
         self.scale = 1.0;
         for (&x, (&lower, &upper)) in self.free.x.iter().zip(levels.lower.iter().zip(&levels.upper)) {
             let middle = middle(lower, upper);
@@ -78,7 +78,7 @@ impl RelaxedLevels {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
             self.guess.clear(levels.unknowns, self.problem.row_count());
             self.guess.unknowns.clone_from(&self.active);
-            engine.solve(&self.problem, &[], Some(&self.guess), found);
+            engine.solve(&self.problem, &[], Start::Guess(&self.guess), found);
             self.active.clone_from(&found.working_set.unknowns);
             is_optimal &= found.is_optimal;
             kkt_residual = kkt_residual.max(found.kkt_residual);

@@ -1,13 +1,12 @@
 //! The one entry: a problem in, joint velocities and their explanation out.
 
-use revprio_problem::{ActiveSet, Problem, ProblemError, Resolution, Solve, Task};
+use revprio_problem::{ActiveSet, Problem, ProblemError, Resolution, Solve};
 
-use super::answer::{write_answer, write_unlimited};
+use super::answer::write_answer;
 use super::engine::Engine;
-use super::plan::meets_independent_tasks;
 use super::plan_run::PlanRun;
 use super::singularity::Singularities;
-use crate::linalg::row_times;
+use super::solver::Rungs;
 
 /// Solves the problem; `guess` are the active limits of the period before (empty: none).
 ///
@@ -28,6 +27,11 @@ pub struct Resolver {
 }
 
 impl Resolver {
+    /// Returns how often each way to a working set was needed, over all problems of this workspace.
+    pub fn rungs(&self) -> Rungs {
+        self.engine.rungs()
+    }
+
     /// Solves the problem as [`resolve`] does and overwrites `answer`.
     pub fn resolve(
         &mut self,
@@ -44,24 +48,17 @@ impl Resolver {
         }
         let has_guess = guess.iter().any(|set| !set.is_empty());
         engine.start(problem.wants_certificate);
-        let is_known = has_guess && singularities.remain_regular(&problem.tasks, zeta, problem.damping, engine.exact());
+        let is_known = has_guess && singularities.remain_regular(&problem.tasks, problem.damping);
         if is_known {
-            run.solve(problem, guess, zeta, singularities, engine);
+            run.begin(problem, zeta);
+            run.solve(problem, guess, singularities, false, engine);
         }
-        // Where no limit holds the answer back, it is the one without limits.
         if !is_known || !run.solution.is_held_back() {
             engine.start(problem.wants_certificate);
-            singularities.examine(&problem.tasks, zeta, problem.damping, engine.exact(), has_guess);
-            if is_met_without_limits(problem, singularities, engine.exact().last().x()) {
-                let (is_optimal, residual) = engine.exact().last().certify();
-                if is_optimal {
-                    run.record_unlimited(problem, zeta, engine);
-                    write_unlimited(answer, problem, singularities, engine.exact().last(), residual);
-                    write_certificate(engine, answer);
-                    return Ok(());
-                }
-            }
-            run.solve(problem, guess, zeta, singularities, engine);
+            run.begin(problem, zeta);
+            let solver = engine.factorize(&run.planned.levels);
+            singularities.examine(problem, solver, has_guess);
+            run.solve(problem, guess, singularities, true, engine);
         }
         write_answer(answer, problem, singularities, run, engine);
         write_certificate(engine, answer);
@@ -81,23 +78,4 @@ impl Solve for Resolver {
 
 fn write_certificate(engine: &mut Engine, answer: &mut Resolution) {
     answer.certificate = engine.record.take().map(|record| Box::new(record.into_certificate()));
-}
-
-/// Returns whether the solution without limits solves the problem: all tasks are independent and met, inside all bounds.
-fn is_met_without_limits(problem: &Problem, singularities: &Singularities, x: &[f64]) -> bool {
-    let within = |value: f64, lower: f64, upper: f64| lower <= value && value <= upper;
-    let meets = |task: &Task| {
-        (0..task.jacobian.nrows())
-            .all(|row| within(row_times(&task.jacobian, row, x), task.lower[row], task.upper[row]))
-    };
-    let mut limits = problem.limits.lower().as_slice().iter().zip(problem.limits.upper().as_slice()).zip(x);
-    singularities.is_regular
-        && meets_independent_tasks(problem.method, singularities.has_only_equations)
-        && limits.all(|((&lower, &upper), &x)| within(x, lower, upper))
-        && problem.inequalities.iter().all(|inequality| {
-            let value = inequality.coefficients().as_slice().iter().zip(x).map(|(a, x)| a * x).sum();
-            within(value, f64::NEG_INFINITY, inequality.bound())
-        })
-        && (singularities.has_only_equations
-            || problem.tasks.tasks().iter().filter(|task| !task.is_equation()).all(meets))
 }

@@ -7,13 +7,8 @@
 use revprio_problem::Problem;
 
 use super::plan::{Scaling, Step};
-use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector, stack};
-
-/// Residual, relative to the speed of the task, up to which its direction counts as kept.
-const KEPT: f64 = 1e-11;
-
-/// Residual, relative to the requested speed, that is rounding where the task comes to rest.
-const ROUNDING: f64 = 1e-14;
+use crate::linalg::{Matrix, Svd, Vector, stack};
+use crate::tolerances::TOLERANCES;
 
 /// The direction rows of the task that was examined last.
 #[derive(Default)]
@@ -49,10 +44,10 @@ impl ScaledTasks {
         self.norm = jacobian.norm();
         self.size = velocity.norm();
         let svd = Svd::new(&above);
-        let rank = svd.rank(RANK_TOLERANCE * above.norm());
+        let rank = svd.rank(TOLERANCES.rank * above.norm());
         let open = &jacobian - &jacobian * svd.inverse(rank, 0.0) * &above;
         let open = Svd::new(&open);
-        let basis = open.range(open.rank(RANK_TOLERANCE * self.norm));
+        let basis = open.range(open.rank(TOLERANCES.rank * self.norm));
         let direction = if self.size > 0.0 { velocity / self.size } else { velocity };
         let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&direction));
         self.columns = n + 1;
@@ -74,7 +69,8 @@ impl ScaledTasks {
         let speed = qdot.iter().map(|x| x * x).sum::<f64>().sqrt();
         let off =
             |row: &[f64]| row.iter().zip(qdot.iter().chain([&speed_along])).map(|(a, x)| a * x).sum::<f64>().abs();
-        let kept = KEPT * (self.norm * speed + speed_along.abs()) + ROUNDING * self.size;
+        let kept =
+            TOLERANCES.scaled_direction * (self.norm * speed + speed_along.abs()) + TOLERANCES.scaled_rest * self.size;
         self.rows.chunks_exact(self.columns).all(|row| off(row) <= kept)
     }
 }

@@ -1,24 +1,17 @@
 //! How near the tasks are to singularities, and how much damping that asks for.
 
-use revprio_problem::{Damping, EquationRows, Singularity, Task, TaskStack};
+use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
 use super::level::refill;
-use super::solver::{HierarchicalSolver, SizedSolver};
-use crate::linalg::{DampingFactor, RANK_TOLERANCE, SingularValues, distance_square, dot, smallest_and_product};
-
-/// Fraction of ‖J‖ from which on a smallest singular value makes all rows certainly independent.
-const INDEPENDENT: f64 = 1e-6;
-
-/// Fraction of ‖J‖ from which on all methods that agree in exact arithmetic agree to nearly all digits.
-const WELL_CONDITIONED: f64 = 1e-3;
-
-/// Relative rounding of bounds of singular values.
-const MARGIN: f64 = 1e-9;
+use super::plan::{Step, examined_step};
+use super::solver::SizedSolver;
+use crate::linalg::{DampingFactor, SingularValues, distance_square, dot, smallest_and_product};
+use crate::tolerances::TOLERANCES;
 
 /// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
 /// digits, for rows of this Frobenius norm.
 fn regular_from(damping: Option<Damping>, norm: f64) -> f64 {
-    damping.map_or(0.0, |damping| damping.threshold()).max(WELL_CONDITIONED * norm)
+    damping.map_or(0.0, |damping| damping.threshold()).max(TOLERANCES.well_conditioned * norm)
 }
 
 /// The singularities of one task, and the damping factors that they give.
@@ -53,8 +46,6 @@ pub struct Singularities {
     /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
     /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution without limits.
     pub is_regular: bool,
-    /// Whether no task has inequality rows.
-    pub has_only_equations: bool,
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,
     singular: SingularValues,
@@ -74,65 +65,35 @@ impl Singularities {
     }
 
     /// Returns whether all equations are certainly far from singular because those of an earlier period were: no singular value
-    /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows, but no solution. The equations are then those of `solver`.
+    /// changes by more than the Frobenius norm of the change of the rows (Weyl). Sets what follows.
     ///
     /// 1/‖A⁺‖_F changes by no more than that either, and [`Self::examine`] compares it with the same number.
-    pub fn remain_regular(
-        &mut self,
-        tasks: &TaskStack,
-        zeta: &[f64],
-        damping: Option<Damping>,
-        solver: &mut HierarchicalSolver,
-    ) -> bool {
+    pub fn remain_regular(&mut self, tasks: &TaskStack, damping: Option<Damping>) -> bool {
         let list = tasks.tasks();
         let Some((distance, norm)) = compare(&self.reference, list) else { return false };
-        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + MARGIN)) {
+        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + TOLERANCES.singular_value_margin)) {
             return false;
         }
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
-        (self.is_regular, self.has_only_equations, self.rank_uncertain) = (true, true, false);
+        (self.is_regular, self.rank_uncertain) = (true, false);
         self.known = None;
-        self.push_equations(tasks, solver.of_width(zeta.len()), zeta);
         true
     }
 
-    /// Gives the equations to `solver` as a strict hierarchy without limits.
-    fn push_equations(&mut self, tasks: &TaskStack, solver: &mut dyn SizedSolver, zeta: &[f64]) {
-        solver.start_equations(zeta);
-        self.has_only_equations = true;
-        for task in tasks.tasks() {
-            if task.is_equation() {
-                solver.push_equations(&task.jacobian, task.lower.as_slice());
-            } else {
-                self.has_only_equations = false;
-            }
-        }
-    }
-
-    /// Solves the equations without limits as a strict hierarchy with `solver`, and examines their singular values.
-    /// `keep`: keeps a close bound of them for [`Self::remain_regular`] in later periods.
-    pub fn examine(
-        &mut self,
-        tasks: &TaskStack,
-        zeta: &[f64],
-        damping: Option<Damping>,
-        solver: &mut HierarchicalSolver,
-        keep: bool,
-    ) {
-        let list = tasks.tasks();
-        let solver = solver.of_width(zeta.len());
-        self.push_equations(tasks, solver, zeta);
-        solver.solve_equations();
+    /// Examines the singular values of all equations, which `solver` has factorised. `keep`: keeps a close bound of them for
+    /// [`Self::remain_regular`] in later periods.
+    pub fn examine(&mut self, problem: &Problem, solver: &mut dyn SizedSolver, keep: bool) {
+        let (list, damping) = (problem.tasks.tasks(), problem.damping);
         self.rank_uncertain = solver.rank_uncertain();
-        let norm = solver.norm();
+        let norm = solver.active_norm();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
-        let independent = threshold.max(INDEPENDENT * norm);
+        let independent = threshold.max(TOLERANCES.certain_rank * norm);
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
         let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };
         self.is_regular = smallest >= regular;
         self.reference.clear();
-        if keep && self.is_regular && self.has_only_equations {
+        if keep && self.is_regular && list.iter().all(Task::is_equation) {
             self.reference.set(list);
             self.reference_bound = smallest;
         }
@@ -141,10 +102,7 @@ impl Singularities {
             refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         } else {
             refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
-            self.examine_each(list, damping, solver);
-        }
-        if self.has_only_equations {
-            return;
+            self.examine_each(problem, solver);
         }
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
             self.decompose(task.jacobian.ncols(), std::slice::from_ref(task));
@@ -153,7 +111,11 @@ impl Singularities {
     }
 
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
-    fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>, solver: &mut dyn SizedSolver) {
+    fn examine_each(&mut self, problem: &Problem, solver: &mut dyn SizedSolver) {
+        let (tasks, damping) = (problem.tasks.tasks(), problem.damping);
+        // A level per task, after that of the constraints.
+        let first_level = (examined_step(problem.method, tasks.len()) == Step::Levels)
+            .then_some(usize::from(!problem.inequalities.is_empty()));
         // The smallest singular value is only computed where it matters.
         let factor = |singular: &SingularValues| {
             damping
@@ -161,12 +123,10 @@ impl Singularities {
                 .map_or(0.0, |damping| damping.factor(singular.smallest()))
         };
         let n = tasks[0].jacobian.ncols();
-        let mut level = tasks.iter().filter(|task| task.is_equation()).count();
         let lowest = tasks.iter().rposition(Task::is_equation);
         let (mut norm_square, mut rank_below) = (0.0, 0);
         self.decompose(n, &[]);
         for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
-            level -= 1;
             let norm = tasks[k].jacobian.norm();
             self.decompose(n, &tasks[k..=k]);
             let (rank, mu) = (self.rank(norm), factor(&self.singular));
@@ -177,7 +137,9 @@ impl Singularities {
             }
             let rank_all = self.rank(norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
-            let strict = damping.map_or(0.0, |damping| damping.factor(solver.smallest_of_level(level)));
+            let strict = damping
+                .zip(first_level)
+                .map_or(0.0, |(damping, first)| damping.factor(solver.smallest_of_level(first + k)));
             self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular), strict };
             rank_below = rank_all;
         }
@@ -198,7 +160,7 @@ impl Singularities {
     }
 
     fn rank(&self, norm: f64) -> usize {
-        self.singular.count_from(RANK_TOLERANCE * norm)
+        self.singular.count_from(TOLERANCES.rank * norm)
     }
 }
 

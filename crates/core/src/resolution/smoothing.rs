@@ -10,12 +10,12 @@
 //! `docs/solver.md` proves that it is continuous. Every X_k is inside the limits, and so is the blend. Where s_K = 1 the answer
 //! is X_K, the exact one, and nothing else is computed. Without an active bound X_K is x^f, the answer without limits.
 
-use revprio_problem::{Damping, Part};
+use revprio_problem::{BoundId, Damping, Part};
 
 use super::certified::Record;
 use super::engine::Engine;
 use super::level::{Hierarchy, Solution};
-use super::plan::{Origin, PlannedProblem};
+use super::plan::PlannedProblem;
 use super::regularity::Regularity;
 use super::relaxed_levels::RelaxedLevels;
 
@@ -34,7 +34,7 @@ impl Smoothing {
     /// Replaces the exact solution X_K of a planned problem by the blend, if damping acts on what its limits leave.
     pub fn apply(&mut self, planned: &PlannedProblem, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
         let levels = &planned.levels;
-        let hard = usize::from(planned.origins.first().is_some_and(|origin| matches!(origin, Origin::Inequality(_))));
+        let hard = usize::from(matches!(planned.origins.first(), Some(Some(BoundId::Constraint { .. }))));
         let is_pinned = levels.lower.iter().zip(&levels.upper).any(|(lower, upper)| lower == upper);
         let is_free = solution.working_set.is_empty() && !is_pinned;
         if is_free || damping.max_factor() == 0.0 {

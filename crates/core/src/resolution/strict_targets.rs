@@ -6,13 +6,9 @@
 use revprio_problem::{Damping, Problem, Task};
 
 use super::level::refill;
-use crate::linalg::{DampingFactor, RANK_TOLERANCE, SmallSvd, dot, row_times};
+use crate::linalg::{DampingFactor, SmallSvd, dot, row_times};
+use crate::tolerances::TOLERANCES;
 
-/// Error of a projected row along a direction of length one.
-const PROJECTION_ERROR: f64 = 4e-15;
-
-/// Chains with less weight are left out, and so are those beyond this number: one weak singular value asks for two.
-const NEGLIGIBLE: f64 = 1e-9;
 const MAX_CHAINS: usize = 64;
 
 /// One choice of directions that higher tasks keep from lower ones.
@@ -90,7 +86,7 @@ impl StrictTargets {
         let rows = &self.rows;
         self.svd.decompose(m, n, |i, j| rows[i * n + j]);
         let open = self.svd.count().min(n - chain.kept.len() / n);
-        let rank = self.svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / chain.weakest) * norm).min(open);
+        let rank = self.svd.rank(TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
         let kkt_residual = self.step(chain, task, target, rank, lambda);
         let keeps = |svd: &SmallSvd, place: usize| damping.keeps(svd.sigma(place));
@@ -99,7 +95,7 @@ impl StrictTargets {
         for kept in (rank - weak..rank).rev() {
             let next = if kept == 0 { 1.0 } else { keeps(&self.svd, kept - 1) };
             let weight = total * (next - keeps(&self.svd, kept));
-            if weight > NEGLIGIBLE && self.chains.len() < MAX_CHAINS {
+            if weight > TOLERANCES.chain_weight && self.chains.len() < MAX_CHAINS {
                 let mut other = self.spare.pop().unwrap_or_default();
                 (other.weight, other.weakest) = (weight, chain.weakest);
                 other.point.clone_from(&chain.point);

@@ -6,7 +6,7 @@ use revprio_core::controller::{AntiWindup, Command, Controller, ControllerConfig
 use revprio_core::law::{ForceLaw, Law, Point, Profile};
 use revprio_core::limits::{LimitKind, VelocityBox};
 use revprio_core::linalg::Damping;
-use revprio_core::resolution::{Method, Solver};
+use revprio_core::resolution::{BoundId, Method, Solver};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{JointLimits, RobotModel};
 
@@ -39,7 +39,7 @@ fn push_at_limits(limited: &Controller, arm: &mut Loop) -> f64 {
     for _ in 0..500 {
         without_reset += PERIOD / 15.0 * (30.0 - 150.0 * arm.twist(&sawyer())[0]);
         let command = arm.step(limited, [0.0; 6]);
-        assert!(command.resolution.violated_limits.is_empty());
+        assert!(command.resolution.broken_limits().next().is_none());
     }
     without_reset
 }
@@ -123,13 +123,13 @@ fn a_fixed_joint_does_not_wind_up_tasks_of_any_priority() {
                 let mut arm = Loop::at_rest(&[0.0; 3]);
                 let mut active = Vec::new();
                 for _ in 0..1000 {
-                    active = arm.step(&controller, [0.0; 6]).resolution.active_limits;
+                    active = arm.step(&controller, [0.0; 6]).resolution.active_bounds;
                 }
                 let place = tasks.iter().position(|task| task.name == "X").unwrap();
                 let integrator = arm.memory.as_ref().unwrap().task_velocities[place][0];
                 let context = format!("{method:?}, {solver:?}, x is task {}", place + 1);
                 assert!(integrator.abs() < 1e-9, "{context}: wound up to {integrator} m/s");
-                assert!(active.iter().any(|limit| limit.joint == 0), "{context}: {active:?}");
+                assert!(active.iter().any(|active| active.bound.id == BoundId::Joint(0)), "{context}: {active:?}");
             }
         }
     }

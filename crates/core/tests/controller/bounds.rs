@@ -54,7 +54,7 @@ fn a_lower_task_is_free_inside_bounds_and_held_back_at_them() {
         let [bounds, lift] = &command.resolution.tasks[..] else { panic!("{command:?}") };
         assert!((lift.achieved[0] - kept).abs() < 1e-12 && bounds.residual_norm < 1e-12, "{command:?}");
         assert!((command.targets[0].velocity[0] - target).abs() < 1e-12);
-        let sides: Vec<Side> = bounds.active_rows.iter().map(|row| row.side).collect();
+        let sides: Vec<Side> = command.resolution.active_rows(0).map(|(_, active)| active.bound.side).collect();
         let expected: &[Side] = match velocity {
             0.5 => &[Side::Upper],
             -0.5 => &[Side::Lower],

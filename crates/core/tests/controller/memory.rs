@@ -2,7 +2,7 @@
 
 use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, MemoryError, StepError};
 use revprio_core::limits::LimitKind;
-use revprio_core::resolution::Solver;
+use revprio_core::resolution::{Bound, BoundId, Solver};
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::Axis;
 
@@ -95,16 +95,10 @@ fn a_damaged_memory_is_refused() {
         damage(arm.memory.as_mut().unwrap());
         refusal(&own, &arm)
     };
-    let upper = revprio_core::resolution::Side::Upper;
-    // Seven joints, one row of the first task and five of the second.
-    assert_eq!(
-        damaged(&|memory| memory.active_set = vec![[(13, upper)].into_iter().collect()]),
-        MemoryError::ActiveSet
-    );
-    assert_eq!(
-        damaged(&|memory| memory.active_set = vec![[(1, upper), (1, upper)].into_iter().collect()]),
-        MemoryError::ActiveSet
-    );
+    let set = |ids: &[BoundId]| vec![ids.iter().copied().map(Bound::upper).collect()];
+    let [joint, beyond] = [BoundId::Joint(1), BoundId::Task { index: 1, row: 5 }];
+    assert_eq!(damaged(&|memory| memory.active_set = set(&[beyond])), MemoryError::ActiveSet);
+    assert_eq!(damaged(&|memory| memory.active_set = set(&[joint, joint])), MemoryError::ActiveSet);
     assert_eq!(damaged(&|memory| drop(memory.task_velocities.pop())), MemoryError::TaskVelocities);
     // Infinity, not NaN: the test compares memories, and NaN is not equal to itself.
     assert_eq!(damaged(&|memory| memory.task_velocities[0][0] = f64::INFINITY), MemoryError::TaskVelocities);

@@ -98,7 +98,7 @@ impl Approach {
         while time_s < 4.0 {
             let command = stepper.step(&mut memory, &arm.measure(time_s)).unwrap();
             arm.follow(command.resolution.joint_velocity.as_slice(), period);
-            seen.violated += u32::from(!command.resolution.violated_inequalities.is_empty());
+            seen.violated += u32::from(command.resolution.broken_constraints().next().is_some());
             let beyond = self.beyond(&arm.q);
             seen.outside = seen.outside.max(beyond);
             seen.speed = seen.speed.max((beyond - before) / period);

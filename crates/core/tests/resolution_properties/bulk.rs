@@ -1,7 +1,7 @@
 //! Properties that can be checked without knowing the exact answer, over very many problems.
 
 use revprio_core::linalg::{Matrix, RANK_TOLERANCE, Vector, stack};
-use revprio_core::resolution::{ActiveSet, Method, Path, Problem, Resolution, Side, Solver, Status};
+use revprio_core::resolution::{ActiveSet, Bound, BoundId, Method, Path, Problem, Resolution, Side, Solver, Status};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed};
@@ -78,7 +78,8 @@ fn any_problem(random: &mut Random, family: Family) -> Problem {
 
 fn any_initial_set(random: &mut Random, n: usize) -> Vec<ActiveSet> {
     let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
-    let set = |random: &mut Random| (0..=n).filter_map(|joint| Some((joint, side(random)?))).collect();
+    let bound = |random: &mut Random, joint| Some(Bound { id: BoundId::Joint(joint), side: side(random)? });
+    let set = |random: &mut Random| (0..=n).filter_map(|joint| bound(random, joint)).collect();
     (0..random.below(7)).map(|_| set(random)).collect()
 }
 
@@ -150,7 +151,7 @@ impl Findings {
 
     fn against_closed_form(&mut self, seed: u64, problem: &Problem, auto: &Resolution) {
         let closed = resolve_with(Solver::ClosedForm, problem, &[]).unwrap();
-        if closed.violated_limits.is_empty() && closed.violated_inequalities.is_empty() {
+        if closed.broken_limits().next().is_none() && closed.broken_constraints().next().is_none() {
             self.inside += 1;
             let error = distance(&closed.joint_velocity, &auto.joint_velocity, speed(problem));
             let limit = rounding_of_formulas(problem).max(EXACT);

@@ -3,7 +3,9 @@
 use revprio_core::constraint::Inequality;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{ActiveSet, Method, Problem, Resolution, Resolver, Side, Solver, Status, resolve};
+use revprio_core::resolution::{
+    ActiveSet, Bound, BoundId, Method, Problem, Resolution, Resolver, Solver, Status, resolve,
+};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::solvers::resolve_with;
@@ -109,7 +111,7 @@ fn numbers_whose_squares_overflow_are_never_called_optimal() {
 #[test]
 fn achieved_velocities_are_those_of_the_answer() {
     let both = Task::new("both", Matrix::identity(2, 2), Vector::from_row_slice(&[1e13, 1.5]));
-    let first_held: Vec<ActiveSet> = vec![[(0, Side::Upper)].into_iter().collect()];
+    let first_held: Vec<ActiveSet> = vec![[Bound::upper(BoundId::Joint(0))].into_iter().collect()];
     for (task, guess) in [(equation(&[1.0, 2.0], 1e200), &[][..]), (both.clone(), &[]), (both, &first_held)] {
         let problem = within(1.0, Method::StrictReversePriority, vec![task]);
         let answer = resolve(&problem, guess).unwrap();

@@ -4,7 +4,7 @@
 use revprio_core::constraint::Inequality;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
+use revprio_core::resolution::{Bound, BoundId, Method, Problem, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::{Random, SMALL, problem, speed};
@@ -82,9 +82,9 @@ fn an_active_inequality_is_named_with_its_multiplier() {
         let problem = Problem { inequalities: inequalities.clone(), ..Problem::new(push(2.0)) };
         let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - Vector::repeat(2, 0.25)).amax() <= 1e-14, "{answer:?}");
-        assert!(answer.violated_inequalities.is_empty() && answer.active_limits.is_empty());
-        let active = &answer.active_inequalities[..];
-        assert!(active.len() == 1 && &*active[0].name == "wall" && (active[0].multiplier - 0.75).abs() < 1e-12);
+        assert!(answer.broken_constraints().next().is_none() && answer.active_limits().next().is_none());
+        let active: Vec<_> = answer.active_constraints().collect();
+        assert!(active.len() == 1 && active[0].0 == 0 && (active[0].1.multiplier - 0.75).abs() < 1e-12);
         let again = resolve_with(Solver::Auto, &problem, &answer.active_set).unwrap();
         assert_eq!(again.solver.iterations, 0);
         assert!((&again.joint_velocity - &answer.joint_velocity).amax() <= 1e-15, "{solver:?}");
@@ -95,9 +95,10 @@ fn an_active_inequality_is_named_with_its_multiplier() {
 fn the_closed_form_reports_the_inequalities_that_it_violates() {
     let inequalities = vec![Inequality::new("wall", vec![1.0, 0.0], 0.5).unwrap()];
     let answer = resolve_with(Solver::ClosedForm, &Problem { inequalities, ..Problem::new(push(2.0)) }, &[]).unwrap();
-    assert_eq!(answer.violated_inequalities.len(), 1);
-    let violated = &answer.violated_inequalities[0];
-    assert!(&*violated.name == "wall" && violated.bound == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
+    assert_eq!(answer.broken_constraints().count(), 1);
+    let violated = &answer.broken_bounds[0];
+    assert_eq!(violated.bound, Bound::upper(BoundId::Constraint { index: 0, row: 0 }));
+    assert!(violated.limit == 0.5 && (violated.value - 1.0).abs() < 1e-14, "{violated:?}");
 }
 
 #[test]
@@ -114,8 +115,8 @@ fn if_inequalities_contradict_the_box_the_box_holds_and_their_violation_is_minim
         let answer = resolve_with(solver, &problem, &[]).unwrap();
         // min (4 − 1 − y)² + (3 − 1 + y)²: y = ½.
         assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-12, "{answer:?}");
-        let violated: Vec<&str> = answer.violated_inequalities.iter().map(|violated| &*violated.name).collect();
-        assert_eq!(violated, ["sum", "difference"]);
+        let violated: Vec<usize> = answer.broken_constraints().map(|(index, _)| index).collect();
+        assert_eq!(violated, [0, 1]);
         assert_eq!(answer.solver.status, Status::Optimal);
     }
 }

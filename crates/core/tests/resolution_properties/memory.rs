@@ -78,7 +78,7 @@ fn memory_does_not_change_an_answer_that_ends_at_a_limit() {
     let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
     resolver.resolve(&at(0.6), &[], &mut answer).unwrap();
     let guess = answer.active_set.clone();
-    assert_eq!(answer.active_limits.len(), 1);
+    assert_eq!(answer.active_limits().count(), 1);
     // The first period with a guess keeps the rows, the next ones use them.
     resolver.resolve(&at(0.6), &guess, &mut answer).unwrap();
     let unlimited = resolve(&Problem { limits: VelocityBox::unbounded(3), ..at(0.5) }, &[]).unwrap();

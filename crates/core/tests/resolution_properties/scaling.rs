@@ -137,7 +137,7 @@ fn limits_change_the_direction_of_a_task_unless_it_is_scaled() {
         assert!((&answer.joint_velocity - Vector::from_vec(vec![1.0, 0.5])).amax() <= 1e-13, "{answer:?}");
         assert!((answer.tasks[0].scale.unwrap() - 0.5).abs() <= 1e-13);
         // ½(1 − s)²‖ẋ‖² = ½(2 − hi)²·5/4 decreases by 5/4 per unit of the limit.
-        assert!((answer.active_limits[0].multiplier - 1.25).abs() <= 1e-10, "{answer:?}");
+        assert!((answer.active_bounds[0].multiplier - 1.25).abs() <= 1e-10, "{answer:?}");
     }
 }
 

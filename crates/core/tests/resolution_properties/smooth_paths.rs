@@ -222,7 +222,7 @@ impl<'a> Walk<'a> {
         let answer = &self.answer;
         assert_eq!(answer.solver.status, Status::Optimal, "t = {t}");
         assert!(problem.limits.allows(answer.joint_velocity.as_slice()), "t = {t}");
-        self.limited += u32::from(!answer.active_limits.is_empty());
+        self.limited += u32::from(answer.active_limits().next().is_some());
         self.working_sets += answer.solver.working_sets;
         for (sum, task) in self.residuals.iter_mut().zip(&answer.tasks) {
             *sum += task.residual_norm;

@@ -3,7 +3,9 @@
 use revprio_core::constraint::Inequality;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Side, Solver, Status, resolve};
+use revprio_core::resolution::{
+    Bound, BoundId, MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Side, Solver, Status, resolve,
+};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::solvers::resolve_with;
@@ -19,12 +21,12 @@ fn an_answer_reports_what_it_does() {
     let free = resolve(&problem(&tasks), &[]).unwrap();
     assert_eq!((free.solver.path, free.solver.working_sets), (Path::ClosedForm, 1));
     assert_eq!((free.tasks[0].rank, free.tasks[1].rank, free.singularity.manipulability()), (1, 1, 2.0));
-    assert!(free.active_limits.is_empty() && free.violated_limits.is_empty());
+    assert!(free.active_limits().next().is_none() && free.broken_limits().next().is_none());
     let narrow = limits([-3.0, -3.0, 0.5, -3.0, -3.0], [0.75, 3.0, 0.5, 3.0, 3.0]);
     let limited = resolve(&Problem { limits: narrow.clone(), ..problem(&tasks) }, &[]).unwrap();
     assert_eq!(limited.solver.path, Path::ActiveSet);
-    let active: Vec<_> = limited.active_limits.iter().map(|it| (it.joint, it.value)).collect();
-    assert_eq!((active, limited.active_limits[0].side), (vec![(0, 0.75), (2, 0.5)], Side::Upper));
+    let active: Vec<_> = limited.active_limits().map(|(joint, it)| (joint, it.value)).collect();
+    assert_eq!((active, limited.active_bounds[0].bound.side), (vec![(0, 0.75), (2, 0.5)], Side::Upper));
     assert!((limited.tasks[0].residual_norm - 0.25).abs() < 1e-12 && limited.tasks[1].residual_norm < 1e-12);
     // The empty set and the proposal of the search; one set more for each lower stage.
     let stages = Problem { limits: narrow.clone(), method: Method::SingularityRobust, ..problem(&tasks) };
@@ -34,7 +36,7 @@ fn an_answer_reports_what_it_does() {
     assert_eq!(resolve(&again, &limited.active_set).unwrap().solver.working_sets, 1);
     let closed = Problem { limits: narrow, ..problem(&tasks) };
     let closed = resolve_with(Solver::ClosedForm, &closed, &[]).unwrap();
-    let broken: Vec<_> = closed.violated_limits.iter().map(|it| (it.joint, it.side, it.limit)).collect();
+    let broken: Vec<_> = closed.broken_limits().map(|(joint, it)| (joint, it.bound.side, it.limit)).collect();
     assert_eq!(broken, [(0, Side::Upper, 0.75), (2, Side::Lower, 0.5)]);
     let dependent = resolve(&problem(&[row(1.0, 0.0, 1.0), row(2.0, 0.0, 1.0)]), &[]).unwrap();
     assert_eq!((dependent.tasks[0].rank, dependent.tasks[1].rank), (1, 1));
@@ -42,7 +44,8 @@ fn an_answer_reports_what_it_does() {
     assert_eq!(dependent.solver.path, Path::ClosedForm);
     let still = Problem { limits: limits([-3.0, -3.0, -3.0, -3.0, 0.0], [3.0, 3.0, 3.0, 3.0, 0.0]), ..problem(&tasks) };
     let still = resolve(&still, &[]).unwrap();
-    let pinned: Vec<_> = still.active_limits.iter().map(|it| (it.joint, it.side, it.value, it.multiplier)).collect();
+    let pinned: Vec<_> =
+        still.active_limits().map(|(joint, it)| (joint, it.bound.side, it.value, it.multiplier)).collect();
     assert_eq!((still.solver.path, pinned), (Path::ClosedForm, vec![(4, Side::Upper, 0.0, 0.0)]));
     assert_ne!(free.singularity, resolve(&problem(&tasks[..1]), &[]).unwrap().singularity);
     let bounds = Vector::from_row_slice(&[1.0]);
@@ -66,14 +69,14 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
             Problem { limits: limits.clone(), method: Method::StrictReversePriority, ..Problem::new(stack.clone()) };
         let answer = resolve_with(solver, &problem, &[]).unwrap();
         assert!((&answer.joint_velocity - vector(&[0.2, 0.3, 0.4, 0.0, 0.1])).amax() < 1e-12, "{answer:?}");
-        assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.violated_limits.is_empty());
+        assert!(answer.solver.kkt_residual.unwrap() < 1e-12 && answer.broken_limits().next().is_none());
         assert_eq!(answer.solver.iterations > 0, solver == Solver::Qp);
-        let rows: Vec<_> = answer.tasks[0].active_rows.iter().map(|it| (it.row, it.side)).collect();
-        assert_eq!((rows, answer.tasks[1].active_rows.len()), (vec![(0, Side::Upper), (1, Side::Lower)], 0));
-        let joints: Vec<_> = answer.active_limits.iter().map(|it| (it.joint, it.side)).collect();
+        let rows: Vec<_> = answer.active_rows(0).map(|(row, it)| (row, it.bound.side)).collect();
+        assert_eq!((rows, answer.active_rows(1).count()), (vec![(0, Side::Upper), (1, Side::Lower)], 0));
+        let joints: Vec<_> = answer.active_limits().map(|(joint, it)| (joint, it.bound.side)).collect();
         assert_eq!(joints, [(2, Side::Upper), (3, Side::Upper), (4, Side::Lower)]);
-        let of_rows = answer.tasks[0].active_rows.iter().map(|it| it.multiplier);
-        let multipliers: Vec<f64> = of_rows.chain(answer.active_limits.iter().map(|it| it.multiplier)).collect();
+        let of_rows = answer.active_rows(0).map(|(_, it)| it.multiplier);
+        let multipliers: Vec<f64> = of_rows.chain(answer.active_limits().map(|(_, it)| it.multiplier)).collect();
         let error = (Vector::from_vec(multipliers) - vector(&[0.8, 0.3, 0.6, 0.0, 0.1])).amax();
         assert!(error < 1e-12, "{answer:?}");
         let again = resolve(&problem, &answer.active_set).unwrap();
@@ -81,8 +84,8 @@ fn active_bounds_are_listed_with_their_sides_and_multipliers() {
     }
 }
 
-/// The velocity that meets the task without limits is 1 for joint 0. It breaks q̇_0 − 3 q̇_1 ≤ 0.5. The active set counts the
-/// joints, then the inequalities, then the rows of the tasks, and is confirmed at once.
+/// The velocity that meets the task without limits is 1 for joint 0. It breaks q̇_0 − 3 q̇_1 ≤ 0.5. The active set names
+/// both bounds and is confirmed at once.
 #[test]
 fn an_inequality_is_kept_although_the_task_alone_breaks_it() {
     let along = |joint: usize| Matrix::from_fn(1, N, |_, j| f64::from(u8::from(j == joint)));
@@ -100,7 +103,8 @@ fn an_inequality_is_kept_although_the_task_alone_breaks_it() {
     };
     let answer = resolve(&problem, &[]).unwrap();
     assert!((&answer.joint_velocity - vector(&[1.0, 0.5 / 3.0, 0.2, 0.0, 0.0])).amax() < 1e-12, "{answer:?}");
-    assert_eq!(answer.active_set[0][..], [(N + 1, Side::Upper), (N + 3, Side::Upper)]);
+    let held = [BoundId::Constraint { index: 1, row: 0 }, BoundId::Task { index: 1, row: 0 }].map(Bound::upper);
+    assert_eq!(answer.active_set[0][..], held);
     assert_eq!(resolve(&problem, &answer.active_set).unwrap().solver.working_sets, 1);
 }
 

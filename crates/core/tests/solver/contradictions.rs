@@ -2,7 +2,7 @@
 //! other.
 
 use revprio_core::constraint::Inequality;
-use revprio_core::resolution::{Contradiction, Member, Problem, Resolution, Side, Status, resolve};
+use revprio_core::resolution::{Bound, BoundId, Contradiction, Problem, Resolution, Side, Status, resolve};
 
 use crate::feasibility::{Demand, is_feasible};
 use crate::hierarchy::{Hierarchy, Row, length};
@@ -13,22 +13,23 @@ const BROKEN: f64 = 1e-9;
 
 /// Returns the demands that a member stands for: a row of the contradicting task in full, a row of a higher task as far
 /// as the answer keeps it, so that an equation keeps the value that it achieves.
-fn demands(problem: &Problem, answer: &Resolution, task: Option<usize>, member: &Member) -> Vec<Demand> {
+fn demands(problem: &Problem, answer: &Resolution, task: Option<usize>, member: &Bound) -> Vec<Demand> {
     let velocity = &answer.joint_velocity;
-    match *member {
-        Member::Limit { joint, side } => {
+    let side = member.side;
+    match member.id {
+        BoundId::Joint(joint) => {
             let mut unit = vec![0.0; velocity.len()];
             unit[joint] = 1.0;
             vec![bounded(&unit, side, problem.limits.lower()[joint], problem.limits.upper()[joint])]
         }
-        Member::Inequality { index, side } => {
+        BoundId::Constraint { index, .. } => {
             assert_eq!(side, Side::Upper, "a hard inequality has an upper bound");
             let inequality = &problem.inequalities[index];
             let value = inequality.value(velocity);
             let bound = if task.is_none() { inequality.bound() } else { inequality.bound().max(value) };
             vec![Demand::at_most(inequality.coefficients().as_slice(), bound)]
         }
-        Member::Row { task: of, row, side } => {
+        BoundId::Task { index: of, row } => {
             let contradicting = task.expect("hard inequalities come before all tasks");
             assert!(of <= contradicting, "task {of} is below task {contradicting} and cannot contradict it");
             let rows = &problem.tasks.tasks()[of];
@@ -83,7 +84,7 @@ fn assert_named(hierarchy: &Hierarchy, problem: &Problem, answer: &Resolution) {
         let broken = !is_equation && slack > BROKEN * hierarchy.size(k, velocity);
         assert_eq!(named(Some(k)), broken, "task {k} with slack {slack:e}: {:?}", answer.contradictions);
     }
-    assert_eq!(named(None), !answer.violated_inequalities.is_empty(), "{:?}", answer.contradictions);
+    assert_eq!(named(None), answer.broken_constraints().next().is_some(), "{:?}", answer.contradictions);
     for contradiction in &answer.contradictions {
         assert_minimal(problem, answer, contradiction);
     }
@@ -180,13 +181,13 @@ fn only_contradiction(hierarchy: &Hierarchy) -> (Option<usize>, Vec<String>) {
     let answer = resolve(&problem, &[]).unwrap();
     assert_named(hierarchy, &problem, &answer);
     let [contradiction] = &answer.contradictions[..] else { panic!("{:?}", answer.contradictions) };
-    let name = |member: &Member| match *member {
-        Member::Row { task, row, .. } if hierarchy.levels[task][row].lower == hierarchy.levels[task][row].upper => {
-            format!("equation {task}.{row}")
+    let name = |&Bound { id, side }: &Bound| match id {
+        BoundId::Task { index, row } if hierarchy.levels[index][row].lower == hierarchy.levels[index][row].upper => {
+            format!("equation {index}.{row}")
         }
-        Member::Row { task, row, side } => format!("row {task}.{row} {side:?}"),
-        Member::Limit { joint, side } => format!("limit {joint} {side:?}"),
-        Member::Inequality { index, side } => format!("inequality {index} {side:?}"),
+        BoundId::Task { index, row } => format!("row {index}.{row} {side:?}"),
+        BoundId::Joint(joint) => format!("limit {joint} {side:?}"),
+        BoundId::Constraint { index, .. } => format!("inequality {index} {side:?}"),
     };
     let mut members: Vec<String> = contradiction.members.iter().map(name).collect();
     members.sort();

@@ -2,7 +2,7 @@
 
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{ActiveSet, Method, Problem, Resolution, resolve};
+use revprio_core::resolution::{ActiveSet, BoundId, Method, Problem, Resolution, resolve};
 use revprio_core::task::{Task, TaskStack};
 
 /// A row lower ≤ a·q̇ ≤ upper; an equation if both bounds are equal.
@@ -36,6 +36,13 @@ impl Row {
 }
 
 impl Hierarchy {
+    /// Returns the names of all bounds: those of the joints, then those of the rows.
+    pub fn bound_ids(&self) -> impl Iterator<Item = BoundId> {
+        let rows = self.levels.iter().enumerate();
+        let rows = rows.flat_map(|(index, level)| (0..level.len()).map(move |row| BoundId::Task { index, row }));
+        (0..self.joint_count()).map(BoundId::Joint).chain(rows)
+    }
+
     pub fn joint_count(&self) -> usize {
         self.lower.len()
     }

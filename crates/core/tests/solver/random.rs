@@ -1,5 +1,7 @@
 //! Reproducible random hierarchies.
 
+use revprio_core::resolution::{ActiveSet, Bound, Side};
+
 use std::f64::consts::TAU;
 
 use crate::hierarchy::{Hierarchy, Row};
@@ -141,4 +143,10 @@ fn coefficients(random: &mut Random, entries: Entries, n: usize, known: &[Vec<f6
         }
         _ => (0..n).map(|_| if random.one_in(4) { 0.0 } else { random.entry(entries) }).collect(),
     }
+}
+
+/// Returns a random working set. It may hold joints at infinite bounds and rows that are equations.
+pub fn any_set(random: &mut Random, hierarchy: &Hierarchy) -> ActiveSet {
+    let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
+    hierarchy.bound_ids().filter_map(|id| Some(Bound { id, side: side(random)? })).collect()
 }

@@ -1,10 +1,9 @@
 //! Five to twelve joints: the initial working set changes the time, not the answer.
 
-use revprio_core::resolution::{ActiveSet, Side, Status};
+use revprio_core::resolution::{ActiveSet, Bound, BoundId, Status};
 
 use crate::findings::Findings;
-use crate::hierarchy::Hierarchy;
-use crate::random::{Entries, Family, Random, hierarchy};
+use crate::random::{Entries, Family, Random, any_set, hierarchy};
 
 const MIDDLE: Family = Family { joints: [5, 12], levels: 4, rows: 5, inequalities: 8 };
 
@@ -30,13 +29,6 @@ fn examine(entries: Entries, seeds: std::ops::Range<u64>) -> Findings {
     }
     println!("{entries:?}: {findings}");
     findings
-}
-
-/// Returns a random working set. It may hold joints at infinite bounds and rows that are equations.
-fn any_set(random: &mut Random, hierarchy: &Hierarchy) -> ActiveSet {
-    let rows: usize = hierarchy.levels.iter().map(Vec::len).sum();
-    let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
-    (0..hierarchy.joint_count() + rows).filter_map(|index| Some((index, side(random)?))).collect()
 }
 
 /// An answer near a rank threshold or in a degenerate corner may end in another set, which adds rounding.
@@ -94,8 +86,12 @@ fn a_working_set_of_another_problem_does_not_change_the_answer() {
         let mut random = Random::new(seed);
         let hierarchy = hierarchy(&mut random, MIDDLE, Entries::Normal);
         let cold = hierarchy.solve(&[]);
-        let beyond = (0..100).step_by(7).flat_map(|index| [(index, Side::Lower), (index, Side::Upper)]).collect();
-        let far: ActiveSet = std::iter::once((usize::MAX, Side::Upper)).collect();
+        let both = |index| [BoundId::Joint(index), BoundId::Task { index, row: index }].map(Bound::lower);
+        let beyond = (0..100)
+            .step_by(7)
+            .flat_map(|index| both(index).into_iter().chain(both(index).map(|it| Bound::upper(it.id))))
+            .collect();
+        let far: ActiveSet = std::iter::once(Bound::upper(BoundId::Joint(usize::MAX))).collect();
         let longer = vec![any_set(&mut random, &hierarchy), far.clone()];
         for guess in [vec![beyond], vec![far], vec![ActiveSet::new(); 9], longer] {
             let warm = hierarchy.solve(&guess);

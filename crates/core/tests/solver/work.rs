@@ -2,10 +2,10 @@
 //!
 //! The totals are those of the present solver plus one in a hundred.
 
-use revprio_core::resolution::{ActiveSet, Path, Resolution, Side, Solver, Status};
+use revprio_core::resolution::{ActiveSet, Path, Resolution, Solver, Status};
 
 use crate::hierarchy::{Hierarchy, Row};
-use crate::random::{Entries, Family, Random, hierarchy};
+use crate::random::{Entries, Family, Random, any_set, hierarchy};
 use crate::solvers::resolve_with;
 
 const MIDDLE: Family = Family { joints: [5, 12], levels: 4, rows: 5, inequalities: 8 };
@@ -30,12 +30,6 @@ fn total(
 
 fn sets(answer: &Resolution) -> u32 {
     answer.solver.working_sets
-}
-
-fn any_set(random: &mut Random, hierarchy: &Hierarchy) -> ActiveSet {
-    let rows: usize = hierarchy.levels.iter().map(Vec::len).sum();
-    let side = |random: &mut Random| random.pick(&[None, Some(Side::Lower), Some(Side::Upper)]);
-    (0..hierarchy.joint_count() + rows).filter_map(|index| Some((index, side(random)?))).collect()
 }
 
 /// Returns the active set of an answer without one of its bounds.

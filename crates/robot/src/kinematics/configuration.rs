@@ -1,86 +1,99 @@
-//! The forward kinematics of an arm at a posture.
-#![allow(non_snake_case)]
+//! The forward kinematics of a robot at a posture.
 
-use nalgebra::{IsometryMatrix3, Matrix6xX, Rotation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 
-use super::chain::JointAxis;
-use super::moving_frame::vector;
-use crate::RobotModel;
+use nalgebra::{IsometryMatrix3, Vector3};
 
-/// Tool Jacobian, 6 × n: linear rows (m/s), then angular rows (rad/s), along the base axes, at the tool point.
-pub type Jacobian = Matrix6xX<f64>;
+use super::jacobian::{Jacobian, Mover, write_jacobian};
+use super::link_point::LinkPoint;
+use super::posture_check::{ConfigurationError, check};
+use crate::forward::{JointFrame, vector};
+use crate::tree::Tree;
+use crate::{LinkId, RobotModel, Tip};
 
-/// Why a posture is refused.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ConfigurationError {
-    /// The number of positions is not the number of joints.
-    #[error("{given} joint positions for a robot of {expected} joints")]
-    Size {
-        /// Joints of the robot.
-        expected: usize,
-        /// Positions given.
-        given: usize,
-    },
-    /// A position is NaN or infinite.
-    #[error("the position of joint `{joint}` is not a finite number")]
-    NotFinite {
-        /// The joint.
-        joint: String,
-    },
-}
-
-/// Joint positions of a robot with the tool pose and Jacobian there.
+/// Joint positions of a robot with the tool pose and Jacobian there. Poses and Jacobians of other links are computed from
+/// the frames of the joints when they are asked for.
 ///
-/// A value exists only after forward kinematics, so pose and Jacobian always belong to the joint positions.
+/// A value exists only after forward kinematics, so all poses and Jacobians belong to the joint positions. The base frame
+/// is the frame of the base link. Links and tips must be those of the same robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
-    joint_position: Vec<f64>,
+    tree: Arc<Tree>,
     /// n.
-    axes: Vec<JointAxis>,
+    joint_position: Vec<f64>,
+    /// The frames of the moving joints.
+    frames: Vec<JointFrame>,
     tool_pose: IsometryMatrix3<f64>,
     jacobian: Jacobian,
+    /// Positions of the moving joints and two more numbers for each; empty for a serial arm.
+    scratch: Vec<f64>,
 }
 
 impl Configuration {
     /// Computes tool pose and Jacobian at `joint_position` (n; rad or m).
     pub fn new(robot: &RobotModel, joint_position: &[f64]) -> Result<Self, ConfigurationError> {
         check(robot, joint_position)?;
-        let n = joint_position.len();
+        let tree = Arc::clone(robot.tree());
+        let moving = tree.moving().len();
         let mut configuration = Self {
             joint_position: joint_position.to_vec(),
-            axes: vec![JointAxis::BASE_Z; n],
+            frames: vec![JointFrame::BASE; moving],
             tool_pose: IsometryMatrix3::identity(),
             // Every entry is overwritten. Memory of zeros would cost hundreds of instructions more in glibc.
-            jacobian: Jacobian::repeat(n, f64::NAN),
+            jacobian: Jacobian::repeat(joint_position.len(), f64::NAN),
+            scratch: if tree.forward().is_serial() { Vec::new() } else { vec![0.0; 3 * moving] },
+            tree,
         };
-        configuration.compute(robot);
+        configuration.compute();
         Ok(configuration)
     }
 
-    /// Updates to another posture of the same robot. On an error the configuration stays unchanged.
+    /// Updates to another posture. On an error the configuration stays unchanged.
+    ///
+    /// It allocates only if `robot` is another one than before.
     pub fn update(&mut self, robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
         check(robot, joint_position)?;
+        if !Arc::ptr_eq(&self.tree, robot.tree()) {
+            *self = Self::new(robot, joint_position)?;
+            return Ok(());
+        }
         self.joint_position.copy_from_slice(joint_position);
-        self.compute(robot);
+        self.compute();
         Ok(())
     }
 
     /// Computes all other fields from the joint positions.
-    fn compute(&mut self, robot: &RobotModel) {
+    fn compute(&mut self) {
+        if self.tree.forward().is_serial() { self.compute_serial() } else { self.compute_tree() }
+    }
+
+    fn compute_serial(&mut self) {
+        let forward = self.tree.forward();
         // The memory of the Jacobian serves as scratch until its entries are known.
-        let tool = robot.chain().place(&self.joint_position, &mut self.axes, self.jacobian.as_mut_slice());
+        let tool = forward.place_serial(&self.joint_position, &mut self.frames, self.jacobian.as_mut_slice());
         self.tool_pose = tool.pose();
         let [px, py, pz, _] = tool.origin();
         let (columns, _) = self.jacobian.as_mut_slice().as_chunks_mut::<6>();
-        for (column, axis) in columns.iter_mut().zip(&self.axes) {
-            let ([x, y, z, _], [ox, oy, oz, _]) = (axis.direction, axis.origin);
+        for (column, frame) in columns.iter_mut().zip(&self.frames) {
+            let ([x, y, z, _], [ox, oy, oz, _]) = (frame.direction, frame.origin);
             let [dx, dy, dz] = [px - ox, py - oy, pz - oz];
             *column = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx, x, y, z];
         }
-        for &joint in robot.chain().prismatic() {
-            let [x, y, z, _] = self.axes[joint].direction;
+        for &joint in forward.prismatic() {
+            let [x, y, z, _] = self.frames[joint].direction;
             columns[joint] = [x, y, z, 0.0, 0.0, 0.0];
         }
+    }
+
+    fn compute_tree(&mut self) {
+        let Self { tree, joint_position, frames, tool_pose, jacobian, scratch } = self;
+        let (position, scratch) = scratch.split_at_mut(frames.len());
+        for (position, joint) in position.iter_mut().zip(tree.moving()) {
+            *position = joint.position(joint_position);
+        }
+        *tool_pose = tree.forward().place_tree(position, frames, scratch).pose();
+        let ends = [Some(tree.tool_joint()), None];
+        write_jacobian(tree, frames, ends, &tool_pose.translation.vector, jacobian);
     }
 
     /// Returns q, the joint positions, n.
@@ -88,7 +101,7 @@ impl Configuration {
         &self.joint_position
     }
 
-    /// Returns the pose of the tool frame in the base frame, m.
+    /// Returns the pose of the tool frame in the base frame, m. The tool is the first tip.
     pub fn tool_pose(&self) -> &IsometryMatrix3<f64> {
         &self.tool_pose
     }
@@ -98,16 +111,92 @@ impl Configuration {
         &self.jacobian
     }
 
-    /// Returns the origin of a joint's frame (index from 0) in the base frame, m.
+    /// Returns the pose of a link's frame in the base frame, m.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link.
+    pub fn link_pose(&self, link: LinkId) -> IsometryMatrix3<f64> {
+        let link = &self.tree.links()[link.index()];
+        let Some(joint) = link.joint else { return link.placement };
+        let position = self.tree.moving()[joint].position(&self.joint_position);
+        self.tree.forward().moved_frame(joint, &self.frames[joint], position) * link.placement
+    }
+
+    /// Returns the pose of a tip in the base frame, m.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link.
+    pub fn tip_pose(&self, tip: &Tip) -> IsometryMatrix3<f64> {
+        self.link_pose(tip.link) * tip.offset
+    }
+
+    /// Returns the pose of a point, parallel to its link, in the frame of the link from which it is seen, m.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link.
+    pub fn point_pose(&self, point: &LinkPoint) -> IsometryMatrix3<f64> {
+        let mut pose = self.link_pose(point.link);
+        pose.translation.vector += pose.rotation * point.point;
+        if point.relative_to == LinkId::BASE { pose } else { self.link_pose(point.relative_to).inv_mul(&pose) }
+    }
+
+    /// Overwrites `jacobian` (6 × n) with that of a point of a link, along the base axes, without allocating.
+    ///
+    /// J q̇ is the twist of [`Self::point_twist`]. Joints that move both links, and joints that move neither, have columns
+    /// of zeros.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link, or if `jacobian` does not have n columns.
+    pub fn write_point_jacobian(&self, point: &LinkPoint, jacobian: &mut Jacobian) {
+        assert_eq!(jacobian.ncols(), self.joint_position.len(), "one column per joint");
+        write_jacobian(&self.tree, &self.frames, self.ends(point), &self.position(point), jacobian);
+    }
+
+    /// Returns the twist of a point of a link, along the base axes, for joint velocities q̇ (n): m/s, then rad/s.
+    ///
+    /// Seen from a moving link, it is the velocity of the point less the velocity that the point would have if it were
+    /// fixed to that link, and the difference of both angular velocities.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link, or if there are fewer than n velocities.
+    pub fn point_twist(&self, point: &LinkPoint, joint_velocity: &[f64]) -> [f64; 6] {
+        let position = self.position(point);
+        let [carrier, observer] = self.ends(point);
+        let mut twist = [0.0; 6];
+        for mover in Mover::between(&self.tree, carrier, observer) {
+            let (coordinate, column) = mover.column(&self.tree, &self.frames, &position);
+            twist.iter_mut().zip(column).for_each(|(entry, slope)| *entry += slope * joint_velocity[coordinate]);
+        }
+        twist
+    }
+
+    /// Returns the moving joints that carry the link of a point and the link from which it is seen.
+    fn ends(&self, point: &LinkPoint) -> [Option<usize>; 2] {
+        [point.link, point.relative_to].map(|link| self.tree.links()[link.index()].joint)
+    }
+
+    /// Returns a point in the base frame, m.
+    fn position(&self, point: &LinkPoint) -> Vector3<f64> {
+        let pose = self.link_pose(point.link);
+        pose.translation.vector + pose.rotation * point.point
+    }
+
+    /// Returns the origin of the frame of a joint with a coordinate (index from 0) in the base frame, m.
     ///
     /// # Panics
     ///
     /// Panics if the robot has no such joint.
     pub fn joint_origin(&self, joint: usize) -> Vector3<f64> {
-        vector(&self.axes[joint].origin)
+        vector(&self.frames[self.tree.moving_joint_of(joint)].origin)
     }
 
-    /// Returns the columns of the Jacobian of a point (base frame, m) that only the first `moving_joints` joints move, n, m/s.
+    /// Returns the columns of the Jacobian of a point (base frame, m) that only the first `moving_joints` joints of a serial
+    /// arm move, n, m/s. For other robots, use [`Self::write_point_jacobian`].
     ///
     /// The origin of joint j (index from 0) is moved by the first j joints, the tool point by all.
     pub fn point_jacobian(&self, point: Vector3<f64>, moving_joints: usize) -> impl Iterator<Item = Vector3<f64>> {
@@ -133,56 +222,13 @@ impl Configuration {
     }
 }
 
-fn check(robot: &RobotModel, joint_position: &[f64]) -> Result<(), ConfigurationError> {
-    if joint_position.len() != robot.joint_count() {
-        return Err(ConfigurationError::Size { expected: robot.joint_count(), given: joint_position.len() });
-    }
-    if joint_position.iter().all(|q| q.is_finite()) { Ok(()) } else { Err(not_finite(robot, joint_position)) }
-}
-
-/// Returns the error that names the first joint without a finite position.
-#[cold]
-fn not_finite(robot: &RobotModel, joint_position: &[f64]) -> ConfigurationError {
-    let joint = robot.joints().iter().zip(joint_position).find(|(_, q)| !q.is_finite());
-    ConfigurationError::NotFinite { joint: joint.map(|(joint, _)| joint.name.clone()).unwrap_or_default() }
-}
-
-/// Returns the frames of the joints after their motion, base first (n), in the base frame, m.
-///
-/// `joint_position`: q, n; rad or m.
-///
-/// Each frame has its origin on the axis of its joint and its z along it. The tool frame is the last one times
-/// [`RobotModel::tool`].
-pub fn link_frames(
-    robot: &RobotModel,
-    joint_position: &[f64],
-) -> Result<Vec<IsometryMatrix3<f64>>, ConfigurationError> {
-    check(robot, joint_position)?;
-    let mut frame = IsometryMatrix3::identity();
-    let joints = robot.joints().iter().zip(joint_position);
-    Ok(joints
-        .map(|(joint, &q)| {
-            frame *= joint.placement;
-            joint.kind.move_along(&mut frame, q);
-            frame
-        })
-        .collect())
-}
-
-/// Returns log(R R_dᵀ), the rotation vector (rad, base axes) from the desired orientation to the actual one.
-///
-/// It is X − X_d of the control laws for the angular rows.
-pub fn orientation_error(actual: &Rotation3<f64>, desired: &Rotation3<f64>) -> Vector3<f64> {
-    // Computed from the quaternion: the arc cosine of a rotation matrix cannot resolve angles below 1e-8 rad.
-    UnitQuaternion::from_rotation_matrix(&(actual * desired.inverse())).scaled_axis()
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::{Matrix3xX, Translation3};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::kinematics::link_frames;
     use crate::{Joint, JointKind, JointLimits, built_in};
 
     /// 1 to 128 joints of both kinds with a position each, placed anyhow, and a tool.
@@ -270,32 +316,10 @@ mod tests {
     }
 
     #[test]
-    fn the_last_link_frame_carries_the_tool_and_the_first_is_at_the_first_joint() {
-        let sawyer = &built_in()[0];
-        let posture = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
-        let frames = link_frames(sawyer, &posture).unwrap();
-        let tool = frames[6] * sawyer.tool();
-        let expected = Configuration::new(sawyer, &posture).unwrap();
-        assert!((tool.to_homogeneous() - expected.tool_pose().to_homogeneous()).norm() < 1e-15);
-        assert_eq!(frames[0].translation, sawyer.joints()[0].placement.translation);
-        assert!(link_frames(sawyer, &posture[1..]).is_err());
-    }
-
-    #[test]
     fn invalid_postures_are_refused_with_the_name_of_the_joint() {
         let sawyer = &built_in()[0];
         assert_eq!(Configuration::new(sawyer, &[0.0; 6]), Err(ConfigurationError::Size { expected: 7, given: 6 }));
         let error = Configuration::new(sawyer, &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap_err();
         assert!(error.to_string().contains("`j3`"));
-    }
-
-    #[test]
-    fn orientation_error_is_the_rotation_vector_from_desired_to_actual() {
-        let desired = Rotation3::from_euler_angles(0.3, -0.2, 1.0);
-        let turn = Vector3::new(0.1, -0.4, 0.2);
-        let error = orientation_error(&(Rotation3::new(turn) * desired), &desired);
-        assert!((error - turn).norm() < 1e-14);
-        let tiny = Vector3::new(1e-12, 0.0, -2e-12);
-        assert!((orientation_error(&Rotation3::new(tiny), &Rotation3::identity()) - tiny).norm() < 1e-20);
     }
 }

@@ -15,24 +15,26 @@
 //! # }
 //! ```
 
-mod angle;
 mod axes;
-mod chain;
 mod configuration;
-mod factors;
+mod jacobian;
 mod joint_limit_index;
-mod joint_rotations;
-mod moving_frame;
+mod link_frames;
+mod link_point;
+mod orientation_error;
 mod pose;
+mod posture_check;
 mod rotation_motion;
-mod sin_cos;
 mod task_frame;
 
-pub(crate) use chain::Chain;
-
 pub use axes::{Axis, AxisSelection, AxisSelectionError};
-pub use configuration::{Configuration, ConfigurationError, Jacobian, link_frames, orientation_error};
+pub use configuration::Configuration;
+pub use jacobian::Jacobian;
 pub use joint_limit_index::{half_range, joint_limit_gradient, joint_limit_index, joint_limit_slopes};
+pub use link_frames::link_frames;
+pub use link_point::LinkPoint;
+pub use orientation_error::orientation_error;
 pub use pose::{NotUnitLength, UNIT_LENGTH_TOLERANCE, pose};
+pub use posture_check::ConfigurationError;
 pub use rotation_motion::RotationMotion;
 pub use task_frame::{Frame, PlacedFrame, TaskFrame};

@@ -1,17 +1,16 @@
 //! Set-points over time: [`Profile`] gives a value with its first and second derivative at any time.
 
+mod set_point;
 mod spline;
 
 use nalgebra::DVector;
-use smallvec::SmallVec;
 
 use self::spline::Spline;
 
+pub use set_point::{Entries, Point, SetPoint};
+
 /// Minimum duration of a ramp and minimum time between two points, s. Use steps for faster changes.
 pub const MIN_DURATION: f64 = 1e-6;
-
-/// The m entries of a set-point. Up to 12 are stored without allocation.
-pub type Entries = SmallVec<[f64; 12]>;
 
 /// A set-point as a function of time, m rows.
 ///
@@ -32,34 +31,6 @@ enum Shape {
     Ramp { start: DVector<f64>, end: DVector<f64>, start_time: f64, duration: f64 },
     Steps(Vec<Point>),
     Waypoints(Spline),
-}
-
-/// A value at a time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Point {
-    /// t, s.
-    pub time_s: f64,
-    /// The value at that time, m entries.
-    pub value: Vec<f64>,
-}
-
-/// A set-point at one time, m entries each.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SetPoint {
-    /// The value.
-    pub value: Entries,
-    /// Its time derivative, per s.
-    pub rate: Entries,
-    /// Its second time derivative, per s².
-    pub acceleration: Entries,
-}
-
-impl SetPoint {
-    /// Returns a set-point with this value and zero derivatives.
-    pub fn resting(value: Entries) -> Self {
-        let zero = Entries::from_elem(0.0, value.len());
-        Self { value, rate: zero.clone(), acceleration: zero }
-    }
 }
 
 /// Why a profile is refused.

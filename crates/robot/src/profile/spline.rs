@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{Entries, Point, SetPoint};
+use super::set_point::{Entries, Point, SetPoint};
 
 /// A piecewise polynomial through points, twice continuously differentiable.
 #[derive(Debug, Clone, PartialEq)]

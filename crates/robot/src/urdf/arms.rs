@@ -42,6 +42,13 @@ pub struct Node<'a> {
     is_tool: bool,
 }
 
+impl Node<'_> {
+    /// Returns whether a joint below the base moves the link.
+    pub fn is_moved(&self) -> bool {
+        self.joints > 0
+    }
+}
+
 /// Returns the links from the base down, each after its parent.
 pub fn survey<'a>(links: &Links<'a>, base: &'a str) -> Vec<Node<'a>> {
     let start =

@@ -83,7 +83,8 @@ fn find_arm<'a>(links: &Links<'a>, base: &'a str) -> Result<Arm<'a>, UrdfError> 
     }
 }
 
-fn find_base<'a>(links: &Links<'a>, base: Option<&str>) -> Result<&'a str, UrdfError> {
+/// Finds the base. If it is not named, it must be the only link without parent.
+pub fn find_base<'a>(links: &Links<'a>, base: Option<&str>) -> Result<&'a str, UrdfError> {
     let roots = links.roots();
     if let Some(name) = base {
         let found = links.names.iter().copied().find(|link| *link == name);
@@ -94,6 +95,16 @@ fn find_base<'a>(links: &Links<'a>, base: Option<&str>) -> Result<&'a str, UrdfE
         // Every link has a parent.
         ([], Some(link)) => Err(UrdfError::Cycle { link: (*link).to_owned() }),
         _ => Err(UrdfError::Base { links: owned(&roots) }),
+    }
+}
+
+/// Returns the link at the end of each arm below the base; the moving ends of all branches if none is known as an arm.
+pub fn end_links(links: &Links, base: &str) -> Vec<String> {
+    let nodes = survey(links, base);
+    let moves = |link: &&String| nodes.iter().any(|node| node.link == **link && node.is_moved());
+    match find_arm(links, base) {
+        Ok(arm) => vec![arm.tip.to_owned()],
+        Err(error) => error.candidates().iter().filter(moves).cloned().collect(),
     }
 }
 

@@ -135,6 +135,14 @@ pub enum UrdfError {
         /// Its type, or `mimic`.
         kind: String,
     },
+    /// A joint of a tree has a type that it cannot have.
+    #[error("joint `{joint}` is {kind}; only fixed, revolute, continuous and prismatic joints are supported")]
+    TreeKind {
+        /// The joint.
+        joint: String,
+        /// Its type.
+        kind: String,
+    },
     /// An attribute has the wrong number of numbers, or one that is not finite or too large.
     #[error("joint `{joint}`: {field}=\"{text:.40}\" is not {count} number(s) between -1e9 and 1e9")]
     Number {
@@ -157,7 +165,7 @@ pub enum UrdfError {
         /// The part of `limits` that mends it.
         remedy: &'static str,
     },
-    /// An override is about a joint that is no part of the chain.
+    /// An override is about a joint that is no part of the chain or tree.
     #[error("`{field}` has a joint `{joint}`, which is no joint of the chain; its joints are {}", list(.joints))]
     UnknownJoint {
         /// `limits` or `joint_names`.
@@ -179,7 +187,7 @@ pub enum UrdfError {
         /// The joint.
         joint: String,
     },
-    /// The chain is not a valid robot model.
+    /// The chain or tree is not a valid robot model.
     #[error(transparent)]
     Model(#[from] ModelError),
 }

@@ -1,13 +1,14 @@
-//! Reads one joint of the chain.
+//! Reads one joint.
 
-use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{IsometryMatrix3, Rotation3, Translation3, Vector3};
 use roxmltree::Node;
 
 use super::UrdfError;
 use super::document::{Edge, child};
-use crate::{Joint, JointKind, JointLimits, LimitOverride};
+use crate::tree_description::SHORTEST_AXIS;
+use crate::{JointKind, JointLimits, JointMotion, LimitOverride, Mimic, TreeJoint};
 
-/// Maximum absolute value of a number, m or rad. An axis shorter than its inverse has no direction.
+/// Maximum absolute value of a number, m or rad.
 const MAX_NUMBER: f64 = 1e9;
 
 const POSITION: &str = "\"position\": [lower, upper]";
@@ -15,51 +16,32 @@ const VELOCITY: &str = "\"velocity\": number";
 const ACCELERATION: &str = "\"acceleration\": number";
 const JERK: &str = "\"jerk\": number";
 
-/// The part of the chain that a joint makes.
-pub enum Segment {
-    /// A constant transform.
-    Fixed(IsometryMatrix3<f64>),
-    /// A joint of the model.
-    Moving(Box<Moving>),
+/// Which joints a robot may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Allowed {
+    /// Those of a serial arm: each has its own position.
+    InSerialArm,
+    /// Mimic joints too.
+    InTree,
 }
 
-/// A joint of the model, and the transform from its frame to the frame of the child link.
-pub struct Moving {
-    /// The joint; its `placement` is in the frame of the parent link.
-    pub joint: Joint,
-    pub after: IsometryMatrix3<f64>,
-}
-
-/// Reads a joint of the chain; `stated` replaces limits of the text.
-pub fn segment(edge: &Edge, stated: &LimitOverride) -> Result<Segment, UrdfError> {
+/// Reads a joint; `stated` replaces limits of the text.
+pub fn joint(edge: &Edge, stated: &LimitOverride, allowed: Allowed) -> Result<TreeJoint, UrdfError> {
     let reader = Reader { joint: edge.name, element: edge.element };
     let origin = reader.origin()?;
+    let joint = |motion| {
+        let [name, parent, child] = [edge.name, edge.parent, edge.child].map(str::to_owned);
+        TreeJoint { name, parent, child, origin, motion }
+    };
     let kind = match edge.element.attribute("type") {
         None => return Err(reader.missing("a type")),
-        Some("fixed") => return Ok(Segment::Fixed(origin)),
-        Some(_) if edge.is_mimic() => return Err(reader.kind("mimic")),
-        Some(name) => JointKind::from_urdf(name).ok_or_else(|| reader.kind(name))?,
+        Some("fixed") => return Ok(joint(None)),
+        Some(_) if edge.is_mimic() && allowed == Allowed::InSerialArm => return Err(reader.kind("mimic", allowed)),
+        Some(name) => JointKind::from_urdf(name).ok_or_else(|| reader.kind(name, allowed))?,
     };
-    let to_axis = rotation_from_z(&reader.axis()?);
-    let joint = Joint {
-        name: edge.name.to_owned(),
-        kind,
-        placement: origin * to_axis,
-        limits: reader.limits(stated)?,
-        published_range: None,
-        denavit_hartenberg: None,
-    };
-    let after = IsometryMatrix3::from_parts(Translation3::identity(), to_axis.inverse());
-    Ok(Segment::Moving(Box::new(Moving { joint, after })))
-}
-
-/// Returns a rotation that maps z to a direction of unit length.
-///
-/// It is free of rounding if the direction is an axis of the frame, and the identity for z itself.
-fn rotation_from_z(direction: &Vector3<f64>) -> Rotation3<f64> {
-    let across = if direction.y.abs() <= 0.8 { Vector3::y() } else { Vector3::z() };
-    let x = across.cross(direction).normalize();
-    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, direction.cross(&x), *direction]))
+    let (axis, mimic) = (reader.axis()?, reader.mimic()?);
+    let limits = reader.limits(stated, mimic.is_some())?;
+    Ok(joint(Some(JointMotion { kind, axis, limits, mimic })))
 }
 
 struct Reader<'a> {
@@ -79,13 +61,24 @@ impl Reader<'_> {
         Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
-    /// Reads the axis as a unit vector; x by default.
+    /// Reads the axis, which may have any length but zero; x by default.
     fn axis(&self) -> Result<Vector3<f64>, UrdfError> {
         let axis = Vector3::from(self.numbers("axis", "xyz")?.unwrap_or([1.0, 0.0, 0.0]));
-        axis.try_normalize(1.0 / MAX_NUMBER).ok_or_else(|| UrdfError::Axis { joint: self.joint.to_owned() })
+        let has_direction = axis.norm() > SHORTEST_AXIS;
+        if has_direction { Ok(axis) } else { Err(UrdfError::Axis { joint: self.joint.to_owned() }) }
     }
 
-    fn limits(&self, stated: &LimitOverride) -> Result<JointLimits, UrdfError> {
+    /// Reads which joint this one follows.
+    fn mimic(&self) -> Result<Option<Mimic>, UrdfError> {
+        let Some(mimic) = child(self.element, "mimic") else { return Ok(None) };
+        let leader = mimic.attribute("joint").ok_or_else(|| self.missing("<mimic joint=\"…\"/>"))?.to_owned();
+        let [multiplier] = self.numbers("mimic", "multiplier")?.unwrap_or([1.0]);
+        let [offset] = self.numbers("mimic", "offset")?.unwrap_or([0.0]);
+        Ok(Some(Mimic { leader, multiplier, offset }))
+    }
+
+    /// Reads the limits; `is_optional`: what the text lacks has no limit.
+    fn limits(&self, stated: &LimitOverride, is_optional: bool) -> Result<JointLimits, UrdfError> {
         let limit = |field, stated: Option<f64>| match stated {
             Some(value) => Ok(Some(value)),
             None => Ok::<_, UrdfError>(self.numbers("limit", field)?.map(|[value]: [f64; 1]| value)),
@@ -98,10 +91,14 @@ impl Reader<'_> {
         let [lower, upper] = match (stated.position, self.element.attribute("type")) {
             (Some([lower, upper]), _) => [Some(lower), Some(upper)],
             (None, Some("continuous")) => [Some(f64::NEG_INFINITY), Some(f64::INFINITY)],
-            (None, _) => [limit("lower", None)?, limit("upper", None)?],
+            (None, _) => {
+                let [lower, upper] = [limit("lower", None)?, limit("upper", None)?];
+                let without = |infinity: f64| is_optional.then_some(infinity);
+                [lower.or(without(f64::NEG_INFINITY)), upper.or(without(f64::INFINITY))]
+            }
         };
         let mut velocity = limit("velocity", stated.velocity)?;
-        if self.element.attribute("type") == Some("continuous") {
+        if is_optional || self.element.attribute("type") == Some("continuous") {
             velocity = velocity.or(Some(f64::INFINITY));
         }
         let (Some(lower), Some(upper)) = (lower, upper) else {
@@ -146,8 +143,12 @@ impl Reader<'_> {
         numbers.map(Some).ok_or_else(error)
     }
 
-    fn kind(&self, kind: &str) -> UrdfError {
-        UrdfError::Kind { joint: self.joint.to_owned(), kind: kind.to_owned() }
+    fn kind(&self, kind: &str, allowed: Allowed) -> UrdfError {
+        let (joint, kind) = (self.joint.to_owned(), kind.to_owned());
+        match allowed {
+            Allowed::InSerialArm => UrdfError::Kind { joint, kind },
+            Allowed::InTree => UrdfError::TreeKind { joint, kind },
+        }
     }
 
     fn missing(&self, what: &'static str) -> UrdfError {

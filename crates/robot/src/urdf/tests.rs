@@ -1,10 +1,11 @@
-use nalgebra::Vector3;
+use nalgebra::{IsometryMatrix3, Vector3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{JointKind, ModelError, TipReason};
+use crate::{JointKind, LimitOverride, ModelError, Overrides, RobotModel, TipReason};
 
 mod arms;
+mod trees;
 
 const REVOLUTE: &str = r#"type="revolute"><limit lower="-1" upper="2" velocity="3"/>"#;
 

@@ -68,7 +68,8 @@ impl Cycle {
             let resolution = &cycle.step()?.resolution;
             q.iter_mut().zip(resolution.joint_velocity.iter()).for_each(|(q, qdot)| *q += period * qdot);
             let fastest = resolution.joint_velocity.amax();
-            let [limited, guessed] = [!resolution.active_limits.is_empty(), resolution.solver.path == Path::ActiveSet];
+            let [limited, guessed] =
+                [resolution.active_limits().next().is_some(), resolution.solver.path == Path::ActiveSet];
             cycle.fastest = cycle.fastest.max(fastest);
             cycle.limited += f64::from(u8::from(limited)) / periods as f64;
             cycle.guessed += f64::from(u8::from(guessed)) / periods as f64;

@@ -41,7 +41,7 @@ pub(super) fn record<'a>(
     remove_weights(config, &mut command.resolution.tasks, targets);
     copy_targets(&mut command.targets, targets);
     report_bounds(config, command);
-    let causes = command.resolution.active_limits.iter().map(|active| limits.cause(active.joint, active.side));
+    let causes = command.resolution.active_limits().map(|(joint, active)| limits.cause(joint, active.bound.side));
     command.limit_causes.clear();
     command.limit_causes.extend(causes);
     command.limit_conflicts.clone_from(&allowed.limits.conflicts);
@@ -56,7 +56,7 @@ pub(super) fn record<'a>(
     let observed = Observation {
         config,
         tasks: &problem.tasks,
-        inequalities: &problem.inequalities,
+        problem,
         targets: &command.targets,
         resolution: &command.resolution,
         joint_position: position,

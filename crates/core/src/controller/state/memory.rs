@@ -7,11 +7,10 @@ use super::jerk_state::JerkState;
 use super::progress::Progress;
 use super::stall::Stall;
 use crate::arm_state::ArmAt;
-use crate::constraint::Constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
-use crate::resolution::ActiveSet;
+use crate::resolution::{ActiveSet, Bound, BoundId};
 use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
 /// The complete state of a controller. Another process with the same
@@ -141,14 +140,18 @@ impl Memory {
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
             return Err(MemoryError::Stalls);
         }
-        // The solver writes each limit once per level and in ascending order: joints, inequalities, rows of the tasks.
-        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        let constraints_end = n + config.constraints.iter().map(Constraint::row_count).sum::<usize>();
-        let is_bounded = |row: usize| {
-            let mut rows = config.tasks.iter().flat_map(|task| std::iter::repeat_n(task, task.rows.len()));
-            row < constraints_end || rows.nth(row - constraints_end).is_some_and(|task| task.law.bounds().is_some())
+        // The solver writes each bound once, in ascending order.
+        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].id < pair[1].id);
+        let is_bounded = |bound: &Bound| match bound.id {
+            BoundId::Joint(joint) => joint < n,
+            BoundId::Constraint { index, row } => {
+                config.constraints.get(index).is_some_and(|constraint| row < constraint.row_count())
+            }
+            BoundId::Task { index, row } => {
+                config.tasks.get(index).is_some_and(|task| row < task.rows.len() && task.law.bounds().is_some())
+            }
         };
-        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(|&(row, _)| is_bounded(row))) {
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(is_bounded)) {
             return Err(MemoryError::ActiveSet);
         }
         let ascending = self.target_streams.windows(2).all(|pair| key(&pair[0]) < key(&pair[1]));

@@ -55,13 +55,8 @@ impl<const N: usize> Conditions<N> {
         self.wrong.is_empty() && self.wrong_rows.is_empty()
     }
 
-    /// Evaluates all conditions (section 5). `rounding` is the relative size below which a number is zero.
-    pub fn evaluate(&mut self, trial: Trial<N>, rounding: f64) {
-        self.check_point(trial, rounding);
-        self.check_levels(trial);
-    }
-
-    /// Evaluates the first condition: collects free unknowns and inactive rows outside their bounds.
+    /// Evaluates the first condition (section 5): collects free unknowns and inactive rows outside their bounds.
+    /// `rounding` is the relative size below which a number is zero.
     pub fn check_point(&mut self, trial: Trial<N>, rounding: f64) {
         self.rounding = rounding;
         self.wrong.clear();

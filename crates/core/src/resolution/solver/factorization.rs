@@ -9,22 +9,7 @@ use super::problem_rows::ProblemRows;
 use crate::linalg::{Row, SingularValues};
 use crate::resolution::Side;
 use crate::resolution::level::{WorkingSet, refill};
-
-/// Relative size below which a number is rounding.
-pub const ROUNDING: f64 = 1e-13;
-
-/// A level whose rows depend on each other up to this fraction has an uncertain rank.
-const CERTAIN_RANK: f64 = 1e-6;
-
-/// A pivot below this fraction of ‖A_k‖ makes the singular values decide the rank: pivots are larger than the smallest
-/// singular value, but seldom a hundred times.
-const SUSPICIOUS_PIVOT: f64 = 1e-4;
-
-/// Error of a row of length one after reflections.
-const REFLECTION_ERROR: f64 = 4e-15;
-
-/// A squared length that was kept up to date by subtraction is summed again below this fraction of the last sum.
-const TRUSTED_SQUARE: f64 = 0.1;
+use crate::tolerances::TOLERANCES;
 
 /// The rows of one level: first its pivots, then the rows that depend on them.
 #[derive(Debug, Clone, Copy, Default)]
@@ -250,10 +235,10 @@ impl<const N: usize> Factorization<N> {
         let mut weakest = 1.0_f64;
         for (k, level) in problem.levels.iter().enumerate() {
             let square = level.square;
-            let tolerance = self.rank_tolerance.max(REFLECTION_ERROR / weakest);
+            let tolerance = self.rank_tolerance.max(TOLERANCES.reflection_error / weakest);
             let Pivots { smallest, refused } = self.take_pivots(k, tolerance * tolerance * square);
-            let suspicious = SUSPICIOUS_PIVOT * SUSPICIOUS_PIVOT * square;
-            if (smallest < suspicious || refused > ROUNDING * ROUNDING * square)
+            let suspicious = TOLERANCES.suspicious_pivot * TOLERANCES.suspicious_pivot * square;
+            if (smallest < suspicious || refused > TOLERANCES.rounding * TOLERANCES.rounding * square)
                 && !self.confirm_rank(k, tolerance * square.sqrt(), square.sqrt(), refused)
             {
                 return false;
@@ -304,7 +289,7 @@ impl<const N: usize> Factorization<N> {
         let pivots = &self.rows[span.start..span.pivots_end];
         let own = pivots.iter().flat_map(|row| &row.coordinates.0[span.first..span.rank_end()]);
         self.singular.decompose(span.rank(), own.copied());
-        let (small, certain) = (ROUNDING * norm, CERTAIN_RANK * norm);
+        let (small, certain) = (TOLERANCES.rounding * norm, TOLERANCES.certain_rank * norm);
         self.rank_uncertain |= self.singular.count_from(small) > self.singular.count_from(certain)
             || (small < refused.sqrt() && refused.sqrt() < certain);
         let rank = self.singular.count_from(tolerance);
@@ -321,7 +306,7 @@ impl<const N: usize> Factorization<N> {
         let Span { start, pivots_end, end, first, target, .. } = self.spans[k];
         let (rows, lower_rows) = self.rows.split_at_mut(end);
         let (pivots, dependents) = rows[start..].split_at_mut(pivots_end - start);
-        let rounding = ROUNDING * (target + problem.levels[k].norm * (self.base_norm + self.y.norm()));
+        let rounding = TOLERANCES.rounding * (target + problem.levels[k].norm * (self.base_norm + self.y.norm()));
         if dependents.iter().all(|row| row.residual.abs() <= rounding) {
             for row in dependents {
                 row.residual = 0.0;
@@ -422,7 +407,7 @@ fn remove_coordinate<const N: usize>(
 fn bring_longest<const N: usize>(rows: &mut [FactorRow<N>], least: f64) -> f64 {
     let mut longest = longest(rows);
     let square = rows[longest].square;
-    if square <= TRUSTED_SQUARE * rows[longest].summed_square || square <= least {
+    if square <= TOLERANCES.trusted_square * rows[longest].summed_square || square <= least {
         sum_squares(rows);
         longest = self::longest(rows);
     }

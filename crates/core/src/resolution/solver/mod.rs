@@ -11,29 +11,25 @@ mod primal;
 mod problem_rows;
 #[cfg(test)]
 mod random_sets;
+mod rungs;
 mod search;
 mod sized;
 
+pub use rungs::{Rung, RungCount, Rungs};
 pub use sized::{HierarchicalSolver, SizedSolver};
 
 use cascade::Cascade;
 use conditions::{Conditions, Trial};
-use factorization::{Factorization, ROUNDING, Span};
+use factorization::{Factorization, Span};
 use primal::PrimalPoint;
 use problem_rows::ProblemRows;
 use search::Search;
 
 use revprio_problem::Side;
 
-use super::level::{Hierarchy, Solution, WorkingSet, refill};
-use crate::linalg::{RANK_TOLERANCE, Row, SingularValues, all_finite};
-
-/// Ratio of the weights of adjacent levels while the search looks for a working set.
-const SPACING: f64 = 1e-6;
-
-/// Singular values below this fraction of ‖A_k‖ count as zero where rounding may decide ranks and the smaller tolerance finds
-/// no certain answer.
-const UNCERTAIN_RANK_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
+use super::level::{Hierarchy, Solution, Start, WorkingSet, refill};
+use crate::linalg::{Row, SingularValues, all_finite};
+use crate::tolerances::TOLERANCES;
 
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
 const GUESSED_TRIALS: u32 = 3;
@@ -41,10 +37,6 @@ const GUESSED_TRIALS: u32 = 3;
 /// Corrections of everything that is wrong in the proposal of the cascade, before the last resort. One is needed where rounding
 /// decides whether a bound that is met exactly is active.
 const MAX_CORRECTIONS: u32 = 3;
-
-/// Relative sizes that count as rounding where working sets repeat in the last resort: a smaller one where rows nearly depend on
-/// each other, so that multipliers are small, and larger ones where several sets describe the same corner.
-const OTHER_ROUNDINGS: [f64; 5] = [5e-15, 1e-12, 1e-11, 1e-10, 1e-9];
 
 /// Working sets after which the solver gives up.
 const MAX_SETS: u32 = 400;
@@ -61,6 +53,7 @@ pub struct ActiveSetSolver<const N: usize> {
     search: Search<N>,
     cascade: Cascade<N>,
     primal: PrimalPoint<N>,
+    rungs: Rungs,
     /// Room for what is asked about the last factorisation: the inverse triangle and its Gram matrix, and singular values.
     inverse: Vec<Row<N>>,
     gram: Vec<Row<N>>,
@@ -76,62 +69,97 @@ enum Source {
     Search,
     /// From the cascade, corrected as many times.
     Cascade(u32),
-    /// From steps of the primal method, with as many of [`OTHER_ROUNDINGS`] used up.
+    /// From steps of the primal method, with as many of [`TOLERANCES.other_roundings`] used up.
     Primal(usize),
 }
 
+impl Source {
+    /// Returns what a working set counts as; `tried`: sets so far.
+    fn rung(self, tried: u32) -> Rung {
+        match self {
+            Self::Guess if tried <= 1 => Rung::Start,
+            Self::Guess => Rung::StartCorrected,
+            Self::Search => Rung::Search,
+            Self::Cascade(0) => Rung::Cascade,
+            Self::Cascade(_) => Rung::CascadeCorrected,
+            Self::Primal(0) => Rung::LastResort,
+            Self::Primal(_) => Rung::OtherRounding,
+        }
+    }
+}
+
 impl<const N: usize> ActiveSetSolver<N> {
-    /// Solves the problem from the working set `guess` on (section 6).
+    /// Solves the problem from a working set on (section 6).
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
-    pub fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.has_new_rows |= !self.problem.load(problem);
+    pub fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution) {
+        self.load(problem);
         self.cascade.reserve(problem.unknowns, problem.row_count());
-        self.solve_loaded(guess, solution);
-    }
-
-    fn solve_loaded(&mut self, guess: Option<&WorkingSet>, solution: &mut Solution) {
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
         let is_factorized = !self.has_new_rows
             && !self.problem.has_pinned
             && self.set.is_empty()
             && self.solved.held.is_empty()
-            && self.solved.rank_tolerance == RANK_TOLERANCE;
+            && self.solved.rank_tolerance == TOLERANCES.rank;
         self.has_new_rows = false;
-        self.solved.rank_tolerance = RANK_TOLERANCE;
+        self.solved.rank_tolerance = TOLERANCES.rank;
+        let guess = match start {
+            Start::Empty => None,
+            Start::EmptyThenGuess(_) if is_factorized && self.holds_nothing(solution) => return,
+            Start::Guess(guess) | Start::EmptyThenGuess(guess) => Some(guess).filter(|guess| !guess.is_empty()),
+        };
         let mut met_uncertain_rank = self.solve_from(guess, is_factorized, solution);
         let mut tried = solution.working_sets;
-        let is_guessed = guess.is_some_and(|guess| !guess.is_empty());
-        if is_guessed && (met_uncertain_rank || !solution.is_optimal) {
+        if guess.is_some() && (met_uncertain_rank || !solution.is_optimal) {
             met_uncertain_rank = self.solve_from(None, false, solution);
+            self.count_again(Rung::WithoutGuess, solution);
             tried += solution.working_sets;
         }
-        for tolerance in UNCERTAIN_RANK_TOLERANCES {
+        for tolerance in TOLERANCES.uncertain_rank {
             if solution.is_optimal || !met_uncertain_rank {
                 break;
             }
             self.solved.rank_tolerance = tolerance;
             self.solve_from(None, false, solution);
+            self.count_again(Rung::LargerRankTolerance, solution);
             tried += solution.working_sets;
             solution.rank_uncertain = true;
         }
         solution.working_sets = tried;
     }
 
-    /// Factorises the rows of the problem without active bounds.
-    fn solve_without_bounds(&mut self) {
-        self.solved.rank_tolerance = RANK_TOLERANCE;
-        self.start_from(None);
+    /// Factorises the equations of a problem, without its limits and without active inequality rows.
+    pub fn factorize(&mut self, problem: &Hierarchy) {
+        self.load(problem);
+        self.problem.open_box();
+        self.solved.rank_tolerance = TOLERANCES.rank;
+        self.set.clear(problem.unknowns, problem.row_count());
         self.solved.solve(&self.problem, &self.set);
         self.has_new_rows = false;
     }
 
-    /// Evaluates the optimality conditions on the last working set; returns whether they hold, and the largest relative residual.
-    fn certify(&mut self) -> (bool, f64) {
+    fn load(&mut self, problem: &Hierarchy) {
+        self.has_new_rows |= !self.problem.load(problem);
+    }
+
+    /// Returns whether the empty set, which is factorised, is the right one. The answer is then written.
+    fn holds_nothing(&mut self, solution: &mut Solution) -> bool {
         let Self { problem, set, solved, conditions, .. } = self;
-        conditions.evaluate(Trial { problem, set, solved }, ROUNDING);
-        (conditions.are_met() && all_finite(&solved.x.0), conditions.residual)
+        let trial = Trial { problem, set, solved };
+        conditions.check_point(trial, TOLERANCES.rounding);
+        if !conditions.are_met() {
+            return false;
+        }
+        conditions.check_levels(trial);
+        let is_right = conditions.are_met();
+        if is_right {
+            self.count(Source::Guess, 1);
+            self.rungs[Rung::Start].answered += 1;
+            self.write(solution, 1);
+            solution.is_last_resort = false;
+        }
+        is_right
     }
 
     /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
@@ -141,6 +169,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         let (mut source, mut tried, mut met_uncertain_rank) = (Source::Guess, 0, false);
         loop {
             tried += 1;
+            self.count(source, tried);
             if !(is_factorized && tried == 1 && self.set.is_empty()) {
                 self.solved.solve(&self.problem, &self.set);
             }
@@ -148,8 +177,10 @@ impl<const N: usize> ActiveSetSolver<N> {
             let Self { problem, set, solved, conditions, .. } = &mut *self;
             let trial = Trial { problem, set, solved };
             let rounding = match source {
-                Source::Primal(used @ 1..) => OTHER_ROUNDINGS[(used - 1).min(OTHER_ROUNDINGS.len() - 1)],
-                _ => ROUNDING,
+                Source::Primal(used @ 1..) => {
+                    TOLERANCES.other_roundings[(used - 1).min(TOLERANCES.other_roundings.len() - 1)]
+                }
+                _ => TOLERANCES.rounding,
             };
             conditions.check_point(trial, rounding);
             // Nothing is held and bounds are broken: multipliers are not needed to propose a set.
@@ -162,9 +193,21 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             source = self.next_set(source, is_open, tried);
         }
+        if self.conditions.are_met() {
+            self.rungs[source.rung(tried)].answered += 1;
+        }
         self.write(solution, tried);
         solution.is_last_resort = matches!(source, Source::Primal(_));
         met_uncertain_rank
+    }
+
+    fn count(&mut self, source: Source, tried: u32) {
+        self.rungs[source.rung(tried)].tried += 1;
+    }
+
+    fn count_again(&mut self, rung: Rung, solution: &Solution) {
+        self.rungs[rung].tried += u64::from(solution.working_sets);
+        self.rungs[rung].answered += u64::from(solution.is_optimal);
     }
 
     /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
@@ -181,7 +224,11 @@ impl<const N: usize> ActiveSetSolver<N> {
                     self.solved.solve(&self.problem, &self.set);
                 }
                 let Self { problem, solved, set, search, .. } = self;
-                if search.propose(problem, solved, SPACING, set) { Source::Search } else { self.cascade() }
+                if search.propose(problem, solved, TOLERANCES.search_spacing, set) {
+                    Source::Search
+                } else {
+                    self.cascade()
+                }
             }
             // Where rounding may decide a rank, the cascade may decide otherwise.
             Source::Search if self.solved.rank_uncertain => self.start_primal(),
@@ -192,7 +239,9 @@ impl<const N: usize> ActiveSetSolver<N> {
             }
             Source::Cascade(_) => self.start_primal(),
             // Sets repeat: another size may count as rounding.
-            Source::Primal(used) if self.primal.steps > self.most_primal_steps() && used < OTHER_ROUNDINGS.len() => {
+            Source::Primal(used)
+                if self.primal.steps > self.most_primal_steps() && used < TOLERANCES.other_roundings.len() =>
+            {
                 self.primal.steps = 0;
                 self.step_primal();
                 Source::Primal(used + 1)

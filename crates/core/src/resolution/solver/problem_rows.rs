@@ -1,6 +1,6 @@
 //! A problem in padded rows, with the sizes that do not depend on the working set.
 
-use crate::linalg::{Matrix, Row};
+use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::level::{Hierarchy, WorkingSet, refill};
 
@@ -76,39 +76,10 @@ impl<const N: usize> ProblemRows<N> {
         self.has_pinned = lower.iter().zip(upper).any(|(lower, upper)| lower >= upper);
     }
 
-    /// Removes all rows and bounds.
-    pub fn clear(&mut self, reference: &[f64]) {
-        self.unknowns = reference.len();
-        self.reference = Row::from_slice(reference);
+    /// Removes the bounds of the unknowns.
+    pub fn open_box(&mut self) {
         (self.lower, self.upper) = (Row([f64::NEG_INFINITY; N]), Row([f64::INFINITY; N]));
         self.has_pinned = false;
-        self.rows.clear();
-        self.inequalities.clear();
-        self.levels.clear();
-    }
-
-    /// Adds a level A x = b.
-    pub fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
-        for (row, &target) in targets.iter().enumerate() {
-            let mut coefficients = Row::ZERO;
-            // Columns are contiguous.
-            for (entry, column) in coefficients.0.iter_mut().zip(matrix.as_slice().chunks_exact(targets.len())) {
-                *entry = column[row];
-            }
-            let square = coefficients.dot(&coefficients);
-            self.rows.push(ProblemRow { coefficients, square, lower: target, upper: target });
-        }
-        self.end_level(self.rows.len());
-    }
-
-    /// Joins the levels from `first` on into one; returns whether that changes anything.
-    pub fn join_levels(&mut self, first: usize) -> bool {
-        if self.levels.len() <= first + 1 {
-            return false;
-        }
-        self.levels.truncate(first);
-        self.end_level(self.rows.len());
-        true
     }
 
     fn end_level(&mut self, end: usize) {

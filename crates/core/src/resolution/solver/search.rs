@@ -10,12 +10,7 @@ use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::level::{WorkingSet, refill};
-
-/// Fraction of a diagonal entry of K at the start below which nothing but rounding is left of it.
-const LOST_PIVOT: f64 = 1e-13;
-
-/// The smallest weight of a level relative to the last objective.
-const MIN_WEIGHT: f64 = 1e-40;
+use crate::tolerances::TOLERANCES;
 
 /// Returns how many constraints may become active in a search, before it stops.
 fn most_entering(constraints: usize) -> usize {
@@ -81,8 +76,8 @@ impl<const N: usize> Search<N> {
         self.load(problem, solved);
         // The weights of many levels must not vanish.
         let levels = i32::try_from(problem.levels.len()).unwrap_or(i32::MAX);
-        let is_narrow = spacing.powi(levels) >= MIN_WEIGHT;
-        let spacing = if is_narrow { spacing } else { MIN_WEIGHT.powf(1.0 / f64::from(levels)) };
+        let is_narrow = spacing.powi(levels) >= TOLERANCES.search_least_weight;
+        let spacing = if is_narrow { spacing } else { TOLERANCES.search_least_weight.powf(1.0 / f64::from(levels)) };
         self.weigh(problem, solved, spacing);
         let finished = self.run(problem.unknowns);
         let n = problem.unknowns;
@@ -235,7 +230,7 @@ impl<const N: usize> Search<N> {
         let mut arrived = false;
         for _ in 0..=self.active.len() {
             let pivot = row[entering];
-            if !(pivot > LOST_PIVOT * self.diagonal[entering]) {
+            if !(pivot > TOLERANCES.search_lost_pivot * self.diagonal[entering]) {
                 break;
             }
             let (step, leaving) = self.longest_step(&row, side, ((self.state[entering] - bound) / pivot).abs());

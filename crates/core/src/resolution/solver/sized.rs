@@ -2,44 +2,20 @@
 
 use revprio_problem::MAX_UNKNOWNS;
 
-use super::ActiveSetSolver;
-use crate::linalg::{Matrix, smallest_from_inverse, write_inverse};
-use crate::resolution::level::{Hierarchy, Solution, WorkingSet, refill};
+use super::{ActiveSetSolver, Rungs};
+use crate::linalg::{smallest_from_inverse, write_inverse};
+use crate::resolution::level::{Hierarchy, Solution, Start, refill};
 
 /// A solver, whatever its width is, and what its last factorisation can tell.
 pub trait SizedSolver {
-    /// Solves a problem; `guess` is the working set to start from.
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution);
+    /// Solves a problem.
+    fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution);
 
-    /// Begins a problem of equations without bounds.
-    fn start_equations(&mut self, reference: &[f64]);
+    /// Factorises the equations of a problem, without its limits and without active inequality rows.
+    fn factorize(&mut self, problem: &Hierarchy);
 
-    /// Adds a level A x = b to it.
-    fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]);
-
-    /// Solves it. The optimality conditions are not evaluated.
-    fn solve_equations(&mut self);
-
-    /// Joins the levels of the equations from `first` on into one.
-    fn join_levels(&mut self, first: usize);
-
-    /// Solves the equations within a box, as [`Self::solve`] does.
-    fn solve_within(&mut self, bounds: (&[f64], &[f64]), guess: Option<&WorkingSet>, solution: &mut Solution);
-
-    /// Evaluates the optimality conditions at the last x; returns whether they hold, and the largest relative residual.
-    fn certify(&mut self) -> (bool, f64);
-
-    /// Returns the number of rows of the last problem.
-    fn row_count(&self) -> usize;
-
-    /// Returns the number of levels of the last problem.
-    fn level_count(&self) -> usize;
-
-    /// Returns x of the last factorisation.
-    fn x(&self) -> &[f64];
-
-    /// Returns a·x of each row at the last optimality conditions.
-    fn row_values(&self) -> &[f64];
+    /// Returns how often each way to a working set was needed so far.
+    fn rungs(&self) -> Rungs;
 
     /// Returns whether the active rows of the last factorisation are independent, and at least one.
     fn has_independent_rows(&self) -> bool;
@@ -47,8 +23,8 @@ pub trait SizedSolver {
     /// Returns whether rounding may have decided a rank of the last factorisation.
     fn rank_uncertain(&self) -> bool;
 
-    /// Returns the Frobenius norm of all rows of the last problem.
-    fn norm(&self) -> f64;
+    /// Returns the Frobenius norm of the active rows of the last factorisation.
+    fn active_norm(&self) -> f64;
 
     /// Returns a lower bound of σ_min of the last triangle of all rows: the one of its determinant if that is at least `sure`;
     /// otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise σ_min itself.
@@ -65,51 +41,16 @@ pub trait SizedSolver {
 }
 
 impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
-    fn solve(&mut self, problem: &Hierarchy, guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.solve(problem, guess, solution);
+    fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution) {
+        self.solve(problem, start, solution);
     }
 
-    fn start_equations(&mut self, reference: &[f64]) {
-        self.problem.clear(reference);
-        self.has_new_rows = true;
+    fn factorize(&mut self, problem: &Hierarchy) {
+        self.factorize(problem);
     }
 
-    fn push_equations(&mut self, matrix: &Matrix, targets: &[f64]) {
-        self.problem.push_equations(matrix, targets);
-    }
-
-    fn solve_equations(&mut self) {
-        self.solve_without_bounds();
-    }
-
-    fn join_levels(&mut self, first: usize) {
-        self.has_new_rows |= self.problem.join_levels(first);
-    }
-
-    fn solve_within(&mut self, (lower, upper): (&[f64], &[f64]), guess: Option<&WorkingSet>, solution: &mut Solution) {
-        self.problem.set_box(lower, upper);
-        self.cascade.reserve(self.problem.unknowns, self.problem.rows.len());
-        self.solve_loaded(guess, solution);
-    }
-
-    fn certify(&mut self) -> (bool, f64) {
-        self.certify()
-    }
-
-    fn row_count(&self) -> usize {
-        self.problem.rows.len()
-    }
-
-    fn level_count(&self) -> usize {
-        self.problem.levels.len()
-    }
-
-    fn x(&self) -> &[f64] {
-        &self.solved.x.0[..self.problem.unknowns]
-    }
-
-    fn row_values(&self) -> &[f64] {
-        &self.conditions.values
+    fn rungs(&self) -> Rungs {
+        self.rungs
     }
 
     fn has_independent_rows(&self) -> bool {
@@ -120,15 +61,15 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         self.solved.rank_uncertain
     }
 
-    fn norm(&self) -> f64 {
-        self.problem.levels.iter().map(|level| level.square).sum::<f64>().sqrt()
+    fn active_norm(&self) -> f64 {
+        self.solved.rows.iter().map(|row| self.problem.rows[row.index].square).sum::<f64>().sqrt()
     }
 
     fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64 {
         // The geometric mean of the squares of the other singular values is at most their mean, at most ‖L‖²/(n − 1).
         let others = self.solved.rank().saturating_sub(1);
         let power = i32::try_from(others).unwrap_or(i32::MAX);
-        let bound = self.pivot_product() * ((others as f64).sqrt() / self.norm()).powi(power);
+        let bound = self.pivot_product() * ((others as f64).sqrt() / self.active_norm()).powi(power);
         if bound >= sure {
             return bound;
         }
@@ -167,10 +108,14 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
 #[derive(Default)]
 pub struct HierarchicalSolver {
     solvers: [Option<Box<dyn SizedSolver + Send>>; 7],
-    last: usize,
 }
 
 impl HierarchicalSolver {
+    /// Returns how often each way to a working set was needed so far.
+    pub fn rungs(&self) -> Rungs {
+        self.solvers.iter().flatten().fold(Rungs::default(), |sum, solver| sum + solver.rungs())
+    }
+
     /// Returns the solver for n unknowns, at most [`MAX_UNKNOWNS`].
     pub fn of_width(&mut self, n: usize) -> &mut (dyn SizedSolver + Send) {
         let (place, make): (usize, fn() -> Box<dyn SizedSolver + Send>) = match n {
@@ -183,13 +128,7 @@ impl HierarchicalSolver {
             73..=MAX_UNKNOWNS => (6, || Box::<ActiveSetSolver<136>>::default()),
             _ => panic!("{n} unknowns; problems are checked for at most {MAX_UNKNOWNS}"),
         };
-        self.last = place;
         &mut **self.solvers[place].get_or_insert_with(make)
-    }
-
-    /// Returns the solver of the last problem.
-    pub fn last(&mut self) -> &mut (dyn SizedSolver + Send) {
-        &mut **self.solvers[self.last].as_mut().expect("a problem was solved before")
     }
 }
 

@@ -105,9 +105,7 @@ fn is_in_transition(config: &ControllerConfig, last: &[f64], resolution: &Resolu
 
 /// Returns whether anything but damping may hold tasks back.
 fn is_held_back(resolution: &Resolution) -> bool {
-    !resolution.active_limits.is_empty()
-        || !resolution.active_inequalities.is_empty()
-        || resolution.tasks.iter().any(|task| !task.active_rows.is_empty())
+    !resolution.active_bounds.is_empty()
         || resolution.singularity.algorithmic
         || resolution.solver.status != Status::Optimal
 }

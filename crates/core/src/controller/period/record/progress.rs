@@ -25,12 +25,11 @@
 //! the stuck task asks for what this motion makes of it, ẋ_k = J_k N ζ̇ with the null-space projector N of the tasks above.
 //! They keep their priority and do not notice. Then the task asks for its target again, from another posture.
 
-use crate::constraint::Inequality;
 use crate::controller::config::ControllerConfig;
 use crate::controller::period::row_space::RowSpace;
 use crate::controller::state::{Obstacle, Progress, StuckTask, TaskTarget};
 use crate::linalg::Vector;
-use crate::resolution::{Resolution, Side};
+use crate::resolution::{BoundId, Problem, Resolution, Side};
 use crate::task::TaskStack;
 
 /// How often the arm leaves, before the task has reached its target once. An arm whose target is out of reach must not move for
@@ -67,7 +66,7 @@ pub(super) struct Observation<'a> {
     pub config: &'a ControllerConfig,
     /// The tasks with the Jacobians of this period.
     pub tasks: &'a TaskStack,
-    pub inequalities: &'a [Inequality],
+    pub problem: &'a Problem,
     pub targets: &'a [TaskTarget],
     pub resolution: &'a Resolution,
     pub joint_position: &'a [f64],
@@ -130,9 +129,9 @@ impl Observation<'_> {
     /// Returns whether a joint that restricts the answer is at an end of its range. A task that planes or speed limits hold
     /// would not be freed by another posture.
     fn is_at_range_end(&self) -> bool {
-        self.resolution.active_limits.iter().any(|limit| {
-            let (q, range) = (self.joint_position[limit.joint], &self.config.robot.joints()[limit.joint].limits);
-            let end = if limit.side == Side::Upper { range.upper } else { range.lower };
+        self.resolution.active_limits().any(|(joint, limit)| {
+            let (q, range) = (self.joint_position[joint], &self.config.robot.joints()[joint].limits);
+            let end = if limit.bound.side == Side::Upper { range.upper } else { range.lower };
             (end - q).abs() < RANGE_END
         })
     }
@@ -217,19 +216,17 @@ impl Observation<'_> {
 
     /// Removes from w what the active limits forbid.
     fn keep_inside_limits(&self, left: &mut Vector) {
-        for limit in &self.resolution.active_limits {
-            let outwards = match limit.side {
-                Side::Upper => left[limit.joint] > 0.0,
-                Side::Lower => left[limit.joint] < 0.0,
+        for (joint, limit) in self.resolution.active_limits() {
+            let outwards = match limit.bound.side {
+                Side::Upper => left[joint] > 0.0,
+                Side::Lower => left[joint] < 0.0,
             };
             if outwards {
-                left[limit.joint] = 0.0;
+                left[joint] = 0.0;
             }
         }
-        let active = |inequality: &&Inequality| {
-            self.resolution.active_inequalities.iter().any(|active| &*active.name == inequality.name())
-        };
-        for inequality in self.inequalities.iter().filter(active) {
+        let active = |id: BoundId| self.resolution.active_constraints().any(|(_, active)| active.bound.id == id);
+        for (_, inequality) in self.problem.constraint_rows().filter(|(id, _)| active(*id)) {
             let normal = inequality.coefficients();
             let outwards = normal.dot(left) / normal.norm_squared();
             left.axpy(-outwards.max(0.0), normal, 1.0);

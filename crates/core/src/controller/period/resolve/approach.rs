@@ -56,7 +56,7 @@ impl Approach {
             return Ok((without_jerk, requested));
         }
         solve(narrowed, resolution)?;
-        if resolution.violated_inequalities.is_empty() {
+        if resolution.broken_constraints().next().is_none() {
             return Ok((narrowed, requested));
         }
         solve(&allowed.limits, resolution)?;

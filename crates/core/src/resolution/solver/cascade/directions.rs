@@ -1,10 +1,11 @@
 //! Directions that are fixed, held at bounds, or free, and the second derivatives of a level over the free ones.
 
-use super::{Cascade, DEPENDENT, Held, Role, is_active, unit};
+use super::{Cascade, Held, Role, is_active, unit};
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::level::refill;
 use crate::resolution::solver::problem_rows::ProblemRows;
+use crate::tolerances::TOLERANCES;
 
 impl<const N: usize> Cascade<N> {
     /// Holds a bound: its normal is no free direction any more.
@@ -33,7 +34,7 @@ impl<const N: usize> Cascade<N> {
             v.0[i] = direction.dot(vector);
         }
         let length = v.norm();
-        if d == 0 || !(length > DEPENDENT * vector.norm()) {
+        if d == 0 || !(length > TOLERANCES.cascade_dependent * vector.norm()) {
             return None;
         }
         // The reflection I − g v vᵀ that leaves of v its last entry alone.
@@ -98,7 +99,7 @@ impl<const N: usize> Cascade<N> {
         let mut direction = held.normal;
         self.remove_known(&mut direction);
         let length = direction.norm();
-        if length > DEPENDENT * held.normal.norm() {
+        if length > TOLERANCES.cascade_dependent * held.normal.norm() {
             let again = self.placed(held.constraint, held.side, held.normal, direction.scaled(1.0 / length));
             self.held.push(again);
         }
@@ -170,7 +171,7 @@ impl<const N: usize> Cascade<N> {
         let mut direction = bound.normal;
         self.remove_known(&mut direction);
         let length = direction.norm();
-        if length > DEPENDENT * bound.normal.norm() {
+        if length > TOLERANCES.cascade_dependent * bound.normal.norm() {
             self.fixed.push(direction.scaled(1.0 / length));
         }
         self.roles[bound.constraint] = Role::Fixed(Some(bound.side));
@@ -187,7 +188,7 @@ impl<const N: usize> Cascade<N> {
         while let Some((longest, square)) =
             rows.iter().map(|row| row.dot(row)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
         {
-            if !(square > (DEPENDENT * norm).powi(2)) {
+            if !(square > (TOLERANCES.cascade_dependent * norm).powi(2)) {
                 break;
             }
             let mut direction = rows.swap_remove(longest);
@@ -197,7 +198,7 @@ impl<const N: usize> Cascade<N> {
                 }
             }
             let length = direction.norm();
-            if !(length > DEPENDENT * norm) {
+            if !(length > TOLERANCES.cascade_dependent * norm) {
                 continue;
             }
             direction = direction.scaled(1.0 / length);

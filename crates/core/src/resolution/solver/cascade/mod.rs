@@ -13,12 +13,7 @@ use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::level::{WorkingSet, refill};
-
-/// Relative size below which a residual, a gradient or a multiplier is zero.
-const ZERO: f64 = 1e-12;
-
-/// A direction that bounds or rows leave free is dependent on them below this fraction of its length.
-const DEPENDENT: f64 = 1e-10;
+use crate::tolerances::TOLERANCES;
 
 /// Steps over all levels, for each unknown and each row. Random problems take at most one.
 const MOST_STEPS: usize = 10;
@@ -176,7 +171,7 @@ impl<const N: usize> Cascade<N> {
     /// Moves to the optimum of the level.
     fn minimize(&mut self, problem: &ProblemRows<N>, level: usize, size: f64) {
         let norm = problem.levels.get(level).map_or(1.0, |level| level.norm);
-        let zero = ZERO * norm * size;
+        let zero = TOLERANCES.cascade_zero * norm * size;
         let mut is_settled = false;
         let mut last = f64::INFINITY;
         while self.steps_left > 0 {
@@ -268,12 +263,14 @@ impl<const N: usize> Cascade<N> {
     fn finish_level(&mut self, problem: &ProblemRows<N>, level: usize, size: f64) {
         let n = problem.unknowns;
         let Some(own) = problem.levels.get(level) else { return };
-        let rounding = ZERO * size;
+        let rounding = TOLERANCES.cascade_zero * size;
         let multipliers = self.multipliers();
         self.candidates.clear();
         let mut needed = Row::<N>::ZERO;
         for (at, held) in self.held.iter().enumerate() {
-            needed.0[at] = f64::from(u8::from(multipliers.0[at].abs() * held.normal.norm() > ZERO * own.norm * size));
+            needed.0[at] = f64::from(u8::from(
+                multipliers.0[at].abs() * held.normal.norm() > TOLERANCES.cascade_zero * own.norm * size,
+            ));
         }
         for i in own.start..own.end {
             let at = n + i;

@@ -1,15 +1,10 @@
 //! The Newton step of a level, and how far it goes.
 
-use super::{Cascade, DEPENDENT, Role};
+use super::{Cascade, Role};
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::solver::problem_rows::ProblemRows;
-
-/// A pivot of the second derivatives below this fraction of the largest one is rounding: its direction has no curvature.
-const FLAT: f64 = 1e-15;
-
-/// Bounds that are met within this distance of each other, relative to the speeds, are met at once.
-const AT_ONCE: f64 = 1e-13;
+use crate::tolerances::TOLERANCES;
 
 impl<const N: usize> Cascade<N> {
     /// Returns the step to the optimum of the present second derivatives.
@@ -34,7 +29,7 @@ impl<const N: usize> Cascade<N> {
             head.0[..i].copy_from_slice(&row.0[..i]);
             let pivot = row.0[i] - head.dot(&head);
             // The reciprocal pivot stands on the diagonal.
-            let inverse = if pivot > FLAT * largest { 1.0 / pivot.sqrt() } else { 0.0 };
+            let inverse = if pivot > TOLERANCES.cascade_flat * largest { 1.0 / pivot.sqrt() } else { 0.0 };
             z.0[i] = (z.0[i] - head.dot(&z)) * inverse;
             *row = head;
             row.0[i] = inverse;
@@ -54,7 +49,7 @@ impl<const N: usize> Cascade<N> {
     pub(super) fn first_bound(&self, problem: &ProblemRows<N>, step: &Row<N>) -> (f64, Option<(usize, Side)>) {
         let n = problem.unknowns;
         let (mut most, mut first, mut steepest) = (f64::INFINITY, None, 0.0);
-        let tiny = DEPENDENT * step.norm();
+        let tiny = TOLERANCES.cascade_dependent * step.norm();
         let speed = self.x.norm() + step.norm();
         for constraint in (0..self.roles.len()).filter(|&at| self.roles[at] == Role::Kept) {
             let (value, slope) = (self.values[constraint], self.slopes[constraint]);
@@ -65,7 +60,7 @@ impl<const N: usize> Cascade<N> {
             let (side, bound) =
                 if slope > 0.0 { (Side::Upper, self.upper[constraint]) } else { (Side::Lower, self.lower[constraint]) };
             let length = ((bound - value) / slope).max(0.0);
-            let near = AT_ONCE * speed * norm / slope.abs();
+            let near = TOLERANCES.cascade_at_once * speed * norm / slope.abs();
             if !(length <= most + near) || self.is_held(constraint) {
                 continue;
             }

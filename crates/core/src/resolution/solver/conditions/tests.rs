@@ -211,7 +211,9 @@ impl<'a> Expected<'a> {
 fn evaluate(of: &RandomSet, rounding: f64) -> Conditions<WIDTH> {
     let mut conditions = Conditions::default();
     let RandomSet { problem, set, solved } = of;
-    conditions.evaluate(Trial { problem, set, solved }, rounding);
+    let trial = Trial { problem, set, solved };
+    conditions.check_point(trial, rounding);
+    conditions.check_levels(trial);
     conditions
 }
 

@@ -35,14 +35,15 @@ fn the_last_factorisation_tells_the_singular_values() {
         let (hierarchy, matrices) = levels(seed);
         let n = hierarchy.unknowns;
         let mut solver = HierarchicalSolver::default();
-        solver.of_width(n).solve(&hierarchy, None, &mut Solution::default());
+        let solver = solver.of_width(n);
+        solver.solve(&hierarchy, Start::Empty, &mut Solution::default());
         let (mut N, mut open) = (Matrix::identity(n, n), n);
         for (level, A) in matrices.iter().enumerate() {
             let svd = Svd::new(&(A * &N));
             let rank = svd.rank(1e-9);
             let smallest =
                 if rank == A.nrows().min(open) { svd.singular_values().get(rank.wrapping_sub(1)) } else { None };
-            let found = solver.last().smallest_of_level(level);
+            let found = solver.smallest_of_level(level);
             assert!((found - smallest.copied().unwrap_or(0.0)).abs() < 1e-12, "seed {seed}: {found} {smallest:?}");
             N -= svd.row_projector(rank);
             open -= rank;
@@ -53,20 +54,20 @@ fn the_last_factorisation_tells_the_singular_values() {
             let all = Matrix::from_fn(n - open, n, |i, j| hierarchy.row(i)[j]);
             let sigma = Svd::new(&all).singular_values().to_vec();
             let product = sigma.iter().product::<f64>();
-            assert!((solver.last().pivot_product() - product).abs() < 1e-11 * product);
+            assert!((solver.pivot_product() - product).abs() < 1e-11 * product);
             let (found, found_product) = smallest_and_product(&all);
             assert!((found_product - product).abs() < 1e-11 * product);
             assert!((found - sigma[sigma.len() - 1]).abs() < 1e-12);
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
-            let found = [0.999, 1.001].map(|factor| solver.last().bound_smallest(f64::INFINITY, factor * certain));
+            let found = [0.999, 1.001].map(|factor| solver.bound_smallest(f64::INFINITY, factor * certain));
             assert!((found[0] - certain).abs() < 1e-9 * certain, "seed {seed}");
             assert!((found[1] - sigma[sigma.len() - 1]).abs() < 1e-12, "seed {seed}");
             let others = sigma.len() as f64 - 1.0;
             let quick = product * (others / all.norm_squared()).powf(0.5 * others);
-            assert!((solver.last().bound_smallest(0.999 * quick, certain) - quick).abs() < 1e-9 * quick, "seed {seed}");
+            assert!((solver.bound_smallest(0.999 * quick, certain) - quick).abs() < 1e-9 * quick, "seed {seed}");
             assert!(quick <= found[1] * (1.0 + 1e-12), "seed {seed}");
-            assert!((solver.last().norm() - all.norm()).abs() < 1e-12 * all.norm());
+            assert!((solver.active_norm() - all.norm()).abs() < 1e-12 * all.norm());
         }
     }
     assert!(full > 300 && deficient > 200, "{full} {deficient}");
@@ -80,7 +81,7 @@ fn each_number_of_unknowns_has_a_solver() {
         hierarchy.push_row((0..n).map(|_| 1.0), 1.0, 1.0);
         hierarchy.end_level();
         let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
-        solver.of_width(hierarchy.unknowns).solve(&hierarchy, None, &mut solution);
+        solver.of_width(hierarchy.unknowns).solve(&hierarchy, Start::Empty, &mut solution);
         assert!(solution.x.iter().all(|x| (x * n as f64 - 1.0).abs() < 1e-12), "{n} unknowns");
         assert!(solution.is_optimal && solution.kkt_residual < 1e-14);
     }

@@ -1,9 +1,10 @@
 //! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
 
 use revprio_api::wire;
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
 use revprio_core::limits::BoundCause;
-use revprio_core::resolution::{ActiveLimit, Resolution, Side, Status, TaskOutcome};
+use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::report::number::significant;
 use revprio_robot::RobotModel;
 
@@ -63,11 +64,13 @@ pub struct Explained<'a> {
     pub resolution: &'a Resolution,
     /// Names of the joints, n.
     pub joints: Vec<&'a str>,
+    /// Names of the inequalities.
+    pub inequalities: Vec<&'a str>,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
     /// Joint position, n, if position limits apply.
     pub position: Option<&'a [f64]>,
-    /// The limit that sets each active limit of the resolution.
+    /// The limit that sets each active limit of a joint, in their order.
     pub causes: Vec<BoundCause>,
     /// Whether jerk limits apply.
     pub keeps_jerk: bool,
@@ -95,6 +98,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
     let explained = Explained {
         resolution: &command.resolution,
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
+        inequalities: config.constraints.iter().map(Constraint::name).collect(),
         robot: Some(&config.robot),
         position: includes_position.then_some(measurement.joint_position.as_slice()),
         causes: command.limit_causes.clone(),
@@ -115,16 +119,16 @@ impl Explained<'_> {
         let losses: Vec<String> =
             self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
         let mut sentences: Vec<String> = self.solver().into_iter().collect();
-        let limits = resolution.active_limits.iter().zip(&self.causes);
-        sentences.extend(limits.map(|(active, cause)| self.limit(active, *cause)));
-        sentences.extend(resolution.violated_limits.iter().map(|violated| {
-            let (joint, unit) = (self.joints[violated.joint], self.unit(violated.joint));
+        let limits = resolution.active_limits().zip(&self.causes);
+        sentences.extend(limits.map(|((joint, active), cause)| self.limit(joint, active, *cause)));
+        sentences.extend(resolution.broken_limits().map(|(joint, violated)| {
+            let (joint, unit) = (self.joints[joint], self.unit(joint));
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
-        let active = resolution.active_inequalities.iter().map(|active| &active.name);
+        let active = resolution.active_constraints().map(|(index, _)| self.inequalities[index]);
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
-        let violated = resolution.violated_inequalities.iter().map(|violated| &violated.name);
+        let violated = resolution.broken_constraints().map(|(index, _)| self.inequalities[index]);
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(self.conflicts.iter().map(|&index| {
             let joint = self.joints[index];
@@ -157,11 +161,11 @@ impl Explained<'_> {
     }
 
     /// Returns which limit of a joint is active.
-    fn limit(&self, active: &ActiveLimit, cause: BoundCause) -> String {
-        let (joint, unit) = (self.joints[active.joint], self.unit(active.joint));
-        let side = if active.side == Side::Upper { "upper" } else { "lower" };
+    fn limit(&self, index: usize, active: &ActiveBound, cause: BoundCause) -> String {
+        let (joint, unit) = (self.joints[index], self.unit(index));
+        let side = if active.bound.side == Side::Upper { "upper" } else { "lower" };
         let speed = significant(active.value.abs(), 2);
-        let left = self.left(active);
+        let left = self.left(index, active.bound.side);
         match cause {
             BoundCause::Unlimited | BoundCause::Given => {
                 format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
@@ -181,13 +185,13 @@ impl Explained<'_> {
         }
     }
 
-    /// Returns the distance of a joint from the end of its range on the side of a limit, rad or m; infinite if it does not matter.
-    fn left(&self, active: &ActiveLimit) -> f64 {
+    /// Returns the distance of a joint from the end of its range on one side, rad or m; infinite if it does not matter.
+    fn left(&self, joint: usize, side: Side) -> f64 {
         let Some((robot, position)) = self.robot.zip(self.position) else { return f64::INFINITY };
-        let (limits, position) = (robot.joints()[active.joint].limits, position[active.joint]);
-        match active.side {
-            Side::Upper => limits.upper - position,
-            Side::Lower => position - limits.lower,
+        let limits = robot.joints()[joint].limits;
+        match side {
+            Side::Upper => limits.upper - position[joint],
+            Side::Lower => position[joint] - limits.lower,
         }
     }
 

@@ -1,18 +1,18 @@
-//! A frame that moves along the chain of joints.
+//! A frame that moves along the joints of a limb.
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
 use super::angle::Angle;
 
 /// Three numbers and a zero: two vector registers of two numbers or one of four.
-pub(super) type Column = [f64; 4];
+pub type Column = [f64; 4];
 
 /// A number for both halves of a vector register.
 type Twice = [f64; 2];
 
 /// A position and three axes in the base frame. Every motion is relative to the present axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MovingFrame {
+pub struct MovingFrame {
     x: Column,
     y: Column,
     z: Column,
@@ -22,28 +22,28 @@ pub(super) struct MovingFrame {
 
 /// A shift, then a rotation about x.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Link {
+pub struct Step {
     /// m.
     shift: [Twice; 3],
     sine: Twice,
     cosine: Twice,
 }
 
-impl Link {
+impl Step {
     /// `shift`: m, along the axes before the rotation.
-    pub(super) fn new(shift: [f64; 3], rotation: Angle) -> Self {
+    pub fn new(shift: [f64; 3], rotation: Angle) -> Self {
         Self { shift: shift.map(|entry| [entry; 2]), sine: [rotation.sine; 2], cosine: [rotation.cosine; 2] }
     }
 }
 
 impl MovingFrame {
     /// The base frame.
-    pub(super) const BASE: Self =
+    pub const BASE: Self =
         Self { x: [1.0, 0.0, 0.0, 0.0], y: [0.0, 1.0, 0.0, 0.0], z: [0.0, 0.0, 1.0, 0.0], origin: [0.0; 4] };
 
-    /// Moves the frame along a link.
+    /// Moves the frame along a step.
     #[inline]
-    pub(super) fn follow(&mut self, Link { shift: [x, y, z], sine, cosine }: &Link) {
+    pub fn follow(&mut self, Step { shift: [x, y, z], sine, cosine }: &Step) {
         for i in 0..4 {
             self.origin[i] += self.x[i] * x[i % 2] + self.y[i] * y[i % 2] + self.z[i] * z[i % 2];
         }
@@ -52,7 +52,7 @@ impl MovingFrame {
 
     /// Moves the origin along z, m.
     #[inline]
-    pub(super) fn slide(&mut self, distance: f64) {
+    pub fn slide(&mut self, distance: f64) {
         for i in 0..4 {
             self.origin[i] += self.z[i] * distance;
         }
@@ -60,25 +60,37 @@ impl MovingFrame {
 
     /// Rotates the frame about z.
     #[inline]
-    pub(super) fn turn(&mut self, sine: f64, cosine: f64) {
+    pub fn turn(&mut self, sine: f64, cosine: f64) {
         (self.x, self.y) = rotate(&self.x, &self.y, &[sine; 2], &[cosine; 2]);
+    }
+
+    /// Returns the frame with these x and z axes, which must be perpendicular unit vectors, at `origin`, m.
+    pub fn of_axes(x: &Column, z: &Column, origin: &Column) -> Self {
+        let [y1, y2, y3] = vector(z).cross(&vector(x)).into();
+        Self { x: *x, y: [y1, y2, y3, 0.0], z: *z, origin: *origin }
+    }
+
+    /// Returns the x axis, a unit vector.
+    #[inline]
+    pub fn x(&self) -> Column {
+        self.x
     }
 
     /// Returns the z axis, a unit vector.
     #[inline]
-    pub(super) fn z(&self) -> Column {
+    pub fn z(&self) -> Column {
         self.z
     }
 
     /// Returns the origin, m.
     #[inline]
-    pub(super) fn origin(&self) -> Column {
+    pub fn origin(&self) -> Column {
         self.origin
     }
 
     /// Returns the frame as a pose, m.
     #[inline]
-    pub(super) fn pose(&self) -> IsometryMatrix3<f64> {
+    pub fn pose(&self) -> IsometryMatrix3<f64> {
         let rotation = Matrix3::from_columns(&[vector(&self.x), vector(&self.y), vector(&self.z)]);
         IsometryMatrix3::from_parts(
             Translation3::from(vector(&self.origin)),
@@ -98,6 +110,6 @@ fn rotate(first: &Column, second: &Column, sine: &Twice, cosine: &Twice) -> (Col
 
 /// Returns the three numbers of a column.
 #[inline]
-pub(super) fn vector([x, y, z, _]: &Column) -> Vector3<f64> {
+pub fn vector([x, y, z, _]: &Column) -> Vector3<f64> {
     Vector3::new(*x, *y, *z)
 }

@@ -3,7 +3,8 @@
 use revprio_api::wire::{self, Axis};
 use revprio_core::controller::{ContactLoop, ControllerConfig, StabilityError, StableDamping};
 
-use super::environment::{MAX_ENVIRONMENT_DELAY, NOT_COMPUTABLE, damping_unit, four_digits};
+use super::contact::{damping_unit, four_digits};
+use crate::service::convert::{MAX_ENVIRONMENT_DELAY, NOT_COMPUTABLE};
 
 /// A spectral radius of 1 is that of a law without damping. This is how far rounding moves it.
 const ROUNDING: f64 = 1e-14;

@@ -4,11 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
 use revprio_robot::Joint;
 
-use super::numbers::not_negative;
-use crate::service::error::ApiError;
-
-/// Maximum validity of an answer that a controller can have, ms.
-pub const MAX_VALID_FOR_MS: u64 = 10_000;
+use super::error::ApiError;
 
 /// Distance outside the range that is reported, rad or m. Sensors of joints are more exact.
 const REPORTED_DISTANCE: f64 = 1e-3;
@@ -32,7 +28,8 @@ pub struct StateRules {
     pub valid_for_ms: u64,
     /// Whether answers have `why`.
     pub why: bool,
-    checks: wire::StateChecks,
+    /// Bounds of a plausible state.
+    pub checks: wire::StateChecks,
 }
 
 /// The parts of the last state with which the next state is compared.
@@ -47,21 +44,6 @@ pub struct LastState {
 }
 
 impl StateRules {
-    /// Reads the rules of a controller.
-    pub fn read(controller: &wire::Controller) -> Result<Self, ApiError> {
-        let wire::Controller { valid_for_ms, why, state_checks: checks, .. } = *controller;
-        if !(1..=MAX_VALID_FOR_MS).contains(&valid_for_ms) {
-            return Err(ApiError::invalid("/valid_for_ms", format!("give 1 to {MAX_VALID_FOR_MS} ms")));
-        }
-        not_negative(checks.position_tolerance, "/state_checks/position_tolerance")?;
-        for (bound, pointer) in
-            [(checks.max_force_n, "/state_checks/max_force_n"), (checks.max_torque_nm, "/state_checks/max_torque_nm")]
-        {
-            bound.map(|bound| not_negative(bound, pointer)).transpose()?;
-        }
-        Ok(Self { valid_for_ms, why, checks })
-    }
-
     /// Refuses a state beyond a bound.
     pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<(), ApiError> {
         if controller.config().keeps_positions() {

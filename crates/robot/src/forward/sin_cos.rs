@@ -6,7 +6,7 @@
 use std::f64::consts::FRAC_2_PI;
 
 /// Largest angle of [`sin_cos`], rad: the products of k and the first two parts of [`HALF_PI`] are exact up to here.
-pub(super) const MAX_ANGLE: f64 = 5e5;
+pub const MAX_ANGLE: f64 = 5e5;
 
 /// 1.5 · 2^52. Adding it rounds a smaller number to an integer and leaves this integer in the lowest bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
@@ -36,7 +36,7 @@ const COSINE: [f64; 6] = [
 
 /// Returns sine and cosine of an angle up to [`MAX_ANGLE`], each within 1 ulp of the exact value.
 #[inline]
-pub(super) fn sin_cos(angle: f64) -> (f64, f64) {
+pub fn sin_cos(angle: f64) -> (f64, f64) {
     let (k, r, excess) = reduce(angle);
     let (sine, cosine) = (sine_of_reduced(r, excess).to_bits(), cosine_of_reduced(r, excess).to_bits());
     // If k is odd, sine and cosine are exchanged. Bit 1 of k is the sign of the sine, that of k + 1 the cosine's.

@@ -8,12 +8,12 @@ use super::angle::Angle;
 /// A transform as a sequence of motions: a rotation about z by α, a shift, a rotation about x by β, and a rotation about
 /// z by δ. Each motion is relative to the axes after the motion before it.
 #[derive(Debug)]
-pub(super) struct Factors {
-    pub(super) alpha: Angle,
+pub struct Factors {
+    pub alpha: Angle,
     /// m.
-    pub(super) shift: [f64; 3],
-    pub(super) beta: Angle,
-    pub(super) delta: Angle,
+    pub shift: [f64; 3],
+    pub beta: Angle,
+    pub delta: Angle,
 }
 
 impl From<&IsometryMatrix3<f64>> for Factors {

@@ -1,18 +1,23 @@
-//! Warnings about a new controller.
+//! Warnings about new controllers and about streamed targets: sentences that say what to change.
+
+mod contact;
+mod free_space;
+mod targets;
 
 use revprio_api::wire;
 use revprio_core::controller::{ControllerConfig, SteepGain};
 
-use super::{environment, free_space};
-use crate::service::error::ApiError;
+use super::error::ApiError;
+
+pub use targets::warn as warn_about_targets;
 
 /// Reaches of arms that the default characteristic length of 1 m suits, m.
 const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 
 /// Returns the warnings about a controller, which must be checked before: unstable contacts, laws that are unstable in free space,
 /// steep gains, then a damping that does not suit the size of the arm.
-pub fn warnings(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
-    let mut warnings = environment::warnings(request)?;
+pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
+    let mut warnings = contact::warnings(request)?;
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));

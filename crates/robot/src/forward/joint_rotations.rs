@@ -2,13 +2,13 @@
 
 use super::angle::Angle;
 use super::sin_cos::{MAX_ANGLE, sin_cos};
-use crate::Joint;
+use crate::JointKind;
 
 /// The rotations of the joints about their z axes: by q + offset for a revolute joint, by the offset for a prismatic one.
 ///
 /// Numbers of the same kind are adjacent, so the compiler processes two or four joints per instruction.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct JointRotations {
+pub struct JointRotations {
     /// n.
     offset_sines: Vec<f64>,
     /// n.
@@ -18,12 +18,12 @@ pub(super) struct JointRotations {
 }
 
 impl JointRotations {
-    pub(super) fn new(joints: &[Joint], offsets: &[Angle]) -> Self {
-        let revolute = |joint: &Joint| if joint.kind.is_translation() { 0.0 } else { 1.0 };
+    pub fn new(kinds: impl Iterator<Item = JointKind>, offsets: &[Angle]) -> Self {
+        let revolute = |kind: JointKind| if kind.is_translation() { 0.0 } else { 1.0 };
         Self {
             offset_sines: offsets.iter().map(|offset| offset.sine).collect(),
             offset_cosines: offsets.iter().map(|offset| offset.cosine).collect(),
-            revolute: joints.iter().map(revolute).collect(),
+            revolute: kinds.map(revolute).collect(),
         }
     }
 
@@ -32,7 +32,7 @@ impl JointRotations {
     /// `joint_position`: q, n; rad or m; finite.
     // Not inlined: the compiler knows of arguments that they do not overlap.
     #[inline(never)]
-    pub(super) fn evaluate(&self, joint_position: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
+    pub fn evaluate(&self, joint_position: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
         let mut all_moderate = true;
         for (((angle, offset), sine), cosine) in self.angles(joint_position).zip(&mut *sines).zip(&mut *cosines) {
             (*sine, *cosine) = sum(sin_cos(angle), offset);
@@ -70,18 +70,9 @@ fn sum((sine, cosine): (f64, f64), (offset_sine, offset_cosine): (&f64, &f64)) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{JointKind, JointLimits};
 
     fn rotations(kinds: &[JointKind], offset: Angle) -> JointRotations {
-        let joint = |kind: &JointKind| Joint {
-            name: String::new(),
-            kind: *kind,
-            placement: nalgebra::IsometryMatrix3::identity(),
-            limits: JointLimits::NONE,
-            published_range: None,
-            denavit_hartenberg: None,
-        };
-        JointRotations::new(&kinds.iter().map(joint).collect::<Vec<_>>(), &vec![offset; kinds.len()])
+        JointRotations::new(kinds.iter().copied(), &vec![offset; kinds.len()])
     }
 
     fn evaluate(rotations: &JointRotations, joint_position: &[f64]) -> Vec<(f64, f64)> {

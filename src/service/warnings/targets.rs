@@ -1,0 +1,38 @@
+//! Warnings about streamed targets that are late, missing or ignored.
+
+use revprio_core::controller::{Command, Controller, TaskConfig};
+use revprio_core::streaming::{Ignored, TargetReport, TargetState};
+
+/// Adds warnings about targets that are late, missing or ignored.
+pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {
+    for (task, target) in controller.config().tasks.iter().zip(&command.targets) {
+        let Some(report) = target.streamed else { continue };
+        warnings.extend(late(task, &report));
+        if let Some(Ignored::Older { time_s, newest_s }) = report.ignored {
+            warnings.push(format!(
+                "task `{}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
+                 the order of their times",
+                task.name
+            ));
+        }
+    }
+}
+
+fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
+    let name = &task.name;
+    let age = report.age_s.map_or_else(
+        || "its targets are of another clock".to_owned(),
+        |age| format!("its newest target is {age:.3} s old"),
+    );
+    match report.state {
+        TargetState::Following | TargetState::Extrapolating => None,
+        TargetState::Holding => Some(format!(
+            "task `{name}` holds its last target, because {age}; send targets at least every {} s",
+            task.streaming.hold_after_s
+        )),
+        TargetState::Braking => Some(format!(
+            "task `{name}` brakes to rest, because {age}; it follows again with the next target. Check the sender and \
+             its clock"
+        )),
+    }
+}
