@@ -66,8 +66,12 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
     (
         "constraint",
         &["Constraint::Plane", "VirtualPlane", "Self::Plane"],
-        "crates/core/src/limits/constraint.rs",
-        &["crates/core/src/limits/mod.rs", "api/rust/src/wire/inequality.rs", "src/service/convert/inequalities.rs"],
+        "crates/core/src/constraint/plane.rs",
+        &[
+            "crates/core/src/constraint/mod.rs",
+            "api/rust/src/wire/inequality.rs",
+            "src/service/convert/inequalities.rs",
+        ],
     ),
     (
         "method",

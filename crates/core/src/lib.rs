@@ -13,7 +13,9 @@
 //! | bound the velocity of a task, at its own priority | [`task::Task::between`], [`law::VelocityBounds`] |
 //! | choose a method and a solver | [`resolution::Method`], [`resolution::Solver`] |
 //! | know how sure an answer is | [`resolution::SolverReport`], [`resolution::Status`] |
-//! | keep joint limits, virtual walls and other inequalities | [`limits`] |
+//! | choose what a task measures (axes of the tool, joints, constant rows) | [`rows`] |
+//! | keep joint limits | [`limits`] |
+//! | keep virtual walls and other inequalities | [`constraint`] |
 //! | compute the stability margins of one axis in contact | [`controller::ContactLoop`] |
 //! | describe an arm (built-in, URDF, Denavit-Hartenberg) | [`robot`] |
 //! | understand the method | [what reverse priority is](#what-reverse-priority-is) |

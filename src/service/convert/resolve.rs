@@ -101,6 +101,14 @@ pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<R
     })
 }
 
+impl ResolveProblem {
+    /// Returns the name of each constraint; the rows of a constraint follow each other.
+    fn constraint_names(&self) -> Vec<&str> {
+        let first_rows = self.problem.inequalities.iter().filter(|inequality| inequality.row() == 0);
+        first_rows.map(Inequality::name).collect()
+    }
+}
+
 /// Checks that the rows of a certificate can be told apart: its tasks have different names.
 fn check_names(tasks: &[Task]) -> Result<()> {
     let is_known = |k: usize| tasks[..k].iter().any(|task| task.name == tasks[k].name);
@@ -239,7 +247,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         tasks: tasks.iter().map(|task| task.name.as_str()).collect(),
-        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+        inequalities: problem.constraint_names(),
         faster_than: problem.faster_than.as_deref(),
     };
     wire::ResolveAnswer {
@@ -271,7 +279,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     let explained = Explained {
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
-        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+        inequalities: problem.constraint_names(),
         robot: inputs.robot.as_deref(),
         position: inputs.position.as_deref(),
         causes: resolution
