@@ -1,7 +1,6 @@
 //! The certificate of an answer: what anyone needs to check that it is optimal.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 /// The problems that were solved on the way to an answer, with their solutions and multipliers.
@@ -53,14 +52,16 @@ pub struct CertifiedLevel {
 }
 
 /// What a row stands for: a row of a task, an inequality, or, without fields, damping or a part of a scaled task.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RowName {
     /// Name of the task.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<String>,
     /// Index of the row in its task, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub row: Option<usize>,
     /// Name of the inequality. Its row has length one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub inequality: Option<String>,
 }
 

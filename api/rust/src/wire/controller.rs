@@ -1,7 +1,6 @@
 //! Controllers and sessions. A controller is the same object in a file, in a request and in a scenario.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{
@@ -125,7 +124,6 @@ fn default_damping() -> Option<Damping> {
 }
 
 /// One task of a controller: its rows, and their law or bounds of their velocity.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTask {
@@ -133,6 +131,7 @@ pub struct ControllerTask {
     pub name: String,
     /// Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
     /// others. Required by every law except `posture` if there is no `jacobian`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Axes along which rows, displacements and wrench are measured. Set `tool` for motions relative to the tool, or a
     /// pose for a surface; default `base`.
@@ -140,20 +139,22 @@ pub struct ControllerTask {
     pub frame: Frame,
     /// Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task moves another point
     /// than the others; default: the tool point.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
     /// Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives, such as a sum
     /// of joints; instead of `axes`, with the law `velocity` or bounds.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of `lower` and
     /// `upper`.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub law: Option<Law>,
     /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law` if the
     /// task only limits a motion; `null`: no bound; default: none.
-    #[serde(default, deserialize_with = "bounds::lower")]
+    #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
     pub lower: Option<Vec<Option<f64>>>,
     /// Upper bounds of the task velocity J_k q̇, as `lower`.
-    #[serde(default, deserialize_with = "bounds::upper")]
+    #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
     pub upper: Option<Vec<Option<f64>>>,
     /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
     /// must keep their shape; only with `law`; default `false`.
@@ -161,7 +162,7 @@ pub struct ControllerTask {
     pub scale: bool,
     /// How the task follows the `targets` of the states. Set it for a source of targets that is slower than 30 Hz,
     /// noisy or late; default: the defaults of its fields.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub streaming: Option<Streaming>,
 }
 

@@ -1,17 +1,16 @@
 //! Linear inequalities on the joint velocities.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 /// A linear inequality on the joint velocities, besides the joint limits.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Inequality {
     /// The inequality a·q̇ ≤ b.
     Joints {
         /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
+        #[serde(skip_serializing_if = "Option::is_none")]
         name: Option<String>,
         /// Coefficients a, one per joint, in joint order, any unit; zero for joints that the inequality is not about.
         coefficients: Vec<f64>,
@@ -22,6 +21,7 @@ pub enum Inequality {
     /// A virtual wall: a point p of the arm stays on one side of a plane, n·ṗ ≤ rate (offset − n·p).
     Plane {
         /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
+        #[serde(skip_serializing_if = "Option::is_none")]
         name: Option<String>,
         /// Normal n of the plane in the base frame, towards the forbidden side, any length.
         normal: [f64; 3],
@@ -32,6 +32,7 @@ pub enum Inequality {
         point: String,
         /// Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows the arm
         /// earlier; default 10.
+        #[serde(skip_serializing_if = "Option::is_none")]
         rate_per_s: Option<f64>,
     },
 }

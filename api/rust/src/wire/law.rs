@@ -1,7 +1,6 @@
 //! Control laws.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::string_or_map::string_or_object;
@@ -9,7 +8,6 @@ use super::{PerAxis, Profile, TargetPose};
 use super::{defaults, object};
 
 /// The law that computes the velocity of a task.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Law {
@@ -25,6 +23,7 @@ pub enum Law {
         gain: PerAxis<f64>,
         /// Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints.
         /// Set it for a gentler stop; default: those limits alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
         #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
@@ -34,19 +33,21 @@ pub enum Law {
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional")]
+        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
     /// Motion of joints to positions, q̇ = q̇_d + f K (q_d − q), or to the middle of their ranges, q̇ = −f K ∇H. f is 1 near
     /// the target, and smaller where the joint could not brake.
     Posture {
         /// Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range.
+        #[serde(skip_serializing_if = "Option::is_none")]
         joints: Option<Vec<String>>,
         /// Gain K, one for all joints or one per joint, 1/s: within 1/K seconds the distance decreases to 37 %. For
         /// `mid_range` rad²/s or m²/s.
         gain: PerAxis<f64>,
         /// Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints. Set
         /// it for a gentler stop; default: those limits alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
         #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
@@ -83,7 +84,7 @@ pub enum Law {
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional")]
+        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
     /// Force control on some axes, impedance on the others.
@@ -106,7 +107,7 @@ pub enum Law {
         target_pose: TargetPose,
         /// Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it
         /// for a path that is known in advance; default: none.
-        #[serde(default, deserialize_with = "object::optional")]
+        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         target_displacement: Option<Profile>,
     },
 }

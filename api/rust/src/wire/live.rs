@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{
@@ -12,19 +11,21 @@ use super::{
 };
 
 /// `POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulationControl {
     /// Whether the run pauses, or goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub paused: Option<bool>,
     /// Number of control periods to run before the run pauses.
-    #[serde(deserialize_with = "integer::optional")]
+    #[serde(deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub step: Option<u64>,
     /// Simulated seconds per second of real time; less than 1 to watch a contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
     /// External force on the tool, N, base axes. Send it again at least once a second: it ends 1 s (real time) after
     /// the last request that sets it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub external_force: Option<[f64; 3]>,
     /// New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
     /// extrapolates, as its `streaming` says.
@@ -32,12 +33,14 @@ pub struct SimulationControl {
     #[schema(example = json!({"push x": {"force": [25]}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
     /// New resolution method. The change is blended over 0.1 s of simulated time.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// New solver; the joint velocities change only if one of both is `closed_form`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
     /// New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,
     /// `hybrid`.
-    #[serde(deserialize_with = "object::optional")]
+    #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
     /// Whether to finish the run now and keep its trace so far; a paused run does one more period. Default `false`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -1,13 +1,11 @@
 //! The parts that all answers with joint velocities share.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{Path, Side, Status, TargetState, defaults};
 
 /// The outcome of one task.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TaskOutcome {
     /// Name of the task.
@@ -23,14 +21,18 @@ pub struct TaskOutcome {
     /// Whether the rows of the task depend on the rows of lower tasks (algorithmic singularity, Eq. (12)).
     pub algorithmic: bool,
     /// Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub target_force: Option<Vec<Option<f64>>>,
     /// Where the streamed target of this period comes from; absent if no target was streamed to this task.
     #[schema(example = "following")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub target_state: Option<TargetState>,
     /// Time of the state minus time of the newest streamed target, s; negative if the target lies ahead.
     #[schema(example = 0.012)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub target_age_s: Option<f64>,
     /// Active rows of a task with bounds: rows that reach a bound and restrict the answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -61,16 +63,19 @@ pub struct Contradiction {
 }
 
 /// A demand in a contradiction: a row of a task, a joint limit, or an inequality, and a side.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct ContradictionMember {
     /// Name of the task, for a row of a task.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<String>,
     /// Index of the row in its task, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub row: Option<usize>,
     /// Name of the joint, for a limit of a joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Name of the inequality, for an inequality.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub inequality: Option<String>,
     /// Lower or upper bound.
     pub side: Side,

@@ -1,7 +1,6 @@
 //! `POST /v1/resolve` and `POST /v1/resolve/batch`: tasks at a posture in, joint velocities out, without a session.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{
@@ -12,17 +11,20 @@ use super::{
 use super::{bounds, object};
 
 /// Prioritised tasks at one posture, to resolve into joint velocities.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveRequest {
     /// Name of the robot, from `GET /v1/robots`; not needed if every task has its own `jacobian`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// Joint position q, rad or m; needed unless every task has its own `jacobian`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<JointVector>,
     /// Joint velocity of the last command, rad/s or m/s; needed for acceleration limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
     /// Control period T, s: how long the answer will be commanded. Needed for position and acceleration limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
     /// The tasks, highest priority first: put first what must not give way.
     #[serde(deserialize_with = "object::list")]
@@ -36,6 +38,7 @@ pub struct ResolveRequest {
     pub solver: Solver,
     /// Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with robot,
     /// posture and period; `velocity` with a robot alone; otherwise `none`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
     /// Inequalities on the joint velocities besides the limits: set them to keep the arm behind planes, or to couple
     /// joints; default: none.
@@ -43,14 +46,15 @@ pub struct ResolveRequest {
     pub inequalities: Vec<Inequality>,
     /// Damping near singularities, which trades accuracy for lower joint speeds. Set it if the posture may be singular;
     /// default: no damping.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
     /// Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the
     /// tip of a gripper; default: that frame itself.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
     /// Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
     /// redundant arm; default: rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub null_space_velocity: Option<NullSpaceVelocity>,
     /// Whether the answer has `why`, sentences that say what restricts it. Set it while you try a problem out; default
     /// `false`.
@@ -65,14 +69,15 @@ pub struct ResolveRequest {
 }
 
 /// One task: axes of the tool or its own Jacobian, and their velocity or bounds of it.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolveTask {
     /// Name, by which the answer names the task; default `task 1`, `task 2`, …
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Axes of the tool that the task moves, one per row; list only those that matter, so that lower tasks keep the
     /// others. Instead of `jacobian`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Axes along which the rows are measured. Set `tool` for motions relative to the tool, or a pose for a surface;
     /// default `base`.
@@ -80,18 +85,21 @@ pub struct ResolveTask {
     pub frame: Frame,
     /// Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another point than the
     /// others; default: the tool point.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_point: Option<[f64; 3]>,
     /// Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile base; instead
     /// of `axes`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<Vec<Vec<f64>>>,
     /// Task velocity ẋ_k, one entry per row, m/s and rad/s; instead of `lower` and `upper`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<f64>>,
     /// Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `velocity` if
     /// the task only limits a motion; `null`: no bound; default: none.
-    #[serde(default, deserialize_with = "bounds::lower")]
+    #[serde(default, deserialize_with = "bounds::lower", skip_serializing_if = "Option::is_none")]
     pub lower: Option<Vec<Option<f64>>>,
     /// Upper bounds of the task velocity J_k q̇, as `lower`.
-    #[serde(default, deserialize_with = "bounds::upper")]
+    #[serde(default, deserialize_with = "bounds::upper", skip_serializing_if = "Option::is_none")]
     pub upper: Option<Vec<Option<f64>>>,
     /// Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
     /// must keep their shape; only with `velocity`; default `false`.
@@ -100,7 +108,6 @@ pub struct ResolveTask {
 }
 
 /// Joint velocities and their explanation.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ResolveAnswer {
     /// Joint velocity q̇, the command, in joint order, rad/s or m/s.
@@ -135,8 +142,10 @@ pub struct ResolveAnswer {
     /// Distance of the tasks from singularities.
     pub singularity: Singularity,
     /// Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a limit; only with a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_limit_index: Option<f64>,
     /// Certificate of the answer; only if the request has `"certificate": true`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Certificate>,
     /// Time to compute the answer, µs.
     pub elapsed_us: f64,

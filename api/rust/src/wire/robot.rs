@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{JointKind, Pose};
@@ -16,7 +15,6 @@ pub struct RobotList {
 }
 
 /// `POST /v1/robots`: registers the chain of a URDF text from one link to another.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotRegistration {
@@ -25,30 +23,38 @@ pub struct RobotRegistration {
     /// URDF text, `<robot …>`.
     pub urdf: String,
     /// Base link; default: the root of the tree.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
     /// Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
     /// Limits that replace or complete those of the text, by the name of the joint in the text.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<BTreeMap<String, StatedLimits>>,
     /// New names, by the name of the joint in the text.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_names: Option<BTreeMap<String, String>>,
     /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
 }
 
 /// Limits of one joint; a limit that is not given is read from the text.
-#[skip_serializing_none]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedLimits {
     /// Minimum and maximum position, rad or m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 2]>,
     /// Maximum speed, rad/s or m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
     /// Maximum acceleration, rad/s² or m/s².
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<f64>,
     /// Maximum jerk, rad/s³ or m/s³.
     #[schema(example = 7500.0)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub jerk: Option<f64>,
 }
 

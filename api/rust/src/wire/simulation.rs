@@ -1,7 +1,6 @@
 //! `GET /v1/simulations/{id}`: the state and the metrics of a run of the built-in simulator.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{Method, Solver, defaults};
@@ -20,7 +19,6 @@ pub struct Interactive {
 }
 
 /// A run of a scenario.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Simulation {
     /// Identifier of the run, part of its address.
@@ -39,10 +37,13 @@ pub struct Simulation {
     pub progress: f64,
     /// Reason of the failure; only if the run failed.
     #[schema(example = "the service refused a state: a wrench is needed")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Pace of the run; only if it is interactive.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub interactive: Option<Interactive>,
     /// Metrics of the run; only when it is finished.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub metrics: Option<SimulationMetrics>,
 }
 

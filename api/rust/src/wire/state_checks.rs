@@ -1,11 +1,9 @@
 //! The checks of measured states.
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 /// Bounds of a plausible state. A state beyond a bound is refused with 422; a larger bound allows it.
-#[skip_serializing_none]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StateChecks {
@@ -13,8 +11,10 @@ pub struct StateChecks {
     /// `limits` include positions and `solver` is not `closed_form`.
     pub position_tolerance: f64,
     /// Maximum magnitude of each entry of the measured force, N; default: no bound, and a warning above 10 000.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_force_n: Option<f64>,
     /// Maximum magnitude of each entry of the measured torque, N·m; default: no bound, and a warning above 10 000.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_torque_nm: Option<f64>,
 }
 

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::{
@@ -64,7 +63,6 @@ pub struct StepRequest {
 }
 
 /// The memory of a controller. Clients send it back unchanged with the next state.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
@@ -72,13 +70,15 @@ pub struct Memory {
     #[serde(deserialize_with = "integer::deserialize")]
     pub sequence: u64,
     /// Time of the last state, s; default: unknown, then the next state is not compared with it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
     /// Joint position of the last state, rad or m; default: unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<Vec<f64>>,
     /// Validity of the last answer, ms: how long the arm may have held its command. Default: unknown, then the next state
     /// counts as one period later, whatever its time.
     #[schema(example = 100)]
-    #[serde(default, deserialize_with = "integer::optional")]
+    #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub valid_for_ms: Option<u64>,
     /// Integrator velocity of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
@@ -88,10 +88,10 @@ pub struct Memory {
     /// Joint velocity of the last command, rad/s or m/s.
     pub last_command: Vec<f64>,
     /// The commands that the drive still has to follow; default: the last command for long.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub drive: Option<DriveState>,
     /// What joints with a jerk limit remember; default: they have moved at the last command for long.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub jerk: Option<JerkState>,
     /// Active limits of the last command, per level of the solver.
     pub active_set: Vec<Vec<ActiveLimitName>>,
@@ -99,6 +99,7 @@ pub struct Memory {
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub target_streams: Vec<TargetStream>,
     /// Joint position of the first state, rad or m; default: that of the next state.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_joint_position: Option<Vec<f64>>,
     /// How each task follows its requests; default: all follow.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
@@ -143,15 +144,16 @@ pub struct Stall {
 }
 
 /// How a task follows its requests over time.
-#[skip_serializing_none]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Progress {
     /// Filtered share of the requested velocity that the task achieves, 0 to 1.
     pub share: f64,
     /// Time since which the share is below one half, s; default: it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slow_since_s: Option<f64>,
     /// Time at which the arm began to leave the posture, s; default: it does not leave.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub leaving_since_s: Option<f64>,
     /// How often the arm has left since the task reached its target; default 0.
     #[serde(default, deserialize_with = "integer::deserialize")]
@@ -197,19 +199,21 @@ pub struct FramePose {
 }
 
 /// An active limit: a joint, an inequality, or a row of a task, and a side.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveLimitName {
     /// Name of the joint, for a limit of a joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Name of the inequality, for an inequality.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub inequality: Option<String>,
     /// Name of the task, for a row of a task.
     #[schema(example = "height")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<String>,
     /// Index of the row in its task, from 0.
-    #[serde(default, deserialize_with = "integer::optional")]
+    #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     #[schema(example = 0)]
     pub row: Option<usize>,
     /// Lower or upper bound; `upper` for an inequality.

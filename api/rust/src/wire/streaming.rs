@@ -5,7 +5,6 @@ use std::fmt;
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
-use serde_with::skip_serializing_none;
 use utoipa::ToSchema;
 
 use super::object::{self, Object};
@@ -14,25 +13,30 @@ use super::{JointVector, Orientation, PerAxis, Pose};
 /// How a task follows streamed targets. The defaults suit 30 to 90 targets per second.
 ///
 /// The age of a target is the time of the state minus `time_s` of the target minus `delay_s`.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Streaming {
     /// Age of the newest target up to which it is extrapolated, s; after it the target is held; default 0.05.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_after_s: Option<f64>,
     /// Age of the newest target from which the task brakes to rest, s; at least `hold_after_s`; default 0.2.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub brake_after_s: Option<f64>,
     /// Delay with which targets are followed, s; default 0. A delay of one interval between targets makes the task
     /// interpolate instead of extrapolate.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<f64>,
     /// Time constant with which the task follows noise and jumps of the targets, s; default 0.03; 0: no smoothing. A
     /// uniform motion is followed without lag.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing_s: Option<f64>,
     /// Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints their velocity
     /// limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_velocity: Option<PerAxis<f64>>,
     /// Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s², for joints their
     /// acceleration limits. The task brakes with it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_acceleration: Option<PerAxis<f64>>,
 }
 
@@ -41,23 +45,26 @@ pub struct Streaming {
 /// The laws `pose` and `impedance` accept `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`,
 /// `force` accepts `force`, and `hybrid` accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its
 /// `velocity`.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StreamedTarget {
     /// Time of the target on the clock of the states, s; default: the time of the state; at most 1 s after it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
     /// Target pose. It replaces `target_pose` and `target_displacement` of the law.
-    #[serde(deserialize_with = "object::optional")]
+    #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub pose: Option<StreamedPose>,
     /// Target positions of the joints of the task, in their order or by name, rad or m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_position: Option<JointVector>,
     /// Target velocity per row, m/s and rad/s; of a `pose`: along the axes of the task's frame, for the frame `tool` those
     /// of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
     #[schema(example = json!([0.1, 0.0, -0.05]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<f64>>,
     /// Target force F_d per row, N and N·m.
     #[schema(example = json!([15.0]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Vec<f64>>,
 }
 
@@ -124,20 +131,21 @@ pub struct TargetStream {
 }
 
 /// A target in the memory.
-#[skip_serializing_none]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetSample {
     /// Time of the target, s.
     pub time_s: f64,
     /// Pose in the base frame, m.
-    #[serde(default, deserialize_with = "object::optional")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub pose: Option<Pose>,
     /// Values per row, if the target is not a pose.
     #[schema(example = json!([15.0]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<f64>>,
     /// Given or estimated velocity: of a pose linear and angular in base axes, otherwise per row.
     #[schema(example = json!([0.1, 0.0, -0.05, 0.0, 0.0, 0.0]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<f64>>,
 }
 
