@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::UrdfError;
 use super::arms::{Arm, arms, before_gripper, survey};
 use super::document::{Edge, Links, Motion};
-use crate::{ChainSelection, LeftOut, LeftOutReason, TipReason};
+use crate::{ChainSelection, LeftOut, LeftOutReason, ModelError, TipReason};
 
 /// The joints between two links.
 pub struct Chain<'a> {
@@ -93,7 +93,7 @@ pub fn find_base<'a>(links: &Links<'a>, base: Option<&str>) -> Result<&'a str, U
     match (&roots[..], links.names.first()) {
         ([root], _) => Ok(root),
         // Every link has a parent.
-        ([], Some(link)) => Err(UrdfError::Cycle { link: (*link).to_owned() }),
+        ([], Some(link)) => Err(ModelError::Cycle { link: (*link).to_owned() }.into()),
         _ => Err(UrdfError::Base { links: owned(&roots) }),
     }
 }
@@ -115,7 +115,7 @@ fn path<'a>(links: &Links<'a>, upper: &str, lower: &'a str) -> Result<Option<Vec
         let Some(edge) = links.joint_above.get(link) else { return Ok(None) };
         joints.push(*edge);
         if joints.len() > links.joint_above.len() {
-            return Err(UrdfError::Cycle { link: link.to_owned() });
+            return Err(ModelError::Cycle { link: link.to_owned() }.into());
         }
         link = edge.parent;
     }

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::UrdfError;
+use crate::ModelError;
 
 // Bounds that keep the parsing time short. The parser compares every attribute with all others of its element, and
 // every prefix with all namespaces in scope, so a bound on the length of the text is not enough. The parser does not
@@ -108,7 +109,7 @@ impl<'a> Links<'a> {
             }
             if let Some(first) = joint_above.insert(edge.child, edge) {
                 let [link, first, second] = [edge.child, first.name, name].map(str::to_owned);
-                return Err(UrdfError::TwoParents { link, first, second });
+                return Err(ModelError::TwoParents { link, first, second }.into());
             }
             joints_below.entry(edge.parent).or_default().push(edge);
         }

@@ -68,22 +68,6 @@ pub enum UrdfError {
         /// The link.
         link: String,
     },
-    /// A link is the child of two joints.
-    #[error("link `{link}` is the child of the joints `{first}` and `{second}`; the links must form a tree")]
-    TwoParents {
-        /// The link.
-        link: String,
-        /// The first joint.
-        first: String,
-        /// The second joint.
-        second: String,
-    },
-    /// The links form a cycle.
-    #[error("the links form a cycle through `{link}`; the links must form a tree")]
-    Cycle {
-        /// A link of the cycle.
-        link: String,
-    },
     /// The base is not named, and several links or none have no parent.
     #[error("links without parent: {}; name the `base`", list(.links))]
     Base {

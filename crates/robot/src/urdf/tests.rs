@@ -177,8 +177,8 @@ fn joints_of_unsupported_types_are_refused_with_their_type() {
 #[test]
 fn links_that_are_not_a_tree_are_refused() {
     let cycle = [joint("j", "a", "b", REVOLUTE), joint("k", "b", "a", REVOLUTE)];
-    assert_eq!(read(&robot("a b", &cycle)).unwrap_err(), UrdfError::Cycle { link: "a".to_owned() });
-    assert!(matches!(between(&robot("c a b", &cycle), "c", "a"), Err(UrdfError::Cycle { .. })));
+    assert_eq!(read(&robot("a b", &cycle)).unwrap_err(), UrdfError::Model(ModelError::Cycle { link: "a".to_owned() }));
+    assert!(matches!(between(&robot("c a b", &cycle), "c", "a"), Err(UrdfError::Model(ModelError::Cycle { .. }))));
     assert_eq!(between(&robot("a b", &cycle), "a", "b").unwrap().joint_count(), 1);
     let diamond = [joint("j", "a", "b", REVOLUTE), joint("k", "a", "b", REVOLUTE)];
     assert!(message(read(&robot("a b", &diamond))).contains("link `b` is the child of the joints `j` and `k`"));

@@ -94,7 +94,7 @@ fn trees_that_are_none_are_refused() {
     assert_eq!(options("hand", "foot"), "tip `hand`: there is no link `foot`");
     assert_eq!(options("hand", "base"), "tip `hand`: no joint moves link `base`");
     let cycle = [joint("j", "a", "b", REVOLUTE), joint("k", "b", "a", REVOLUTE)];
-    assert_eq!(tree(&robot("a b", &cycle)).unwrap_err(), UrdfError::Cycle { link: "a".to_owned() });
+    assert_eq!(tree(&robot("a b", &cycle)).unwrap_err(), UrdfError::Model(ModelError::Cycle { link: "a".to_owned() }));
     let from_a = UrdfTreeOptions { base: Some("a"), ..UrdfTreeOptions::default() };
     let through_base = RobotModel::from_urdf_tree(&robot("a b", &cycle), &from_a).unwrap_err();
     assert_eq!(through_base, UrdfError::Model(ModelError::Cycle { link: "a".to_owned() }));
