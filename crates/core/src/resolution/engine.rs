@@ -1,4 +1,4 @@
-//! Solving planned problems, and what can be asked about the last one.
+//! Solving planned problems, and what can be asked about a solved one.
 
 use revprio_problem::BoundId;
 

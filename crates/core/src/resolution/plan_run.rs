@@ -108,9 +108,10 @@ impl PlanRun {
             return;
         }
         let has_scaled = problem.tasks.tasks().iter().any(|task| task.scaled);
-        if has_scaled && is_regular && !self.solution.is_held_back() {
+        if has_scaled && is_regular && self.solution.is_optimal && !self.solution.is_held_back() {
             // Independent equations are met where nothing holds them back.
-            self.scales.fill(Some(1.0));
+            let is_met = |k: usize| self.lower_tasks_are_met || step.reaches(k);
+            refill(&mut self.scales, (0..problem.tasks.tasks().len()).map(|k| is_met(k).then_some(1.0)));
         } else if has_scaled {
             solved = self.scale(problem, step, damping, solved);
         }
