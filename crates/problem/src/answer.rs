@@ -31,18 +31,12 @@ pub struct Resolution {
 impl Resolution {
     /// Returns the limits of joints that hold the answer back, with the index of the joint.
     pub fn active_limits(&self) -> impl Iterator<Item = (usize, &ActiveBound)> {
-        self.active_bounds.iter().filter_map(|active| match active.bound.id {
-            BoundId::Joint(joint) => Some((joint, active)),
-            _ => None,
-        })
+        self.active_bounds.iter().filter_map(|active| Some((active.bound.id.joint()?, active)))
     }
 
     /// Returns the rows of constraints that hold the answer back, with the index of the constraint.
     pub fn active_constraints(&self) -> impl Iterator<Item = (usize, &ActiveBound)> {
-        self.active_bounds.iter().filter_map(|active| match active.bound.id {
-            BoundId::Constraint { index, .. } => Some((index, active)),
-            _ => None,
-        })
+        self.active_bounds.iter().filter_map(|active| Some((active.bound.id.constraint()?, active)))
     }
 
     /// Returns the rows of task `k` that hold the answer back, with the index of the row.
@@ -55,18 +49,12 @@ impl Resolution {
 
     /// Returns the limits of joints that the answer breaks, with the index of the joint.
     pub fn broken_limits(&self) -> impl Iterator<Item = (usize, &BrokenBound)> {
-        self.broken_bounds.iter().filter_map(|broken| match broken.bound.id {
-            BoundId::Joint(joint) => Some((joint, broken)),
-            _ => None,
-        })
+        self.broken_bounds.iter().filter_map(|broken| Some((broken.bound.id.joint()?, broken)))
     }
 
     /// Returns the rows of constraints that the answer breaks, with the index of the constraint.
     pub fn broken_constraints(&self) -> impl Iterator<Item = (usize, &BrokenBound)> {
-        self.broken_bounds.iter().filter_map(|broken| match broken.bound.id {
-            BoundId::Constraint { index, .. } => Some((index, broken)),
-            _ => None,
-        })
+        self.broken_bounds.iter().filter_map(|broken| Some((broken.bound.id.constraint()?, broken)))
     }
 }
 

@@ -23,6 +23,18 @@ pub enum BoundId {
     },
 }
 
+impl BoundId {
+    /// Returns the index of the joint, for the limit of one.
+    pub fn joint(self) -> Option<usize> {
+        if let Self::Joint(joint) = self { Some(joint) } else { None }
+    }
+
+    /// Returns the index of the constraint, for a row of one.
+    pub fn constraint(self) -> Option<usize> {
+        if let Self::Constraint { index, .. } = self { Some(index) } else { None }
+    }
+}
+
 /// Lower or upper bound of a joint or of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {

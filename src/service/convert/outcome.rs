@@ -122,10 +122,7 @@ impl Outcome<'_> {
     pub fn contradictions(&self) -> Vec<wire::Contradiction> {
         let member = |member: &Bound| {
             let wire::RowName { task, row, inequality } = self.row_name(Some(member.id));
-            let joint = match member.id {
-                BoundId::Joint(joint) => Some(self.joints[joint].to_owned()),
-                _ => None,
-            };
+            let joint = member.id.joint().map(|joint| self.joints[joint].to_owned());
             wire::ContradictionMember { task, row, joint, inequality, side: terms::side_answer(member.side) }
         };
         let contradiction = |contradiction: &revprio_core::resolution::Contradiction| wire::Contradiction {
