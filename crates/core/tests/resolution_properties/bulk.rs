@@ -1,7 +1,9 @@
 //! Properties that can be checked without knowing the exact answer, over very many problems.
 
 use revprio_core::linalg::{Matrix, RANK_TOLERANCE, Vector, stack};
-use revprio_core::resolution::{ActiveSet, Bound, BoundId, Method, Path, Problem, Resolution, Side, Solver, Status};
+use revprio_core::resolution::{
+    ActiveSet, Bound, BoundId, Method, Path, Problem, Resolution, Resolver, Rung, Rungs, Side, Solver, Status,
+};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::{EXTREME, Family, Random, WIDE, damping, inequalities, problem, scaled, speed};
@@ -54,6 +56,8 @@ struct Findings {
     ill_conditioned: u32,
     /// Number of problems solved from a correct initial active set without Clarabel.
     warm_started: u32,
+    /// How often each way to a working set was needed.
+    rungs: Rungs,
 }
 
 fn any_problem(random: &mut Random, family: Family) -> Problem {
@@ -110,10 +114,14 @@ impl Findings {
         let mut random = Random::new(seed);
         let problem = any_problem(&mut random, family);
         let requested = speed(&problem);
-        let answer = |solver, initial: &[ActiveSet]| resolve_with(solver, &problem, initial).unwrap();
-        let qp = answer(Solver::Qp, &[]);
+        let qp = resolve_with(Solver::Qp, &problem, &[]).unwrap();
         let initial = any_initial_set(&mut random, problem.tasks.joint_count());
-        let autos = [answer(Solver::Auto, &[]), answer(Solver::Auto, &qp.active_set), answer(Solver::Auto, &initial)];
+        let autos = [&[][..], &qp.active_set, &initial].map(|initial| {
+            let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
+            resolver.resolve(&problem, initial, &mut answer).unwrap();
+            self.rungs = self.rungs + resolver.rungs();
+            answer
+        });
         for auto in &autos {
             self.certificate(seed, &problem, auto);
             self.auto.add(seed, distance(&auto.joint_velocity, &autos[0].joint_velocity, requested), EXACT);
@@ -180,6 +188,9 @@ fn examine(family: Family, seeds: std::ops::Range<u64>) -> Findings {
         findings.examine(seed, family);
     }
     println!("{findings:#?}");
+    for rung in Rung::ALL {
+        println!("{rung:?}: {:?}", findings.rungs[rung]);
+    }
     findings
 }
 
