@@ -23,7 +23,8 @@ pub fn write_answer(
 ) {
     let PlanRun { planned, solution, scales, contradictions, .. } = run;
     let path = if solution.working_set.is_empty() { Path::ClosedForm } else { Path::ActiveSet };
-    report_velocity(answer, problem, singularities, &solution.x);
+    let achieved = planned.task_values(problem.tasks.first_row(singularities.tasks.len()), solution);
+    report_velocity(answer, problem, singularities, &solution.x, achieved);
     for (task, (scale, stated)) in answer.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
         task.scale = scale.filter(|_| stated.scaled);
     }
@@ -47,7 +48,13 @@ pub fn write_answer(
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
 /// status `failed`. `achieved`: as for [`report_tasks`].
-fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, x: &[f64]) {
+fn report_velocity(
+    answer: &mut Resolution,
+    problem: &Problem,
+    singularities: &Singularities,
+    x: &[f64],
+    achieved: &[f64],
+) {
     let x = &x[..problem.tasks.joint_count()];
     let is_finite = all_finite(x);
     if is_finite {
@@ -59,7 +66,7 @@ fn report_velocity(answer: &mut Resolution, problem: &Problem, singularities: &S
         answer.singularity = Singularity::default();
         answer.solver.status = Status::Failed;
     }
-    report_tasks(answer, problem, singularities);
+    report_tasks(answer, problem, singularities, if is_finite { achieved } else { &[] });
     if !is_finite {
         for outcome in &mut answer.tasks {
             (outcome.rank, outcome.algorithmic, outcome.scale) = (0, false, None);
@@ -84,12 +91,13 @@ fn set_velocity(answer: &mut Resolution, x: &[f64]) {
     answer.joint_velocity.as_mut_slice().copy_from_slice(x);
 }
 
-/// Sets the outcomes of the tasks at the velocity.
-fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities) {
+/// Sets the outcomes of the tasks at the velocity. `achieved`: the values of the rows of all tasks; empty: they are computed.
+fn report_tasks(answer: &mut Resolution, problem: &Problem, singularities: &Singularities, mut achieved: &[f64]) {
     let tasks = problem.tasks.tasks();
     answer.tasks.resize_with(tasks.len(), TaskOutcome::default);
     for ((outcome, task), known) in answer.tasks.iter_mut().zip(tasks).zip(&singularities.tasks) {
-        report_task(outcome, task, *known, answer.joint_velocity.as_slice());
+        let own = achieved.split_off(..task.jacobian.nrows());
+        report_task(outcome, task, *known, answer.joint_velocity.as_slice(), own);
     }
 }
 
@@ -143,13 +151,22 @@ fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
     };
 }
 
-/// Sets the outcome at q̇; a scaled task that no limit cuts has the scale 1.
-fn report_task(outcome: &mut TaskOutcome, task: &Task, known: TaskSingularity, joint_velocity: &[f64]) {
+/// Sets the outcome at q̇, whose product with the Jacobian may be known; a scaled task that no limit cuts has the scale 1.
+fn report_task(
+    outcome: &mut TaskOutcome,
+    task: &Task,
+    known: TaskSingularity,
+    joint_velocity: &[f64],
+    achieved: Option<&[f64]>,
+) {
     let rows = task.jacobian.nrows();
     if outcome.achieved.len() != rows {
         outcome.achieved = Vector::zeros(rows);
     }
-    write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice());
+    match achieved {
+        Some(achieved) => outcome.achieved.as_mut_slice().copy_from_slice(achieved),
+        None => write_product(&task.jacobian, joint_velocity, outcome.achieved.as_mut_slice()),
+    }
     let bounds = || task.lower.as_slice().iter().zip(task.upper.as_slice());
     let missing = |(achieved, (lower, upper)): (&f64, (&f64, &f64))| {
         let (above, below) = (achieved - upper, lower - achieved);

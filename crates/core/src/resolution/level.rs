@@ -196,8 +196,9 @@ pub enum Start<'a> {
     Empty,
     /// With a guess.
     Guess(&'a WorkingSet),
-    /// Without active bounds if that is already the answer, otherwise with a guess. Worth while where that set is factorised.
-    EmptyThenGuess(&'a WorkingSet),
+    /// The problem is the one that was factorised last, without its limits: without active bounds if that is already the
+    /// answer, otherwise with a guess.
+    Factorized(&'a WorkingSet),
 }
 
 /// The solution of a [`Hierarchy`] with its optimality conditions evaluated.

@@ -14,7 +14,7 @@
 
 use revprio_problem::{ActiveSet, Bound, BoundId, Method, Problem, Task};
 
-use super::level::{Hierarchy, WorkingSet, refill};
+use super::level::{Hierarchy, Solution, WorkingSet, refill};
 use crate::linalg::row_times;
 
 /// One problem of a plan.
@@ -64,9 +64,12 @@ pub fn steps(method: Method, tasks: usize) -> impl Iterator<Item = Step> {
 
 /// Returns the problem whose equations show how near the tasks are to singularities: the last one, if it holds the rows of all
 /// tasks.
-pub fn examined_step(method: Method, tasks: usize) -> Step {
-    let last = steps(method, tasks).last().filter(|_| method != Method::SingularityRobust);
-    last.unwrap_or(Step::Levels)
+pub fn examined_step(method: Method) -> Step {
+    match method {
+        Method::Pseudoinverse | Method::DampedLeastSquares => Step::OneLevel,
+        Method::ReversePriority => Step::Stage { task: 0, keeps_lower_tasks: true },
+        Method::TaskPriority | Method::StrictReversePriority | Method::SingularityRobust => Step::Levels,
+    }
 }
 
 /// Returns whether a level that holds all rows is damped.
@@ -265,6 +268,14 @@ impl PlannedProblem {
     ) {
         self.levels.push_row(coefficients, lower, upper);
         self.origins.push(origin);
+    }
+
+    /// Returns J_k q̇ of all tasks in their order from a solution of this problem, if its rows are the `rows` of the tasks and no
+    /// others; otherwise nothing.
+    pub fn task_values<'a>(&self, rows: usize, solution: &'a Solution) -> &'a [f64] {
+        let has_tasks_alone = self.origins.len() == rows
+            && self.origins.iter().all(|origin| matches!(origin, Some(BoundId::Task { .. })));
+        if has_tasks_alone { &solution.row_values } else { &[] }
     }
 
     /// Writes the working set that a guess means in this problem; bounds that it does not have are left out.

@@ -26,6 +26,8 @@ pub struct PlanRun {
     /// The step that [`Self::begin`] has written.
     begun: Option<Step>,
     guess: WorkingSet,
+    /// Whether no task has inequality rows.
+    pub has_only_equations: bool,
     /// Whether every stage below the highest one meets its task.
     lower_tasks_are_met: bool,
     /// q̇', the answer of the problem before.
@@ -45,8 +47,9 @@ impl PlanRun {
     pub fn begin(&mut self, problem: &Problem, zeta: &[f64]) {
         self.start(problem, zeta);
         let tasks = problem.tasks.tasks();
-        self.lower_tasks_are_met = tasks.iter().all(Task::is_equation);
-        let step = examined_step(problem.method, tasks.len());
+        self.has_only_equations = tasks.iter().all(Task::is_equation);
+        self.lower_tasks_are_met = self.has_only_equations;
+        let step = examined_step(problem.method);
         self.write(problem, step, 0.0);
         self.begun = Some(step);
     }
@@ -62,7 +65,7 @@ impl PlanRun {
     ) {
         let (tasks, n) = (problem.tasks.tasks(), problem.tasks.joint_count());
         let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
-        self.lower_tasks_are_met &= singularities.is_regular;
+        self.lower_tasks_are_met = self.has_only_equations && singularities.is_regular;
         let skips_stages = self.lower_tasks_are_met;
         for step in steps(problem.method, tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
@@ -73,7 +76,7 @@ impl PlanRun {
                 self.write(problem, step, damping);
             }
             self.planned.write_guess(guess, &mut self.guess);
-            let start = if is_written && is_factorized { Start::EmptyThenGuess } else { Start::Guess };
+            let start = if is_written && is_factorized { Start::Factorized } else { Start::Guess };
             let PlannedProblem { levels, origins, .. } = &self.planned;
             let solved = engine.solve(levels, origins, start(&self.guess), &mut self.solution);
             self.finish(problem, step, (damping, singularities.is_regular), solved);

@@ -57,7 +57,7 @@ impl Resolver {
             engine.start(problem.wants_certificate);
             run.begin(problem, zeta);
             let solver = engine.factorize(&run.planned.levels);
-            singularities.examine(problem, solver, has_guess);
+            singularities.examine(problem, solver, run.has_only_equations, has_guess);
             run.solve(problem, guess, singularities, true, engine);
         }
         write_answer(answer, problem, singularities, run, engine);

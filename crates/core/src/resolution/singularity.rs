@@ -82,7 +82,7 @@ impl Singularities {
 
     /// Examines the singular values of all equations, which `solver` has factorised. `keep`: keeps a close bound of them for
     /// [`Self::remain_regular`] in later periods.
-    pub fn examine(&mut self, problem: &Problem, solver: &mut dyn SizedSolver, keep: bool) {
+    pub fn examine(&mut self, problem: &Problem, solver: &mut dyn SizedSolver, has_only_equations: bool, keep: bool) {
         let (list, damping) = (problem.tasks.tasks(), problem.damping);
         self.rank_uncertain = solver.rank_uncertain();
         let norm = solver.active_norm();
@@ -93,7 +93,7 @@ impl Singularities {
         let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };
         self.is_regular = smallest >= regular;
         self.reference.clear();
-        if keep && self.is_regular && list.iter().all(Task::is_equation) {
+        if keep && self.is_regular && has_only_equations {
             self.reference.set(list);
             self.reference_bound = smallest;
         }
@@ -103,6 +103,9 @@ impl Singularities {
         } else {
             refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
             self.examine_each(problem, solver);
+        }
+        if has_only_equations {
+            return;
         }
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
             self.decompose(task.jacobian.ncols(), std::slice::from_ref(task));
@@ -114,8 +117,8 @@ impl Singularities {
     fn examine_each(&mut self, problem: &Problem, solver: &mut dyn SizedSolver) {
         let (tasks, damping) = (problem.tasks.tasks(), problem.damping);
         // A level per task, after that of the constraints.
-        let first_level = (examined_step(problem.method, tasks.len()) == Step::Levels)
-            .then_some(usize::from(!problem.inequalities.is_empty()));
+        let first_level =
+            (examined_step(problem.method) == Step::Levels).then_some(usize::from(!problem.inequalities.is_empty()));
         // The smallest singular value is only computed where it matters.
         let factor = |singular: &SingularValues| {
             damping

@@ -94,7 +94,12 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
     pub fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution) {
-        self.load(problem);
+        if let Start::Factorized(_) = start {
+            self.problem.set_box(&problem.lower, &problem.upper);
+            debug_assert!(self.problem.has_rows_of(problem), "another problem was factorised");
+        } else {
+            self.load(problem);
+        }
         self.cascade.reserve(problem.unknowns, problem.row_count());
         // Without active bounds the factorisation of the same rows still holds. Pinned unknowns are held.
         let is_factorized = !self.has_new_rows
@@ -106,8 +111,8 @@ impl<const N: usize> ActiveSetSolver<N> {
         self.solved.rank_tolerance = TOLERANCES.rank;
         let guess = match start {
             Start::Empty => None,
-            Start::EmptyThenGuess(_) if is_factorized && self.holds_nothing(solution) => return,
-            Start::Guess(guess) | Start::EmptyThenGuess(guess) => Some(guess).filter(|guess| !guess.is_empty()),
+            Start::Factorized(_) if is_factorized && self.holds_nothing(solution) => return,
+            Start::Guess(guess) | Start::Factorized(guess) => Some(guess).filter(|guess| !guess.is_empty()),
         };
         let mut met_uncertain_rank = self.solve_from(guess, is_factorized, solution);
         let mut tried = solution.working_sets;
@@ -324,7 +329,11 @@ impl<const N: usize> ActiveSetSolver<N> {
         let x = solved.x.clamp(&problem.lower, &problem.upper);
         let n = problem.unknowns;
         refill(&mut solution.x, x.0[..n].iter().copied());
-        solution.row_values.clone_from(&conditions.values);
+        if x == solved.x {
+            solution.row_values.clone_from(&conditions.values);
+        } else {
+            refill(&mut solution.row_values, problem.rows.iter().map(|row| row.coefficients.dot(&x)));
+        }
         solution.working_set.unknowns.clone_from(&set.unknowns);
         solution.working_set.rows.clone_from(&set.rows);
         refill(&mut solution.multipliers, conditions.multipliers.0[..n].iter().copied());

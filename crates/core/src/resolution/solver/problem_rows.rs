@@ -89,7 +89,7 @@ impl<const N: usize> ProblemRows<N> {
     }
 
     /// Returns whether levels, rows and reference are those of a problem.
-    fn has_rows_of(&self, problem: &Hierarchy) -> bool {
+    pub fn has_rows_of(&self, problem: &Hierarchy) -> bool {
         let n = problem.unknowns;
         let bounds = problem.row_lower.iter().zip(&problem.row_upper);
         let mut rows = self.rows.iter().zip(problem.rows.as_chunks().0.iter().zip(bounds));
