@@ -23,7 +23,7 @@
 //! // The second joint moves at its limit, the first one adds the rest: the lower task gives way.
 //! assert!((answer.joint_velocity[0] - 0.5).abs() < 1e-9 && (answer.joint_velocity[1] - 1.0).abs() < 1e-9);
 //! assert!((answer.tasks[1].residual_norm - 0.5).abs() < 1e-9);
-//! assert_eq!(answer.active_limits[0].joint, 1);
+//! assert_eq!(answer.active_limits().map(|(joint, _)| joint).collect::<Vec<_>>(), [1]);
 //! # Ok(())
 //! # }
 //! ```
