@@ -65,10 +65,6 @@ impl CheckedStepper {
     ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
         let config = controller.config();
-        let state = self.rules.why.then(|| {
-            let last_command = memory.as_ref().map(|memory| &memory.last_command);
-            why::limited_state(config, measurement, last_command)
-        });
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         let mut warnings = Vec::new();
         self.rules.warn(&mut warnings, measurement, &controller, command);
@@ -76,7 +72,7 @@ impl CheckedStepper {
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
         }
-        let why = state.map(|state| why::why_of_step(config, command, state.as_ref())).unwrap_or_default();
+        let why = if self.rules.why { why::why_of_step(config, command, measurement) } else { Vec::new() };
         Ok((command, Remarks { warnings, why }))
     }
 }

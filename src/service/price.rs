@@ -5,6 +5,7 @@
 //! One unit is about 0.25 µs in the worst case that was measured, on one core at 2 to 3 GHz: random rows, all of them at
 //! contradictory limits, every method and solver. Common problems cost a tenth of their price.
 
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::resolution::Problem;
 
@@ -28,7 +29,7 @@ pub fn of_problem(problem: &Problem) -> usize {
 /// Returns the price of one step of a controller.
 pub fn of_controller(config: &ControllerConfig) -> usize {
     let tasks = config.tasks.iter().map(|task| (task.rows.len(), task.law.bounds().is_some()));
-    price(tasks, config.barriers.len(), config.robot.joint_count())
+    price(tasks, config.constraints.iter().map(Constraint::row_count).sum(), config.robot.joint_count())
 }
 
 /// Returns tasks × (equations + 4 × (bounds + inequalities) + joints) × joints². Each task gives its number of rows and
@@ -44,12 +45,13 @@ fn price(tasks: impl Iterator<Item = (usize, bool)>, inequalities: usize, joints
 
 #[cfg(test)]
 mod tests {
+    use revprio_core::constraint::Inequality;
+
     use super::*;
 
     /// A task of equations and one of bounds, next to an inequality.
     #[test]
     fn the_price_of_a_problem_counts_its_tasks_rows_and_inequalities() {
-        use revprio_core::limits::Inequality;
         use revprio_core::linalg::{Matrix, Vector};
         use revprio_core::task::{Task, TaskStack};
 
@@ -60,13 +62,13 @@ mod tests {
         assert_eq!(of_problem(&problem), 2 * (3 + 4 * (2 + 1) + 5) * 25);
     }
 
-    /// A law of two rows and bounds of one row, next to a barrier.
+    /// A law of two rows and bounds of one row, next to a constraint.
     #[test]
-    fn the_price_of_a_controller_counts_its_tasks_rows_and_barriers() {
-        use revprio_core::controller::{TaskConfig, TaskRows, ToolRows};
+    fn the_price_of_a_controller_counts_its_tasks_rows_and_constraints() {
+        use revprio_core::controller::TaskConfig;
         use revprio_core::law::{Law, Profile, VelocityBounds};
-        use revprio_core::limits::{Barrier, Inequality};
         use revprio_core::robot::kinematics::{Axis, AxisSelection};
+        use revprio_core::rows::{TaskRows, ToolRows};
 
         let task = |axes: &[Axis], law: Law| TaskConfig {
             name: format!("{axes:?}"),
@@ -79,7 +81,7 @@ mod tests {
         let bounds = task(&[Axis::Z], Law::Bounds(VelocityBounds::new(vec![-0.1], vec![0.1]).unwrap()));
         let robot = revprio_core::robot::built_in()[0].clone();
         let mut config = ControllerConfig::new(robot, 0.001, vec![moves, bounds]);
-        config.barriers.push(Barrier::Fixed(Inequality::new("sum", vec![1.0; 7], 1.0).unwrap()));
+        config.constraints.push(Constraint::Fixed(Inequality::new("sum", vec![1.0; 7], 1.0).unwrap()));
         assert_eq!(of_controller(&config), 2 * (2 + 4 * (1 + 1) + 7) * 49);
     }
 

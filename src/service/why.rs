@@ -1,9 +1,9 @@
 //! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
 
 use revprio_api::wire;
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
-use revprio_core::limits::Barrier;
-use revprio_core::linalg::Vector;
+use revprio_core::limits::BoundCause;
 use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::report::number::significant;
 use revprio_robot::RobotModel;
@@ -11,28 +11,11 @@ use revprio_robot::RobotModel;
 /// Distance from the end of its range at which a joint is there, rad or m.
 const RANGE_END: f64 = 0.02;
 
-/// Part of the speed limit from which a joint is at it.
-const AT_SPEED: f64 = 1.0 - 1e-6;
-
-/// Part of the largest change within a period from which a joint is at its acceleration limit.
-const AT_ACCELERATION: f64 = 1.0 - 1e-6;
-
 /// Smallest velocity that a task gives up, m/s or rad/s.
 const MIN_GIVEN_UP: f64 = 1e-4;
 
 /// Smallest part of its speed that a scaled task gives up.
 const MIN_SCALED: f64 = 1e-4;
-
-/// The state that the limits of a robot depend on.
-#[derive(Debug, Clone)]
-pub struct LimitedState {
-    /// Joint position, n, if position limits apply.
-    pub position: Option<Vec<f64>>,
-    /// Joint velocity of the last command, n, and control period, s, if acceleration limits apply.
-    pub last_command: Option<(Vec<f64>, f64)>,
-    /// Whether jerk limits apply.
-    pub keeps_jerk: bool,
-}
 
 /// The unit of a row of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,8 +68,12 @@ pub struct Explained<'a> {
     pub inequalities: Vec<&'a str>,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
-    /// Its state, if its limits apply.
-    pub state: Option<&'a LimitedState>,
+    /// Joint position, n, if position limits apply.
+    pub position: Option<&'a [f64]>,
+    /// The limit that sets each active limit of a joint, in their order.
+    pub causes: Vec<BoundCause>,
+    /// Whether jerk limits apply.
+    pub keeps_jerk: bool,
     /// Threshold of the damping, if there is damping.
     pub threshold: Option<f64>,
     /// Joints whose acceleration or jerk limit is not kept.
@@ -95,8 +82,8 @@ pub struct Explained<'a> {
     pub tasks: Vec<NamedTask<'a>>,
 }
 
-/// Returns the sentences about a command. `state`: the state that its limits depend on, if they are the robot's.
-pub fn why_of_step(config: &ControllerConfig, command: &Command, state: Option<&LimitedState>) -> Vec<String> {
+/// Returns the sentences about the command for a measurement.
+pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &Measurement) -> Vec<String> {
     let unit = |task: &TaskConfig, row| match task.rows.is_angular(row, &config.robot) {
         Some(true) => Unit::Radians,
         Some(false) => Unit::Metres,
@@ -107,12 +94,15 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, state: Option<&
         requested: target.velocity.as_slice().to_vec(),
         units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
     });
+    let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
     let explained = Explained {
         resolution: &command.resolution,
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
-        inequalities: config.barriers.iter().map(Barrier::name).collect(),
+        inequalities: config.constraints.iter().map(Constraint::name).collect(),
         robot: Some(&config.robot),
-        state,
+        position: includes_position.then_some(measurement.joint_position.as_slice()),
+        causes: command.limit_causes.clone(),
+        keeps_jerk: config.keeps_jerk(),
         threshold: config.damping.map(|damping| damping.threshold()),
         conflicts: &command.limit_conflicts,
         tasks: tasks.collect(),
@@ -122,23 +112,6 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, state: Option<&
     sentences
 }
 
-/// Returns the state that the limits of a controller depend on; `None` if they are not the robot's. `last_command`: joint
-/// velocities of the last period, n, if there was one.
-pub fn limited_state(
-    config: &ControllerConfig,
-    measurement: &Measurement,
-    last_command: Option<&Vector>,
-) -> Option<LimitedState> {
-    let measured = || measurement.joint_velocity.clone().unwrap_or_else(|| vec![0.0; config.robot.joint_count()]);
-    let last = || (last_command.map_or_else(measured, |last| last.as_slice().to_vec()), config.period_s);
-    let Limits::Robot(kind) = config.limits else { return None };
-    Some(LimitedState {
-        position: kind.includes_position().then(|| measurement.joint_position.clone()),
-        last_command: kind.includes_acceleration().then(last),
-        keeps_jerk: config.keeps_jerk(),
-    })
-}
-
 impl Explained<'_> {
     /// Returns what restricts the answer, then what each task gives up.
     pub fn sentences(&self) -> Vec<String> {
@@ -146,7 +119,8 @@ impl Explained<'_> {
         let losses: Vec<String> =
             self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
         let mut sentences: Vec<String> = self.solver().into_iter().collect();
-        sentences.extend(resolution.active_limits().map(|(joint, active)| self.limit(joint, active)));
+        let limits = resolution.active_limits().zip(&self.causes);
+        sentences.extend(limits.map(|((joint, active), cause)| self.limit(joint, active, *cause)));
         sentences.extend(resolution.broken_limits().map(|(joint, violated)| {
             let (joint, unit) = (self.joints[joint], self.unit(joint));
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
@@ -187,45 +161,44 @@ impl Explained<'_> {
     }
 
     /// Returns which limit of a joint is active.
-    fn limit(&self, index: usize, active: &ActiveBound) -> String {
+    fn limit(&self, index: usize, active: &ActiveBound, cause: BoundCause) -> String {
         let (joint, unit) = (self.joints[index], self.unit(index));
         let side = if active.bound.side == Side::Upper { "upper" } else { "lower" };
         let speed = significant(active.value.abs(), 2);
-        let Some((robot, LimitedState { position, last_command, keeps_jerk })) = self.robot.zip(self.state) else {
-            let value = significant(active.value, 2);
-            return format!("joint `{joint}` is at its {side} velocity bound of {value} {unit}");
-        };
-        let limits = robot.joints()[index].limits;
-        if active.value.abs() >= AT_SPEED * limits.velocity {
-            return format!("joint `{joint}` is at its speed limit of {speed} {unit}");
+        let left = self.left(index, active.bound.side);
+        match cause {
+            BoundCause::Unlimited | BoundCause::Given => {
+                format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
+            }
+            BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
+            _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
+            BoundCause::Position if left < RANGE_END => format!("joint `{joint}` is at its {side} limit"),
+            BoundCause::Position => format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}"),
+            BoundCause::Acceleration => format!("joint `{joint}` is at its acceleration limit"),
+            BoundCause::Transition => {
+                format!("joint `{joint}` is at its acceleration limit, in the transition from another controller")
+            }
+            BoundCause::Jerk => format!("joint `{joint}` is at its jerk limit"),
+            BoundCause::LevellingOff => {
+                format!("joint `{joint}` levels off within its jerk limit at the velocity that the tasks want")
+            }
         }
-        let left = position.as_ref().map(|position| match active.bound.side {
-            Side::Upper => limits.upper - position[index],
-            Side::Lower => position[index] - limits.lower,
-        });
-        if left.is_some_and(|left| left < 0.0) {
-            return format!("joint `{joint}` is beyond its {side} limit and must move back");
+    }
+
+    /// Returns the distance of a joint from the end of its range on one side, rad or m; infinite if it does not matter.
+    fn left(&self, joint: usize, side: Side) -> f64 {
+        let Some((robot, position)) = self.robot.zip(self.position) else { return f64::INFINITY };
+        let limits = robot.joints()[joint].limits;
+        match side {
+            Side::Upper => limits.upper - position[joint],
+            Side::Lower => position[joint] - limits.lower,
         }
-        if left.is_some_and(|left| left < RANGE_END) {
-            return format!("joint `{joint}` is at its {side} limit");
-        }
-        if let Some((last, period)) = last_command
-            && (active.value - last[index]).abs() >= AT_ACCELERATION * limits.acceleration * period
-        {
-            return format!("joint `{joint}` is at its acceleration limit");
-        }
-        if *keeps_jerk && limits.jerk.is_finite() {
-            return format!(
-                "joint `{joint}` is at its jerk limit or brakes before its {side} limit, at {speed} {unit}"
-            );
-        }
-        format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}")
     }
 
     /// Returns the name of the limit that a conflict gives up.
     fn conflicting(&self, joint: usize) -> &'static str {
         let has_jerk = |robot: &RobotModel| robot.joints()[joint].limits.jerk.is_finite();
-        if self.state.is_some_and(|state| state.keeps_jerk) && self.robot.is_some_and(has_jerk) {
+        if self.keeps_jerk && self.robot.is_some_and(has_jerk) {
             "acceleration or jerk limit"
         } else {
             "acceleration limit"

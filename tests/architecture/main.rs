@@ -54,20 +54,24 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
     (
         "law",
         &["Law::Impedance", "ImpedanceLaw", "Self::Impedance"],
-        "crates/core/src/law/interaction.rs",
+        "crates/core/src/law/impedance.rs",
         &["crates/core/src/law/mod.rs", "api/rust/src/wire/law.rs", "src/service/convert/task.rs"],
     ),
     (
         "task kind",
         &["TaskRows::Joints", "Self::Joints", "JointRows"],
-        "crates/core/src/controller/joint_rows.rs",
-        &["crates/core/src/controller/mod.rs", "crates/core/src/controller/task.rs", "src/service/convert/task.rs"],
+        "crates/core/src/rows/joints.rs",
+        &["crates/core/src/rows/mod.rs", "src/service/convert/task.rs"],
     ),
     (
         "constraint",
-        &["Barrier::Plane", "VirtualPlane", "Self::Plane"],
-        "crates/core/src/limits/barrier.rs",
-        &["crates/core/src/limits/mod.rs", "api/rust/src/wire/inequality.rs", "src/service/convert/inequalities.rs"],
+        &["Constraint::Plane", "VirtualPlane", "Self::Plane"],
+        "crates/core/src/constraint/plane.rs",
+        &[
+            "crates/core/src/constraint/mod.rs",
+            "api/rust/src/wire/inequality.rs",
+            "src/service/convert/inequalities.rs",
+        ],
     ),
     (
         "method",

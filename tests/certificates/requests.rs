@@ -47,7 +47,7 @@ pub fn random_request(seed: u64) -> Map<String, Value> {
         request.insert("null_space_velocity".to_owned(), json!(zeta.as_slice()));
     }
     if random.one_in(3) {
-        let inequality = |inequality: &revprio_core::limits::Inequality| json!({"kind": "joints", "coefficients": inequality.coefficients().as_slice(), "upper": inequality.bound()});
+        let inequality = |inequality: &revprio_core::constraint::Inequality| json!({"kind": "joints", "coefficients": inequality.coefficients().as_slice(), "upper": inequality.bound()});
         let inequalities: Vec<Value> = problems::inequalities(random, n).iter().map(inequality).collect();
         request.insert("inequalities".to_owned(), json!(inequalities));
     }

@@ -108,7 +108,7 @@ fn wrong_inequalities_are_refused_with_a_pointer() {
             "/inequalities/1/name",
             "own name",
         ),
-        (Value::Array(vec![joints; 65]), "/inequalities", "at most 64"),
+        (Value::Array(vec![joints; 513]), "/inequalities", "at most 512"),
     ];
     for (inequalities, pointer, word) in rows {
         let mut request = example("resolve.json");

@@ -5,10 +5,11 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig};
 use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 use revprio_core::robot::built_in;
 use revprio_core::robot::kinematics::{Axis, AxisSelection, Configuration};
+use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 
 /// Pushes for three seconds with an arm that follows its commands exactly.

@@ -5,7 +5,8 @@
 
 use std::time::{Duration, Instant};
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Rung, Rungs, Status};
 use revprio_core::task::{Task, TaskStack};

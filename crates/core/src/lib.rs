@@ -13,7 +13,9 @@
 //! | bound the velocity of a task, at its own priority | [`task::Task::between`], [`law::VelocityBounds`] |
 //! | choose a method and a solver | [`resolution::Method`], [`resolution::Solver`] |
 //! | know how sure an answer is | [`resolution::SolverReport`], [`resolution::Status`] |
-//! | keep joint limits, virtual walls and other inequalities | [`limits`] |
+//! | choose what a task measures (axes of the tool, joints, constant rows) | [`rows`] |
+//! | keep joint limits | [`limits`] |
+//! | keep virtual walls and other inequalities | [`constraint`] |
 //! | compute the stability margins of one axis in contact | [`controller::ContactLoop`] |
 //! | describe an arm (built-in, URDF, Denavit-Hartenberg) | [`robot`] |
 //! | understand the method | [what reverse priority is](#what-reverse-priority-is) |
@@ -160,11 +162,14 @@
 //! | section 5.2 | K_d not printed; "case 3" never introduced | K_d as each scenario states it; two cases |
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
+mod arm_state;
+pub mod constraint;
 pub mod controller;
 pub mod law;
 pub mod limits;
 pub mod linalg;
 pub mod resolution;
+pub mod rows;
 pub mod streaming;
 pub mod tolerances;
 

@@ -1,10 +1,8 @@
 //! Limits, holds and virtual walls compared with the formulas of `docs/limits.md`, computed here in another way.
 
 use proptest::prelude::*;
-use revprio_core::limits::{
-    Ahead, Barrier, Drive, Hold, Inequality, JointBraking, JointMotion, LimitKind, PlanePoint, VirtualPlane,
-    braking_deceleration, reaction_time, robot_box,
-};
+use revprio_core::constraint::{Ahead, Constraint, Inequality, JointBraking, PlanePoint, VirtualPlane};
+use revprio_core::limits::{Drive, Hold, JointMotion, LimitKind, braking_deceleration, reaction_time, robot_box};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::Configuration;
 use revprio_robot::{JointLimits, RobotModel};
@@ -180,15 +178,20 @@ fn a_joint_that_a_wall_cannot_be_reached_with_gives_an_inequality_that_always_ho
 }
 
 #[test]
-fn a_barrier_says_what_it_is() {
-    let fixed = Barrier::Fixed(Inequality::new("sum", vec![1.0; 7], 0.5).unwrap());
-    let plane = |point| Barrier::Plane(VirtualPlane::new("wall", [0.0, 0.0, 1.0], 0.3, point, 8.0).unwrap());
+fn a_constraint_says_what_it_is() {
+    let fixed = Constraint::Fixed(Inequality::new("sum", vec![1.0; 7], 0.5).unwrap());
+    let plane = |point| Constraint::Plane(VirtualPlane::new("wall", [0.0, 0.0, 1.0], 0.3, point, 8.0).unwrap());
     assert_eq!((fixed.name(), plane(PlanePoint::Tool).name()), ("sum", "wall"));
-    assert_eq!((fixed.constant().map(Inequality::name), plane(PlanePoint::Tool).constant()), (Some("sum"), None));
+    assert_eq!([fixed.depends_on_posture(), plane(PlanePoint::Tool).depends_on_posture()], [false, true]);
+    assert_eq!((fixed.row_count(), plane(PlanePoint::Tool).row_count()), (1, 1));
+    let configuration = Configuration::new(sawyer(), &middle(sawyer())).unwrap();
+    let rows = |constraint: &Constraint, configuration| constraint.rows_at(configuration).len();
+    assert_eq!((rows(&fixed, None), rows(&plane(PlanePoint::Tool), None)), (1, 0));
+    assert_eq!((rows(&fixed, Some(&configuration)), rows(&plane(PlanePoint::Tool), Some(&configuration))), (1, 1));
     assert_eq!((fixed.fits(7), fixed.fits(6)), (true, false));
     let fits = |joint| plane(PlanePoint::Joint(joint)).fits(7);
     assert_eq!((fits(6), fits(7), plane(PlanePoint::Tool).fits(1)), (true, false, true));
-    let Barrier::Plane(wall) = plane(PlanePoint::Joint(3)) else { unreachable!("a plane") };
+    let Constraint::Plane(wall) = plane(PlanePoint::Joint(3)) else { unreachable!("a plane") };
     assert_eq!((wall.point(), wall.rate()), (PlanePoint::Joint(3), 8.0));
 }
 

@@ -5,6 +5,7 @@ use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
 };
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
+use revprio_core::rows::RowsError;
 
 use super::checks::{Missing, Result, check, each};
 use super::environment;
@@ -52,7 +53,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         },
         drive,
         valid_for_ms: request.valid_for_ms,
-        barriers: InequalityReader { robot: Some(&robot), joints, period_s: Some(request.period_s) }
+        constraints: InequalityReader { robot: Some(&robot), joints, period_s: Some(request.period_s) }
             .read(&request.inequalities)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
@@ -106,7 +107,8 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Limits { .. } => "/limits".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
-        ConfigError::Barrier { index, .. } => format!("/inequalities/{index}"),
+        ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
+        ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),
         ConfigError::NullSpace(NullSpaceError::Size { .. }) => "/null_space_velocity".to_owned(),
         ConfigError::NullSpace(NullSpaceError::Gain(_) | NullSpaceError::Unstable { .. }) => {
             "/null_space_velocity/gain".to_owned()
@@ -116,10 +118,10 @@ fn config_pointer(error: &ConfigError) -> String {
 
 fn task_field(error: &TaskConfigError) -> &'static str {
     match error {
-        TaskConfigError::Rows { .. } | TaskConfigError::JointLaw | TaskConfigError::RawLaw => "/law",
-        TaskConfigError::Joints => "/law/joints",
+        TaskConfigError::Rows(RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw) => "/law",
+        TaskConfigError::Rows(RowsError::Joints) => "/law/joints",
+        TaskConfigError::Rows(RowsError::Jacobian { .. }) => "/jacobian",
         TaskConfigError::Unstable { .. } => "/law/gain",
-        TaskConfigError::Jacobian { .. } => "/jacobian",
         TaskConfigError::Scaled => "/scale",
         TaskConfigError::Streaming(_) => "/streaming",
     }

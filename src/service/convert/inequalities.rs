@@ -1,7 +1,7 @@
 //! Linear inequalities in addition to the joint limits.
 
 use revprio_api::wire;
-use revprio_core::limits::{APPROACH_RATE, Barrier, Inequality, PlanePoint, VirtualPlane};
+use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, MAX_CONSTRAINT_ROWS, PlanePoint, VirtualPlane};
 use revprio_robot::RobotModel;
 
 use super::checks::{Missing, Refused, Result, check, each};
@@ -9,7 +9,7 @@ use super::numbers::{check_numbers, joint_index, joint_list, joint_names, number
 use crate::service::error::ApiError;
 
 /// Maximum number of inequalities of a request.
-pub const MAX_INEQUALITIES: usize = 64;
+pub const MAX_INEQUALITIES: usize = MAX_CONSTRAINT_ROWS;
 
 /// Reads inequalities.
 pub struct InequalityReader<'a> {
@@ -23,33 +23,33 @@ pub struct InequalityReader<'a> {
 
 impl InequalityReader<'_> {
     /// Reads the list at the JSON pointer `/inequalities`.
-    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Barrier>> {
+    pub fn read(&self, list: &[wire::Inequality]) -> Result<Vec<Constraint>> {
         let detail = format_args!("give at most {MAX_INEQUALITIES} inequalities");
         check(list.len() <= MAX_INEQUALITIES, "/inequalities", detail)?;
-        let barriers: Vec<Barrier> = each("/inequalities", list, |i, inequality| self.barrier(i, inequality))?;
-        for (i, barrier) in barriers.iter().enumerate() {
-            if barriers[..i].iter().any(|earlier| earlier.name() == barrier.name()) {
-                let detail = format!("two inequalities are named `{}`; give each its own name", barrier.name());
+        let constraints: Vec<Constraint> = each("/inequalities", list, |i, inequality| self.constraint(i, inequality))?;
+        for (i, constraint) in constraints.iter().enumerate() {
+            if constraints[..i].iter().any(|earlier| earlier.name() == constraint.name()) {
+                let detail = format!("two inequalities are named `{}`; give each its own name", constraint.name());
                 return Err(ApiError::invalid(format!("/inequalities/{i}/name"), detail));
             }
         }
-        Ok(barriers)
+        Ok(constraints)
     }
 
-    fn barrier(&self, index: usize, inequality: &wire::Inequality) -> Result<Barrier> {
+    fn constraint(&self, index: usize, inequality: &wire::Inequality) -> Result<Constraint> {
         let named = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("inequality {}", index + 1));
         match inequality {
             wire::Inequality::Joints { name, coefficients, upper } => {
                 let coefficients: Vec<f64> = joint_list(coefficients, self.joints, "/coefficients")?;
                 let upper = number(*upper, "/upper")?;
-                Inequality::new(named(name), coefficients, upper).map(Barrier::Fixed).at("/coefficients")
+                Inequality::new(named(name), coefficients, upper).map(Constraint::Fixed).at("/coefficients")
             }
             wire::Inequality::Plane { name, normal, offset_m, point, rate_per_s } => {
                 check_numbers(normal, "/normal")?;
                 let offset = number(*offset_m, "/offset_m")?;
                 let point = self.point(point, "/point")?;
                 let rate = self.rate(*rate_per_s, "/rate_per_s")?;
-                VirtualPlane::new(named(name), *normal, offset, point, rate).map(Barrier::Plane).at("/normal")
+                VirtualPlane::new(named(name), *normal, offset, point, rate).map(Constraint::Plane).at("/normal")
             }
         }
     }

@@ -131,9 +131,10 @@ fn active_set(names: &[wire::ActiveLimitName], config: &ControllerConfig) -> Res
         (Some(name), None, None, None) => {
             config.robot.joints().iter().position(|joint| joint.name == *name).map(BoundId::Joint)
         }
-        (None, Some(name), None, None) => {
-            let index = config.barriers.iter().position(|barrier| barrier.name() == name)?;
-            Some(BoundId::Constraint { index, row: 0 })
+        (None, Some(name), None, row) => {
+            let index = config.constraints.iter().position(|constraint| constraint.name() == name)?;
+            let row = row.unwrap_or(0);
+            (row < config.constraints[index].row_count()).then_some(BoundId::Constraint { index, row })
         }
         (None, None, Some(name), Some(row)) => {
             let index = config.tasks.iter().position(|task| task.name == *name)?;
@@ -154,7 +155,11 @@ fn limit_name(config: &ControllerConfig, bound: &Bound) -> wire::ActiveLimitName
     let (mut joint, mut inequality, mut task, mut row) = (None, None, None, None);
     match bound.id {
         BoundId::Joint(index) => joint = Some(config.robot.joints()[index].name.clone()),
-        BoundId::Constraint { index, .. } => inequality = Some(config.barriers[index].name().to_owned()),
+        BoundId::Constraint { index, row: own } => {
+            inequality = Some(config.constraints[index].name().to_owned());
+            // The first row needs no number: most constraints have one row.
+            row = Some(own).filter(|own| *own > 0);
+        }
         BoundId::Task { index, row: own } => (task, row) = (Some(config.tasks[index].name.clone()), Some(own)),
     }
     wire::ActiveLimitName { joint, inequality, task, row, side: terms::side_answer(bound.side) }

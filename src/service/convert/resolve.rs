@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use revprio_api::wire;
+use revprio_core::constraint::Inequality;
 use revprio_core::controller::{Limits, NullSpaceMotion};
-use revprio_core::limits::{Barrier, Inequality, JointMotion, LimitKind, LimitedBox, VelocityBox};
+use revprio_core::limits::{JointMotion, LimitKind, LimitedBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, ProblemError, Resolution, Solver};
 use revprio_core::task::Task;
@@ -22,7 +23,7 @@ use super::resolve_task::task_stack;
 use super::terms;
 use crate::service::error::ApiError;
 use crate::service::robots::Robots;
-use crate::service::why::{Explained, LimitedState, NamedTask, Unit};
+use crate::service::why::{Explained, NamedTask, Unit};
 
 /// Minimum control period, s.
 pub const MIN_PERIOD_S: f64 = 1e-6;
@@ -39,8 +40,8 @@ pub struct ResolveProblem {
     joints: Vec<String>,
     /// The robot, if the limits of the problem are not the robot's.
     faster_than: Option<Arc<RobotModel>>,
-    /// Joints whose acceleration limit was dropped because it contradicts another limit.
-    conflicts: Vec<usize>,
+    /// The limits of the problem, with the limit that sets each bound.
+    limited: LimitedBox,
     /// Joint limit index H, if robot and posture are known.
     joint_limit_index: Option<f64>,
     /// What the sentences of the answer need, if the request wants them.
@@ -50,8 +51,8 @@ pub struct ResolveProblem {
 /// What the sentences of an answer need besides the problem.
 struct WhyInputs {
     robot: Option<Arc<RobotModel>>,
-    /// The state that the limits depend on, if they are the robot's.
-    state: Option<LimitedState>,
+    /// Joint position, n, if position limits apply.
+    position: Option<Vec<f64>>,
     /// Units of the rows of each task.
     units: Vec<Vec<Unit>>,
 }
@@ -81,7 +82,7 @@ pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<R
     Ok(ResolveProblem {
         problem: Problem {
             tasks,
-            limits: limited.velocity_box,
+            limits: limited.velocity_box.clone(),
             inequalities: request.inequalities(joints)?,
             method: terms::method(body.method),
             damping: damping(body.damping)?,
@@ -94,10 +95,18 @@ pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<R
             None => (1..=joints).map(|joint| format!("j{joint}")).collect(),
         },
         faster_than: request.robot.clone().filter(|_| request.has_other_limits()),
-        conflicts: limited.conflicts,
+        limited,
         joint_limit_index: request.at().map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
         why: body.why.then(|| request.why_inputs()),
     })
+}
+
+impl ResolveProblem {
+    /// Returns the name of each constraint; the rows of a constraint follow each other.
+    fn constraint_names(&self) -> Vec<&str> {
+        let first_rows = self.problem.inequalities.iter().filter(|inequality| inequality.row() == 0);
+        first_rows.map(Inequality::name).collect()
+    }
 }
 
 /// Checks that the rows of a certificate can be told apart: its tasks have different names.
@@ -141,18 +150,13 @@ impl<'a> Request<'a> {
             Some(wire::Limits::Robot(kind)) => kind,
             _ => wire::LimitKind::PositionVelocity,
         };
-        let position = self.configuration.as_ref().filter(|_| kind.includes_position());
-        let last = |robot| joint_vector(self.body.joint_velocity.as_ref()?, robot, "").ok().zip(self.body.period_s);
-        let state = self.robot.as_deref().filter(|_| !self.has_other_limits()).map(|robot| LimitedState {
-            position: position.map(|at| at.joint_position().to_vec()),
-            last_command: Some(robot).filter(|_| kind.includes_acceleration()).and_then(last),
-            keeps_jerk: false,
-        });
+        let applies = self.robot.is_some() && !self.has_other_limits() && kind.includes_position();
+        let position = self.configuration.as_ref().filter(|_| applies).map(|at| at.joint_position().to_vec());
         let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
             (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
             (None, rows) => vec![Unit::Unknown; rows.as_ref().map_or(0, Vec::len)],
         };
-        WhyInputs { robot: self.robot.clone(), state, units: self.body.tasks.iter().map(units).collect() }
+        WhyInputs { robot: self.robot.clone(), position, units: self.body.tasks.iter().map(units).collect() }
     }
 
     /// Reads the null-space velocity ζ̇, if the request has one.
@@ -174,20 +178,17 @@ impl<'a> Request<'a> {
 
     fn inequalities(&self, joints: usize) -> Result<Vec<Inequality>> {
         let robot = self.at().map(|(robot, _)| robot);
-        let barriers =
+        let constraints =
             InequalityReader { robot, joints, period_s: self.body.period_s }.read(&self.body.inequalities)?;
-        let inequality = |barrier: &Barrier| match &self.configuration {
-            Some(configuration) => Some(barrier.at(configuration, None, None)),
-            None => barrier.constant().cloned(),
-        };
-        Ok(barriers.iter().filter_map(inequality).collect())
+        let configuration = self.configuration.as_ref();
+        Ok(constraints.iter().flat_map(|constraint| constraint.rows_at(configuration)).collect())
     }
 
     fn limits(&self, joints: usize) -> Result<LimitedBox> {
         let period = self.body.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
         let kind = match &self.body.limits {
             Some(wire::Limits::Box { lower, upper }) => {
-                return Ok(without_conflicts(velocity_box(lower, upper, joints)?));
+                return Ok(LimitedBox::given(velocity_box(lower, upper, joints)?));
             }
             Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
             None if self.configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
@@ -198,7 +199,7 @@ impl<'a> Request<'a> {
         let last =
             last.map(|last| joint_vector_of(last, self.robot.as_deref(), joints, "/joint_velocity")).transpose()?;
         if kind == LimitKind::None {
-            return Ok(without_conflicts(VelocityBox::unbounded(joints)));
+            return Ok(LimitedBox::unbounded(joints));
         }
         let detail = "the limits of a robot need `robot`; or give `lower` and `upper`";
         let robot = self.robot.as_ref().or_invalid("/limits", detail)?;
@@ -215,10 +216,6 @@ impl<'a> Request<'a> {
         let motion = JointMotion { position, distance_to_rest: &[], last_command, last_acceleration: &[] };
         Ok(Limits::Robot(kind).at(robot, motion, period.unwrap_or(1.0)))
     }
-}
-
-fn without_conflicts(velocity_box: VelocityBox) -> LimitedBox {
-    LimitedBox { velocity_box, conflicts: Vec::new() }
 }
 
 /// Returns the robot with the name at `/robot`.
@@ -250,7 +247,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         tasks: tasks.iter().map(|task| task.name.as_str()).collect(),
-        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+        inequalities: problem.constraint_names(),
         faster_than: problem.faster_than.as_deref(),
     };
     wire::ResolveAnswer {
@@ -262,7 +259,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
         contradictions: outcome.contradictions(),
-        limit_conflict: outcome.names(&problem.conflicts),
+        limit_conflict: outcome.names(&problem.limited.conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),
         joint_limit_index: problem.joint_limit_index,
@@ -282,11 +279,16 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     let explained = Explained {
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
-        inequalities: problem.problem.inequalities.iter().map(Inequality::name).collect(),
+        inequalities: problem.constraint_names(),
         robot: inputs.robot.as_deref(),
-        state: inputs.state.as_ref(),
+        position: inputs.position.as_deref(),
+        causes: resolution
+            .active_limits()
+            .map(|(joint, active)| problem.limited.cause(joint, active.bound.side))
+            .collect(),
+        keeps_jerk: false,
         threshold: problem.problem.damping.map(|damping| damping.threshold()),
-        conflicts: &problem.conflicts,
+        conflicts: &problem.limited.conflicts,
         tasks: tasks.collect(),
     };
     explained.sentences()

@@ -1,8 +1,9 @@
 //! The states of control periods and their answers.
 
 use revprio_api::wire;
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask, TransitionError};
-use revprio_core::limits::{Barrier, Hold, braking_deceleration};
+use revprio_core::limits::{Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::ConfigurationError;
 use tokio::time::Instant;
@@ -104,7 +105,7 @@ pub fn step_answer(
         resolution: &command.resolution,
         joints: joint_names(&config.robot),
         tasks: config.tasks.iter().map(|task| task.name.as_str()).collect(),
-        inequalities: config.barriers.iter().map(Barrier::name).collect(),
+        inequalities: config.constraints.iter().map(Constraint::name).collect(),
         faster_than: (!config.limits.include_speeds()).then_some(&config.robot),
     };
     let task = |k: usize| {

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use revprio_api::wire::{self, JointVector};
-use revprio_core::controller::{Controller, StreamedTarget, StreamedValue, TargetError, TaskConfig, TaskRows};
-use revprio_core::streaming::{Quantity, Streaming};
+use revprio_core::controller::{Controller, TaskConfig};
+use revprio_core::rows::TaskRows;
+use revprio_core::streaming::{Quantity, StreamedTarget, StreamedValue, Streaming, TargetError};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::pose as pose_of;
 

@@ -1,10 +1,11 @@
 //! Tasks of a controller.
 
 use revprio_api::wire::{self, PerAxis};
-use revprio_core::controller::{JointRows, JointTarget, RawRows, TargetPose, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::TaskConfig;
 use revprio_core::law::{
     Braking, ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, PositionLawError, Profile,
 };
+use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 

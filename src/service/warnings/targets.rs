@@ -1,7 +1,7 @@
 //! Warnings about streamed targets that are late, missing or ignored.
 
-use revprio_core::controller::{Command, Controller, TargetReport, TaskConfig};
-use revprio_core::streaming::{Ignored, TargetState};
+use revprio_core::controller::{Command, Controller, TaskConfig};
+use revprio_core::streaming::{Ignored, TargetReport, TargetState};
 
 /// Adds warnings about targets that are late, missing or ignored.
 pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {

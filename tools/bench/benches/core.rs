@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use divan::{Bencher, black_box};
 use revprio::service::{solver, stepper};
-use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig};
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
+use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_core::task::{Task, TaskStack};
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};

@@ -5,7 +5,8 @@
 //! period to period.
 //!
 //! ```
-//! use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskRows, ToolRows};
+//! use revprio_core::rows::{TaskRows, ToolRows};
+//! use revprio_core::controller::{Controller, ControllerConfig, Measurement, Stepper, TaskConfig};
 //! use revprio_core::law::{ForceLaw, Gains, Law, Profile};
 //! use revprio_core::robot::built_in;
 //! use revprio_core::robot::kinematics::{Axis, AxisSelection};
@@ -36,52 +37,22 @@
 //! # }
 //! ```
 
-mod capability;
-mod command;
 mod config;
-mod jerk;
-mod joint_rows;
-mod late_state;
-mod look_ahead;
-mod memory;
-mod next_memory;
-mod null_space;
-mod progress;
-mod raw_rows;
-mod row_space;
+mod period;
 mod stability;
-mod stall;
-mod steep_gain;
-mod step;
+mod state;
 mod stepper;
-mod streamed_target;
-mod target_bounds;
-mod target_streams;
-mod task;
-mod task_target;
-mod tool_rows;
 mod transition;
-mod watchdog;
-mod weights;
 
-pub use capability::BRAKING_SHARE;
-pub use command::Command;
-pub use config::{AntiWindup, ConfigError, ControllerConfig, Limits, WrenchConvention, WrenchFrame};
-pub use jerk::JerkState;
-pub use joint_rows::{JointRows, JointTarget};
-pub use late_state::AnsweredState;
-pub use memory::{Memory, MemoryError};
-pub use null_space::{HOLDING_SPEED, NullSpaceError, NullSpaceMotion};
-pub use progress::{LEAVING_TIME, MAX_ATTEMPTS, Obstacle, Progress, StuckTask};
-pub use raw_rows::RawRows;
+pub use config::{
+    AntiWindup, ConfigError, Controller, ControllerConfig, HOLDING_SPEED, Limits, NullSpaceError, NullSpaceMotion,
+    SteepGain, TaskConfig, TaskConfigError, WrenchConvention, WrenchFrame,
+};
+pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
-pub use stall::{Stall, StalledJoint};
-pub use steep_gain::SteepGain;
-pub use step::{Controller, Measurement, StepError};
+pub use state::{
+    AnsweredState, Command, JerkState, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress, Stall,
+    StalledJoint, StepError, StuckTask, TaskTarget,
+};
 pub use stepper::Stepper;
-pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
-pub use target_streams::TargetReport;
-pub use task::{TaskConfig, TaskConfigError, TaskRows};
-pub use task_target::TaskTarget;
-pub use tool_rows::{TargetPose, ToolRows};
 pub use transition::TransitionError;

@@ -7,17 +7,12 @@
 //! Position limits win over the acceleration limit, as always: the answer names the joint as a limit conflict. A joint
 //! without acceleration limit may jump.
 
-use revprio_robot::kinematics::{Configuration, ConfigurationError};
+use revprio_robot::kinematics::ConfigurationError;
 
-use super::memory::fits_task;
-use super::task::ArmState;
-use super::{Controller, ControllerConfig, Limits, Memory, MemoryError, Progress};
-use crate::limits::{JointMotion, LimitKind, LimitedBox, VelocityBox, bound_changes};
-use crate::resolution::{Resolution, Solver};
+use super::config::{Controller, ControllerConfig};
+use super::state::{Memory, MemoryError, Progress, fits_task};
+use crate::resolution::Solver;
 use crate::streaming::TargetStream;
-
-/// Relative distance from the largest change of a velocity at which the change counts as limited.
-const REACH_TOLERANCE: f64 = 1e-6;
 
 /// Why a controller cannot continue the motion of another one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -65,20 +60,10 @@ impl Controller {
         memory.check(old)?;
         let to_rest = |joint| memory.drive.distance_to_rest(old.drive, joint, old.period_s);
         let rest: Vec<f64> = joint_position.iter().enumerate().map(|(joint, q)| q + to_rest(joint)).collect();
-        let configuration = Configuration::new(&new.robot, &rest)?;
-        let velocity = memory.last_command.as_slice();
-        let arm = ArmState {
-            time_s: 0.0,
-            robot: &new.robot,
-            configuration: &configuration,
-            joint_velocity: velocity,
-            twist: configuration.twist(velocity),
-            wrench: [0.0; 6],
-            initial_pose: memory.initial_pose,
-            rest: &configuration,
-            time_to_rest: 0.0,
-        };
-        let initial = self.initial_memory(&arm);
+        let mut arm = new.allocate_arm()?;
+        arm.move_to(&rest, memory.last_command.as_slice())?;
+        arm.initial_pose = memory.initial_pose;
+        let initial = Memory::at_start(new, arm.measured());
         Ok(Memory {
             drive: memory.drive.clone(),
             answered: memory.answered.clone(),
@@ -108,42 +93,16 @@ impl Controller {
     }
 }
 
-impl ControllerConfig {
-    /// Adds the acceleration limits of the robot to the limits of a period of a transition. `velocity_box`: the limits of the
-    /// configuration, as in `limited`.
-    pub(super) fn limit_transition(
-        &self,
-        limited: &mut LimitedBox,
-        velocity_box: &mut VelocityBox,
-        motion: JointMotion,
-    ) {
-        if self.limits == Limits::Robot(LimitKind::PositionVelocity) {
-            limited.update(&self.robot, LimitKind::PositionVelocityAcceleration, motion, self.period_s);
-            velocity_box.copy_from(&limited.velocity_box);
-        } else {
-            bound_changes(velocity_box, &self.robot, motion.last_command, self.period_s);
-        }
-    }
-
-    /// Returns whether an answer still needs the acceleration limits of a transition; `last`: the command before it, n.
-    pub(super) fn is_in_transition(&self, last: &[f64], resolution: &Resolution) -> bool {
-        let velocities = last.iter().zip(resolution.joint_velocity.iter());
-        velocities.zip(self.robot.joints()).any(|((last, velocity), joint)| {
-            (velocity - last).abs() >= (1.0 - REACH_TOLERANCE) * joint.limits.acceleration * self.period_s
-        })
-    }
-
-    /// Returns the index of the task with this name.
-    fn task_index(&self, name: &str) -> Option<usize> {
-        self.tasks.iter().position(|task| task.name == name)
-    }
+/// Returns the index of the task with this name.
+fn task_index(config: &ControllerConfig, name: &str) -> Option<usize> {
+    config.tasks.iter().position(|task| task.name == name)
 }
 
 /// Returns the streams of the tasks that stay with the same rows.
 fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<TargetStream> {
     let kept = |stream: &TargetStream| {
         let follower = &old.tasks[stream.task];
-        let task = new.task_index(&follower.name).filter(|&task| new.tasks[task].rows == follower.rows)?;
+        let task = task_index(new, &follower.name).filter(|&task| new.tasks[task].rows == follower.rows)?;
         Some(TargetStream { task, ..stream.clone() }).filter(|stream| fits_task(stream, new))
     };
     let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
@@ -153,6 +112,6 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
 
 /// Returns the progress of the tasks that stay, and that of new tasks.
 fn kept_progress(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<Progress> {
-    let known = |name: &str| memory.progress.get(old.task_index(name)?);
+    let known = |name: &str| memory.progress.get(task_index(old, name)?);
     new.tasks.iter().map(|task| known(&task.name).copied().unwrap_or(Progress::FREE)).collect()
 }

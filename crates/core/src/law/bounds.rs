@@ -1,6 +1,6 @@
 //! Bounds of a velocity in place of a velocity.
 
-use super::TaskState;
+use super::task_state::TaskState;
 use crate::linalg::{TaskVector, Vector};
 
 /// Constant bounds lower ≤ ẋ ≤ upper, m entries each, m/s and rad/s; infinite where there is no bound.

@@ -22,55 +22,26 @@
 //! weak direction, and does not wind up.
 
 mod bounds;
+mod force;
 mod gains;
-mod interaction;
+mod hybrid;
+mod impedance;
 mod position;
+mod task_state;
 
 pub use bounds::{VelocityBounds, VelocityBoundsError};
+pub use force::ForceLaw;
 pub use gains::{GainError, Gains};
-pub use interaction::{ForceLaw, HybridLaw, ImpedanceLaw};
+pub use hybrid::HybridLaw;
+pub use impedance::ImpedanceLaw;
 pub use position::{Braking, PositionLaw, PositionLawError};
 pub(crate) use position::{braking_factor, linear_share};
 pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
+pub use task_state::{TargetForce, TaskState};
 
 use smallvec::SmallVec;
 
 use crate::linalg::TaskVector;
-
-/// The measured state of one task: m entries each, along the axes of the task's frame.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TaskState {
-    /// t, s.
-    pub time_s: f64,
-    /// Ẋ, measured velocity, m/s and rad/s.
-    pub velocity: TaskVector,
-    /// ΔX = X − X_d, displacement from the target, m and rad.
-    pub displacement: TaskVector,
-    /// Ẋ_d, velocity of the target, m/s and rad/s.
-    pub target_velocity: TaskVector,
-    /// Ẍ_d, acceleration of the target, m/s² and rad/s².
-    pub target_acceleration: TaskVector,
-    /// F_e, force and torque of the tool on the environment, N and N·m.
-    pub force: TaskVector,
-    /// Streamed values that replace the profile of the law: ẋ of the velocity law, F_d of the force and the hybrid law;
-    /// `None`: the profile.
-    pub streamed: Option<TaskVector>,
-}
-
-impl TaskState {
-    /// Returns the streamed values, or those of the profile of the law.
-    fn set_point(&self, profile: &Profile) -> TaskVector {
-        self.streamed.clone().unwrap_or_else(|| TaskVector::from_slice(&profile.at(self.time_s).value))
-    }
-
-    /// Returns ΔẊ = Ẋ − Ẋ_d, m/s and rad/s.
-    pub fn relative_velocity(&self) -> TaskVector {
-        &self.velocity - &self.target_velocity
-    }
-}
-
-/// F_d per row, N and N·m; `None` on rows that follow no force.
-pub type TargetForce = SmallVec<[Option<f64>; 8]>;
 
 /// The law of one task.
 #[derive(Debug, Clone, PartialEq)]

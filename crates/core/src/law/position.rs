@@ -1,6 +1,6 @@
 //! The position law: `pose` on rows of the tool, `posture` on joints.
 
-use super::TaskState;
+use super::task_state::TaskState;
 use crate::linalg::{TaskVector, Vector};
 
 /// The position law ẋ = ẋ_d + f K (x_d − x), K diagonal, 1/s, with the factor f ≤ 1 of the braking profile.

@@ -29,7 +29,7 @@
 
 use crate::linalg::Vector;
 
-/// Maximum D.
+/// Maximum D. More is no arm but a network, whose delay varies.
 pub const MAX_DRIVE_DELAY: usize = 64;
 
 /// How the joints follow a command: after a dead time, with a first-order lag.

@@ -33,7 +33,7 @@ use revprio_robot::{JointLimits, RobotModel};
 
 use super::LimitKind;
 use super::braking::{NOISE_TOLERANCE, braking_deceleration, spare_time};
-use super::limited_box::JointMotion;
+use crate::arm_state::JointMotion;
 
 /// Distance beyond a limit that counts as inside, rad or m, because measured positions are rounded.
 const POSITION_TOLERANCE: f64 = 5e-7;

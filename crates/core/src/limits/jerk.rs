@@ -55,6 +55,7 @@
 
 use revprio_robot::JointLimits;
 
+use super::bound_cause::BoundCause;
 use super::braking::{braking_deceleration, reaction_time};
 
 /// Halvings that find the end of the box, from a width of at most 2 J T² to rounding.
@@ -108,20 +109,21 @@ impl JerkLimit {
     }
 
     /// Returns the largest command that jerk, speed limit and an upper limit at `distance` allow, at least that of full
-    /// braking.
-    pub(super) fn largest(&self, last: f64, acceleration: f64, distance: f64) -> f64 {
-        let (least, greatest) = self.reach(last, acceleration);
-        let greatest = greatest.min(self.levelling_off(last, self.velocity));
+    /// braking, and which of them sets it.
+    pub(super) fn largest(&self, last: f64, acceleration: f64, distance: f64) -> (f64, BoundCause) {
+        let (least, reached) = self.reach(last, acceleration);
+        let greatest = reached.min(self.levelling_off(last, self.velocity));
         let allowed = |v: f64| self.stop_distance(v, (v - last) / self.period) <= distance.max(0.0);
         if greatest <= least || allowed(greatest) {
-            return greatest.max(least);
+            let cause = if greatest < self.velocity { BoundCause::Jerk } else { BoundCause::Velocity };
+            return (greatest.max(least), cause);
         }
         let (mut inside, mut outside) = (least, greatest);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
             *(if allowed(middle) { &mut inside } else { &mut outside }) = middle;
         }
-        inside
+        (inside, BoundCause::Position)
     }
 
     /// Returns the largest command from which the joint levels off at the speed `target` or below it: v + T Σᵢ max(0, a −
@@ -210,8 +212,9 @@ mod tests {
 
     use super::super::LimitKind;
     use super::super::braking::NOISE_TOLERANCE;
-    use super::super::limited_box::{Interval, JointMotion};
+    use super::super::limited_box::Interval;
     use super::*;
+    use crate::arm_state::JointMotion;
 
     fn interval(limits: &JointLimits, q: f64, last: f64, acceleration: f64, period: f64) -> Interval {
         let motion = JointMotion {
@@ -264,7 +267,7 @@ mod tests {
         let period = 1e-3;
         let (mut last, mut acceleration, mut largest) = (0.0, 0.0, 0.0_f64);
         for _ in 0..1000 {
-            let command = jerk_limit(period).largest(last, acceleration, f64::INFINITY);
+            let command = jerk_limit(period).largest(last, acceleration, f64::INFINITY).0;
             let next = (command - last) / period;
             assert!((next - acceleration).abs() <= SOFT.jerk * period + 1e-9 && next <= SOFT.acceleration + 1e-9);
             (last, acceleration, largest) = (command, next, largest.max(next));

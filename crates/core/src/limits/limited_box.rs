@@ -2,46 +2,23 @@
 
 use revprio_robot::{JointLimits, RobotModel};
 
+use super::bound_cause::BoundCause;
 use super::braking::{NOISE_TOLERANCE, braking_deceleration, reaction_time};
 use super::jerk::JerkLimit;
 use super::limit_kind::LimitKind;
-use revprio_problem::VelocityBox;
+use crate::arm_state::JointMotion;
+use revprio_problem::{Side, VelocityBox};
 
-/// A box of allowed velocities, with the joints whose acceleration or jerk limit it does not keep.
+/// A box of allowed velocities, with the limit that sets each bound, and the joints whose acceleration or jerk limit it does not
+/// keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedBox {
     /// The velocities allowed in this period.
     pub velocity_box: VelocityBox,
     /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub conflicts: Vec<usize>,
-}
-
-/// The motion of the joints before a command.
-#[derive(Debug, Clone, Copy)]
-pub struct JointMotion<'a> {
-    /// q, measured position, n.
-    pub position: &'a [f64],
-    /// p − q, how far the joints move on if all later commands are zero, n; empty: they stop at once. See
-    /// [`DriveState`](super::DriveState).
-    pub distance_to_rest: &'a [f64],
-    /// q̇⁻, the last command, n.
-    pub last_command: &'a [f64],
-    /// a⁻, the acceleration of the last command, n; empty: jerk limits do not apply.
-    pub last_acceleration: &'a [f64],
-}
-
-impl JointMotion<'_> {
-    /// Returns the same motion with joints that stop at once.
-    pub(super) fn stopping_at_once(self) -> Self {
-        Self { distance_to_rest: &[], ..self }
-    }
-
-    /// Returns the distances of a joint to its lower and to its upper limit, as it is now and as it comes to rest,
-    /// whichever is smaller.
-    pub(super) fn distances(&self, joint: usize, limits: &JointLimits) -> (f64, f64) {
-        let (q, to_rest) = (self.position[joint], self.distance_to_rest.get(joint).copied().unwrap_or(0.0));
-        (q - limits.lower + to_rest.min(0.0), limits.upper - q - to_rest.max(0.0))
-    }
+    /// What sets the lower and the upper bound, n.
+    causes: Vec<[BoundCause; 2]>,
 }
 
 /// Returns the box of a robot's own limits at a state; `period`: T > 0, s.
@@ -54,7 +31,60 @@ pub fn robot_box(robot: &RobotModel, kind: LimitKind, motion: JointMotion, perio
 impl LimitedBox {
     /// Returns the box without bounds, for n joints.
     pub fn unbounded(n: usize) -> Self {
-        Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new() }
+        let causes = vec![[BoundCause::Unlimited; 2]; n];
+        Self { velocity_box: VelocityBox::unbounded(n), conflicts: Vec::new(), causes }
+    }
+
+    /// Returns a given box, which does not depend on a state.
+    pub fn given(velocity_box: VelocityBox) -> Self {
+        let causes = vec![[BoundCause::Given; 2]; velocity_box.joint_count()];
+        Self { velocity_box, conflicts: Vec::new(), causes }
+    }
+
+    /// Updates the box to that of [`Self::given`], for the same number of joints.
+    pub fn set_given(&mut self, velocity_box: &VelocityBox) {
+        self.velocity_box.copy_from(velocity_box);
+        self.conflicts.clear();
+        self.causes.fill([BoundCause::Given; 2]);
+    }
+
+    /// Copies a box for the same number of joints.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.velocity_box.copy_from(&other.velocity_box);
+        self.conflicts.clone_from(&other.conflicts);
+        self.causes.copy_from_slice(&other.causes);
+    }
+
+    /// Returns the limit that sets a bound of a joint (index from 0).
+    pub fn cause(&self, joint: usize, side: Side) -> BoundCause {
+        self.causes[joint][usize::from(side == Side::Upper)]
+    }
+
+    fn set_joint(&mut self, joint: usize, interval: &Interval) {
+        self.velocity_box.set_joint(joint, interval.lower, interval.upper);
+        self.causes[joint] = interval.causes;
+    }
+
+    /// Restricts the box to velocities that the robot reaches from the last command (n) within a period (T, s), in the transition
+    /// from another controller. Where there is none, it becomes the reachable velocity nearest to the box.
+    pub fn bound_changes(&mut self, robot: &RobotModel, last_command: &[f64], period: f64) {
+        for (i, (joint, last)) in robot.joints().iter().zip(last_command).enumerate() {
+            let max_change = joint.limits.acceleration * period;
+            let reachable = |bound: f64| bound.clamp(last - max_change, last + max_change);
+            self.change_joint(i, BoundCause::Transition, |lower, upper| (reachable(lower), reachable(upper)));
+        }
+    }
+
+    /// Changes the bounds of a joint. Those that differ afterwards have another cause.
+    fn change_joint(&mut self, joint: usize, cause: BoundCause, change: impl FnOnce(f64, f64) -> (f64, f64)) {
+        let before = (self.velocity_box.lower()[joint], self.velocity_box.upper()[joint]);
+        let after = change(before.0, before.1);
+        self.velocity_box.set_joint(joint, after.0, after.1);
+        for (known, (before, after)) in self.causes[joint].iter_mut().zip([(before.0, after.0), (before.1, after.1)]) {
+            if !is_same(before, after) {
+                *known = cause;
+            }
+        }
     }
 
     /// Narrows the box, so that joints with a jerk limit reach the velocities `requested` (n) without passing them: a joint
@@ -73,10 +103,10 @@ impl LimitedBox {
     ) {
         for (i, joint) in robot.joints().iter().enumerate() {
             if let Some(jerk) = JerkLimit::of(&joint.limits, period) {
-                let bounds = (self.velocity_box.lower()[i], self.velocity_box.upper()[i]);
                 let last = (motion.last_command[i], motion.last_acceleration[i]);
-                let (lower, upper) = jerk.around(bounds, last, requested[i], last_requested[i]);
-                self.velocity_box.set_joint(i, lower, upper);
+                self.change_joint(i, BoundCause::LevellingOff, |lower, upper| {
+                    jerk.around((lower, upper), last, requested[i], last_requested[i])
+                });
             }
         }
     }
@@ -86,7 +116,7 @@ impl LimitedBox {
         self.conflicts.clear();
         for (i, joint) in robot.joints().iter().enumerate() {
             let interval = Interval::from_limits(&joint.limits, kind, motion, i, period);
-            self.velocity_box.set_joint(i, interval.lower, interval.upper);
+            self.set_joint(i, &interval);
             if interval.conflict {
                 self.conflicts.push(i);
             }
@@ -103,6 +133,13 @@ pub(super) struct Interval {
     pub(super) lower: f64,
     pub(super) upper: f64,
     pub(super) conflict: bool,
+    /// What sets the lower and the upper bound.
+    pub(super) causes: [BoundCause; 2],
+}
+
+/// Returns whether two bounds are the same, to the last bit. So the terms of a bound tell which of them sets it.
+fn is_same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits()
 }
 
 impl Interval {
@@ -115,7 +152,10 @@ impl Interval {
     ) -> Self {
         let velocity = limits.velocity;
         let (lower, upper) = match kind {
-            LimitKind::None => (f64::NEG_INFINITY, f64::INFINITY),
+            LimitKind::None => {
+                let causes = [BoundCause::Unlimited; 2];
+                return Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, conflict: false, causes };
+            }
             LimitKind::Velocity => (-velocity, velocity),
             LimitKind::PositionVelocity => {
                 let stop = |distance: f64| max_speed(limits, distance.abs(), period).copysign(distance);
@@ -124,7 +164,10 @@ impl Interval {
             }
             LimitKind::PositionVelocityAcceleration => return Self::with_acceleration(limits, motion, joint, period),
         };
-        Self { lower, upper, conflict: false }
+        let cause = |bound: f64| {
+            if is_same(bound.abs(), velocity) { BoundCause::Velocity } else { BoundCause::Position }
+        };
+        Self { lower, upper, conflict: false, causes: [cause(lower), cause(upper)] }
     }
 
     /// Returns the interval of all limits.
@@ -141,9 +184,16 @@ impl Interval {
         // A drive that is faster than stated can ask for more than full braking, and then needs less. So can noise.
         lower = lower.min(if fastest >= forgiving.0 { fastest } else { fastest.max(at_once.0) });
         upper = upper.max(if slowest <= forgiving.1 { slowest } else { slowest.min(at_once.1) });
+        let cause = |bound: f64| match bound {
+            _ if is_same(bound, slowest) || is_same(bound, fastest) => BoundCause::Acceleration,
+            _ if is_same(bound.abs(), limits.velocity) => BoundCause::Velocity,
+            _ => BoundCause::Position,
+        };
+        let (lowest, highest) = (slowest.clamp(lower, upper), fastest.clamp(lower, upper));
         let interval = Self {
-            lower: slowest.clamp(lower, upper),
-            upper: fastest.clamp(lower, upper),
+            lower: lowest,
+            upper: highest,
+            causes: [cause(lowest), cause(highest)],
             conflict: slowest > upper + CONFLICT_TOLERANCE || fastest < lower - CONFLICT_TOLERANCE,
         };
         let jerk = motion.last_acceleration.get(joint).zip(JerkLimit::of(limits, period));
@@ -166,11 +216,20 @@ impl Interval {
         // A return from beyond a limit begins as fast as the jerk allows it.
         let highest = if least <= forgiving.1.max(0.0) { self.upper.max(least) } else { self.upper };
         let lowest = if greatest >= forgiving.0.min(0.0) { self.lower.min(greatest) } else { self.lower };
-        let upper = jerk.largest(last, acceleration, to_upper);
-        let lower = (-jerk.largest(-last, -acceleration, to_lower)).min(upper);
+        let (upper, upper_cause) = jerk.largest(last, acceleration, to_upper);
+        let (lower, lower_cause) = jerk.largest(-last, -acceleration, to_lower);
+        let lower = (-lower).min(upper);
+        // What remains of a bound after the other limits, or else what the other limits made of it.
+        let kept = |bound: f64, cause, other| {
+            let kept = bound.clamp(lowest, highest);
+            (kept, if is_same(kept, bound) { cause } else { other })
+        };
+        let (lower, lower_cause) = kept(lower, lower_cause, self.causes[0]);
+        let (upper, upper_cause) = kept(upper, upper_cause, self.causes[1]);
         Self {
-            lower: lower.clamp(lowest, highest),
-            upper: upper.clamp(lowest, highest),
+            lower,
+            upper,
+            causes: [lower_cause, upper_cause],
             conflict: self.conflict || least > highest + CONFLICT_TOLERANCE || greatest < lowest - CONFLICT_TOLERANCE,
         }
     }

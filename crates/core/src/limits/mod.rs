@@ -1,4 +1,4 @@
-//! Joint limits as a box of allowed joint velocities that is never empty, and inequalities besides the box.
+//! Joint limits as a box of allowed joint velocities that is never empty. Each bound of the box names the limit that sets it.
 //!
 //! # The box
 //!
@@ -42,14 +42,8 @@
 //! A measured state may lie outside. Beyond a position limit the box demands a motion back, within V and A. If the
 //! acceleration limit contradicts the others, for example after a jump of the measured state, then position and
 //! velocity limits hold, the acceleration limit does not, and the joint is reported as a conflict.
-//!
-//! # Inequalities besides the box
-//!
-//! An inequality a·q̇ ≤ b is given, or derived from a virtual wall at each posture. The solver treats it like a
-//! joint limit. If inequalities contradict the box or each other, the box holds, their violation is as small as
-//! possible, and the answer names them. How fast a point may approach a wall: see [`VirtualPlane`].
 
-mod barrier;
+mod bound_cause;
 mod braking;
 mod drive;
 mod hold;
@@ -57,12 +51,13 @@ mod jerk;
 mod limit_kind;
 mod limited_box;
 
-pub use barrier::{APPROACH_RATE, Ahead, Barrier, JointBraking, PlanePoint, VirtualPlane, VirtualPlaneError};
+pub use bound_cause::BoundCause;
 pub use braking::{braking_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub use hold::Hold;
 pub use jerk::JerkLimit;
-pub use limited_box::{JointMotion, LimitedBox, robot_box};
-pub use revprio_problem::{Inequality, InequalityError, VelocityBox, VelocityBoxError};
+pub use limit_kind::LimitKind;
+pub use limited_box::{LimitedBox, robot_box};
+pub use revprio_problem::{VelocityBox, VelocityBoxError};
 
-pub use limit_kind::{LimitKind, bound_changes};
+pub use crate::arm_state::JointMotion;

@@ -20,12 +20,17 @@
 //! Velocities and forces are not extrapolated: the last one is kept instead. A motion is at rest at most
 //! `brake_after_s` + maximum velocity / maximum acceleration (+ one period) after the newest target.
 
+mod active_stream;
 mod reference;
 mod settings;
 mod stream;
+mod streamed_target;
 mod value;
 
+pub use active_stream::TargetReport;
+pub(crate) use active_stream::{ActiveStream, TaskStreams};
 pub use reference::{Bound, Reference};
 pub use settings::{MAX_STREAMING_TIME, Streaming, StreamingError};
 pub use stream::{Ignored, MAX_AHEAD, MIN_INTERVAL, Target, TargetState, TargetStream};
+pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
 pub use value::{Quantity, TargetValue};

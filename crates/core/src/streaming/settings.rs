@@ -1,6 +1,6 @@
 //! How a task follows its streamed targets.
 
-/// Maximum of each time of [`Streaming`], s.
+/// Maximum of each time of [`Streaming`], s. A stream with one target in ten seconds is no stream.
 pub const MAX_STREAMING_TIME: f64 = 10.0;
 
 /// How a task follows its streamed targets. The defaults suit 30 to 90 targets per second.

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use allocation_counter::measure;
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, Stepper, TaskConfig, TaskRows, ToolRows,
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, Stepper, TaskConfig,
 };
 use revprio_core::law::{ForceLaw, Gains, Law, PositionLaw, Profile, VelocityBounds};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::Path;
+use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};

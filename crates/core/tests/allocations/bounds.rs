@@ -1,7 +1,8 @@
 //! Limits, planes, inequalities and tasks with bounds, each of them active.
 
+use revprio_core::constraint::{Constraint, Inequality, PlanePoint, VirtualPlane};
 use revprio_core::controller::{Command, ControllerConfig, Limits};
-use revprio_core::limits::{Barrier, Drive, Inequality, LimitKind, PlanePoint, VelocityBox, VirtualPlane};
+use revprio_core::limits::{Drive, LimitKind, VelocityBox};
 use revprio_core::resolution::Method;
 use revprio_robot::kinematics::Configuration;
 
@@ -11,13 +12,13 @@ use crate::arm::{
 use crate::methods::METHODS;
 
 /// Returns a ceiling above a point of the arm in its first posture; `distance`: m.
-pub fn ceiling(point: PlanePoint, distance: f64) -> Barrier {
+pub fn ceiling(point: PlanePoint, distance: f64) -> Constraint {
     let configuration = Configuration::new(&sawyer(), &NOMINAL).unwrap();
     let height = match point {
         PlanePoint::Tool => configuration.tool_pose().translation.z,
         PlanePoint::Joint(joint) => configuration.joint_origin(joint).z,
     };
-    Barrier::Plane(VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], height + distance, point, 10.0).unwrap())
+    Constraint::Plane(VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], height + distance, point, 10.0).unwrap())
 }
 
 pub fn is_at_constraint(command: &Command) -> bool {
@@ -25,19 +26,19 @@ pub fn is_at_constraint(command: &Command) -> bool {
 }
 
 /// Returns a bound of the speed upwards of the first posture.
-fn slow_sum_of_joints() -> Barrier {
+fn slow_sum_of_joints() -> Constraint {
     let configuration = Configuration::new(&sawyer(), &NOMINAL).unwrap();
     let upwards = configuration.jacobian().row(2).iter().copied().collect();
-    Barrier::Fixed(Inequality::new("sum", upwards, 0.01).unwrap())
+    Constraint::Fixed(Inequality::new("sum", upwards, 0.01).unwrap())
 }
 
 #[test]
 fn planes_and_inequalities_allocate_nothing_with_every_method() {
     for method in METHODS {
-        for barrier in [ceiling(PlanePoint::Tool, 0.02), slow_sum_of_joints()] {
+        for constraint in [ceiling(PlanePoint::Tool, 0.02), slow_sum_of_joints()] {
             let config = push_upwards(Limits::Robot(LimitKind::PositionVelocity));
-            let what = format!("{method:?}, {barrier:?}");
-            let config = ControllerConfig { method, barriers: vec![barrier], ..config };
+            let what = format!("{method:?}, {constraint:?}");
+            let config = ControllerConfig { method, constraints: vec![constraint], ..config };
             assert_allocates_nothing(&what, config, 200, is_at_constraint);
         }
     }
@@ -46,7 +47,7 @@ fn planes_and_inequalities_allocate_nothing_with_every_method() {
 #[test]
 fn a_plane_for_a_joint_allocates_nothing() {
     let config = push_upwards(Limits::Robot(LimitKind::PositionVelocity));
-    let config = ControllerConfig { barriers: vec![ceiling(PlanePoint::Joint(3), -0.01)], ..config };
+    let config = ControllerConfig { constraints: vec![ceiling(PlanePoint::Joint(3), -0.01)], ..config };
     assert_allocates_nothing("elbow", config, 200, is_at_constraint);
 }
 
@@ -54,7 +55,7 @@ fn a_plane_for_a_joint_allocates_nothing() {
 fn a_plane_behind_an_ideal_and_a_slow_drive_allocates_nothing() {
     for drive in [Drive::IDEAL, Drive::CONSERVATIVE] {
         let config = push_upwards(Limits::Robot(LimitKind::PositionVelocityAcceleration));
-        let config = ControllerConfig { drive, barriers: vec![ceiling(PlanePoint::Tool, 0.02)], ..config };
+        let config = ControllerConfig { drive, constraints: vec![ceiling(PlanePoint::Tool, 0.02)], ..config };
         assert_allocates_nothing(&format!("{drive:?}"), config, 200, is_at_constraint);
     }
 }
@@ -65,7 +66,7 @@ fn a_plane_that_the_arm_leaves_and_reaches_again_allocates_nothing() {
     let x = Configuration::new(&sawyer(), &NOMINAL).unwrap().tool_pose().translation.x;
     let wall = VirtualPlane::new("wall", [1.0, 0.0, 0.0], x + 0.002, PlanePoint::Tool, 10.0).unwrap();
     let config = config(Limits::Robot(LimitKind::Velocity), push_and_hold());
-    let mut arm = Arm::new(ControllerConfig { barriers: vec![Barrier::Plane(wall)], ..config });
+    let mut arm = Arm::new(ControllerConfig { constraints: vec![Constraint::Plane(wall)], ..config });
     arm.warm_up();
     let counts = arm.run(2000, is_at_constraint);
     assert!((20..1900).contains(&counts.seen), "{counts:?}");

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
-use revprio_core::controller::{
-    ControllerConfig, JointRows, JointTarget, Limits, TargetPose, TaskConfig, TaskRows, ToolRows,
-};
+use revprio_core::constraint::PlanePoint;
+use revprio_core::controller::{ControllerConfig, Limits, TaskConfig};
 use revprio_core::law::{Law, Profile};
-use revprio_core::limits::{Drive, LimitKind, PlanePoint, VelocityBox};
+use revprio_core::limits::{Drive, LimitKind, VelocityBox};
 use revprio_core::resolution::{Method, Solver};
+use revprio_core::rows::{JointRows, JointTarget, TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, RobotModel};
 
@@ -57,7 +57,7 @@ fn what_clarabel_allocates_does_not_grow() {
 fn jerk_limits_before_a_plane_allocate_at_most_54_times() {
     let config = ControllerConfig {
         robot: with_jerk(),
-        barriers: vec![ceiling(PlanePoint::Tool, 0.05)],
+        constraints: vec![ceiling(PlanePoint::Tool, 0.05)],
         ..push_upwards(Limits::Robot(LimitKind::PositionVelocityAcceleration))
     };
     let mut arm = Arm::new(config);

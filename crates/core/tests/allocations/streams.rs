@@ -1,11 +1,11 @@
 //! Streamed targets of every quantity.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use revprio_core::controller::{
-    ControllerConfig, JointRows, JointTarget, Limits, StreamedTarget, StreamedValue, TaskRows,
-};
+use revprio_core::controller::{ControllerConfig, Limits};
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::LimitKind;
+use revprio_core::rows::{JointRows, JointTarget, TaskRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 
 use crate::arm::{Arm, LINEAR, config, constant_force, position, push_and_hold, task, tool};

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{
-    AntiWindup, ControllerConfig, JointRows, JointTarget, Limits, NullSpaceMotion, RawRows, TargetPose, TaskConfig,
-    TaskRows, ToolRows, WrenchConvention, WrenchFrame,
+    AntiWindup, ControllerConfig, Limits, NullSpaceMotion, TaskConfig, WrenchConvention, WrenchFrame,
 };
 use revprio_core::law::{Braking, Gains, HybridLaw, ImpedanceLaw, Law, Point, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::linalg::{Matrix, Vector};
+use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Frame, TaskFrame};
 
 use crate::arm::{

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
-    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError, TaskConfig,
-    TaskRows, ToolRows,
+    Command, Controller, ControllerConfig, Limits, Measurement, Memory, StepError, TaskConfig,
 };
 use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
 use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
+use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
 use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};

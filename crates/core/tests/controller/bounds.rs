@@ -1,11 +1,10 @@
 //! Tasks with bounds in the place of a law, and tasks of constant rows.
 
-use revprio_core::controller::{
-    ConfigError, Controller, ControllerConfig, RawRows, TaskConfig, TaskConfigError, TaskRows,
-};
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, TaskConfig, TaskConfigError};
 use revprio_core::law::{Law, VelocityBounds};
 use revprio_core::linalg::Matrix;
 use revprio_core::resolution::{Method, Side};
+use revprio_core::rows::{RawRows, RowsError, TaskRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::Axis;
 
@@ -99,17 +98,20 @@ fn constant_rows_and_bounds_that_do_not_fit_are_refused() {
     };
     let velocity = || Law::Velocity(constant(&[0.0, 0.0]));
     let with = |jacobian: Matrix| TaskConfig { rows: TaskRows::Raw(RawRows { jacobian }), ..raw(&SUM, velocity()) };
-    assert_eq!(refused(with(Matrix::zeros(2, 6))), TaskConfigError::Jacobian { expected: 7 });
-    assert_eq!(refused(with(Matrix::from_element(2, 7, f64::NAN))), TaskConfigError::Jacobian { expected: 7 });
-    assert_eq!(refused(with(Matrix::zeros(1, 7))), TaskConfigError::Rows { expected: 1, given: 2 });
+    assert_eq!(refused(with(Matrix::zeros(2, 6))), TaskConfigError::Rows(RowsError::Jacobian { expected: 7 }));
+    assert_eq!(
+        refused(with(Matrix::from_element(2, 7, f64::NAN))),
+        TaskConfigError::Rows(RowsError::Jacobian { expected: 7 })
+    );
+    assert_eq!(refused(with(Matrix::zeros(1, 7))), TaskConfigError::Rows(RowsError::Rows { expected: 1, given: 2 }));
     let no_rows = TaskConfig { law: between(&[], &[]), ..with(Matrix::zeros(0, 7)) };
-    assert_eq!(refused(no_rows), TaskConfigError::Jacobian { expected: 7 });
-    assert_eq!(refused(raw(&SUM, position(2, 1.0))), TaskConfigError::RawLaw);
-    assert_eq!(refused(raw(&SUM, force(&[Axis::X, Axis::Y], &[1.0, 1.0]))), TaskConfigError::RawLaw);
+    assert_eq!(refused(no_rows), TaskConfigError::Rows(RowsError::Jacobian { expected: 7 }));
+    assert_eq!(refused(raw(&SUM, position(2, 1.0))), TaskConfigError::Rows(RowsError::RawLaw));
+    assert_eq!(refused(raw(&SUM, force(&[Axis::X, Axis::Y], &[1.0, 1.0]))), TaskConfigError::Rows(RowsError::RawLaw));
     let scaled = TaskConfig { scaled: true, ..task(&[Axis::X], between(&[0.0], &[1.0])) };
     assert_eq!(refused(scaled), TaskConfigError::Scaled);
     assert_eq!(
         refused(task(&[Axis::X], between(&[0.0, 0.0], &[1.0, 1.0]))),
-        TaskConfigError::Rows { expected: 1, given: 2 }
+        TaskConfigError::Rows(RowsError::Rows { expected: 1, given: 2 })
     );
 }

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{
-    BRAKING_SHARE, Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, NullSpaceMotion,
-    Stepper, TargetPose, TaskConfig, TaskRows, ToolRows,
+    BRAKING_SHARE, Controller, ControllerConfig, Limits, Measurement, Memory, NullSpaceMotion, Stepper, TaskConfig,
 };
 use revprio_core::law::{Braking, Law, PositionLaw};
 use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::linalg::Vector;
+use revprio_core::rows::{JointRows, JointTarget, TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};

@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use revprio_core::controller::{
-    Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Stepper, TaskConfig, TaskRows, ToolRows,
-};
-use revprio_core::limits::{APPROACH_RATE, Barrier, Drive, LimitKind, PlanePoint, VirtualPlane};
+use revprio_core::constraint::{APPROACH_RATE, Constraint, PlanePoint, VirtualPlane};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, Stepper, TaskConfig};
+use revprio_core::limits::{Drive, LimitKind};
+use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
@@ -229,7 +229,12 @@ fn into_ceiling(kind: LimitKind, drive: Drive, period: f64, ceiling: f64) -> Con
     };
     let hold = task(&[Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], position(5, 2.0));
     let config = ControllerConfig::new(sawyer(), period, vec![up, hold]);
-    controller(ControllerConfig { barriers: vec![Barrier::Plane(plane)], limits: Limits::Robot(kind), drive, ..config })
+    controller(ControllerConfig {
+        constraints: vec![Constraint::Plane(plane)],
+        limits: Limits::Robot(kind),
+        drive,
+        ..config
+    })
 }
 
 #[test]

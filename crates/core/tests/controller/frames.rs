@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
-use revprio_core::controller::{
-    Command, Controller, ControllerConfig, Measurement, TargetPose, TaskConfig, TaskRows, ToolRows, WrenchFrame,
-};
+use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, TaskConfig, WrenchFrame};
 use revprio_core::law::{Law, Profile};
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Axis, Frame, TaskFrame};

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{
-    Command, Controller, ControllerConfig, JointRows, JointTarget, Limits, TaskConfig, TaskRows,
-};
+use revprio_core::controller::{Command, Controller, ControllerConfig, Limits, TaskConfig};
 use revprio_core::limits::{LimitKind, braking_deceleration, spare_time};
+use revprio_core::rows::{JointRows, JointTarget, TaskRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 

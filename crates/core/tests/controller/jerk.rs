@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use revprio_core::controller::{
-    Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, Stepper, StreamedTarget, StreamedValue,
-    TaskConfig,
+    Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, Stepper, TaskConfig,
 };
 use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::linalg::Vector;
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 

@@ -1,8 +1,9 @@
 //! The laws with a free arm, under a push, and compared with each other.
 
 use nalgebra::{Rotation3, Translation3, Vector3};
-use revprio_core::controller::{TargetPose, TaskConfig, TaskRows, ToolRows, WrenchConvention};
+use revprio_core::controller::{TaskConfig, WrenchConvention};
 use revprio_core::law::Law;
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::{Axis, Configuration};
 

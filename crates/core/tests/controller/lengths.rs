@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use proptest::prelude::*;
-use revprio_core::controller::{
-    ControllerConfig, Limits, Measurement, Memory, Stepper, TargetPose, TaskConfig, TaskRows, ToolRows,
-};
+use revprio_core::controller::{ControllerConfig, Limits, Measurement, Memory, Stepper, TaskConfig};
 use revprio_core::law::{Law, VelocityBounds};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Resolution};
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 

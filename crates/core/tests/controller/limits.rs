@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{
-    Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig, TaskRows,
-};
+use revprio_core::controller::{Command, Controller, ControllerConfig, Limits, Measurement, Memory, TaskConfig};
 use revprio_core::limits::{Drive, DriveState, JointMotion, LimitKind, robot_box};
 use revprio_core::linalg::{Damping, Vector};
 use revprio_core::resolution::{Method, Path, Solver, Status};
+use revprio_core::rows::TaskRows;
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel};
 

@@ -1,10 +1,9 @@
 //! After streamed targets stop, no joint goes on moving: the null-space motion rests too.
 
 use nalgebra::{DVector, Vector3};
-use revprio_core::controller::{
-    Command, ControllerConfig, Measurement, NullSpaceMotion, Stepper, StreamedTarget, StreamedValue, TaskConfig,
-};
+use revprio_core::controller::{Command, ControllerConfig, Measurement, NullSpaceMotion, Stepper, TaskConfig};
 use revprio_core::limits::{Drive, braking_deceleration};
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, Configuration};
 
 use super::arms::{NOMINAL, controller, position, sawyer, task};

@@ -2,9 +2,10 @@
 
 mod anti_windup;
 mod arms;
-mod barriers;
 mod bounds;
 mod braking;
+mod causes;
+mod constraints;
 mod drives;
 mod frames;
 mod free_space;

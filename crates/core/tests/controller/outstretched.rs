@@ -4,13 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use revprio_core::controller::{
-    ControllerConfig, JointRows, JointTarget, Measurement, Memory, Stepper, StreamedTarget, StreamedValue, TaskConfig,
-    TaskRows, ToolRows,
-};
+use revprio_core::controller::{ControllerConfig, Measurement, Memory, Stepper, TaskConfig};
 use revprio_core::limits::Drive;
 use revprio_core::linalg::Damping;
-use revprio_core::streaming::Streaming;
+use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 

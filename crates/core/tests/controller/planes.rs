@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use revprio_core::controller::{ControllerConfig, Limits, Stepper, TargetPose, TaskConfig, TaskRows, ToolRows};
+use revprio_core::constraint::{Constraint, PlanePoint, VirtualPlane};
+use revprio_core::controller::{ControllerConfig, Limits, Stepper, TaskConfig};
 use revprio_core::law::{Law, PositionLaw};
-use revprio_core::limits::{Barrier, Drive, LimitKind, PlanePoint, VirtualPlane};
+use revprio_core::limits::{Drive, LimitKind};
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, RobotModel, built_in};
 
@@ -84,9 +86,9 @@ impl Approach {
         let normal = [self.normal.x, self.normal.y, self.normal.z];
         let plane = VirtualPlane::new("plane", normal, self.offset, PlanePoint::Tool, 10.0).unwrap();
         let config = ControllerConfig::new(Arc::clone(&self.robot), period, vec![reach]);
-        let barriers = vec![Barrier::Plane(plane)];
+        let constraints = vec![Constraint::Plane(plane)];
         let limits = Limits::Robot(kind);
-        let config = ControllerConfig { barriers, limits, drive: stated, leave_local_minima: false, ..config };
+        let config = ControllerConfig { constraints, limits, drive: stated, leave_local_minima: false, ..config };
         let mut stepper = Stepper::new(controller(config)).unwrap();
         let (mut arm, mut memory) = (LaggingArm::at_rest(&self.start, drive, noise, 1), None);
         let mut seen = Seen { outside: f64::MIN, speed: 0.0, swing: 0.0, command: 0.0, violated: 0 };

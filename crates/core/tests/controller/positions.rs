@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{Rotation3, Vector3};
 use revprio_core::controller::{
-    ConfigError, Controller, ControllerConfig, JointRows, JointTarget, NullSpaceError, NullSpaceMotion, TargetPose,
-    TaskConfig, TaskConfigError, TaskRows, ToolRows,
+    ConfigError, Controller, ControllerConfig, NullSpaceError, NullSpaceMotion, TaskConfig, TaskConfigError,
 };
 use revprio_core::law::Law;
 use revprio_core::linalg::{Matrix, Svd, Vector};
+use revprio_core::rows::{JointRows, JointTarget, RowsError, TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, joint_limit_gradient, joint_limit_index, orientation_error};
 use revprio_robot::{JointLimits, RobotModel};
@@ -223,14 +223,18 @@ fn invalid_joint_rows_are_refused() {
     for chosen in [vec![], vec![3], vec![1, 1]] {
         let target = JointTarget::Position(constant(&vec![0.0; chosen.len()]));
         let law = position(chosen.len(), 1.0);
-        assert_eq!(task_refusal(&robot, joints(&chosen, target, law)), TaskConfigError::Joints, "{chosen:?}");
+        assert_eq!(
+            task_refusal(&robot, joints(&chosen, target, law)),
+            TaskConfigError::Rows(RowsError::Joints),
+            "{chosen:?}"
+        );
     }
     let rangeless = joints(&[0], JointTarget::MidRange, position(1, 1.0));
-    assert_eq!(task_refusal(&robot, rangeless), TaskConfigError::Joints);
+    assert_eq!(task_refusal(&robot, rangeless), TaskConfigError::Rows(RowsError::Joints));
     let pushed = joints(&[0], JointTarget::Position(constant(&[0.0])), force(&[Axis::X], &[1.0]));
-    assert_eq!(task_refusal(&robot, pushed), TaskConfigError::JointLaw);
+    assert_eq!(task_refusal(&robot, pushed), TaskConfigError::Rows(RowsError::JointLaw));
     let short = joints(&[0, 1], JointTarget::Position(constant(&[0.0])), position(2, 1.0));
-    assert_eq!(task_refusal(&robot, short), TaskConfigError::Rows { expected: 2, given: 1 });
+    assert_eq!(task_refusal(&robot, short), TaskConfigError::Rows(RowsError::Rows { expected: 2, given: 1 }));
     let wide = joints(&[0, 1], JointTarget::Position(constant(&[0.0; 2])), position(3, 1.0));
-    assert_eq!(task_refusal(&robot, wide), TaskConfigError::Rows { expected: 2, given: 3 });
+    assert_eq!(task_refusal(&robot, wide), TaskConfigError::Rows(RowsError::Rows { expected: 2, given: 3 }));
 }

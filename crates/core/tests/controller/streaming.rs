@@ -3,12 +3,14 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use revprio_core::controller::{
-    Controller, ControllerConfig, JointRows, JointTarget, Limits, Measurement, Memory, StepError, Stepper,
-    StreamedTarget, StreamedValue, TargetError, TargetReport, TaskConfig, TaskRows,
+    Controller, ControllerConfig, Limits, Measurement, Memory, StepError, Stepper, TaskConfig,
 };
 use revprio_core::law::Law;
 use revprio_core::limits::LimitKind;
-use revprio_core::streaming::{Ignored, Streaming, TargetState};
+use revprio_core::rows::{JointRows, JointTarget, TaskRows};
+use revprio_core::streaming::{
+    Ignored, StreamedTarget, StreamedValue, Streaming, TargetError, TargetReport, TargetState,
+};
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::{Axis, Configuration};
 

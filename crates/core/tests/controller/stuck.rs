@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{
-    Controller, ControllerConfig, Measurement, NullSpaceMotion, Obstacle, Stepper, TargetPose, TaskConfig, TaskRows,
-    ToolRows,
+    Controller, ControllerConfig, Measurement, NullSpaceMotion, Obstacle, Stepper, TaskConfig,
 };
 use revprio_core::law::Profile;
 use revprio_core::limits::Drive;
 use revprio_core::linalg::Vector;
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 

@@ -1,8 +1,9 @@
 //! Moving targets.
 
 use nalgebra::{Rotation3, Vector3};
-use revprio_core::controller::{TaskConfig, TaskRows, ToolRows};
+use revprio_core::controller::TaskConfig;
 use revprio_core::law::{Law, Point, Profile};
+use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::{Axis, orientation_error};
 

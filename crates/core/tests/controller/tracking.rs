@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use revprio_core::controller::{
-    ControllerConfig, Measurement, Stepper, StreamedTarget, StreamedValue, TaskConfig, TaskRows, ToolRows,
-};
+use revprio_core::controller::{ControllerConfig, Measurement, Stepper, TaskConfig};
 use revprio_core::law::Profile;
 use revprio_core::limits::Drive;
+use revprio_core::rows::{TaskRows, ToolRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{JointLimits, RobotModel, built_in};
 

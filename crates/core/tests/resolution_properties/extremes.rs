@@ -1,6 +1,7 @@
 //! Numbers at the end of their range: bounds that mean "none", rows of rounding, squares that overflow.
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{
     ActiveSet, Bound, BoundId, Method, Problem, Resolution, Resolver, Solver, Status, resolve,

@@ -1,7 +1,8 @@
 //! Inequalities a·q̇ ≤ b besides the box.
 #![allow(non_snake_case)]
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{Bound, BoundId, Method, Problem, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};

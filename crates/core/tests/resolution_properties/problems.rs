@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem};
 use revprio_core::task::{Task, TaskStack};

@@ -1,6 +1,7 @@
 //! Random smooth paths of posture, task velocity and limits, for the tests of continuity.
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
 use revprio_core::resolution::{Method, Problem, Resolution, Solve, Solver, Status};
 use revprio_core::task::{Task, TaskStack};

@@ -1,6 +1,7 @@
 //! What answers report, and which problems are refused.
 
-use revprio_core::limits::{Inequality, VelocityBox};
+use revprio_core::constraint::Inequality;
+use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::resolution::{
     Bound, BoundId, MAX_UNKNOWNS, Method, Path, Problem, ProblemError, Side, Solver, Status, resolve,

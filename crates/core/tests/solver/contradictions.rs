@@ -1,7 +1,7 @@
 //! Where the inequalities of a level cannot all be kept, the answer names a minimal set of demands that contradict each
 //! other.
 
-use revprio_core::limits::Inequality;
+use revprio_core::constraint::Inequality;
 use revprio_core::resolution::{Bound, BoundId, Contradiction, Problem, Resolution, Side, Status, resolve};
 
 use crate::feasibility::{Demand, is_feasible};

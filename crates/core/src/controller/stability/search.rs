@@ -1,6 +1,18 @@
 //! Searches for the boundaries of stability. The number of tests of each is bounded.
 
-use super::{MAX_DELAY_PERIODS, StabilityError, StableDamping};
+use super::stability_error::StabilityError;
+
+/// Maximum delay that is examined, periods. The computation time grows with its cube.
+pub const MAX_DELAY_PERIODS: usize = 64;
+
+/// The interval of B_d in which a loop is stable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StableDamping {
+    /// Minimum B_d.
+    pub smallest: f64,
+    /// B_d above the minimum at which the loop becomes unstable again; `None` if there is none.
+    pub largest: Option<f64>,
+}
 
 /// Relative accuracy of the margins.
 const ACCURACY: f64 = 1e-9;

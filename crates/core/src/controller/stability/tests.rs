@@ -3,8 +3,14 @@
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use proptest::prelude::*;
 
-use super::search::{MAX_BISECTIONS, MAX_DAMPING_STEPS, MAX_LAG_STEPS, bisect};
-use super::*;
+use nalgebra::Complex;
+
+use super::contact_loop::{ContactLoop, growth};
+use super::search::{
+    MAX_BISECTIONS, MAX_DAMPING_STEPS, MAX_DELAY_PERIODS, MAX_LAG_STEPS, bisect, largest_delay, largest_lag,
+    stable_dampings,
+};
+use super::stability_error::StabilityError;
 
 /// The paper's gains on x against the stiff wall.
 const WALL: ContactLoop = ContactLoop {

@@ -15,7 +15,7 @@ fn at(limits: &JointLimits, kind: LimitKind, q: f64, last: f64, period: f64) -> 
 }
 
 fn interval(kind: LimitKind, q: f64, last: f64) -> (f64, f64, bool) {
-    let Interval { lower, upper, conflict } = at(&LIMITS, kind, q, last, T);
+    let Interval { lower, upper, conflict, .. } = at(&LIMITS, kind, q, last, T);
     (lower, upper, conflict)
 }
 
@@ -32,6 +32,25 @@ fn each_kind_adds_its_terms() {
     let (lower, upper, conflict) = interval(PositionVelocityAcceleration, 1.999, 0.0);
     assert_eq!(lower, -0.08);
     assert!((upper * reaction + upper * upper / 16.0 - 0.001).abs() < 1e-15 && !conflict);
+}
+
+#[test]
+fn each_bound_names_the_limit_that_sets_it() {
+    use BoundCause::{Acceleration, Position, Unlimited, Velocity};
+    use LimitKind::PositionVelocityAcceleration as All;
+    let causes = |kind, q, last| {
+        let [lower, upper] = at(&LIMITS, kind, q, last, T).causes;
+        (lower, upper)
+    };
+    assert_eq!(causes(LimitKind::None, 0.0, 0.0), (Unlimited, Unlimited));
+    assert_eq!(causes(LimitKind::Velocity, 1.999, 0.0), (Velocity, Velocity));
+    assert_eq!(causes(LimitKind::PositionVelocity, 1.999, 0.0), (Velocity, Position));
+    assert_eq!(causes(All, 1.999, 0.0), (Acceleration, Position));
+    assert_eq!(causes(All, 0.0, 1.49), (Acceleration, Velocity));
+    // Beyond its range the joint must move back as fast as it can.
+    assert_eq!(causes(All, 2.1, 0.0), (Acceleration, Acceleration));
+    assert_eq!(causes(All, 2.0, 0.0), (Acceleration, Position));
+    assert_eq!(causes(All, -1.0, 0.0), (Position, Acceleration));
 }
 
 #[test]
@@ -59,7 +78,7 @@ fn after_a_jump_the_position_limit_holds_and_a_conflict_is_reported() {
 #[test]
 fn joints_without_limits_are_unbounded() {
     let free = at(&JointLimits::NONE, LimitKind::PositionVelocityAcceleration, 3.0, 1.0, T);
-    assert_eq!(free, Interval { lower: f64::NEG_INFINITY, upper: f64::INFINITY, conflict: false });
+    assert_eq!((free.lower, free.upper, free.conflict), (f64::NEG_INFINITY, f64::INFINITY, false));
     let range = JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS };
     let upper = at(&range, LimitKind::PositionVelocityAcceleration, 1.0, 0.0, T).upper;
     assert!((upper - 50.0).abs() < 1e-9);

@@ -1,0 +1,66 @@
+//! Why the configuration of a controller is refused.
+
+use super::null_space::NullSpaceError;
+use super::task::TaskConfigError;
+use crate::constraint::MAX_CONSTRAINT_ROWS;
+use crate::limits::MAX_DRIVE_DELAY;
+
+/// Why the configuration of a controller is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ConfigError {
+    /// T is not positive or not finite.
+    #[error("the period must be a positive number of seconds, not {0}")]
+    Period(f64),
+    /// L is not positive or not finite.
+    #[error("the characteristic length must be a positive number of metres, not {0}")]
+    CharacteristicLength(f64),
+    /// The list of tasks is empty.
+    #[error("give at least one task")]
+    NoTasks,
+    /// Two tasks share a name.
+    #[error("two tasks are named `{name}`; give each its own name")]
+    DuplicateTask {
+        /// Index of the second of the two tasks, from 0.
+        task: usize,
+        /// The repeated name.
+        name: String,
+    },
+    /// The parts of a task do not fit each other or the robot.
+    #[error("{source}")]
+    Task {
+        /// Index of the task, from 0.
+        task: usize,
+        /// What is wrong with it.
+        source: TaskConfigError,
+    },
+    /// A constraint has the wrong number of coefficients, or names a joint that the robot does not have.
+    #[error("inequality `{name}` does not fit a robot of {expected} joints")]
+    Constraint {
+        /// Index in the list, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// The constraints have too many rows.
+    #[error("the inequalities have {given} rows; give at most {MAX_CONSTRAINT_ROWS}")]
+    ConstraintRows {
+        /// Rows of all constraints.
+        given: usize,
+    },
+    /// The box has another number of joints than the robot.
+    #[error("limits for {given} joints, but the robot has {expected}")]
+    Limits {
+        /// Joints of the robot.
+        expected: usize,
+        /// Joints of the box.
+        given: usize,
+    },
+    /// The lag is negative or not finite, or the dead time is too long.
+    #[error("the lag of the drive must be 0 s or more, its delay at most {MAX_DRIVE_DELAY} periods")]
+    Drive,
+    /// The null-space motion does not fit the robot or the period.
+    #[error(transparent)]
+    NullSpace(#[from] NullSpaceError),
+}

@@ -1,0 +1,112 @@
+//! What follows from the configuration of a controller, without a state.
+
+use revprio_robot::kinematics::ConfigurationError;
+
+use super::controller_config::ControllerConfig;
+use super::null_space::is_redundant;
+use super::task::TaskConfig;
+use super::velocity_limits::Limits;
+use crate::arm_state::{ArmState, JointCapability, Needs};
+use crate::constraint::Constraint;
+use crate::law::Law;
+use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
+use crate::linalg::Damping;
+use crate::resolution::Solver;
+
+/// Part of the lag and the dead time that may differ from what is stated. A choice: the damping fades over a wider range the larger
+/// it is, so more than needed costs accuracy near singularities.
+const MISSTATED: f64 = 0.2;
+
+impl ControllerConfig {
+    /// Returns the limits of the robot that every command keeps; `None` for a fixed box, and for the solver `ClosedForm`,
+    /// which ignores limits.
+    pub fn kept_limits(&self) -> Option<LimitKind> {
+        match self.limits {
+            Limits::Robot(kind) if self.solver != Solver::ClosedForm => Some(kind),
+            Limits::Robot(_) | Limits::Fixed(_) => None,
+        }
+    }
+
+    /// Returns whether every command keeps the position limits of the robot.
+    pub fn keeps_positions(&self) -> bool {
+        self.kept_limits().is_some_and(LimitKind::includes_position)
+    }
+
+    /// Returns whether the commands keep the jerk limit of a joint, beyond what its acceleration limit implies.
+    pub fn keeps_jerk(&self) -> bool {
+        let binds = |joint: &revprio_robot::Joint| JerkLimit::of(&joint.limits, self.period_s).is_some();
+        self.kept_limits().is_some_and(LimitKind::includes_acceleration) && self.robot.joints().iter().any(binds)
+    }
+
+    /// Returns the damping of this loop, whose reaction time is the period and a part of what the drive adds: the loop acts on
+    /// the position of rest, but no drive is exactly as stated.
+    pub(in crate::controller) fn fading_damping(&self) -> Option<Damping> {
+        let reaction = self.period_s + MISSTATED * self.drive.time_to_rest(self.period_s);
+        self.damping.map(|damping| damping.for_reaction(reaction))
+    }
+
+    /// Returns what *near singular* means to this controller: its damping, or that of most arms if it damps nothing.
+    ///
+    /// Below [`Damping::threshold`] a direction is near singular and damped. Below [`Damping::fading_threshold`] a task gives
+    /// the direction up, and it counts as singular.
+    pub(in crate::controller) fn near_singular(&self) -> Damping {
+        self.damping.unwrap_or(Damping::ARM)
+    }
+
+    /// Returns whether the null-space velocity may differ from zero.
+    pub(in crate::controller) fn moves_null_space(&self) -> bool {
+        self.null_space.is_some() || (0..self.tasks.len()).any(|k| self.may_leave(k))
+    }
+
+    /// Returns whether the arm may leave postures in which task `k` is stuck: the tasks follow positions or velocities,
+    /// no force, so the tool is not in contact.
+    pub(in crate::controller) fn may_leave(&self, k: usize) -> bool {
+        let is_free = |task: &TaskConfig| !task.law.integrates();
+        self.leave_local_minima
+            && k > 0
+            && matches!(self.tasks[k].law, Law::Position(_))
+            && is_redundant(&self.robot, &self.tasks)
+            && self.tasks.iter().all(is_free)
+    }
+
+    /// Allocates the arm that the periods of the controller update.
+    ///
+    /// The posture of rest differs behind a drive that does not follow at once. Laws that follow no position, without planes and
+    /// null-space motions, act on the measured posture: their equations then are those of the literature.
+    pub(in crate::controller) fn allocate_arm(&self) -> Result<ArmState, ConfigurationError> {
+        let time_to_rest = self.drive.time_to_rest(self.period_s);
+        let follows = self.tasks.iter().any(|task| matches!(task.law, Law::Position(_)));
+        let half_way = self.constraints.iter().any(Constraint::depends_on_posture);
+        let acts_at_rest = follows || self.null_space.is_some() || half_way;
+        let needs = Needs { rest: time_to_rest > 0.0 && acts_at_rest, half_way, acceleration: self.keeps_jerk() };
+        ArmState::new(&self.robot, self.joint_capability(), needs, time_to_rest)
+    }
+
+    /// Returns what the limits of the controller permit the joints to give.
+    fn joint_capability(&self) -> JointCapability {
+        let joints = 0..self.robot.joint_count();
+        let (speed, deceleration) = joints.clone().map(|joint| speed_and_deceleration(self, joint)).unzip();
+        let jerk = joints.map(|joint| joint_jerk(self, joint)).collect();
+        JointCapability::new(speed, deceleration, jerk, reaction_time(self.period_s))
+    }
+}
+
+/// Returns J of a joint, if the limits of the controller keep it and it says more than the acceleration limit.
+fn joint_jerk(config: &ControllerConfig, joint: usize) -> f64 {
+    let limits = &config.robot.joints()[joint].limits;
+    let is_kept = config.kept_limits().is_some_and(LimitKind::includes_acceleration);
+    if is_kept && JerkLimit::of(limits, config.period_s).is_some() { limits.jerk } else { f64::INFINITY }
+}
+
+/// Returns V and a of a joint as far as the limits of the controller know them.
+fn speed_and_deceleration(config: &ControllerConfig, joint: usize) -> (f64, f64) {
+    let limits = &config.robot.joints()[joint].limits;
+    match &config.limits {
+        _ if config.solver == Solver::ClosedForm => (f64::INFINITY, f64::INFINITY),
+        Limits::Fixed(allowed) => (allowed.lower()[joint].abs().max(allowed.upper()[joint].abs()), f64::INFINITY),
+        Limits::Robot(kind) => (
+            if kind.includes_velocity() { limits.velocity } else { f64::INFINITY },
+            if kind.includes_position() { braking_deceleration(limits) } else { f64::INFINITY },
+        ),
+    }
+}

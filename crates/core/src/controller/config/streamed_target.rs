@@ -1,0 +1,16 @@
+//! Which streamed targets fit a controller.
+
+use super::controller_config::ControllerConfig;
+use crate::streaming::{StreamedTarget, TargetError};
+
+impl StreamedTarget {
+    /// Checks that the target fits its task and the time of the measurement, s.
+    pub fn check(&self, config: &ControllerConfig, time_s: f64) -> Result<(), TargetError> {
+        let task = config.tasks.get(self.task).ok_or(TargetError::Quantity)?;
+        let quantity = self.value.quantity();
+        if !task.accepts(quantity) || (self.velocity.is_some() && !quantity.is_position()) {
+            return Err(TargetError::Quantity);
+        }
+        self.check_values(task.rows.len(), time_s)
+    }
+}

@@ -1,0 +1,169 @@
+//! The second step: what the tasks wish.
+
+mod braking;
+mod null_space;
+mod streams;
+
+pub use self::braking::BRAKING_SHARE;
+use self::braking::RequestBounds;
+use crate::arm_state::ArmState;
+use crate::constraint;
+use crate::controller::config::{ControllerConfig, TaskConfig};
+use crate::controller::state::{Memory, TaskTarget};
+use crate::law::{Law, TargetForce, TaskState};
+use crate::linalg::{Matrix, TaskVector, Vector};
+use crate::resolution::Problem;
+use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TaskStreams};
+use crate::task::{Task, TaskError, TaskStack};
+
+/// What the tasks wish in one period.
+pub(super) struct Wishes<'a> {
+    /// The problem, as far as the tasks state it: their weighed Jacobians at the posture of rest with a velocity or two bounds per
+    /// row, and the null-space velocity. The next steps add what is allowed.
+    pub problem: &'a mut Problem,
+    /// What the tasks follow.
+    pub requests: Requests<'a>,
+}
+
+/// What the tasks follow in one period.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Requests<'a> {
+    /// The target of each task.
+    pub targets: &'a [TaskTarget],
+    /// The streams of targets.
+    pub streams: &'a [ActiveStream],
+}
+
+/// The memory of this step.
+#[derive(Debug)]
+pub(super) struct Aiming {
+    problem: Problem,
+    targets: Vec<TaskTarget>,
+    streams: Vec<ActiveStream>,
+    bounds: RequestBounds,
+}
+
+impl Aiming {
+    /// Allocates the rows of all tasks and constraints of a checked configuration.
+    pub fn new(config: &ControllerConfig) -> Result<Self, TaskError> {
+        let n = config.robot.joint_count();
+        let tasks = TaskStack::new(config.tasks.iter().map(|task| empty_task(task, n)).collect())?;
+        let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
+        Ok(Self {
+            targets: tasks.tasks().iter().map(target).collect(),
+            problem: Problem {
+                inequalities: constraint::allocate(&config.constraints, n),
+                method: config.method,
+                damping: config.fading_damping(),
+                null_space_velocity: config.moves_null_space().then(|| Vector::zeros(n)),
+                ..Problem::new(tasks)
+            },
+            streams: Vec::new(),
+            bounds: RequestBounds::new(config),
+        })
+    }
+
+    /// Returns the targets of the last period; before the first one, those of tasks that rest.
+    pub fn targets(&self) -> &[TaskTarget] {
+        &self.targets
+    }
+}
+
+/// Returns a task over n joints whose rows a period overwrites.
+fn empty_task(task: &TaskConfig, n: usize) -> Task {
+    let (name, jacobian) = (task.name.clone(), Matrix::zeros(task.rows.len(), n));
+    let empty = match task.law.bounds() {
+        Some(bounds) => Task::between(name, jacobian, bounds.lower().clone(), bounds.upper().clone()),
+        None => Task::new(name, jacobian, Vector::zeros(task.rows.len())),
+    };
+    Task { scaled: task.scaled, ..empty }
+}
+
+/// Returns the wishes of a period. `given`: the targets that came with the measurement.
+pub(super) fn aim<'a>(
+    config: &ControllerConfig,
+    arm: &ArmState,
+    previous: &Memory,
+    given: &[StreamedTarget],
+    Aiming { problem, targets, streams, bounds }: &'a mut Aiming,
+) -> Result<Wishes<'a>, TaskError> {
+    let Problem { tasks, null_space_velocity, .. } = &mut *problem;
+    streams::update(streams, previous, given, arm, config);
+    tasks.overwrite_jacobians(|k, jacobian| {
+        config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
+        config.weigh_jacobian(k, jacobian);
+    })?;
+    bounds.start_period();
+    for (k, target) in targets.iter_mut().enumerate() {
+        evaluate_law(k, target, bounds, (config, arm, previous), (tasks, streams));
+    }
+    match null_space_velocity {
+        // An operator who lost the link expects an arm that rests.
+        Some(velocity) if streams::have_dropped_out(streams) => velocity.fill(0.0),
+        Some(velocity) => null_space::write(velocity, targets, bounds, (config, arm, previous), tasks),
+        None => {}
+    }
+    tasks.overwrite(|k, _, lower, upper| {
+        let velocity = &targets[k].velocity;
+        let (least, greatest) =
+            config.tasks[k].law.bounds().map_or((velocity, velocity), |bounds| (bounds.lower(), bounds.upper()));
+        lower.copy_from_slice(&config.weighed(k, least.as_slice()));
+        upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
+    })?;
+    Ok(Wishes { problem, requests: Requests { targets, streams } })
+}
+
+/// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.
+fn evaluate_law(
+    k: usize,
+    target: &mut TaskTarget,
+    bounds: &mut RequestBounds,
+    (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
+    (tasks, streams): (&TaskStack, &[ActiveStream]),
+) {
+    let (task, integrator) = (&config.tasks[k], previous.task_velocities[k].as_slice());
+    let streams = TaskStreams::of(streams, k);
+    let state = task_state(task, arm, streams);
+    let velocity = task.law.velocity(&state, integrator, config.period_s);
+    let mut velocity = bounds.bounded(k, (config, &arm.capability), tasks, &state, velocity);
+    let mut force = task.law.target_force(arm.time_s);
+    if let Some(streamed) = streams.values() {
+        force.iter_mut().zip(streamed.iter()).for_each(|(force, value)| *force = force.map(|_| *value));
+    }
+    if streams.force_brakes() {
+        let max_change = |row| task.bound(Quantity::Force, row, &arm.robot).acceleration * config.period_s;
+        brake_forces(&mut velocity, &force, integrator, max_change);
+    }
+    target.velocity.copy_from_slice(&velocity);
+    target.force.clear();
+    target.force.extend(force);
+    target.streamed = streams.report(arm.time_s);
+}
+
+/// Returns the state for the law of a task. A velocity law reads the time and streamed values alone.
+///
+/// A position law sees the arm at p, and the target at the time when the arm is there.
+fn task_state(task: &TaskConfig, arm: &ArmState, streams: TaskStreams) -> TaskState {
+    let streamed = streams.values().cloned();
+    if task.law.follows_velocity() {
+        return TaskState { time_s: arm.time_s, streamed, ..TaskState::default() };
+    }
+    let sees_rest = matches!(task.law, Law::Position(_));
+    let at = if sees_rest { arm.at_rest() } else { arm.measured() };
+    let mut state = TaskState { streamed, ..task.rows.state(at, streams.position) };
+    // Not even the sign of a zero changes without a drive.
+    if sees_rest && arm.time_to_rest > 0.0 {
+        for (displacement, velocity) in state.displacement.iter_mut().zip(state.target_velocity.iter()) {
+            *displacement -= velocity * arm.time_to_rest;
+        }
+    }
+    state
+}
+
+/// Replaces the velocity ẋ of force-controlled rows by one that brakes. `max_change`: of a row in a period.
+fn brake_forces(velocity: &mut TaskVector, force: &TargetForce, integrator: &[f64], max_change: impl Fn(usize) -> f64) {
+    for (row, velocity) in velocity.iter_mut().enumerate().filter(|(row, _)| force[*row].is_some()) {
+        let change = max_change(row);
+        *velocity = integrator[row] - integrator[row].clamp(-change, change);
+    }
+}

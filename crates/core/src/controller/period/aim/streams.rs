@@ -1,0 +1,79 @@
+//! The streamed targets of all tasks in one period.
+
+use crate::arm_state::ArmState;
+use crate::controller::config::ControllerConfig;
+use crate::controller::state::Memory;
+use crate::streaming::{ActiveStream, StreamedTarget, Target, TargetState, TargetStream};
+
+/// Overwrites `streams` with the streams of this period.
+pub(super) fn update(
+    streams: &mut Vec<ActiveStream>,
+    previous: &Memory,
+    given: &[StreamedTarget],
+    arm: &ArmState,
+    config: &ControllerConfig,
+) {
+    streams.truncate(previous.target_streams.len());
+    for (k, stream) in previous.target_streams.iter().enumerate() {
+        match streams.get_mut(k) {
+            Some(active) => active.stream.clone_from(stream),
+            None => streams.push(ActiveStream::new(stream.clone())),
+        }
+    }
+    for active in &mut *streams {
+        active.ignored = None;
+        active.stream.advance(config.period_s);
+        active.stream.forget_future(arm.time_s);
+    }
+    for target in given {
+        accept(streams, target, previous, arm, config);
+    }
+    for active in streams {
+        advance(active, previous, arm, config);
+    }
+}
+
+/// Returns whether no target came to a stream for so long that it brakes or rests.
+pub(super) fn have_dropped_out(streams: &[ActiveStream]) -> bool {
+    streams.iter().any(|active| active.stream.state == TargetState::Braking)
+}
+
+/// Adds a checked target to its stream, which it starts if there is none.
+fn accept(
+    streams: &mut Vec<ActiveStream>,
+    given: &StreamedTarget,
+    previous: &Memory,
+    arm: &ArmState,
+    config: &ControllerConfig,
+) {
+    let (k, quantity) = (given.task, given.value.quantity());
+    let task = &config.tasks[k];
+    let index = match streams.binary_search_by_key(&(k, quantity), ActiveStream::key) {
+        Ok(index) => index,
+        Err(index) => {
+            let reference = task.rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice());
+            streams.insert(index, ActiveStream::new(TargetStream::new(k, quantity, reference)));
+            index
+        }
+    };
+    let (value, velocity) = task.rows.target(given, arm.measured());
+    let target = Target { time_s: given.time_s, value, velocity };
+    let ignored = streams[index].stream.accept(target, &task.streaming);
+    streams[index].ignored = ignored.or(streams[index].ignored);
+}
+
+/// Computes the reference of this period.
+fn advance(active: &mut ActiveStream, previous: &Memory, arm: &ArmState, config: &ControllerConfig) {
+    let task = &config.tasks[active.stream.task];
+    let before = active.stream.reference.velocity.clone();
+    let quantity = active.stream.quantity;
+    let bound = |entry: usize| task.bound(quantity, entry, &arm.robot);
+    // A law with a spring keeps its reference, so that it keeps a contact.
+    let is_held = quantity.is_position() && !task.law.integrates();
+    let achieved = previous.task_velocities[active.stream.task].as_slice();
+    let held = is_held.then(|| task.rows.actual(achieved, arm.measured()));
+    active.stream.update(arm.time_s, &task.streaming, bound, held.as_ref(), config.period_s);
+    let after = &active.stream.reference.velocity;
+    active.acceleration = &(after - &before) * (1.0 / config.period_s);
+    active.velocity = if task.law.integrates() { before } else { after.clone() };
+}

@@ -1,0 +1,62 @@
+//! The third step: what limits and constraints allow.
+
+use crate::arm_state::ArmState;
+use crate::constraint::{self, Inequality};
+use crate::controller::config::{ControllerConfig, Limits};
+use crate::controller::state::Memory;
+use crate::limits::{LimitKind, LimitedBox};
+
+/// The joint velocities that a period allows.
+#[derive(Debug)]
+pub(super) struct Allowed {
+    /// The box of all limits.
+    pub limits: LimitedBox,
+    /// The box without limits of acceleration and jerk, in which joints with a jerk limit first look for the velocity that their
+    /// tasks want; `None`: the controller keeps no jerk limit.
+    pub without_jerk: Option<LimitedBox>,
+    /// The rows of the constraints, one block after the other.
+    pub inequalities: Vec<Inequality>,
+}
+
+impl Allowed {
+    /// Allocates the box and the rows of a checked configuration.
+    pub fn new(config: &ControllerConfig) -> Self {
+        let n = config.robot.joint_count();
+        Self {
+            limits: match &config.limits {
+                Limits::Robot(_) => LimitedBox::unbounded(n),
+                Limits::Fixed(velocity_box) => LimitedBox::given(velocity_box.clone()),
+            },
+            without_jerk: config.keeps_jerk().then(|| LimitedBox::unbounded(n)),
+            inequalities: constraint::allocate(&config.constraints, n),
+        }
+    }
+}
+
+/// Returns what a period allows.
+pub(super) fn allow<'a>(
+    config: &ControllerConfig,
+    arm: &ArmState,
+    previous: &Memory,
+    allowed: &'a mut Allowed,
+) -> &'a Allowed {
+    let Allowed { limits, without_jerk, inequalities } = &mut *allowed;
+    let (robot, motion, period) = (&config.robot, arm.motion(), config.period_s);
+    // Joints with a jerk limit need no transition: their acceleration is limited anyway.
+    let in_transition = previous.in_transition && without_jerk.is_none();
+    match &config.limits {
+        Limits::Robot(LimitKind::PositionVelocity) if in_transition => {
+            limits.update(robot, LimitKind::PositionVelocityAcceleration, motion, period);
+        }
+        Limits::Robot(kind) => limits.update(robot, *kind, motion, period),
+        Limits::Fixed(velocity_box) => limits.set_given(velocity_box),
+    }
+    if in_transition && config.limits != Limits::Robot(LimitKind::PositionVelocity) {
+        limits.bound_changes(robot, &arm.last_command, period);
+    }
+    if let Some(without_jerk) = without_jerk {
+        without_jerk.update(robot, LimitKind::PositionVelocity, motion, period);
+    }
+    constraint::write(&config.constraints, arm, inequalities);
+    allowed
+}

@@ -1,0 +1,87 @@
+//! The first step: what the arm is like.
+
+mod late_state;
+mod watchdog;
+
+use std::ops::Deref;
+
+use revprio_robot::kinematics::ConfigurationError;
+
+use crate::arm_state::ArmState;
+use crate::controller::config::{ControllerConfig, on_environment};
+use crate::controller::state::{Measurement, Memory};
+
+/// The memory from which a period continues.
+pub(super) enum Known<'a> {
+    /// That of the last period.
+    Last(&'a Memory),
+    /// The same after the periods that passed without a state.
+    Late(Memory),
+    /// That of the first period.
+    First(Memory),
+}
+
+impl Deref for Known<'_> {
+    type Target = Memory;
+
+    fn deref(&self) -> &Memory {
+        match self {
+            Self::Last(memory) => memory,
+            Self::Late(memory) | Self::First(memory) => memory,
+        }
+    }
+}
+
+impl Known<'_> {
+    /// Returns whether the state comes one period after the last one.
+    pub fn is_in_time(&self) -> bool {
+        !matches!(self, Self::Late(_))
+    }
+
+    /// Returns the memory if it is not that of the last period.
+    pub fn into_new(self) -> Option<Memory> {
+        match self {
+            Self::Last(_) => None,
+            Self::Late(memory) | Self::First(memory) => Some(memory),
+        }
+    }
+}
+
+/// Updates the arm to a checked measurement; returns it, and the memory from which the period continues.
+pub(super) fn measure<'a, 'm>(
+    config: &ControllerConfig,
+    memory: Option<&'m Memory>,
+    measurement: &Measurement,
+    arm: &'a mut ArmState,
+) -> Result<(&'a ArmState, Known<'m>), ConfigurationError> {
+    let late = memory.and_then(|memory| memory.after_missed_periods(config, measurement)).map(Known::Late);
+    let known = late.or_else(|| memory.map(Known::Last));
+    let last_command = known.as_ref().map(|known| known.last_command.as_slice());
+    match (&measurement.joint_velocity, last_command) {
+        (Some(measured), _) => arm.move_to(&measurement.joint_position, measured)?,
+        (None, Some(last_command)) => arm.move_to(&measurement.joint_position, last_command)?,
+        (None, None) => arm.stand_at(&measurement.joint_position)?,
+    }
+    let configuration = arm.measured().configuration;
+    let wrench = on_environment(&measurement.wrench, (config.wrench_convention, config.wrench_frame), configuration);
+    let initial_pose = known.as_ref().map_or(*configuration.tool_pose(), |known| known.initial_pose);
+    (arm.time_s, arm.wrench, arm.initial_pose) = (measurement.time_s, wrench, initial_pose);
+    let known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
+    recall(config, &known, arm)?;
+    Ok((arm, known))
+}
+
+/// Updates what the arm has from the memory: the last command, its acceleration, and where it leads the arm.
+fn recall(config: &ControllerConfig, known: &Memory, arm: &mut ArmState) -> Result<(), ConfigurationError> {
+    arm.last_command.copy_from_slice(known.last_command.as_slice());
+    match &known.jerk {
+        Some(jerk) if !arm.last_acceleration.is_empty() => {
+            arm.last_acceleration.copy_from_slice(jerk.acceleration.as_slice());
+        }
+        _ => arm.last_acceleration.fill(0.0),
+    }
+    for (joint, distance) in arm.distance_to_rest.iter_mut().enumerate() {
+        *distance = known.drive.distance_to_rest(config.drive, joint, config.period_s);
+    }
+    arm.look_ahead(config.period_s)
+}

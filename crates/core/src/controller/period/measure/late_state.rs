@@ -1,0 +1,67 @@
+//! States that come late: what the arm did in the periods without an answer.
+//!
+//! A state that is n = round(Δt/T) > 1 periods after the one before finds an arm that got the last command for one period,
+//! and then n − 1 times the command of its watchdog: the last command while it was valid, then a ramp to rest. The
+//! modelled drive follows these commands, so the position of rest p is that of the arm. The ramp is also the last command
+//! from which the next one accelerates.
+//!
+//! The clock of the states may jump. Measured positions tell: if they fit clearly better to an arm that moved for one period,
+//! one period passed.
+
+use super::watchdog::{Unanswered, Watchdog};
+use crate::controller::config::ControllerConfig;
+use crate::controller::state::{AnsweredState, Measurement, Memory};
+use crate::limits::{Drive, DriveState};
+use crate::linalg::Vector;
+
+/// Largest number of missed periods that is told from more. All joints rest long before, and distances stay finite.
+const MAX_MISSED: f64 = 1e9;
+
+/// Distance by which the measured positions must fit better to a single period, rad and m, norm over the joints. It covers
+/// noise.
+const CLOCK_TOLERANCE: f64 = 1e-3;
+
+impl AnsweredState {
+    /// Returns how many periods passed until a measurement without a state; 0 if it comes in time or earlier.
+    fn missed_periods(&self, time_s: f64, period: f64) -> usize {
+        let missed = ((time_s - self.time_s) / period).round() - 1.0;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to MAX_MISSED; NaN gives 0")]
+        let missed = missed.clamp(0.0, MAX_MISSED) as usize;
+        missed
+    }
+}
+
+impl Memory {
+    /// Returns the memory after the periods that passed without a state before `measurement`; `None`: none passed.
+    pub(super) fn after_missed_periods(&self, config: &ControllerConfig, measurement: &Measurement) -> Option<Self> {
+        let answered = self.answered.as_ref()?;
+        let period = config.period_s;
+        let missed = answered.missed_periods(measurement.time_s, period);
+        if missed == 0 {
+            return None;
+        }
+        let watchdog =
+            Watchdog { robot: &config.robot, command: &self.last_command, answered, drive: config.drive, period };
+        let Unanswered { drive, command, rest_moved } = watchdog.follow(&self.drive, missed);
+        let to_rest = |state: &DriveState| state.distances_to_rest(config.drive, period);
+        let travelled = to_rest(&self.drive) + rest_moved - to_rest(&drive);
+        // Beyond what one period explains.
+        let moved = Vector::from_row_slice(&measurement.joint_position) - &answered.joint_position;
+        let further = moved - &self.drive.velocity * period;
+        if further.norm() + CLOCK_TOLERANCE < (&further - travelled).norm() {
+            return None;
+        }
+        let mut later = Self { drive, last_command: command, ..self.clone() };
+        if let Some(jerk) = &mut later.jerk {
+            jerk.acceleration.fill(0.0);
+        }
+        Some(later)
+    }
+}
+
+impl DriveState {
+    /// Returns p − q, n, rad or m; `period`: T, s.
+    fn distances_to_rest(&self, drive: Drive, period: f64) -> Vector {
+        Vector::from_fn(self.velocity.len(), |joint, _| self.distance_to_rest(drive, joint, period))
+    }
+}

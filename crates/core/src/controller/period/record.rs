@@ -1,0 +1,104 @@
+//! The fifth step: the command with its explanation, and the memory for the next period.
+
+mod next_memory;
+mod progress;
+mod stalls;
+
+use revprio_robot::kinematics::joint_limit_index;
+
+pub use self::progress::MAX_ATTEMPTS;
+use self::progress::{Observation, ObstacleScratch};
+use super::aim::Requests;
+use super::allow::Allowed;
+use super::resolve::Answer;
+use crate::arm_state::ArmState;
+use crate::controller::config::ControllerConfig;
+use crate::controller::state::{Command, Measurement, Memory, TaskTarget};
+use crate::resolution::TaskOutcome;
+
+/// The memory of this step.
+#[derive(Debug)]
+pub(super) struct Recording {
+    obstacles: ObstacleScratch,
+}
+
+impl Recording {
+    /// Allocates the memory for n joints.
+    pub fn new(n: usize) -> Self {
+        Self { obstacles: ObstacleScratch::new(n) }
+    }
+}
+
+/// Completes the command, and updates the memory; `in_time`: the state comes one period after the last one.
+pub(super) fn record<'a>(
+    config: &ControllerConfig,
+    (measurement, in_time): (&Measurement, bool),
+    (arm, Requests { targets, streams }, allowed): (&ArmState, Requests, &Allowed),
+    Answer { problem, command, limits, requested }: Answer<'a>,
+    memory: &mut Memory,
+    scratch: &mut Recording,
+) -> &'a Command {
+    remove_weights(config, &mut command.resolution.tasks, targets);
+    copy_targets(&mut command.targets, targets);
+    report_bounds(config, command);
+    let causes = command.resolution.active_limits().map(|(joint, active)| limits.cause(joint, active.bound.side));
+    command.limit_causes.clear();
+    command.limit_causes.extend(causes);
+    command.limit_conflicts.clone_from(&allowed.limits.conflicts);
+    let position = &measurement.joint_position;
+    command.joint_limit_index = joint_limit_index(&config.robot, position);
+    if let Some(kind) = config.kept_limits() {
+        let velocity = command.resolution.joint_velocity.as_slice();
+        command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
+    }
+    stalls::update(memory, config, position, in_time, &mut command.stalled);
+    next_memory::update(memory, config, measurement, (command, requested), streams);
+    let observed = Observation {
+        config,
+        tasks: &problem.tasks,
+        problem,
+        targets: &command.targets,
+        resolution: &command.resolution,
+        joint_position: position,
+        time_s: measurement.time_s,
+    };
+    observed.update(&mut memory.progress, &mut command.stuck, &mut scratch.obstacles);
+    command
+}
+
+/// Divides the outcomes by the weights of their rows, and computes the residuals in m/s and rad/s.
+fn remove_weights(config: &ControllerConfig, outcomes: &mut [TaskOutcome], targets: &[TaskTarget]) {
+    if config.is_unweighted() {
+        return;
+    }
+    for (k, (outcome, target)) in outcomes.iter_mut().zip(targets).enumerate() {
+        let mut squares = 0.0;
+        for (row, achieved) in outcome.achieved.iter_mut().enumerate() {
+            *achieved /= config.weight(k, row);
+            let missed = match config.tasks[k].law.bounds() {
+                Some(bounds) => *achieved - achieved.clamp(bounds.lower()[row], bounds.upper()[row]),
+                None => *achieved - target.velocity[row],
+            };
+            squares += missed * missed;
+        }
+        outcome.residual_norm = squares.sqrt();
+    }
+}
+
+/// Copies targets of the same sizes.
+fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
+    for (target, wished) in targets.iter_mut().zip(wished) {
+        target.velocity.copy_from(&wished.velocity);
+        target.force.clone_from(&wished.force);
+        target.streamed = wished.streamed;
+    }
+}
+
+/// Sets the targets of tasks with bounds, which the answer decides.
+fn report_bounds(config: &ControllerConfig, command: &mut Command) {
+    for ((target, outcome), task) in command.targets.iter_mut().zip(&command.resolution.tasks).zip(&config.tasks) {
+        if let Some(bounds) = task.law.bounds() {
+            target.velocity.copy_from_slice(&bounds.nearest(outcome.achieved.as_slice()));
+        }
+    }
+}

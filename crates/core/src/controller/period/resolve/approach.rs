@@ -1,0 +1,65 @@
+//! How joints with a jerk limit approach the velocity that their tasks want.
+//!
+//! A limit of the jerk alone lets a joint pass the velocity that its tasks want: when it arrives there with the acceleration
+//! a, it goes on by a²/2J, returns as fast, and swings for ever. So a period is solved twice. The first solution, without
+//! limits of acceleration and jerk, is the velocity that the tasks want. The box of the second one then lets each joint only
+//! arrive there with the acceleration of that velocity; see [`LimitedBox::approach`]. When the first solution already lies
+//! in this box, it is the answer, and nothing is solved again.
+//!
+//! Planes and other inequalities go before such an arrival: if the second solution violates one, the box of all limits is
+//! solved as it is.
+
+use crate::arm_state::ArmState;
+use crate::controller::config::ControllerConfig;
+use crate::controller::period::allow::Allowed;
+use crate::controller::state::Memory;
+use crate::limits::LimitedBox;
+use crate::linalg::Vector;
+use crate::resolution::{Problem, ProblemError, Resolution, Solve};
+
+/// The memory of a controller that keeps jerk limits.
+#[derive(Debug)]
+pub(super) struct Approach {
+    /// The box of all limits, narrowed.
+    narrowed: LimitedBox,
+    /// The velocity that the tasks want, n.
+    requested: Vector,
+}
+
+impl Approach {
+    /// Allocates the memory of a controller; `None` if it keeps no jerk limit.
+    pub fn new(config: &ControllerConfig) -> Option<Self> {
+        let n = config.robot.joint_count();
+        config.keeps_jerk().then(|| Self { narrowed: LimitedBox::unbounded(n), requested: Vector::zeros(n) })
+    }
+
+    /// Solves a period, whose box without limits of acceleration and jerk is `without_jerk`. Returns the box in which the answer
+    /// lies, and the velocity that the tasks want, n. `period`: T, s.
+    pub fn resolve<'a>(
+        &'a mut self,
+        (arm, previous, allowed): (&ArmState, &Memory, &'a Allowed),
+        without_jerk: &'a LimitedBox,
+        (problem, solver, resolution): (&mut Problem, &mut dyn Solve, &mut Resolution),
+        period: f64,
+    ) -> Result<(&'a LimitedBox, &'a Vector), ProblemError> {
+        let Self { narrowed, requested } = self;
+        let mut solve = |limits: &LimitedBox, resolution: &mut Resolution| {
+            problem.limits.copy_from(&limits.velocity_box);
+            solver.solve(problem, &previous.active_set, resolution)
+        };
+        solve(without_jerk, resolution)?;
+        requested.copy_from(&resolution.joint_velocity);
+        let last = previous.jerk.as_ref().map_or(&previous.last_command, |jerk| &jerk.requested);
+        narrowed.copy_from(&allowed.limits);
+        narrowed.approach(&arm.robot, arm.motion(), requested.as_slice(), last.as_slice(), period);
+        if narrowed.velocity_box.allows(requested.as_slice()) {
+            return Ok((without_jerk, requested));
+        }
+        solve(narrowed, resolution)?;
+        if resolution.broken_constraints().next().is_none() {
+            return Ok((narrowed, requested));
+        }
+        solve(&allowed.limits, resolution)?;
+        Ok((&allowed.limits, requested))
+    }
+}

@@ -1,0 +1,14 @@
+//! The state that a command answers.
+
+use crate::linalg::Vector;
+
+/// The state that the last command answers, and how long the command may be held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnsweredState {
+    /// t, time of the state, s.
+    pub time_s: f64,
+    /// q of the state, n, rad or m.
+    pub joint_position: Vector,
+    /// Time from the state on for which the command may be held, ms.
+    pub valid_for_ms: u64,
+}

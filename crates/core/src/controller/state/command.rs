@@ -1,0 +1,36 @@
+//! The answer to one measurement.
+
+use super::stall::StalledJoint;
+use super::stuck_task::StuckTask;
+use super::task_target::TaskTarget;
+use crate::limits::{BoundCause, Hold};
+use crate::resolution::Resolution;
+
+/// The answer to one measurement.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Command {
+    /// Joint velocities and their explanation.
+    pub resolution: Resolution,
+    /// The limit that sets each of the active limits of `resolution`, in their order.
+    pub limit_causes: Vec<BoundCause>,
+    /// Targets of each task, highest priority first.
+    pub targets: Vec<TaskTarget>,
+    /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
+    pub limit_conflicts: Vec<usize>,
+    /// Tasks that make no progress.
+    pub stuck: Vec<StuckTask>,
+    /// Joints that do not follow their commands.
+    pub stalled: Vec<StalledJoint>,
+    /// How long the joint velocities may be held before a watchdog must brake.
+    pub hold: Hold,
+    /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
+    pub joint_limit_index: f64,
+}
+
+impl Command {
+    /// Returns whether both have the same tasks with the same numbers of rows.
+    pub(in crate::controller) fn has_size_of(&self, other: &Self) -> bool {
+        let rows = |target: &TaskTarget| target.velocity.len();
+        self.targets.iter().map(rows).eq(other.targets.iter().map(rows))
+    }
+}

@@ -1,0 +1,192 @@
+//! The memory of a controller: its state from period to period.
+
+use nalgebra::IsometryMatrix3;
+
+use super::answered_state::AnsweredState;
+use super::jerk_state::JerkState;
+use super::progress::Progress;
+use super::stall::Stall;
+use crate::arm_state::ArmAt;
+use crate::controller::config::{ControllerConfig, TaskConfig};
+use crate::limits::DriveState;
+use crate::linalg::{Vector, all_finite};
+use crate::resolution::{ActiveSet, Bound, BoundId};
+use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
+
+/// The complete state of a controller. Another process with the same
+/// controller can continue from it and computes the same commands, to the last bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory {
+    /// ẋ in the integrator of each task, m_k each, m/s and rad/s.
+    pub task_velocities: Vec<Vector>,
+    /// Tool pose at the first step, base frame, m.
+    pub initial_pose: IsometryMatrix3<f64>,
+    /// q at the first step, n, rad or m; `None`: unknown, then the next step sets it.
+    pub initial_position: Option<Vector>,
+    /// q̇ of the last command, n, rad/s or m/s.
+    pub last_command: Vector,
+    /// The commands that the drive still has to follow.
+    pub drive: DriveState,
+    /// The state that the last command answers; `None`: unknown, then the next state counts as one period later.
+    pub answered: Option<AnsweredState>,
+    /// What joints with a jerk limit remember; `None`: they have moved at a constant velocity.
+    pub jerk: Option<JerkState>,
+    /// Active limits of the last command, per level.
+    pub active_set: Vec<ActiveSet>,
+    /// Streams of targets, in the order of tasks and quantities; empty if no target was streamed.
+    pub target_streams: Vec<TargetStream>,
+    /// How each task follows its requests; empty: all follow.
+    pub progress: Vec<Progress>,
+    /// How each joint follows its commands, n; empty: all follow.
+    pub stalls: Vec<Stall>,
+    /// Whether the controller replaces another one and still limits accelerations for that.
+    pub in_transition: bool,
+}
+
+/// Why a memory is refused: it belongs to another controller or is damaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum MemoryError {
+    /// The task velocities do not fit the tasks.
+    #[error("the memory's task velocities do not fit the tasks; send back the memory of this controller's last answer")]
+    TaskVelocities,
+    /// The initial position does not fit the robot.
+    #[error(
+        "the memory's initial position does not fit the robot; send back the memory of this controller's last answer"
+    )]
+    InitialPosition,
+    /// The progress does not fit the tasks.
+    #[error("the memory's progress does not fit the tasks; send back the memory of this controller's last answer")]
+    Progress,
+    /// The stalls do not fit the robot.
+    #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
+    Stalls,
+    /// The last command does not fit the robot.
+    #[error("the memory's last command does not fit the robot; send back the memory of this controller's last answer")]
+    LastCommand,
+    /// The state of the drive does not fit the robot or the drive.
+    #[error("the memory's drive does not fit the controller; send back the memory of this controller's last answer")]
+    Drive,
+    /// The last state does not fit the robot.
+    #[error("the memory's last state does not fit the robot; send back the memory of this controller's last answer")]
+    AnsweredState,
+    /// The state of the jerk limits does not fit the robot.
+    #[error("the memory's jerk state does not fit the robot; send back the memory of this controller's last answer")]
+    Jerk,
+    /// The active set names a joint, an inequality or a row of a task that the controller does not have.
+    #[error(
+        "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
+    )]
+    ActiveSet,
+    /// A stream of targets does not fit the tasks.
+    #[error("the memory's targets do not fit the tasks; send back the memory of this controller's last answer")]
+    Targets,
+}
+
+impl Memory {
+    /// Returns the memory for the first step: integrators and last command equal the measured motion of an arm.
+    pub(in crate::controller) fn at_start(config: &ControllerConfig, at: ArmAt) -> Self {
+        let velocity = Vector::from_row_slice(&at.arm.joint_velocity);
+        Self {
+            task_velocities: config.tasks.iter().map(|task| task.rows.velocity(at).to_vector()).collect(),
+            initial_pose: at.arm.initial_pose,
+            drive: DriveState::moving(config.drive, &velocity),
+            answered: None,
+            jerk: config.keeps_jerk().then(|| JerkState::moving(&velocity)),
+            last_command: velocity,
+            active_set: Vec::new(),
+            target_streams: Vec::new(),
+            initial_position: None,
+            progress: Vec::new(),
+            stalls: Vec::new(),
+            in_transition: false,
+        }
+    }
+
+    /// Checks that the memory fits the controller.
+    pub(in crate::controller) fn check(&self, config: &ControllerConfig) -> Result<(), MemoryError> {
+        let n = config.robot.joint_count();
+        let finite = |v: &Vector| all_finite(v.as_slice());
+        let fits = |(velocity, task): (&Vector, &TaskConfig)| velocity.len() == task.rows.len() && finite(velocity);
+        if self.task_velocities.len() != config.tasks.len() || !self.task_velocities.iter().zip(&config.tasks).all(fits)
+        {
+            return Err(MemoryError::TaskVelocities);
+        }
+        if self.last_command.len() != n || !finite(&self.last_command) {
+            return Err(MemoryError::LastCommand);
+        }
+        let DriveState { velocity, pending } = &self.drive;
+        let mut drive = pending.iter().chain([velocity]);
+        if pending.len() != config.drive.delay_periods || !drive.all(|v| v.len() == n && finite(v)) {
+            return Err(MemoryError::Drive);
+        }
+        let fits = |state: &AnsweredState| {
+            state.time_s.is_finite() && state.joint_position.len() == n && finite(&state.joint_position)
+        };
+        if !self.answered.as_ref().is_none_or(fits) {
+            return Err(MemoryError::AnsweredState);
+        }
+        let mut jerk = self.jerk.iter().flat_map(|JerkState { acceleration, requested }| [acceleration, requested]);
+        if !jerk.all(|v| v.len() == n && finite(v)) {
+            return Err(MemoryError::Jerk);
+        }
+        if !self.initial_position.as_ref().is_none_or(|position| position.len() == n && finite(position)) {
+            return Err(MemoryError::InitialPosition);
+        }
+        let count = self.progress.len();
+        if (count != 0 && count != config.tasks.len()) || !self.progress.iter().all(Progress::is_valid) {
+            return Err(MemoryError::Progress);
+        }
+        let count = self.stalls.len();
+        if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
+            return Err(MemoryError::Stalls);
+        }
+        // The solver writes each bound once, in ascending order.
+        let ordered = |set: &ActiveSet| set.windows(2).all(|pair| pair[0].id < pair[1].id);
+        let is_bounded = |bound: &Bound| match bound.id {
+            BoundId::Joint(joint) => joint < n,
+            BoundId::Constraint { index, row } => {
+                config.constraints.get(index).is_some_and(|constraint| row < constraint.row_count())
+            }
+            BoundId::Task { index, row } => {
+                config.tasks.get(index).is_some_and(|task| row < task.rows.len() && task.law.bounds().is_some())
+            }
+        };
+        if !self.active_set.iter().all(|set| ordered(set) && set.iter().all(is_bounded)) {
+            return Err(MemoryError::ActiveSet);
+        }
+        let ascending = self.target_streams.windows(2).all(|pair| key(&pair[0]) < key(&pair[1]));
+        if ascending && self.target_streams.iter().all(|stream| fits_task(stream, config)) {
+            Ok(())
+        } else {
+            Err(MemoryError::Targets)
+        }
+    }
+}
+
+fn key(stream: &TargetStream) -> (usize, Quantity) {
+    (stream.task, stream.quantity)
+}
+
+/// Returns whether the values of a stream fit its task.
+pub(in crate::controller) fn fits_task(stream: &TargetStream, config: &ControllerConfig) -> bool {
+    let Some(task) = config.tasks.get(stream.task) else { return false };
+    let is_pose = stream.quantity == Quantity::Pose;
+    let entries = if is_pose { 6 } else { task.rows.len() };
+    let fits_value = |value: &TargetValue| {
+        matches!(value, TargetValue::Pose(_)) == is_pose && value.len() == entries && value.is_valid()
+    };
+    let fits_velocity = |velocity: &[f64]| velocity.len() == entries && velocity.iter().all(|entry| entry.is_finite());
+    let fits = |target: &Target| {
+        target.time_s.is_finite() && fits_value(&target.value) && target.velocity.as_deref().is_none_or(fits_velocity)
+    };
+    let in_order = match (&stream.previous, &stream.newest) {
+        (Some(previous), Some(newest)) => newest.time_s - previous.time_s >= MIN_INTERVAL,
+        (Some(_), None) => false,
+        (None, _) => true,
+    };
+    task.accepts(stream.quantity)
+        && stream.previous.iter().chain(&stream.newest).all(fits)
+        && in_order
+        && fits_value(&stream.reference.value)
+        && fits_velocity(&stream.reference.velocity)
+}

@@ -1,0 +1,24 @@
+//! What changes from period to period: measurement in, command out, and the memory between.
+
+mod answered_state;
+mod command;
+mod jerk_state;
+mod measurement;
+mod memory;
+mod progress;
+mod stall;
+mod step_error;
+mod stuck_task;
+mod task_target;
+
+pub use answered_state::AnsweredState;
+pub use command::Command;
+pub use jerk_state::JerkState;
+pub use measurement::Measurement;
+pub(super) use memory::fits_task;
+pub use memory::{Memory, MemoryError};
+pub use progress::{LEAVING_TIME, Progress};
+pub use stall::{Stall, StalledJoint};
+pub use step_error::StepError;
+pub use stuck_task::{Obstacle, StuckTask};
+pub use task_target::TaskTarget;

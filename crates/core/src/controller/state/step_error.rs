@@ -1,0 +1,45 @@
+//! Why a period has no command.
+
+use revprio_robot::kinematics::ConfigurationError;
+
+use super::memory::MemoryError;
+use crate::resolution::ProblemError;
+use crate::streaming::TargetError;
+use crate::task::TaskError;
+
+/// Why a measurement is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The joint positions do not fit the robot or are not finite.
+    #[error(transparent)]
+    Configuration(#[from] ConfigurationError),
+    /// The joint velocities do not fit the robot or are not finite.
+    #[error("the joint velocity needs {expected} finite entries")]
+    JointVelocity {
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// Time or wrench is NaN or infinite.
+    #[error("time and wrench must be finite numbers")]
+    NotFinite,
+    /// A streamed target does not fit its task.
+    #[error("{source}")]
+    Target {
+        /// Index of the target in the measurement, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: TargetError,
+    },
+    /// The memory belongs to another controller or is damaged.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// A task velocity overflows.
+    #[error("a task velocity is not a finite number; check gains and wrench: {0}")]
+    Task(#[from] TaskError),
+    /// The solver is not the one that the configuration names.
+    #[error("the solver is not the one that the controller names; pass that one to `Stepper::with_solver`")]
+    Solver,
+    /// The parts of the problem do not fit each other. A checked configuration excludes this.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}

@@ -1,0 +1,15 @@
+//! What a task demands in one period.
+
+use crate::linalg::Vector;
+use crate::streaming::TargetReport;
+
+/// The targets of a task in one period.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TaskTarget {
+    /// ẋ_k, m_k, m/s and rad/s; for a task with bounds the allowed velocity nearest to the achieved one.
+    pub velocity: Vector,
+    /// F_d per row, N and N·m; `None` on rows that follow no force.
+    pub force: Vec<Option<f64>>,
+    /// The streamed target; `None` if no target was streamed to this task.
+    pub streamed: Option<TargetReport>,
+}

@@ -1,0 +1,200 @@
+//! Rows of axes of the tool, and their target pose.
+
+use nalgebra::{Isometry3, IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
+use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame, orientation_error};
+
+use super::kind::RowKind;
+use crate::arm_state::{ArmAt, ArmState};
+use crate::law::{Profile, SetPoint, TaskState};
+use crate::linalg::{Matrix, TaskVector};
+use crate::streaming::{ActiveStream, Reference, StreamedTarget, StreamedValue, TargetValue};
+
+/// Axes of the tool in a frame, and their target pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToolRows {
+    /// The axes, one per row.
+    pub axes: AxisSelection,
+    /// The reference point and the frame of the axes.
+    pub frame: TaskFrame,
+    /// Target pose X_d.
+    pub target_pose: TargetPose,
+    /// Displacement added to X_d over time, m entries, m and rad (rotation vector), along the axes of the frame. In the
+    /// tool frame: along the tool's axes in the target pose.
+    pub target_displacement: Option<Profile>,
+}
+
+/// The target pose X_d, from which displacements ΔX are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum TargetPose {
+    /// The pose of the tool at the first step.
+    #[default]
+    Initial,
+    /// A pose (m) of the frame at the reference point, parallel to the tool frame. It is given in the task's fixed
+    /// frame, if the task has one, otherwise in the base frame.
+    Fixed(IsometryMatrix3<f64>),
+}
+
+impl ToolRows {
+    /// Builds rows along the base axes at the tool point, with the pose at the first step as target.
+    pub fn new(axes: AxisSelection) -> Self {
+        Self { axes, frame: TaskFrame::default(), target_pose: TargetPose::Initial, target_displacement: None }
+    }
+
+    /// Overwrites `jacobian` with J_k, m × n.
+    pub(super) fn write_jacobian(&self, at: ArmAt, jacobian: &mut Matrix) {
+        self.frame.at(at.configuration).write_rows(&self.axes, jacobian);
+    }
+
+    /// Returns J_k q̇, m.
+    pub(super) fn velocity(&self, at: ArmAt) -> TaskVector {
+        self.select(&self.frame.at(at.configuration).twist(&at.arm.twist))
+    }
+
+    /// Selects the entries of a twist or a wrench, m.
+    fn select(&self, six: &[f64; 6]) -> TaskVector {
+        let axes = self.axes.axes();
+        TaskVector::from_fn(axes.len(), |row| six[axes[row].index()])
+    }
+
+    /// Returns the state for the law; `velocity`: Ẋ, m.
+    pub(super) fn state(&self, velocity: TaskVector, at: ArmAt, streamed: Option<&ActiveStream>) -> TaskState {
+        let ArmAt { arm, configuration } = at;
+        let placed = self.frame.at(configuration);
+        let rows = |[linear, angular]: [Vector3<f64>; 2]| self.select(&placed.components(linear, angular));
+        let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm));
+        let actual = self.frame.pose(configuration.tool_pose());
+        let displacement = [
+            actual.translation.vector - target.pose.translation.vector,
+            orientation_error(&actual.rotation, &target.pose.rotation),
+        ];
+        TaskState {
+            time_s: arm.time_s,
+            velocity,
+            displacement: rows(displacement),
+            target_velocity: rows(target.velocity),
+            target_acceleration: rows(target.acceleration),
+            force: self.select(&placed.wrench(&arm.wrench)),
+            streamed: None,
+        }
+    }
+
+    /// Returns whether the axis of a row is linear or angular.
+    pub(super) fn kind<'a>(&self, row: usize) -> RowKind<'a> {
+        if self.axes.axes()[row].index() < 3 { RowKind::Linear } else { RowKind::Angular }
+    }
+
+    /// Returns the own target, from which streamed targets start.
+    pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
+        let MovingPose { pose, velocity: [linear, angular], .. } = self.target(arm);
+        let velocity = TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);
+        Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
+    }
+
+    /// Returns the measured pose with a velocity of the task, m.
+    pub(super) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
+        let pose = self.frame.pose(at.configuration.tool_pose());
+        let velocity = self.displacement(velocity, &pose.rotation);
+        Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
+    }
+
+    /// Returns the pose and the velocity of a streamed target, base axes.
+    pub(super) fn streamed_target(&self, given: &StreamedTarget, at: ArmAt) -> (TargetValue, Option<TaskVector>) {
+        let actual = self.frame.pose(at.configuration.tool_pose());
+        let frame = match self.frame.frame {
+            Frame::Base | Frame::Tool => Isometry3::identity(),
+            Frame::Fixed(frame) => quaternion_pose(&frame),
+        };
+        let mut pose = quaternion_pose(&actual);
+        if let StreamedValue::Pose { position, orientation } = &given.value {
+            if let Some(position) = position {
+                pose.translation.vector = (frame * nalgebra::Point3::from(*position)).coords;
+            }
+            if let Some(orientation) = orientation {
+                pose.rotation = frame.rotation * orientation;
+            }
+        }
+        let rotation = pose.rotation.to_rotation_matrix();
+        let velocity = given.velocity.as_ref().map(|velocity| self.displacement(velocity, &rotation));
+        (TargetValue::Pose(pose), velocity)
+    }
+
+    /// Returns entries of the rows as a linear and an angular vector, base axes; `target`: the orientation whose axes the
+    /// tool frame stands for.
+    fn displacement(&self, entries: &[f64], target: &Rotation3<f64>) -> TaskVector {
+        let [linear, angular] = self.vectors(entries, &self.rotation(target));
+        TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+    }
+
+    /// Returns the rotation from the axes of the rows to the base axes.
+    fn rotation(&self, target: &Rotation3<f64>) -> Rotation3<f64> {
+        match self.frame.frame {
+            Frame::Base => Rotation3::identity(),
+            Frame::Tool => *target,
+            Frame::Fixed(frame) => frame.rotation,
+        }
+    }
+
+    fn vectors(&self, entries: &[f64], axes: &Rotation3<f64>) -> [Vector3<f64>; 2] {
+        let [x, y, z, rx, ry, rz] = self.axes.scatter(entries);
+        [axes * Vector3::new(x, y, z), axes * Vector3::new(rx, ry, rz)]
+    }
+
+    /// Returns X_d with its derivatives.
+    fn target(&self, arm: &ArmState) -> MovingPose {
+        let pose = match (self.target_pose, self.frame.frame) {
+            (TargetPose::Initial, _) => self.frame.pose(&arm.initial_pose),
+            (TargetPose::Fixed(pose), Frame::Fixed(frame)) => frame * pose,
+            (TargetPose::Fixed(pose), Frame::Base | Frame::Tool) => pose,
+        };
+        let Some(displacement) = &self.target_displacement else { return MovingPose::resting(pose) };
+        let axes = self.rotation(&pose.rotation);
+        MovingPose::displaced(&pose, &displacement.at(arm.time_s), |entries| self.vectors(entries, &axes))
+    }
+}
+
+/// Returns a pose with its orientation as a quaternion.
+fn quaternion_pose(pose: &IsometryMatrix3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(pose.translation, UnitQuaternion::from_rotation_matrix(&pose.rotation))
+}
+
+/// A pose with its linear and angular velocity and acceleration, base axes.
+struct MovingPose {
+    pose: IsometryMatrix3<f64>,
+    velocity: [Vector3<f64>; 2],
+    acceleration: [Vector3<f64>; 2],
+}
+
+impl MovingPose {
+    fn resting(pose: IsometryMatrix3<f64>) -> Self {
+        Self { pose, velocity: [Vector3::zeros(); 2], acceleration: [Vector3::zeros(); 2] }
+    }
+
+    /// Returns the target of a stream; `None` if it is no pose.
+    fn streamed(active: &ActiveStream) -> Option<Self> {
+        let TargetValue::Pose(pose) = &active.stream.reference.value else { return None };
+        let vectors = |six: &TaskVector| [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])];
+        Some(Self {
+            pose: IsometryMatrix3::from_parts(pose.translation, pose.rotation.to_rotation_matrix()),
+            velocity: vectors(&active.velocity),
+            acceleration: vectors(&active.acceleration),
+        })
+    }
+
+    /// Returns the pose moved by a displacement. `vectors` converts entries to linear and angular vectors, base axes.
+    fn displaced(
+        pose: &IsometryMatrix3<f64>,
+        displacement: &SetPoint,
+        vectors: impl Fn(&[f64]) -> [Vector3<f64>; 2],
+    ) -> Self {
+        let [moved, turned] = vectors(&displacement.value);
+        let [linear_rate, angular_rate] = vectors(&displacement.rate);
+        let [linear_acceleration, angular_acceleration] = vectors(&displacement.acceleration);
+        let rotation = RotationMotion::new(turned, angular_rate, angular_acceleration);
+        let position = pose.translation.vector + moved;
+        Self {
+            pose: IsometryMatrix3::from_parts(position.into(), rotation.rotation * pose.rotation),
+            velocity: [linear_rate, rotation.velocity],
+            acceleration: [linear_acceleration, rotation.acceleration],
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The rows of a task: what it measures and moves. One file for each kind.
+//!
+//! The rows of a kind are functions of the arm at a posture: the Jacobian J_k, the velocity J_k q̇, and the state that the law
+//! reads. Their number never changes. So a controller allocates the block of each task once, and each period overwrites it.
+
+mod frame;
+mod joints;
+mod kind;
+mod raw;
+mod rows_error;
+
+use revprio_robot::RobotModel;
+
+pub use frame::{TargetPose, ToolRows};
+pub(crate) use joints::mid_range_rate;
+pub use joints::{JointRows, JointTarget};
+pub(crate) use kind::RowKind;
+pub use raw::RawRows;
+pub use rows_error::RowsError;
+
+use crate::arm_state::{ArmAt, ArmState};
+use crate::law::{Law, Profile, TaskState};
+use crate::linalg::{Matrix, TaskVector};
+use crate::streaming::{ActiveStream, Quantity, Reference, StreamedTarget, StreamedValue, TargetValue};
+
+/// The rows of a task.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a few per controller, made once")]
+pub enum TaskRows {
+    /// Axes of the tool.
+    Tool(ToolRows),
+    /// Joints.
+    Joints(JointRows),
+    /// Constant rows over the joints.
+    Raw(RawRows),
+}
+
+impl TaskRows {
+    /// Returns m, the number of rows.
+    #[expect(clippy::len_without_is_empty, reason = "a task has at least one row")]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Tool(rows) => rows.axes.len(),
+            Self::Joints(rows) => rows.joints.len(),
+            Self::Raw(rows) => rows.jacobian.nrows(),
+        }
+    }
+
+    /// Checks that the rows fit the robot and the law.
+    pub(crate) fn check(&self, robot: &RobotModel, law: &Law) -> Result<(), RowsError> {
+        RowsError::unless_equal(self.len(), law.rows())?;
+        match self {
+            Self::Tool(rows) => {
+                RowsError::unless_equal(self.len(), rows.target_displacement.as_ref().map_or(self.len(), Profile::rows))
+            }
+            Self::Joints(rows) => rows.check(robot, law),
+            Self::Raw(rows) => rows.check(robot, law),
+        }
+    }
+
+    /// Returns the joint that a row moves, and the rate per unit of gain at which a position law moves it to its target;
+    /// `None` for rows that move several joints. All rows of a task are of one kind.
+    pub(crate) fn joint(&self, robot: &RobotModel, row: usize) -> Option<(usize, f64)> {
+        match self {
+            Self::Joints(rows) => Some((rows.joints[row], rows.rate(robot, rows.joints[row]))),
+            Self::Tool(_) | Self::Raw(_) => None,
+        }
+    }
+
+    /// Returns the joints of the task, index from 0; empty for tasks of the tool and for constant rows.
+    pub fn joints(&self) -> &[usize] {
+        match self {
+            Self::Joints(rows) => &rows.joints,
+            Self::Tool(_) | Self::Raw(_) => &[],
+        }
+    }
+
+    /// Returns whether a row is an angular velocity, rad/s, and not a linear one, m/s; `None` for constant rows, of any unit.
+    pub fn is_angular(&self, row: usize, robot: &RobotModel) -> Option<bool> {
+        match self.kind(row, robot) {
+            RowKind::Linear => Some(false),
+            RowKind::Angular => Some(true),
+            RowKind::Joint(joint) => Some(!joint.kind.is_translation()),
+            RowKind::Raw => None,
+        }
+    }
+
+    /// Returns the kind of a row.
+    pub(crate) fn kind<'a>(&self, row: usize, robot: &'a RobotModel) -> RowKind<'a> {
+        match self {
+            Self::Tool(rows) => rows.kind(row),
+            Self::Joints(rows) => RowKind::Joint(&robot.joints()[rows.joints[row]]),
+            Self::Raw(_) => RowKind::Raw,
+        }
+    }
+
+    /// Returns whether a row is a linear axis of the tool.
+    pub(crate) fn is_linear(&self, row: usize) -> bool {
+        matches!(self, Self::Tool(rows) if matches!(rows.kind(row), RowKind::Linear))
+    }
+
+    /// Overwrites `jacobian` with J_k, m × n.
+    pub(crate) fn write_jacobian(&self, at: ArmAt, jacobian: &mut Matrix) {
+        match self {
+            Self::Tool(rows) => rows.write_jacobian(at, jacobian),
+            Self::Joints(rows) => rows.write_jacobian(jacobian),
+            Self::Raw(rows) => jacobian.copy_from(&rows.jacobian),
+        }
+    }
+
+    /// Returns J_k q̇, m, m/s and rad/s.
+    pub(crate) fn velocity(&self, at: ArmAt) -> TaskVector {
+        match self {
+            Self::Tool(rows) => rows.velocity(at),
+            Self::Joints(rows) => rows.select(&at.arm.joint_velocity),
+            Self::Raw(rows) => rows.velocity(&at.arm.joint_velocity),
+        }
+    }
+
+    /// Returns the state for the law; `position`: the stream of positions, if there is one.
+    pub(crate) fn state(&self, at: ArmAt, position: Option<&ActiveStream>) -> TaskState {
+        let velocity = self.velocity(at);
+        match self {
+            Self::Tool(rows) => rows.state(velocity, at, position),
+            Self::Joints(rows) => rows.state(velocity, at, position),
+            Self::Raw(_) => RawRows::state(velocity, at.arm.time_s),
+        }
+    }
+
+    /// Returns the quantity of streamed positions; `None` if the rows have no position target.
+    pub(crate) fn position_quantity(&self) -> Option<Quantity> {
+        match self {
+            Self::Tool(_) => Some(Quantity::Pose),
+            Self::Joints(rows) => rows.has_position_target().then_some(Quantity::JointPosition),
+            Self::Raw(_) => None,
+        }
+    }
+
+    /// Returns the target from which streamed targets start: that of the configuration. `velocity`: ẋ of the last period, m.
+    pub(crate) fn own_reference(&self, quantity: Quantity, arm: &ArmState, velocity: &[f64]) -> Reference {
+        match (quantity, self) {
+            (Quantity::Pose, Self::Tool(rows)) => rows.own_reference(arm),
+            (Quantity::JointPosition, Self::Joints(rows)) => rows.own_reference(arm),
+            _ => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+        }
+    }
+
+    /// Returns the position at a posture with a velocity of the task, m.
+    pub(crate) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
+        match self {
+            Self::Tool(rows) => rows.actual(velocity, at),
+            Self::Joints(rows) => rows.actual(velocity, at),
+            Self::Raw(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+        }
+    }
+
+    /// Returns value and velocity of a streamed target.
+    pub(crate) fn target(&self, given: &StreamedTarget, at: ArmAt) -> (TargetValue, Option<TaskVector>) {
+        match (&given.value, self) {
+            (StreamedValue::Pose { .. }, Self::Tool(rows)) => rows.streamed_target(given, at),
+            (StreamedValue::Pose { .. }, _) => (TargetValue::Rows(TaskVector::zeros(self.len())), None),
+            (StreamedValue::JointPosition(rows) | StreamedValue::Velocity(rows) | StreamedValue::Force(rows), _) => {
+                let velocity = given.velocity.as_ref().map(|velocity| TaskVector::from_slice(velocity));
+                (TargetValue::Rows(TaskVector::from_slice(rows)), velocity)
+            }
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Streams of targets in one period.
+
+use super::stream::{Ignored, TargetState, TargetStream};
+use super::value::{Quantity, TargetValue};
+use crate::linalg::TaskVector;
+
+/// The streamed target of a task in one period, as the answer reports it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TargetReport {
+    /// Where the target comes from.
+    pub state: TargetState,
+    /// Time of the measurement minus time of the newest target, s; `None`: no target on this clock.
+    pub age_s: Option<f64>,
+    /// A target of this measurement that was ignored.
+    pub ignored: Option<Ignored>,
+}
+
+/// A stream with the values that only this period uses.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ActiveStream {
+    pub stream: TargetStream,
+    /// Velocity of the target for the law. A law that integrates uses the velocity of the last period and the
+    /// acceleration, as of the arm; the others use the velocity of this period.
+    pub velocity: TaskVector,
+    /// Acceleration of the target, velocity per second.
+    pub acceleration: TaskVector,
+    /// A target of this period that was ignored.
+    pub ignored: Option<Ignored>,
+}
+
+/// The streams of one task in this period.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct TaskStreams<'a> {
+    /// Pose or joint positions.
+    pub position: Option<&'a ActiveStream>,
+    /// Velocity or force.
+    pub rows: Option<&'a ActiveStream>,
+}
+
+impl ActiveStream {
+    pub fn new(stream: TargetStream) -> Self {
+        let acceleration = TaskVector::zeros(stream.reference.velocity.len());
+        Self { stream, velocity: acceleration.clone(), acceleration, ignored: None }
+    }
+
+    /// Returns what orders the streams: task and quantity.
+    pub fn key(&self) -> (usize, Quantity) {
+        (self.stream.task, self.stream.quantity)
+    }
+
+    fn report(&self, time_s: f64) -> TargetReport {
+        TargetReport { state: self.stream.state, age_s: self.stream.age(time_s), ignored: self.ignored }
+    }
+}
+
+impl<'a> TaskStreams<'a> {
+    /// Finds the streams of a task (index from 0).
+    pub fn of(streams: &'a [ActiveStream], task: usize) -> Self {
+        let mut found = Self::default();
+        for active in streams.iter().filter(|active| active.stream.task == task) {
+            let place = if active.stream.quantity.is_position() { &mut found.position } else { &mut found.rows };
+            *place = Some(active);
+        }
+        found
+    }
+
+    /// Returns the streamed velocity or force, m; `None` without one.
+    pub fn values(&self) -> Option<&'a TaskVector> {
+        match &self.rows?.stream.reference.value {
+            TargetValue::Rows(rows) => Some(rows),
+            TargetValue::Pose(_) => None,
+        }
+    }
+
+    /// Returns whether the force brakes because its targets fail to come.
+    pub fn force_brakes(&self) -> bool {
+        self.rows.is_some_and(|active| {
+            active.stream.quantity == Quantity::Force && active.stream.state == TargetState::Braking
+        })
+    }
+
+    /// Returns the report of the stream with the oldest target; `None` without a stream.
+    pub fn report(&self, time_s: f64) -> Option<TargetReport> {
+        let reports = [self.position, self.rows].into_iter().flatten().map(|active| active.report(time_s));
+        reports.reduce(|a, b| {
+            let worst = if b.state > a.state { b } else { a };
+            TargetReport { ignored: a.ignored.or(b.ignored), ..worst }
+        })
+    }
+}
