@@ -2,7 +2,7 @@
 
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Solver, Status, resolve};
+use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Rung, Rungs, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
 
 use crate::problems::Random;
@@ -27,15 +27,17 @@ fn nearly_dependent(random: &mut Random, nearness: f64, same_task: bool, method:
 
 #[test]
 fn auto_and_qp_agree_unless_they_say_that_a_rank_is_uncertain() {
-    let (mut uncertain, mut uncertified, mut apart) = (0, 0, 0);
+    let (mut uncertain, mut uncertified, mut apart, mut rungs) = (0, 0, 0, Rungs::default());
     for seed in 0..3000 {
         let mut random = Random::new(seed);
         let nearness = 10.0_f64.powf(-6.0 - 4.0 * random.unit().abs());
         let method = random.pick(&[Method::ReversePriority, Method::StrictReversePriority, Method::Pseudoinverse]);
         let same_task = random.one_in(2);
         let problem = nearly_dependent(&mut random, nearness, same_task, method);
-        let answer = |solver| resolve_with(solver, &problem, &[]).unwrap();
-        let (auto, qp) = (answer(Solver::Auto), answer(Solver::Qp));
+        let (mut resolver, mut auto) = (Resolver::default(), Resolution::default());
+        resolver.resolve(&problem, &[], &mut auto).unwrap();
+        rungs = rungs + resolver.rungs();
+        let qp = resolve_with(Solver::Qp, &problem, &[]).unwrap();
         let difference = (&auto.joint_velocity - &qp.joint_velocity).amax();
         let context =
             format!("seed {seed}, {method:?}, {nearness:e}: {difference:e}, {:?}, {:?}", auto.solver, qp.solver);
@@ -48,6 +50,10 @@ fn auto_and_qp_agree_unless_they_say_that_a_rank_is_uncertain() {
     }
     assert!(uncertain > 100, "few ranks are uncertain: {uncertain}");
     println!("{apart} of 3000 answers are far apart, although qp is sure but for the rank");
+    for rung in Rung::ALL {
+        println!("{rung:?}: {:?}", rungs[rung]);
+    }
+    assert!(rungs[Rung::LargerRankTolerance].answered > 0, "no problem needed a larger tolerance for ranks");
     assert!(apart <= 40, "{apart} of 3000 answers are far apart");
     assert!(uncertified <= 15, "of 3000 answers, {uncertified} are not certified");
 }
