@@ -10,6 +10,7 @@ use revprio_robot::Joint;
 use super::checks::{Inside, Result, check, each, foreign};
 use super::controller::MAX_VALID_FOR_MS;
 use super::numbers::{check_numbers, joint_index, joint_list, number, numbers};
+use super::rest_memory::{rest_state, rest_state_answer};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
@@ -54,19 +55,20 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
         target_streams: target_streams(&memory.target_streams, config)?,
         initial_position: memory.initial_joint_position.as_ref().map(initial_position).transpose()?,
         progress: memory.task_progress.iter().map(progress).collect(),
+        rest: memory.rest.as_ref().map(|rest| rest_state(rest, config)).transpose().inside("/rest")?,
         stalls: stalls(&memory.stalls, config)?,
         in_transition: memory.in_transition,
     })
 }
 
 fn progress(progress: &wire::Progress) -> Progress {
-    let wire::Progress { share, slow_since_s, leaving_since_s, attempts } = *progress;
-    Progress { share, slow_since_s, leaving_since_s, attempts }
+    let wire::Progress { share, slow_since_s, leaving_since_s, attempts, left_at } = *progress;
+    Progress { share, slow_since_s, leaving_since_s, attempts, left_at }
 }
 
 fn progress_answer(progress: &Progress) -> wire::Progress {
-    let Progress { share, slow_since_s, leaving_since_s, attempts } = *progress;
-    wire::Progress { share, slow_since_s, leaving_since_s, attempts }
+    let Progress { share, slow_since_s, leaving_since_s, attempts, left_at } = *progress;
+    wire::Progress { share, slow_since_s, leaving_since_s, attempts, left_at }
 }
 
 /// Reads the joints that did not follow; all others did.
@@ -193,6 +195,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         initial_joint_position: memory.initial_position.as_ref().map(|position| position.as_slice().to_vec()),
         task_progress: memory.progress.iter().map(progress_answer).collect(),
         stalls: stalls_answer(&memory.stalls, controller.config()),
+        rest: memory.rest.as_ref().map(|rest| rest_state_answer(rest, controller.config())),
         in_transition: memory.in_transition,
     }
 }

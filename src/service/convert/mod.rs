@@ -23,6 +23,7 @@ mod robot;
 mod simulation;
 mod stability;
 mod step;
+mod rest_memory;
 mod target_memory;
 mod targets;
 mod task;

@@ -122,6 +122,7 @@ pub fn step_answer(
         why: Vec::new(),
         tasks: tasks_with_targets(outcome.tasks(task), command),
         stuck_tasks: command.stuck.iter().map(|stuck| stuck_task(stuck, controller)).collect(),
+        fading: command.fading_since_s.map(|since_s| wire::Fading { share: command.request_share, since_s }),
         active_limits: outcome.active_limits(),
         violated_limits: outcome.violated_limits(),
         active_inequalities: outcome.active_inequalities(),

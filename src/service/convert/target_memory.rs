@@ -44,7 +44,7 @@ fn task_vector(values: &[f64], pointer: &str) -> Result<TaskVector> {
 }
 
 /// Reads a value. The quaternion keeps every bit; the controller checks its length.
-fn value(pose: Option<&wire::Pose>, values: Option<&[f64]>) -> Result<TargetValue> {
+pub fn value(pose: Option<&wire::Pose>, values: Option<&[f64]>) -> Result<TargetValue> {
     match (pose, values) {
         (Some(wire::Pose { position, orientation: wire::Orientation { w, x, y, z } }), None) => {
             check_numbers(position, "/pose/position")?;
@@ -79,7 +79,7 @@ fn answer(stream: &TargetStream, config: &ControllerConfig) -> wire::TargetStrea
     }
 }
 
-fn value_answer(value: &TargetValue) -> (Option<wire::Pose>, Option<Vec<f64>>) {
+pub fn value_answer(value: &TargetValue) -> (Option<wire::Pose>, Option<Vec<f64>>) {
     match value {
         TargetValue::Pose(pose) => {
             let q = pose.rotation;

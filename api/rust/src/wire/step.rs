@@ -107,10 +107,71 @@ pub struct Memory {
     /// Joints that did not follow their commands lately; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub stalls: Vec<Stall>,
+    /// How the joints turn and what the tasks gained by it, so that the arm comes to rest; default: the next state starts anew.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub rest: Option<RestState>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub in_transition: bool,
+}
+
+/// How the joints turn and what the tasks gained by it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RestState {
+    /// W, what the joints have spent by turning without a gain, 0 to 2.7.
+    #[schema(example = 0.12)]
+    pub spent: f64,
+    /// How often they have spent all; default 0.
+    #[serde(default, deserialize_with = "integer::deserialize")]
+    pub exhausted: u32,
+    /// Time since which the requests fade, s; default: they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fading_since_s: Option<f64>,
+    /// How each joint turns, in joint order.
+    #[serde(deserialize_with = "object::list")]
+    pub joints: Vec<JointTurns>,
+    /// What the tasks that follow positions have gained.
+    #[serde(deserialize_with = "object::list")]
+    pub tasks: Vec<TaskGain>,
+}
+
+/// How a joint turns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointTurns {
+    /// Command at the last turning point and extreme since then, rad/s or m/s.
+    #[schema(example = json!([0.0, 0.4]))]
+    pub velocity: [f64; 2],
+    /// Whether the command falls since the last turning point; default: no.
+    #[schema(example = false)]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub falls: bool,
+    /// Positions of the last two turns and extreme since then, rad or m; default: the joint has not moved.
+    #[schema(example = json!([0.1, 0.1, 0.3]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// How often in a row the joint turned where it had turned before; default 0.
+    #[serde(default, deserialize_with = "integer::deserialize")]
+    pub repeats: u32,
+}
+
+/// What a task has gained.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TaskGain {
+    /// Name of the task.
+    pub task: String,
+    /// The least distance from the target since it changed, m and rad together.
+    #[schema(example = 0.02)]
+    pub least: f64,
+    /// The target of a task on the tool.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub pose: Option<Pose>,
+    /// The target of a task on joints, one number per row.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<f64>>,
 }
 
 /// What joints with a jerk limit remember.
@@ -155,9 +216,23 @@ pub struct Progress {
     /// Time at which the arm began to leave the posture, s; default: it does not leave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leaving_since_s: Option<f64>,
-    /// How often the arm has left since the task reached its target; default 0.
+    /// How often the arm has left since a target changed; default 0.
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub attempts: u32,
+    /// Distance of the task from its target when the arm left last, m and rad together; default: it has not left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_at: Option<f64>,
+}
+
+/// How far the requests of all tasks fade. The arm then rests, perhaps short of its targets, until a target changes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Fading {
+    /// Share of the requests that remains, 0 to 1; 0: the arm rests.
+    #[schema(example = 0.0)]
+    pub share: f64,
+    /// Time since which the requests fade, s.
+    #[schema(example = 12.4)]
+    pub since_s: f64,
 }
 
 /// A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
@@ -255,6 +330,9 @@ pub struct StepAnswer {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"task": "hold", "since_s": 3.2, "held_by": ["limits"], "leaving": true}]))]
     pub stuck_tasks: Vec<StuckTask>,
+    /// How far the requests fade, because joints turn again and again although no task gains by it; only if they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fading: Option<Fading>,
     /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
     /// Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not

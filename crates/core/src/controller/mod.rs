@@ -51,8 +51,8 @@ pub use config::{
 pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
 pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use state::{
-    AnsweredState, Command, JerkState, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress, Stall,
-    StalledJoint, StepError, StuckTask, TaskTarget,
+    AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress,
+    RestState, Stall, StalledJoint, StepError, StuckTask, TaskGain, TaskTarget,
 };
 pub use stepper::Stepper;
 pub use transition::TransitionError;

@@ -145,6 +145,19 @@ impl TaskRows {
         }
     }
 
+    /// Returns the target of a position law: the streamed one, or that of the configuration.
+    pub(crate) fn target_value(&self, arm: &ArmState, streamed: Option<&ActiveStream>) -> TargetValue {
+        match (streamed, self) {
+            (Some(active), _) => active.stream.reference.value.clone(),
+            (None, Self::Tool(rows)) => rows.own_reference(arm).value,
+            // It is the same at every posture.
+            (None, Self::Joints(JointRows { target: JointTarget::MidRange, .. }) | Self::Raw(_)) => {
+                TargetValue::Rows(TaskVector::zeros(self.len()))
+            }
+            (None, Self::Joints(rows)) => rows.own_reference(arm).value,
+        }
+    }
+
     /// Returns the position at a posture with a velocity of the task, m.
     pub(crate) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
         match self {

@@ -74,6 +74,15 @@ impl TargetValue {
         }
     }
 
+    /// Returns the distance to another value, m and rad together; infinite if it is of another kind.
+    pub(crate) fn distance(&self, other: &Self) -> f64 {
+        let (size, same) = (self.len(), std::mem::discriminant(self) == std::mem::discriminant(other));
+        if !same || size != other.len() {
+            return f64::INFINITY;
+        }
+        self.minus(other).iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    }
+
     /// Returns this value moved by a displacement.
     pub(super) fn plus(&self, displacement: &[f64]) -> Self {
         match self {

@@ -98,6 +98,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         initial_position: None,
         progress: Vec::new(),
         stalls: Vec::new(),
+        rest: None,
         in_transition: false,
         target_streams: Vec::new(),
     }

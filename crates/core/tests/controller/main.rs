@@ -4,6 +4,7 @@ mod anti_windup;
 mod arms;
 mod bounds;
 mod braking;
+mod rest;
 mod causes;
 mod constraints;
 mod drives;

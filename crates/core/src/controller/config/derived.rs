@@ -53,6 +53,13 @@ impl ControllerConfig {
         self.damping.unwrap_or(Damping::ARM)
     }
 
+    /// Returns whether the requests fade when nothing is gained: all tasks follow positions or are bounds. A force or a velocity has no
+    /// place where the arm could rest.
+    pub(in crate::controller) fn comes_to_rest(&self) -> bool {
+        let rests = |task: &TaskConfig| matches!(task.law, Law::Position(_)) || task.law.bounds().is_some();
+        self.tasks.iter().all(rests)
+    }
+
     /// Returns whether the null-space velocity may differ from zero.
     pub(in crate::controller) fn moves_null_space(&self) -> bool {
         self.null_space.is_some() || (0..self.tasks.len()).any(|k| self.may_leave(k))

@@ -1,11 +1,13 @@
 //! The second step: what the tasks wish.
 
 mod braking;
+mod gains;
 mod null_space;
 mod streams;
 
 pub use self::braking::BRAKING_SHARE;
 use self::braking::RequestBounds;
+pub(super) use self::gains::Gains;
 use crate::arm_state::ArmState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
@@ -32,6 +34,10 @@ pub(super) struct Requests<'a> {
     pub targets: &'a [TaskTarget],
     /// The streams of targets.
     pub streams: &'a [ActiveStream],
+    /// What the tasks gain.
+    pub gains: &'a Gains,
+    /// s, the share of all requests that remains.
+    pub share: f64,
 }
 
 /// The memory of this step.
@@ -41,6 +47,7 @@ pub(super) struct Aiming {
     targets: Vec<TaskTarget>,
     streams: Vec<ActiveStream>,
     bounds: RequestBounds,
+    gains: Gains,
 }
 
 impl Aiming {
@@ -60,6 +67,7 @@ impl Aiming {
             },
             streams: Vec::new(),
             bounds: RequestBounds::new(config),
+            gains: Gains::default(),
         })
     }
 
@@ -85,7 +93,7 @@ pub(super) fn aim<'a>(
     arm: &ArmState,
     previous: &Memory,
     given: &[StreamedTarget],
-    Aiming { problem, targets, streams, bounds }: &'a mut Aiming,
+    Aiming { problem, targets, streams, bounds, gains }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, .. } = &mut *problem;
     streams::update(streams, previous, given, arm, config);
@@ -94,8 +102,9 @@ pub(super) fn aim<'a>(
         config.weigh_jacobian(k, jacobian);
     })?;
     bounds.start_period();
+    gains.start(previous.rest.as_ref(), config.tasks.len());
     for (k, target) in targets.iter_mut().enumerate() {
-        evaluate_law(k, target, bounds, (config, arm, previous), (tasks, streams));
+        evaluate_law(k, target, (bounds, gains), (config, arm, previous), (tasks, streams));
     }
     match null_space_velocity {
         // An operator who lost the link expects an arm that rests.
@@ -103,6 +112,7 @@ pub(super) fn aim<'a>(
         Some(velocity) => null_space::write(velocity, targets, bounds, (config, arm, previous), tasks),
         None => {}
     }
+    let share = fade(config, arm, previous, gains, (targets, null_space_velocity.as_mut()));
     tasks.overwrite(|k, _, lower, upper| {
         let velocity = &targets[k].velocity;
         let (least, greatest) =
@@ -110,20 +120,23 @@ pub(super) fn aim<'a>(
         lower.copy_from_slice(&config.weighed(k, least.as_slice()));
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
-    Ok(Wishes { problem, requests: Requests { targets, streams } })
+    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share } })
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.
 fn evaluate_law(
     k: usize,
     target: &mut TaskTarget,
-    bounds: &mut RequestBounds,
+    (bounds, gains): (&mut RequestBounds, &mut Gains),
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
 ) {
     let (task, integrator) = (&config.tasks[k], previous.task_velocities[k].as_slice());
     let streams = TaskStreams::of(streams, k);
     let state = task_state(task, arm, streams);
+    if matches!(task.law, Law::Position(_)) {
+        gains.add(k, &state.displacement, task.rows.target_value(arm, streams.position));
+    }
     let velocity = task.law.velocity(&state, integrator, config.period_s);
     let mut velocity = bounds.bounded(k, (config, &arm.capability), tasks, &state, velocity);
     let mut force = task.law.target_force(arm.time_s);
@@ -138,6 +151,27 @@ fn evaluate_law(
     target.force.clear();
     target.force.extend(force);
     target.streamed = streams.report(arm.time_s);
+}
+
+/// Scales all requests by s of [`RestState`](crate::controller::state::RestState); returns s. A motion that leaves a posture is not
+/// scaled: it ends by itself.
+fn fade(
+    config: &ControllerConfig,
+    arm: &ArmState,
+    previous: &Memory,
+    gains: &Gains,
+    (targets, null_space_velocity): (&mut [TaskTarget], Option<&mut Vector>),
+) -> f64 {
+    let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
+    let share = match &previous.rest {
+        Some(rest) if config.comes_to_rest() && !gains.has_new_target && !leaves => rest.share(),
+        _ => 1.0,
+    };
+    if share < 1.0 {
+        targets.iter_mut().for_each(|target| target.velocity *= share);
+        null_space_velocity.into_iter().for_each(|velocity| *velocity *= share);
+    }
+    share
 }
 
 /// Returns the state for the law of a task. A velocity law reads the time and streamed values alone.

@@ -8,12 +8,13 @@ use revprio_robot::kinematics::joint_limit_index;
 
 pub use self::progress::MAX_ATTEMPTS;
 use self::progress::{Observation, ObstacleScratch};
-use super::aim::Requests;
+use super::aim::{Gains, Requests};
 use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{Command, Measurement, Memory, TaskTarget};
+use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, has_jumped};
+use crate::linalg::Vector;
 use crate::resolution::TaskOutcome;
 
 /// The memory of this step.
@@ -33,7 +34,7 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams }, allowed): (&ArmState, Requests, &Allowed),
+    (arm, Requests { targets, streams, gains, share }, allowed): (&ArmState, Requests, &Allowed),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
@@ -52,6 +53,7 @@ pub(super) fn record<'a>(
         command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
+    update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
     next_memory::update(memory, config, measurement, (command, requested), streams);
     let observed = Observation {
         config,
@@ -61,9 +63,41 @@ pub(super) fn record<'a>(
         resolution: &command.resolution,
         joint_position: position,
         time_s: measurement.time_s,
+        share,
+        has_new_target: gains.has_new_target,
+        distances: &gains.distances,
     };
-    observed.update(&mut memory.progress, &mut command.stuck, &mut scratch.obstacles);
+    let leaves = observed.update(&mut memory.progress, &mut command.stuck, &mut scratch.obstacles);
+    if let (true, Some(rest)) = (leaves, &mut memory.rest) {
+        rest.restart();
+    }
+    command.request_share = share;
+    command.fading_since_s = memory.rest.as_ref().and_then(|rest| rest.fading_since_s).filter(|_| share < 1.0);
     command
+}
+
+/// Updates how the joints turn and what the tasks gained. The memory is that before the command, n.
+fn update_rest(
+    memory: &mut Memory,
+    (config, arm, in_time): (&ControllerConfig, &ArmState, bool),
+    gains: &Gains,
+    command: &Vector,
+) {
+    if !config.comes_to_rest() {
+        return;
+    }
+    let Memory { rest, progress, answered, .. } = memory;
+    let rest = rest.get_or_insert_with(|| RestState::new(command.len(), config.tasks.len()));
+    rest.tasks.clone_from(&gains.tasks);
+    let before = answered.as_ref().filter(|_| in_time);
+    let position = arm.measured().configuration.joint_position();
+    if gains.has_new_target || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice())) {
+        rest.restart();
+    }
+    if !progress.iter().any(|progress| progress.is_leaving(arm.time_s)) {
+        let joints = (command.as_slice(), arm.at_rest().configuration.joint_position());
+        rest.update(arm.time_s, joints, gains.earned, config.period_s);
+    }
 }
 
 /// Divides the outcomes by the weights of their rows, and computes the residuals in m/s and rad/s.

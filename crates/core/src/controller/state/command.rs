@@ -19,6 +19,11 @@ pub struct Command {
     pub limit_conflicts: Vec<usize>,
     /// Tasks that make no progress.
     pub stuck: Vec<StuckTask>,
+    /// s, the share of all requests that remains, see [`RestState`](super::RestState); 1 if the joints do not turn in vain. At 0, the arm
+    /// rests short of its targets until one of them changes.
+    pub request_share: f64,
+    /// Time since which the share is below 1, s.
+    pub fading_since_s: Option<f64>,
     /// Joints that do not follow their commands.
     pub stalled: Vec<StalledJoint>,
     /// How long the joint velocities may be held before a watchdog must brake.

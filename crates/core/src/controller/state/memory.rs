@@ -5,6 +5,7 @@ use nalgebra::IsometryMatrix3;
 use super::answered_state::AnsweredState;
 use super::jerk_state::JerkState;
 use super::progress::Progress;
+use super::rest::RestState;
 use super::stall::Stall;
 use crate::arm_state::ArmAt;
 use crate::controller::config::{ControllerConfig, TaskConfig};
@@ -39,6 +40,8 @@ pub struct Memory {
     pub progress: Vec<Progress>,
     /// How each joint follows its commands, n; empty: all follow.
     pub stalls: Vec<Stall>,
+    /// How the joints turn and what the tasks gained by it; `None`: the next step starts anew.
+    pub rest: Option<RestState>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
 }
@@ -57,6 +60,9 @@ pub enum MemoryError {
     /// The progress does not fit the tasks.
     #[error("the memory's progress does not fit the tasks; send back the memory of this controller's last answer")]
     Progress,
+    /// The state of rest does not fit the controller.
+    #[error("the memory's state of rest does not fit the controller; send back the memory of this controller's last answer")]
+    Rest,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -98,6 +104,7 @@ impl Memory {
             initial_position: None,
             progress: Vec::new(),
             stalls: Vec::new(),
+            rest: None,
             in_transition: false,
         }
     }
@@ -135,6 +142,9 @@ impl Memory {
         let count = self.progress.len();
         if (count != 0 && count != config.tasks.len()) || !self.progress.iter().all(Progress::is_valid) {
             return Err(MemoryError::Progress);
+        }
+        if !self.rest.as_ref().is_none_or(|rest| rest.is_valid(n, config.tasks.len())) {
+            return Err(MemoryError::Rest);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {

@@ -12,17 +12,19 @@ pub struct Progress {
     pub slow_since_s: Option<f64>,
     /// Time at which the arm began to leave the posture, s; `None`: it does not leave.
     pub leaving_since_s: Option<f64>,
-    /// How often the arm has left since the task reached its target.
+    /// How often the arm has left since a target changed.
     pub attempts: u32,
+    /// Distance of the task from its target when the arm left last, m and rad together; `None`: it has not left since a target changed.
+    pub left_at: Option<f64>,
 }
 
 impl Progress {
     /// A task that follows its requests.
-    pub const FREE: Self = Self { share: 1.0, slow_since_s: None, leaving_since_s: None, attempts: 0 };
+    pub const FREE: Self = Self { share: 1.0, slow_since_s: None, leaving_since_s: None, attempts: 0, left_at: None };
 
     /// Returns whether the numbers are finite and in their ranges.
     pub(in crate::controller) fn is_valid(&self) -> bool {
-        let times = [self.slow_since_s, self.leaving_since_s];
+        let times = [self.slow_since_s, self.leaving_since_s, self.left_at];
         (0.0..=1.0).contains(&self.share) && times.iter().flatten().all(|time| time.is_finite())
     }
 

@@ -61,6 +61,10 @@ const TAKEN_AWAY: f64 = 0.1;
 /// Distance from the end of its range at which a joint is there, rad or m: a degree, small compared with the range of a joint.
 const RANGE_END: f64 = 0.02;
 
+/// Difference of two distances from the target up to which an arm that left has come back to the same place: m or rad, and relative to
+/// the distance. What is less is not worth another way through half of the joints' ranges.
+const SAME_PLACE: (f64, f64) = (0.05, 0.1);
+
 /// What a step tells about the progress of its tasks.
 pub(super) struct Observation<'a> {
     pub config: &'a ControllerConfig,
@@ -71,6 +75,12 @@ pub(super) struct Observation<'a> {
     pub resolution: &'a Resolution,
     pub joint_position: &'a [f64],
     pub time_s: f64,
+    /// s, the share of all requests that remains.
+    pub share: f64,
+    /// Whether a target is another one than before.
+    pub has_new_target: bool,
+    /// Distance of each task from its target, m and rad together.
+    pub distances: &'a [f64],
 }
 
 /// The memory in which the obstacles of a task are found.
@@ -96,9 +106,14 @@ impl ObstacleScratch {
 
 impl Observation<'_> {
     /// Updates the progress of all tasks, and lists those that are stuck.
-    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>, scratch: &mut ObstacleScratch) {
+    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>, scratch: &mut ObstacleScratch) -> bool {
         stuck.clear();
         progress.resize(self.config.tasks.len(), Progress::FREE);
+        if self.has_new_target {
+            progress.iter_mut().for_each(|progress| (progress.attempts, progress.left_at) = (0, None));
+        }
+        let mut attempts: u32 = progress.iter().map(|progress| progress.attempts).sum();
+        let (mut above_moves, mut has_left) = (true, false);
         for (k, progress) in progress.iter_mut().enumerate() {
             if self.config.tasks[k].law.bounds().is_some() {
                 continue;
@@ -108,22 +123,31 @@ impl Observation<'_> {
                 continue;
             }
             if progress.leaving_since_s.take().is_some() {
-                *progress = Progress { attempts: progress.attempts, ..Progress::FREE };
+                *progress = Progress { attempts: progress.attempts, left_at: progress.left_at, ..Progress::FREE };
             }
             self.filter(k, progress);
-            let Some(since_s) = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE) else { continue };
+            let Some(since_s) = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE) else {
+                continue;
+            };
             let held_by = self.obstacles(k, scratch);
             let leaving = held_by.contains(&Obstacle::Limits)
                 && self.is_at_range_end()
-                && progress.attempts < MAX_ATTEMPTS
+                && attempts < MAX_ATTEMPTS
                 && self.config.may_leave(k)
-                && self.targets[k].streamed.is_none();
+                && self.targets[k].streamed.is_none()
+                && above_moves
+                && progress.left_at.is_none_or(|before| (self.distances[k] - before).abs() > SAME_PLACE.0 + SAME_PLACE.1 * before);
             if leaving {
                 progress.leaving_since_s = Some(self.time_s);
                 progress.attempts += 1;
+                progress.left_at = Some(self.distances[k]);
+                attempts += 1;
+                has_left = true;
             }
+            above_moves &= !held_by.contains(&Obstacle::Singularity);
             stuck.push(StuckTask { task: k, since_s, held_by, leaving });
         }
+        has_left
     }
 
     /// Returns whether a joint that restricts the answer is at an end of its range. A task that planes or speed limits hold
@@ -138,10 +162,10 @@ impl Observation<'_> {
 
     /// Updates the filtered share of task `k`.
     fn filter(&self, k: usize, progress: &mut Progress) {
-        let share = self.share(k);
-        if share.is_none() {
-            progress.attempts = 0;
+        if self.share == 0.0 {
+            return;
         }
+        let share = self.share(k);
         let gain = (self.config.period_s / FILTER_TIME).min(1.0);
         progress.share += gain * (share.unwrap_or(1.0) - progress.share);
         if progress.share >= SLOW_SHARE {
@@ -162,7 +186,9 @@ impl Observation<'_> {
                 square += requested[row] * requested[row];
             }
             let (reached, fast) = if angular { ANGULAR } else { LINEAR };
-            let request = square.sqrt();
+            // What the task requests if nothing is scaled.
+            let request = square.sqrt() / self.share;
+            let along = along / (self.share * self.share);
             (request > reached).then(|| (along / (request * request.min(fast))).clamp(0.0, 1.0))
         };
         match (of_unit(false), of_unit(true)) {
