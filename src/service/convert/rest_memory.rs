@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use revprio_core::controller::{ControllerConfig, JointTurns, RestState, TaskGain};
 
-use super::checks::{Inside, Result, each, foreign};
+use super::checks::{Result, each, foreign};
 use super::numbers::{check_numbers, number};
 use super::target_memory::{value, value_answer};
 

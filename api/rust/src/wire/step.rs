@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Side, Singularity, SolverReport,
-    StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit,
+    ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Pose, Side, Singularity,
+    SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit,
 };
 use super::{integer, object, streaming};
 

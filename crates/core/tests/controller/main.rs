@@ -4,7 +4,6 @@ mod anti_windup;
 mod arms;
 mod bounds;
 mod braking;
-mod rest;
 mod causes;
 mod constraints;
 mod drives;
@@ -21,6 +20,7 @@ mod memory;
 mod outstretched;
 mod planes;
 mod positions;
+mod rest;
 #[path = "../solvers/mod.rs"]
 mod solvers;
 mod stalls;

@@ -95,7 +95,13 @@ impl fmt::Display for Loop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ControllerConfig { robot, method, limits, period_s, drive, tasks, .. } = &self.config;
         let names: Vec<_> = tasks.iter().map(|task| task.name.as_str()).collect();
-        write!(f, "{} {method:?} {limits:?} T {period_s} drive {drive:?} real {} noise {}", robot.name(), self.drive.lag_s, self.noise)?;
+        write!(
+            f,
+            "{} {method:?} {limits:?} T {period_s} drive {drive:?} real {} noise {}",
+            robot.name(),
+            self.drive.lag_s,
+            self.noise
+        )?;
         write!(f, " tasks {names:?}")
     }
 }
@@ -157,10 +163,8 @@ fn any_tasks(robot: &RobotModel, target: IsometryMatrix3<f64>, random: &mut Rand
     if tasks.len() == 1 || random.one_in(2) {
         let n = robot.joint_count();
         let posture = any_posture(robot, 0.5, random);
-        let rows = TaskRows::Joints(JointRows {
-            joints: (0..n).collect(),
-            target: JointTarget::Position(constant(&posture)),
-        });
+        let rows =
+            TaskRows::Joints(JointRows { joints: (0..n).collect(), target: JointTarget::Position(constant(&posture)) });
         let law = position(n, 0.5 + random.unit());
         tasks.push(TaskConfig { name: "posture".into(), rows, law, scaled: false, streaming: Streaming::default() });
     }
@@ -217,7 +221,8 @@ impl<'a> Path<'a> {
         let at_rest = || self.positions.iter().filter(|(time, _)| *time >= DURATION - AT_REST).map(|(_, q)| q);
         let joints = self.positions[0].1.len();
         let range = |joint: usize| {
-            let [least, greatest] = at_rest().fold([f64::MAX, f64::MIN], |[a, b], q| [a.min(q[joint]), b.max(q[joint])]);
+            let [least, greatest] =
+                at_rest().fold([f64::MAX, f64::MIN], |[a, b], q| [a.min(q[joint]), b.max(q[joint])]);
             greatest - least
         };
         (0..joints).map(range).fold(0.0, f64::max)

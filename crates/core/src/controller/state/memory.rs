@@ -61,7 +61,9 @@ pub enum MemoryError {
     #[error("the memory's progress does not fit the tasks; send back the memory of this controller's last answer")]
     Progress,
     /// The state of rest does not fit the controller.
-    #[error("the memory's state of rest does not fit the controller; send back the memory of this controller's last answer")]
+    #[error(
+        "the memory's state of rest does not fit the controller; send back the memory of this controller's last answer"
+    )]
     Rest,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]

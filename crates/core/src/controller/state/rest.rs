@@ -137,7 +137,8 @@ impl RestState {
 
     /// Returns whether the numbers are finite, and fit n joints and tasks.
     pub(in crate::controller) fn is_valid(&self, n: usize, tasks: usize) -> bool {
-        let of_joints = self.joints.iter().flat_map(|joint| joint.velocity.into_iter().chain(joint.position.into_iter().flatten()));
+        let of_joints =
+            self.joints.iter().flat_map(|joint| joint.velocity.into_iter().chain(joint.position.into_iter().flatten()));
         let of_tasks = self.tasks.iter().flatten();
         self.joints.len() == n
             && self.tasks.len() == tasks
@@ -162,7 +163,8 @@ impl RestState {
     /// `period`: T, s.
     pub(in crate::controller) fn update(&mut self, time_s: f64, joints: (&[f64], &[f64]), earned: f64, period: f64) {
         let joints = self.joints.iter_mut().zip(joints.0.iter().zip(joints.1));
-        let paid: f64 = joints.map(|(joint, (u, position))| joint.velocity_price(*u) + joint.position_price(*position)).sum();
+        let paid: f64 =
+            joints.map(|(joint, (u, position))| joint.velocity_price(*u) + joint.position_price(*position)).sum();
         let (first, most) = FORGETTING;
         let forgetting = first * f64::from(1_u32 << self.exhausted.min(most));
         let spent = self.spent + paid - GAIN * earned - period * self.spent / forgetting;

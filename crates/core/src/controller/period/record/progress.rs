@@ -106,7 +106,12 @@ impl ObstacleScratch {
 
 impl Observation<'_> {
     /// Updates the progress of all tasks, and lists those that are stuck.
-    pub fn update(&self, progress: &mut Vec<Progress>, stuck: &mut Vec<StuckTask>, scratch: &mut ObstacleScratch) -> bool {
+    pub fn update(
+        &self,
+        progress: &mut Vec<Progress>,
+        stuck: &mut Vec<StuckTask>,
+        scratch: &mut ObstacleScratch,
+    ) -> bool {
         stuck.clear();
         progress.resize(self.config.tasks.len(), Progress::FREE);
         if self.has_new_target {
@@ -136,7 +141,9 @@ impl Observation<'_> {
                 && self.config.may_leave(k)
                 && self.targets[k].streamed.is_none()
                 && above_moves
-                && progress.left_at.is_none_or(|before| (self.distances[k] - before).abs() > SAME_PLACE.0 + SAME_PLACE.1 * before);
+                && progress
+                    .left_at
+                    .is_none_or(|before| (self.distances[k] - before).abs() > SAME_PLACE.0 + SAME_PLACE.1 * before);
             if leaving {
                 progress.leaving_since_s = Some(self.time_s);
                 progress.attempts += 1;
